@@ -1,0 +1,3 @@
+//! The `chatter` command.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! Tables and figures as plain values, and their writers. Knows nothing of analyses.

@@ -1,0 +1,1 @@
+//! Questions asked of a flow or a map, one file each.

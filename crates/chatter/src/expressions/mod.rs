@@ -1,0 +1,1 @@
+//! Expression graphs, their parser, derivatives and tapes.

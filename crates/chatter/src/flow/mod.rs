@@ -1,0 +1,1 @@
+//! The hybrid flow: flight, impact, chatter, sticking, release.

@@ -1,0 +1,1 @@
+//! Impacting systems: states, parameters, contacts, sections, and the files that hold them.

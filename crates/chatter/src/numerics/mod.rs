@@ -1,0 +1,1 @@
+//! Numbers, truncated series and polynomials. Knows nothing of models.
