@@ -1,1 +1,9 @@
 //! Numbers, truncated series and polynomials. Knows nothing of models.
+
+mod double_double;
+mod lanes;
+mod scalar;
+
+pub use double_double::DoubleDouble;
+pub use lanes::{LaneMask, Lanes};
+pub use scalar::{Mask, Real, Scalar};

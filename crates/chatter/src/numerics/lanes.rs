@@ -1,0 +1,196 @@
+//! Several doubles side by side, one trajectory each.
+//!
+//! Plain arrays: inside a function compiled for AVX2 or AVX-512 the loops below become vector instructions. Every
+//! operation is the scalar one lane by lane, so a lane holds exactly the bits a scalar run would.
+
+use super::DoubleDouble;
+use super::scalar::{Mask, Scalar, coarse_exp2, coarse_log2};
+use core::array::from_fn;
+use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
+
+/// `L` doubles that go through the same operations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes<const L: usize>(pub [f64; L]);
+
+/// Truth values of `L` lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LaneMask<const L: usize>(pub [bool; L]);
+
+impl<const L: usize> BitAnd for LaneMask<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(from_fn(|i| self.0[i] & other.0[i]))
+    }
+}
+
+impl<const L: usize> BitOr for LaneMask<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(from_fn(|i| self.0[i] | other.0[i]))
+    }
+}
+
+impl<const L: usize> Not for LaneMask<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(from_fn(|i| !self.0[i]))
+    }
+}
+
+impl<const L: usize> Mask for LaneMask<L> {
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        Self([value; L])
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0.iter().fold(false, |any, &lane| any | lane)
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0.iter().fold(true, |all, &lane| all & lane)
+    }
+}
+
+impl<const L: usize> Lanes<L> {
+    #[inline(always)]
+    fn each(self, function: impl Fn(f64) -> f64) -> Self {
+        Self(from_fn(|i| function(self.0[i])))
+    }
+    #[inline(always)]
+    fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
+        Self(from_fn(|i| function(self.0[i], other.0[i])))
+    }
+}
+
+macro_rules! lane_operator {
+    ($trait:ident, $method:ident, $assign_trait:ident, $assign:ident, $operator:tt) => {
+        impl<const L: usize> $trait for Lanes<L> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, |a, b| a $operator b)
+            }
+        }
+        impl<const L: usize> $assign_trait for Lanes<L> {
+            #[inline(always)]
+            fn $assign(&mut self, other: Self) {
+                *self = *self $operator other;
+            }
+        }
+    };
+}
+
+lane_operator!(Add, add, AddAssign, add_assign, +);
+lane_operator!(Sub, sub, SubAssign, sub_assign, -);
+lane_operator!(Mul, mul, MulAssign, mul_assign, *);
+
+impl<const L: usize> Div for Lanes<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+}
+
+impl<const L: usize> Neg for Lanes<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.each(|a| -a)
+    }
+}
+
+impl<const L: usize> Scalar for Lanes<L> {
+    type Mask = LaneMask<L>;
+    const ROUNDOFF: f64 = f64::ROUNDOFF;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value; L])
+    }
+    #[inline(always)]
+    fn from_double_double(value: DoubleDouble) -> Self {
+        Self([value.high(); L])
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        Self(from_fn(|i| {
+            f64::mul_add(self.0[i], factor.0[i], addend.0[i])
+        }))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.each(f64::abs)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.each(f64::sqrt)
+    }
+    fn exp(self) -> Self {
+        self.each(Scalar::exp)
+    }
+    fn ln(self) -> Self {
+        self.each(Scalar::ln)
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let mut sine = self;
+        let mut cosine = self;
+        for i in 0..L {
+            (sine.0[i], cosine.0[i]) = Scalar::sin_cos(self.0[i]);
+        }
+        (sine, cosine)
+    }
+    fn tan(self) -> Self {
+        self.each(Scalar::tan)
+    }
+    fn asin(self) -> Self {
+        self.each(Scalar::asin)
+    }
+    fn acos(self) -> Self {
+        self.each(Scalar::acos)
+    }
+    fn atan(self) -> Self {
+        self.each(Scalar::atan)
+    }
+    fn sinh(self) -> Self {
+        self.each(Scalar::sinh)
+    }
+    fn cosh(self) -> Self {
+        self.each(Scalar::cosh)
+    }
+    fn tanh(self) -> Self {
+        self.each(Scalar::tanh)
+    }
+    fn powf(self, exponent: Self) -> Self {
+        self.zip(exponent, Scalar::powf)
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> Self::Mask {
+        LaneMask(from_fn(|i| self.0[i] < other.0[i]))
+    }
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self::Mask {
+        LaneMask(from_fn(|i| self.0[i] <= other.0[i]))
+    }
+    #[inline(always)]
+    fn is_finite(self) -> Self::Mask {
+        LaneMask(from_fn(|i| self.0[i].abs() < f64::INFINITY))
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+        Self(from_fn(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
+    }
+    #[inline(always)]
+    fn coarse_log2(self) -> Self {
+        self.each(coarse_log2)
+    }
+    #[inline(always)]
+    fn coarse_exp2(self) -> Self {
+        self.each(coarse_exp2)
+    }
+}
