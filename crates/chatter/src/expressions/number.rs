@@ -1,0 +1,118 @@
+//! Numbers inside expressions, and their exact or nearly exact arithmetic.
+
+use crate::numerics::{DoubleDouble, Real, Scalar};
+use core::hash::{Hash, Hasher};
+
+/// A constant of an expression, held to about 32 digits so that folding `1/3` loses nothing a verification run sees.
+/// Two numbers are equal when their bits are.
+#[derive(Clone, Copy, Debug)]
+pub struct Number(DoubleDouble);
+
+/// Folding rounds at about 2^-104; a trailing part below this share of the leading one is that rounding, so `6 * (1/3)`
+/// is 2 and nothing else.
+const FOLDING_NOISE: f64 = 1.0 / (1_u128 << 102) as f64;
+
+/// Largest exponent whose power of a number is computed while building: rounding grows with the exponent.
+const LARGEST_FOLDED_EXPONENT: i32 = 1024;
+
+impl Number {
+    /// Wraps a value. Minus zero becomes zero.
+    pub fn new(value: DoubleDouble) -> Self {
+        if value.high() == 0.0 {
+            return Self(DoubleDouble::ZERO);
+        }
+        Self(value)
+    }
+
+    /// The value.
+    pub const fn value(self) -> DoubleDouble {
+        self.0
+    }
+
+    /// The value as an integer, where it is one that fits.
+    pub fn as_integer(self) -> Option<i32> {
+        let high = self.0.high();
+        let is_integer = self.0.low() == 0.0 && libm::rint(high) == high;
+        (is_integer && high.abs() <= f64::from(i32::MAX)).then_some(high as i32)
+    }
+
+    fn bits(self) -> (u64, u64) {
+        (self.0.high().to_bits(), self.0.low().to_bits())
+    }
+}
+
+impl PartialEq for Number {
+    fn eq(&self, other: &Self) -> bool {
+        self.bits() == other.bits()
+    }
+}
+
+impl Eq for Number {}
+
+impl Hash for Number {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.bits().hash(state);
+    }
+}
+
+fn settled(value: DoubleDouble) -> DoubleDouble {
+    if value.low().abs() <= FOLDING_NOISE * value.high().abs() {
+        return DoubleDouble::from(value.high());
+    }
+    value
+}
+
+/// `a + b`, unless it leaves the range of numbers.
+pub(super) fn folded_sum(a: DoubleDouble, b: DoubleDouble) -> Option<DoubleDouble> {
+    let sum = a + b;
+    sum.is_finite().then(|| settled(sum))
+}
+
+/// `a * b`, unless it leaves the range of numbers on either end.
+pub(super) fn folded_product(a: DoubleDouble, b: DoubleDouble) -> Option<DoubleDouble> {
+    let product = a * b;
+    let vanished = product.high() == 0.0 && a.high() != 0.0 && b.high() != 0.0;
+    (product.is_finite() && !vanished).then(|| settled(product))
+}
+
+/// `a / b`, unless it is undefined or leaves the range of numbers on either end.
+pub(super) fn folded_quotient(a: DoubleDouble, b: DoubleDouble) -> Option<DoubleDouble> {
+    let quotient = a / b;
+    let vanished = quotient.high() == 0.0 && a.high() != 0.0;
+    (quotient.is_finite() && !vanished && b.is_finite()).then(|| settled(quotient))
+}
+
+/// `base ^ exponent` where that is an integer power, or a half-integer power of a perfect square, and stays in range.
+pub(super) fn folded_power(base: DoubleDouble, exponent: DoubleDouble) -> Option<DoubleDouble> {
+    if !base.is_finite() {
+        return None;
+    }
+    if base.high() == 0.0 {
+        return (exponent.high() > 0.0).then_some(DoubleDouble::ZERO);
+    }
+    if let Some(integer) = Number(exponent).as_integer() {
+        return folded_integer_power(base, integer);
+    }
+    let twice = Number(exponent + exponent).as_integer()?;
+    let root = base.high().sqrt();
+    let perfect_square = base.low() == 0.0 && root.mul_add(root, -base.high()) == 0.0;
+    if !perfect_square {
+        return None;
+    }
+    folded_integer_power(DoubleDouble::from(root), twice)
+}
+
+fn folded_integer_power(base: DoubleDouble, exponent: i32) -> Option<DoubleDouble> {
+    if exponent.unsigned_abs() > LARGEST_FOLDED_EXPONENT.unsigned_abs() {
+        return None;
+    }
+    let power = base.powi(exponent.abs());
+    if power.high() == 0.0 || !power.is_finite() {
+        return None;
+    }
+    if exponent < 0 {
+        folded_quotient(DoubleDouble::ONE, power)
+    } else {
+        Some(settled(power))
+    }
+}
