@@ -2,6 +2,8 @@
 
 mod double_double;
 mod lanes;
+pub mod polynomial;
+pub mod roots;
 mod scalar;
 
 pub use double_double::DoubleDouble;

@@ -134,20 +134,24 @@ pub trait Real: Scalar<Mask = bool> + PartialOrd + PartialEq + Display {
     const ORDERS: &'static [usize];
 }
 
-/// Mantissa bits of an `f64`: its bit pattern over 2^52 is its exponent plus a linear stand-in for the logarithm.
-const MANTISSA: f64 = 4_503_599_627_370_496.0;
+/// Twelve bits of a mantissa are dropped so that the rest, an integer below 2^51, turns into a double by gluing it below
+/// the leading bit of 2^52: the processor's integer conversions, missing in AVX2, are never needed.
+const TWO_52: f64 = 4_503_599_627_370_496.0;
+const TWO_52_BITS: u64 = 0x4330_0000_0000_0000;
+const TWO_40: f64 = 1_099_511_627_776.0;
 const BIAS: f64 = 1023.0;
 
 #[inline(always)]
 pub(super) fn coarse_log2(value: f64) -> f64 {
-    (value.to_bits() as i64 as f64) * (1.0 / MANTISSA) - BIAS
+    let glued = f64::from_bits((value.to_bits() >> 12) | TWO_52_BITS);
+    (glued - TWO_52) * (1.0 / TWO_40) - BIAS
 }
 
 #[inline(always)]
 pub(super) fn coarse_exp2(value: f64) -> f64 {
     let clamped = if value > -1000.0 { value } else { -1000.0 };
     let clamped = if clamped < 1000.0 { clamped } else { 1000.0 };
-    f64::from_bits(((clamped + BIAS) * MANTISSA) as i64 as u64)
+    f64::from_bits(((clamped + BIAS).mul_add(TWO_40, TWO_52)).to_bits() << 12)
 }
 
 impl Scalar for f64 {

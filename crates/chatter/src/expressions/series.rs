@@ -1,0 +1,326 @@
+//! Runs a tape on truncated Taylor series: the one interpreter loop for every number type.
+//!
+//! Coefficients are those of the scaled time s = t / tau, so that they are of the size of the terms themselves and
+//! neither overflow nor vanish. Products are Cauchy products; a function y = F(a) with F' = w integrates y' = a' w,
+//! hence k y_k = sum_{j=1..k} j a_j w_{k-j}; a quotient, root or power comes from the same rule solved for y_k.
+
+use super::graph::Function;
+use super::tape::{Op, Operand, Sign, Tape};
+use crate::numerics::Scalar;
+
+/// Highest order that an expansion may have.
+pub const MAX_ORDER: usize = 50;
+
+/// 1 / k for k from 1 on, correctly rounded at each number's own precision.
+#[inline(always)]
+fn reciprocal<S: Scalar>(k: usize) -> S {
+    S::splat(1.0) / S::splat(k as f64)
+}
+
+/// Scratch space of one thread: the coefficients of every series of a tape.
+#[derive(Clone, Debug)]
+pub struct Expansion<S> {
+    stride: usize,
+    order: usize,
+    values: Vec<S>,
+    auxiliaries: Vec<S>,
+    reciprocals: Vec<S>,
+}
+
+impl<S: Scalar> Expansion<S> {
+    /// Room for every tape of at most `slots` series and `auxiliaries` helpers.
+    pub fn new(tapes: &[&Tape]) -> Self {
+        let slots = tapes.iter().map(|tape| tape.slots).max().unwrap_or(0);
+        let auxiliaries = tapes.iter().map(|tape| tape.auxiliaries).max().unwrap_or(0);
+        let mut reciprocals = vec![S::splat(0.0)];
+        reciprocals.extend((1..=MAX_ORDER + 1).map(reciprocal::<S>));
+        Self {
+            stride: MAX_ORDER + 1,
+            order: 0,
+            values: vec![S::splat(0.0); slots * (MAX_ORDER + 1)],
+            auxiliaries: vec![S::splat(0.0); auxiliaries],
+            reciprocals,
+        }
+    }
+
+    /// The order of the latest run.
+    #[inline(always)]
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// Coefficients of a series in powers of the scaled time, lowest first.
+    #[inline(always)]
+    pub fn series(&self, slot: usize) -> &[S] {
+        &self.values[slot * self.stride..slot * self.stride + self.order + 1]
+    }
+
+    #[inline(always)]
+    fn get(&self, slot: usize, k: usize) -> S {
+        self.values[slot * self.stride + k]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, slot: usize, k: usize, value: S) {
+        self.values[slot * self.stride + k] = value;
+    }
+
+    #[inline(always)]
+    fn part(&self, slot: usize, from: usize, to: usize) -> &[S] {
+        &self.values[slot * self.stride + from..slot * self.stride + to]
+    }
+
+    /// Values of the tape's outputs at a state: order zero, no time step.
+    ///
+    /// `state` and `low` as in [`run`](Self::run); `values` receives one number an output.
+    #[inline(always)]
+    pub fn evaluate(&mut self, tape: &Tape, constants: &[S], state: &[S], low: &[S], values: &mut [S]) {
+        self.order = 0;
+        for (slot, &value) in state.iter().enumerate() {
+            self.set(slot, 0, value);
+        }
+        self.run_order(tape, constants, low, 0);
+        for (value, output) in values.iter_mut().zip(&tape.outputs) {
+            *value = match *output {
+                Operand::Constant(index) => constants[index],
+                Operand::Series(slot) => self.get(slot, 0),
+            };
+        }
+    }
+
+    /// Expands the flow of the tape's field from a state to `order`, in units of `tau`.
+    ///
+    /// The state is `state + low`, the second a rounding remainder that cancelling sums of states take into account.
+    #[inline(always)]
+    pub fn run(&mut self, tape: &Tape, constants: &[S], state: &[S], low: &[S], tau: S, order: usize) {
+        self.order = order;
+        for (slot, &value) in state.iter().enumerate() {
+            self.set(slot, 0, value);
+        }
+        for k in 0..order {
+            self.run_order(tape, constants, low, k);
+            let factor = tau * self.reciprocals[k + 1];
+            for (slot, derivative) in tape.field.iter().enumerate() {
+                let value = match *derivative {
+                    Operand::Series(of) => self.get(of, k) * factor,
+                    Operand::Constant(index) if k == 0 => constants[index] * factor,
+                    Operand::Constant(_) => S::splat(0.0),
+                };
+                self.set(slot, k + 1, value);
+            }
+        }
+        if !tape.outputs_are_states() {
+            self.run_order(tape, constants, low, order);
+        }
+    }
+
+    #[inline(always)]
+    fn run_order(&mut self, tape: &Tape, constants: &[S], low: &[S], k: usize) {
+        for op in &tape.ops {
+            match *op {
+                Op::Linear {
+                    out,
+                    offset,
+                    first,
+                    end,
+                } => {
+                    let terms = &tape.terms[first..end];
+                    let value = if k == 0 {
+                        self.compensated_sum(constants, low, offset, terms)
+                    } else {
+                        let mut sum = S::splat(0.0);
+                        for &(coefficient, slot) in terms {
+                            sum = constants[coefficient].mul_add(self.get(slot, k), sum);
+                        }
+                        sum
+                    };
+                    self.set(out, k, value);
+                }
+                Op::Multiply { out, left, right } => {
+                    let value = convolve(self.part(left, 0, k + 1), self.part(right, 0, k + 1));
+                    self.set(out, k, value);
+                }
+                Op::Square { out, base } => {
+                    let value = self.self_convolution(base, 0, k);
+                    self.set(out, k, value);
+                }
+                Op::Divide {
+                    out,
+                    numerator,
+                    denominator,
+                    inverse,
+                } => {
+                    if k == 0 {
+                        self.auxiliaries[inverse] = S::splat(1.0) / self.get(denominator, 0);
+                        let value = match numerator {
+                            Operand::Series(slot) => self.get(slot, 0),
+                            Operand::Constant(index) => constants[index],
+                        } / self.get(denominator, 0);
+                        self.set(out, 0, value);
+                    } else {
+                        let rest = convolve(self.part(out, 0, k), self.part(denominator, 1, k + 1));
+                        let value = match numerator {
+                            Operand::Series(slot) => self.get(slot, k) - rest,
+                            Operand::Constant(_) => -rest,
+                        } * self.auxiliaries[inverse];
+                        self.set(out, k, value);
+                    }
+                }
+                Op::SquareRoot {
+                    out,
+                    radicand,
+                    inverse,
+                } => {
+                    if k == 0 {
+                        let root = self.get(radicand, 0).sqrt();
+                        self.auxiliaries[inverse] = S::splat(0.5) / root;
+                        self.set(out, 0, root);
+                    } else {
+                        let rest = self.self_convolution(out, 1, k);
+                        let value = (self.get(radicand, k) - rest) * self.auxiliaries[inverse];
+                        self.set(out, k, value);
+                    }
+                }
+                Op::Power {
+                    out,
+                    base,
+                    exponent,
+                    inverse,
+                } => {
+                    if k == 0 {
+                        self.auxiliaries[inverse] = S::splat(1.0) / self.get(base, 0);
+                        let value = self.get(base, 0).powf(constants[exponent]);
+                        self.set(out, 0, value);
+                    } else {
+                        // k a_0 p_k = sum_{j=1..k} (e j - (k - j)) a_j p_{k-j}
+                        let mut sum = S::splat(0.0);
+                        for j in 1..=k {
+                            let weight = constants[exponent].mul_add(S::splat(j as f64), S::splat(-((k - j) as f64)));
+                            sum = (weight * self.get(base, j)).mul_add(self.get(out, k - j), sum);
+                        }
+                        self.set(out, k, sum * self.auxiliaries[inverse] * self.reciprocals[k]);
+                    }
+                }
+                Op::Slope { out, of } => {
+                    let value = self.get(of, k) * S::splat(k as f64);
+                    self.set(out, k, value);
+                }
+                Op::Integral {
+                    out,
+                    slope,
+                    argument,
+                    weight,
+                    sign,
+                    function,
+                } => {
+                    let value = if k == 0 {
+                        apply(function, self.get(argument, 0))
+                    } else {
+                        let sum = convolve(self.part(slope, 1, k + 1), self.part(weight, 0, k)) * self.reciprocals[k];
+                        match sign {
+                            Sign::Plus => sum,
+                            Sign::Minus => -sum,
+                        }
+                    };
+                    self.set(out, k, value);
+                }
+                Op::SineCosine {
+                    sine,
+                    cosine,
+                    slope,
+                    argument,
+                } => {
+                    let (of_sine, of_cosine) = if k == 0 {
+                        self.get(argument, 0).sin_cos()
+                    } else {
+                        let slope = self.part(slope, 1, k + 1);
+                        (
+                            convolve(slope, self.part(cosine, 0, k)) * self.reciprocals[k],
+                            -(convolve(slope, self.part(sine, 0, k)) * self.reciprocals[k]),
+                        )
+                    };
+                    self.set(sine, k, of_sine);
+                    self.set(cosine, k, of_cosine);
+                }
+            }
+        }
+    }
+
+    /// sum_{j=first..k-first} a_j a_{k-j}, each product once.
+    #[inline(always)]
+    fn self_convolution(&self, slot: usize, first: usize, k: usize) -> S {
+        let half = k.div_ceil(2);
+        let doubled = if half > first {
+            let sum = convolve(self.part(slot, first, half), self.part(slot, k + 1 - half, k + 1 - first));
+            sum + sum
+        } else {
+            S::splat(0.0)
+        };
+        if k % 2 == 0 && k / 2 >= first {
+            let middle = self.get(slot, k / 2);
+            middle.mul_add(middle, doubled)
+        } else {
+            doubled
+        }
+    }
+
+    /// A linear combination of order zero in about twice the working precision, remainders of the states included.
+    ///
+    /// A difference such as `y3 - delta` near release is what decides between complete and incomplete chatter.
+    #[inline(always)]
+    fn compensated_sum(&self, constants: &[S], low: &[S], offset: Option<usize>, terms: &[(usize, usize)]) -> S {
+        let mut sum = match offset {
+            Some(index) => constants[index],
+            None => S::splat(0.0),
+        };
+        let mut error = S::splat(0.0);
+        for &(coefficient, slot) in terms {
+            let coefficient = constants[coefficient];
+            let value = self.get(slot, 0);
+            let product = coefficient * value;
+            error += coefficient.mul_add(value, -product);
+            let total = sum + product;
+            let shadow = total - sum;
+            error += (sum - (total - shadow)) + (product - shadow);
+            sum = total;
+            if slot < low.len() {
+                error = coefficient.mul_add(low[slot], error);
+            }
+        }
+        sum + error
+    }
+}
+
+/// sum_i a_i b_{n-1-i}, in two interleaved partial sums whose order is the same for every number type.
+#[inline(always)]
+fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
+    let mut even = S::splat(0.0);
+    let mut odd = S::splat(0.0);
+    let mut left = a.chunks_exact(2);
+    let mut right = b.rchunks_exact(2);
+    for (pair, mirrored) in left.by_ref().zip(right.by_ref()) {
+        even = pair[0].mul_add(mirrored[1], even);
+        odd = pair[1].mul_add(mirrored[0], odd);
+    }
+    if let ([last], [first]) = (left.remainder(), right.remainder()) {
+        even = last.mul_add(*first, even);
+    }
+    even + odd
+}
+
+#[inline(always)]
+fn apply<S: Scalar>(function: Function, argument: S) -> S {
+    match function {
+        Function::Exp => argument.exp(),
+        Function::Ln => argument.ln(),
+        Function::Sin => argument.sin_cos().0,
+        Function::Cos => argument.sin_cos().1,
+        Function::Tan => argument.tan(),
+        Function::Asin => argument.asin(),
+        Function::Acos => argument.acos(),
+        Function::Atan => argument.atan(),
+        Function::Sinh => argument.sinh(),
+        Function::Cosh => argument.cosh(),
+        Function::Tanh => argument.tanh(),
+    }
+}

@@ -1,0 +1,135 @@
+//! Polynomials in the scaled time, lowest coefficient first.
+
+use super::{DoubleDouble, Scalar};
+use std::sync::LazyLock;
+
+/// Highest degree that [`bernstein`] converts.
+pub const MAX_DEGREE: usize = 50;
+
+/// Reciprocals of the binomial coefficients: row `n`, column `k`.
+static INVERSE_BINOMIALS: LazyLock<Vec<Vec<DoubleDouble>>> = LazyLock::new(|| {
+    let one = DoubleDouble::from(1.0);
+    (0..=MAX_DEGREE)
+        .map(|n| {
+            let mut binomial = 1.0_f64;
+            let mut row = vec![one];
+            for k in 1..=n {
+                // Exact: every binomial coefficient of degree 50 has at most 47 bits.
+                binomial = binomial * (n + 1 - k) as f64 / k as f64;
+                row.push(one / DoubleDouble::from(binomial));
+            }
+            row
+        })
+        .collect()
+});
+
+/// p(s).
+#[inline(always)]
+pub fn horner<S: Scalar>(coefficients: &[S], s: S) -> S {
+    coefficients
+        .iter()
+        .rev()
+        .fold(S::splat(0.0), |sum, &c| sum.mul_add(s, c))
+}
+
+/// p(s) and p'(s).
+#[inline(always)]
+pub fn horner_with_slope<S: Scalar>(coefficients: &[S], s: S) -> (S, S) {
+    let mut value = S::splat(0.0);
+    let mut slope = S::splat(0.0);
+    for &c in coefficients.iter().rev() {
+        slope = slope.mul_add(s, value);
+        value = value.mul_add(s, c);
+    }
+    (value, slope)
+}
+
+/// sum_k |c_k| s^k for s >= 0: no partial sum of p on [0, s] is larger.
+#[inline(always)]
+pub fn magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
+    coefficients
+        .iter()
+        .rev()
+        .fold(S::splat(0.0), |sum, &c| sum.mul_add(s, c.abs()))
+}
+
+/// Bernstein coefficients of p on [0, width]: their signs bound the number of roots there (Descartes' rule), and p lies
+/// between the least and the greatest of them.
+///
+/// `out` receives as many values as there are coefficients. Rounding errors stay below the degree times the roundoff
+/// times [`magnitude`].
+#[inline(always)]
+pub fn bernstein<S: Scalar>(coefficients: &[S], width: S, out: &mut [S]) {
+    let n = coefficients.len();
+    let row = &INVERSE_BINOMIALS[n - 1];
+    let out = &mut out[..n];
+    let mut power = S::splat(1.0);
+    for ((value, &c), &inverse) in out.iter_mut().zip(coefficients).zip(row) {
+        *value = c * power * S::from_double_double(inverse);
+        power *= width;
+    }
+    // The scaled coefficients are the forward differences of the Bernstein ones: sum them up, antidiagonal by
+    // antidiagonal.
+    for first in 1..n {
+        for i in (first..n).rev() {
+            let below = out[i - 1];
+            out[i] += below;
+        }
+    }
+}
+
+/// Splits Bernstein coefficients at the middle (de Casteljau): `left` becomes those of the left half, the result is the
+/// right half's.
+pub fn split<S: Scalar>(left: &mut [S]) -> Vec<S> {
+    let n = left.len();
+    let half = S::splat(0.5);
+    let mut right = vec![S::splat(0.0); n];
+    for step in 0..n {
+        right[n - 1 - step] = left[n - 1];
+        for i in (step + 1..n).rev() {
+            left[i] = (left[i - 1] + left[i]) * half;
+        }
+    }
+    right
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn bernstein_of_a_quadratic() {
+        // 1 - 3 s + s^2 on [0, 2]: values 1, -2, -1 at the Bernstein points.
+        let mut out = [0.0; 3];
+        bernstein(&[1.0, -3.0, 1.0], 2.0, &mut out);
+        assert_eq!(out, [1.0, -2.0, -1.0]);
+        let right = split(&mut out);
+        assert_eq!(out, [1.0, -0.5, -1.0]);
+        assert_eq!(right, [-1.0, -1.5, -1.0]);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn bernstein_coefficients_enclose_the_polynomial(
+            coefficients in proptest::collection::vec(-1.0_f64..1.0, 2..27),
+            width in 0.1_f64..1.5,
+            at in 0.0_f64..1.0,
+        ) {
+            let mut out = vec![0.0; coefficients.len()];
+            bernstein(&coefficients, width, &mut out);
+            let noise = 1e-14 * magnitude(&coefficients, width);
+            let value = horner(&coefficients, at * width);
+            let least = out.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = out.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            prop_assert!(least - noise <= value && value <= most + noise);
+            prop_assert!((out[0] - coefficients[0]).abs() <= noise);
+            prop_assert!((out[out.len() - 1] - horner(&coefficients, width)).abs() <= noise);
+            let mut left = out.clone();
+            let right = split(&mut left);
+            prop_assert!((left[left.len() - 1] - horner(&coefficients, width / 2.0)).abs() <= noise);
+            prop_assert_eq!(left[left.len() - 1], right[0]);
+        }
+    }
+}
