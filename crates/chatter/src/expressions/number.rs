@@ -1,5 +1,6 @@
 //! Numbers inside expressions, and their exact or nearly exact arithmetic.
 
+use super::eval::{LARGEST_MULTIPLIED_EXPONENT, integer_power};
 use crate::numerics::{DoubleDouble, Real, Scalar};
 use core::hash::{Hash, Hasher};
 
@@ -11,9 +12,6 @@ pub struct Number(DoubleDouble);
 /// Folding rounds at about 2^-104; a trailing part below this share of the leading one is that rounding, so `6 * (1/3)`
 /// is 2 and nothing else.
 const FOLDING_NOISE: f64 = 1.0 / (1_u128 << 102) as f64;
-
-/// Largest exponent whose power of a number is computed while building: rounding grows with the exponent.
-const LARGEST_FOLDED_EXPONENT: i32 = 1024;
 
 impl Number {
     /// Wraps a value. Minus zero becomes zero.
@@ -103,10 +101,10 @@ pub(super) fn folded_power(base: DoubleDouble, exponent: DoubleDouble) -> Option
 }
 
 fn folded_integer_power(base: DoubleDouble, exponent: i32) -> Option<DoubleDouble> {
-    if exponent.unsigned_abs() > LARGEST_FOLDED_EXPONENT.unsigned_abs() {
+    if exponent.unsigned_abs() > LARGEST_MULTIPLIED_EXPONENT.unsigned_abs() {
         return None;
     }
-    let power = base.powi(exponent.abs());
+    let power = integer_power(base, exponent.abs());
     if power.high() == 0.0 || !power.is_finite() {
         return None;
     }
