@@ -1,0 +1,238 @@
+//! What follows from the equations of an impacting system: rates, impact map, sticking field (MATH.md 1).
+
+use super::Model;
+use super::identically_zero::is_identically_zero;
+use crate::expressions::{Expr, Graph};
+use core::fmt;
+
+/// The expressions derived from a [`Model`], in a graph that continues the model's own: handles of the model stay valid
+/// in it.
+#[derive(Clone, Debug)]
+pub struct Mechanics {
+    /// Holds every expression of the model and all derived ones.
+    pub graph: Graph,
+    /// The vector field f of free flight.
+    pub field: Vec<Expr>,
+    /// One for each contact of the model, in order.
+    pub contacts: Vec<ContactMechanics>,
+    parameters: usize,
+}
+
+/// What is derived for one contact with gap h, impulse direction W and restitution r.
+#[derive(Clone, Debug)]
+pub struct ContactMechanics {
+    /// Name of the contact.
+    pub name: String,
+    /// h.
+    pub gap: Expr,
+    /// v = L_f h.
+    pub rate: Expr,
+    /// a = L_f v, in free flight.
+    pub acceleration: Expr,
+    /// j = L_f a, in free flight.
+    pub jerk: Expr,
+    /// b = L_W v: how much an impulse of one W changes the rate.
+    pub rate_per_impulse: Expr,
+    /// W / b: what changes the rate by one.
+    pub jump: Vec<Expr>,
+    /// r.
+    pub restitution: Expr,
+    /// The state after an impact in terms of the state before, x - (1 + r) v W / b: equation (M1).
+    pub after_impact: Vec<Expr>,
+}
+
+/// Motion in persistent contact: equation (M2) for any number of contacts.
+#[derive(Clone, Debug)]
+pub struct Sticking {
+    /// The vector field f - sum_j (W_j / b_j) lambda_j, along which the rates of all active contacts stay constant.
+    pub field: Vec<Expr>,
+    /// lambda = B^-1 a with B_ij = L_(W_j / b_j) v_i, one for each active contact in the order asked for: the rate of
+    /// change of the gap rate that the contact force takes away. A contact holds while it is negative, and is released
+    /// where it rises through zero. For a single contact it is the free acceleration a.
+    pub reactions: Vec<Expr>,
+}
+
+/// Why a model has no impact map or no sticking field.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum MechanicsError {
+    /// L_W v is zero everywhere: no impulse can turn the rate of this contact.
+    ImpulseLeavesRate {
+        /// Name of the contact.
+        contact: String,
+    },
+    /// The contact forces are not determined: the matrix B of these contacts is singular everywhere.
+    DependentContacts {
+        /// Names of the contacts.
+        contacts: Vec<String>,
+    },
+    /// There is no contact of this number.
+    UnknownContact {
+        /// The number asked for, from 0.
+        index: usize,
+        /// How many contacts the model has.
+        count: usize,
+    },
+}
+
+impl fmt::Display for MechanicsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ImpulseLeavesRate { contact } => write!(
+                f,
+                "the impulse of contact `{contact}` does not change the rate of its gap, so no impact can happen there"
+            ),
+            Self::DependentContacts { contacts } => write!(
+                f,
+                "contacts {} cannot be closed at once: their impulses do not determine the contact forces",
+                contacts.join(", ")
+            ),
+            Self::UnknownContact { index, count } => {
+                write!(
+                    f,
+                    "there is no contact number {index}: the model has {count}, counted from 0"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for MechanicsError {}
+
+impl Mechanics {
+    /// Derives everything from the equations.
+    ///
+    /// # Errors
+    /// [`MechanicsError::ImpulseLeavesRate`] where b = L_W v vanishes identically.
+    pub fn new(model: &Model) -> Result<Self, MechanicsError> {
+        let field = model.field();
+        let mut mechanics = Self {
+            graph: model.graph.clone(),
+            field,
+            contacts: Vec::with_capacity(model.contacts.len()),
+            parameters: model.parameters.len(),
+        };
+        for contact in &model.contacts {
+            let derived = mechanics.derive(contact)?;
+            mechanics.contacts.push(derived);
+        }
+        Ok(mechanics)
+    }
+
+    fn derive(&mut self, contact: &super::Contact) -> Result<ContactMechanics, MechanicsError> {
+        let rate = self.graph.lie_derivative(contact.gap, &self.field);
+        let acceleration = self.graph.lie_derivative(rate, &self.field);
+        let jerk = self.graph.lie_derivative(acceleration, &self.field);
+        let rate_per_impulse = self.graph.lie_derivative(rate, &contact.impulse);
+        if self.vanishes(rate_per_impulse) {
+            let contact = contact.name.clone();
+            return Err(MechanicsError::ImpulseLeavesRate { contact });
+        }
+        let graph = &mut self.graph;
+        let jump: Vec<Expr> = (contact.impulse.iter())
+            .map(|&w| graph.div(w, rate_per_impulse))
+            .collect();
+        let one = graph.number(1.0);
+        let factor = graph.add(one, contact.restitution);
+        let after_impact = (jump.iter().enumerate())
+            .map(|(index, &jump)| {
+                let before = graph.state(index);
+                let change = graph.product(&[factor, rate, jump]);
+                graph.sub(before, change)
+            })
+            .collect();
+        Ok(ContactMechanics {
+            name: contact.name.clone(),
+            gap: contact.gap,
+            rate,
+            acceleration,
+            jerk,
+            rate_per_impulse,
+            jump,
+            restitution: contact.restitution,
+            after_impact,
+        })
+    }
+
+    /// The motion in which the contacts numbered `active` stay closed.
+    ///
+    /// B has a unit diagonal and is solved by elimination in the order given. Where mechanics holds (W proportional to
+    /// the inverse mass matrix times the gradient of the gap) all its pivots are positive as long as the contacts are
+    /// independent, so the formulas have no singularity of their own.
+    ///
+    /// # Errors
+    /// [`MechanicsError::DependentContacts`] where B is singular identically, [`MechanicsError::UnknownContact`] for a
+    /// number out of range.
+    pub fn sticking(&mut self, active: &[usize]) -> Result<Sticking, MechanicsError> {
+        let count = self.contacts.len();
+        if let Some(&index) = active.iter().find(|&&index| index >= count) {
+            return Err(MechanicsError::UnknownContact { index, count });
+        }
+        let mut rows: Vec<Vec<Expr>> = Vec::with_capacity(active.len());
+        for &i in active {
+            let mut row: Vec<Expr> = active.iter().map(|&j| self.rate_per_jump(i, j)).collect();
+            row.push(self.contacts[i].acceleration);
+            rows.push(row);
+        }
+        let Some(reactions) = self.solve(rows) else {
+            let contacts = active
+                .iter()
+                .map(|&i| self.contacts[i].name.clone())
+                .collect();
+            return Err(MechanicsError::DependentContacts { contacts });
+        };
+        let mut field = self.field.clone();
+        for (&contact, &reaction) in active.iter().zip(&reactions) {
+            for (component, &jump) in field.iter_mut().zip(&self.contacts[contact].jump) {
+                let share = self.graph.mul(jump, reaction);
+                *component = self.graph.sub(*component, share);
+            }
+        }
+        Ok(Sticking { field, reactions })
+    }
+
+    /// B_ij: what a unit jump at contact `j` does to the rate of contact `i`.
+    fn rate_per_jump(&mut self, i: usize, j: usize) -> Expr {
+        if i == j {
+            return self.graph.number(1.0);
+        }
+        let rate = self.contacts[i].rate;
+        self.graph.lie_derivative(rate, &self.contacts[j].jump)
+    }
+
+    /// Solves the linear system of which each row holds the coefficients and the right side, by elimination with row
+    /// exchanges where a pivot vanishes identically; `None` if it is singular.
+    fn solve(&mut self, mut rows: Vec<Vec<Expr>>) -> Option<Vec<Expr>> {
+        let size = rows.len();
+        for column in 0..size {
+            let pivot = (column..size).find(|&row| !self.vanishes(rows[row][column]))?;
+            rows.swap(column, pivot);
+            let (above, below) = rows.split_at_mut(column + 1);
+            let pivot_row = &above[column][column..];
+            for row in below {
+                let factor = self.graph.div(row[column], pivot_row[0]);
+                for (entry, &above) in row[column..].iter_mut().zip(pivot_row).skip(1) {
+                    let product = self.graph.mul(factor, above);
+                    *entry = self.graph.sub(*entry, product);
+                }
+            }
+        }
+        let mut solution = Vec::with_capacity(size);
+        for (index, row) in rows.iter().enumerate().rev() {
+            let mut rest = row[size];
+            for (&coefficient, &known) in row[..size].iter().rev().zip(&solution) {
+                let product = self.graph.mul(coefficient, known);
+                rest = self.graph.sub(rest, product);
+            }
+            solution.push(self.graph.div(rest, row[index]));
+        }
+        solution.reverse();
+        Some(solution)
+    }
+
+    fn vanishes(&self, expr: Expr) -> bool {
+        is_identically_zero(&self.graph, expr, self.field.len(), self.parameters)
+    }
+}
+
+#[cfg(test)]
+mod tests;

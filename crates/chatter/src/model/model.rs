@@ -1,0 +1,176 @@
+//! An impacting system as its equations.
+
+use crate::expressions::{Expr, Graph};
+use crate::numerics::Real;
+
+/// An impacting system (MATH.md 1): `dx/dt = f(x, p)` in flight, and contacts that change the state at impacts.
+///
+/// All expressions are handles into [`graph`](Self::graph). States are numbered as in [`states`](Self::states),
+/// parameters as in [`parameters`](Self::parameters).
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// What the model is called, in words.
+    pub title: Option<String>,
+    /// Where it was published.
+    pub source: Option<String>,
+    /// Holds every expression of the model.
+    pub graph: Graph,
+    /// States in the order of the file; time, where the model needs it, comes last.
+    pub states: Vec<State>,
+    /// Place of time `t` among the states, if the equations use it. Its derivative is 1.
+    pub time: Option<usize>,
+    /// Parameters in the order of the file.
+    pub parameters: Vec<Parameter>,
+    /// Contacts in the order of the file.
+    pub contacts: Vec<Contact>,
+    /// Named surfaces in the order of the file.
+    pub sections: Vec<Section>,
+    /// Named expressions in the order of the file.
+    pub definitions: Vec<Definition>,
+}
+
+/// One component of the state.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Its name in expressions.
+    pub name: String,
+    /// `dx/dt` in free flight.
+    pub derivative: Expr,
+    /// Value where a trajectory starts unless told otherwise; depends on parameters only.
+    pub initial: Expr,
+    /// How plots call it.
+    pub label: Option<Label>,
+}
+
+/// A constant of the model.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Its name in expressions.
+    pub name: String,
+    /// A number, or an expression in other parameters.
+    pub value: Expr,
+    /// How plots call it.
+    pub label: Option<Label>,
+}
+
+/// Words for the axis of a plot.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Label {
+    /// What the quantity is, such as `valve lift $y_1$`.
+    pub text: Option<String>,
+    /// Its unit, such as `mm`.
+    pub unit: Option<String>,
+}
+
+/// A unilateral constraint `gap >= 0` and what an impact does there.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Its name in output.
+    pub name: String,
+    /// The contact function h.
+    pub gap: Expr,
+    /// The direction W in which an impact changes the state, one component a state. Its length does not matter.
+    pub impulse: Vec<Expr>,
+    /// The restitution r, in [0, 1).
+    pub restitution: Expr,
+}
+
+/// A named surface where trajectories are looked at.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// Its name on the command line.
+    pub name: String,
+    /// The function that vanishes on the surface.
+    pub surface: Expr,
+    /// Which crossings count.
+    pub direction: Direction,
+}
+
+/// Which crossings of a surface count.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Direction {
+    /// From negative to positive.
+    Rising,
+    /// From positive to negative.
+    Falling,
+    /// Both.
+    Either,
+}
+
+/// A named expression, written out wherever it is used.
+#[derive(Clone, Debug)]
+pub struct Definition {
+    /// Its name in expressions.
+    pub name: String,
+    /// What it stands for.
+    pub value: Expr,
+}
+
+impl Model {
+    /// Position of the state called `name`.
+    pub fn state_index(&self, name: &str) -> Option<usize> {
+        self.states.iter().position(|state| state.name == name)
+    }
+
+    /// Position of the parameter called `name`.
+    pub fn parameter_index(&self, name: &str) -> Option<usize> {
+        let same = |parameter: &Parameter| parameter.name == name;
+        self.parameters.iter().position(same)
+    }
+
+    /// Position of the contact called `name`.
+    pub fn contact_index(&self, name: &str) -> Option<usize> {
+        self.contacts
+            .iter()
+            .position(|contact| contact.name == name)
+    }
+
+    /// The section called `name`.
+    pub fn section(&self, name: &str) -> Option<&Section> {
+        self.sections.iter().find(|section| section.name == name)
+    }
+
+    /// State names, in order.
+    pub fn state_names(&self) -> Vec<&str> {
+        self.states.iter().map(|state| &*state.name).collect()
+    }
+
+    /// Parameter names, in order.
+    pub fn parameter_names(&self) -> Vec<&str> {
+        let parameters = self.parameters.iter();
+        parameters
+            .map(|parameter| parameter.name.as_str())
+            .collect()
+    }
+
+    /// The vector field of free flight, one component a state.
+    pub fn field(&self) -> Vec<Expr> {
+        self.states.iter().map(|state| state.derivative).collect()
+    }
+
+    /// Parameter values in order. Each of `overrides` (position, value) replaces what the model says; parameters
+    /// defined through it follow. Parameters that use each other in a circle are NaN, which no reader of models lets
+    /// through.
+    pub fn parameter_values<R: Real>(&self, overrides: &[(usize, R)]) -> Vec<R> {
+        let mut values: Vec<R> = self.parameters.iter().map(|_| R::splat(f64::NAN)).collect();
+        let order = self
+            .parameter_order()
+            .unwrap_or_else(|_| (0..self.parameters.len()).collect());
+        for index in order {
+            let overridden = overrides.iter().rev().find(|(at, _)| *at == index);
+            values[index] = match overridden {
+                Some(&(_, value)) => value,
+                None => self
+                    .graph
+                    .evaluate(self.parameters[index].value, &[], &values),
+            };
+        }
+        values
+    }
+
+    /// The state a trajectory starts from, at these parameter values.
+    pub fn initial_state<R: Real>(&self, parameters: &[R]) -> Vec<R> {
+        let value = |state: &State| self.graph.evaluate(state.initial, &[], parameters);
+        self.states.iter().map(value).collect()
+    }
+}
