@@ -70,11 +70,37 @@ impl<S: Scalar> Expansion<S> {
         &self.values[slot * self.stride + from..slot * self.stride + to]
     }
 
+    /// How large the last terms of a series are against its leading ones, for each of several truncation orders: each
+    /// entry of `worst` is raised to that ratio.
+    ///
+    /// The term before the last counts a little, for series in which every other one vanishes.
+    #[inline(always)]
+    pub fn tail_ratios(&self, slot: usize, orders: &[usize], worst: &mut [S]) {
+        const BEFORE_LAST: f64 = 1.0 / 16.0;
+        const TINY: f64 = 1e-290;
+        let c = self.series(slot);
+        let leading = (c[0].abs() + c[1].abs()) + (c[2].abs() + c[3].abs());
+        let inverse = S::splat(1.0) / leading.max(S::splat(TINY));
+        for (worst, &order) in worst.iter_mut().zip(orders) {
+            let tail = c[order]
+                .abs()
+                .max(c[order - 1].abs() * S::splat(BEFORE_LAST));
+            *worst = worst.max(tail * inverse);
+        }
+    }
+
     /// Values of the tape's outputs at a state: order zero, no time step.
     ///
     /// `state` and `low` as in [`run`](Self::run); `values` receives one number an output.
     #[inline(always)]
-    pub fn evaluate(&mut self, tape: &Tape, constants: &[S], state: &[S], low: &[S], values: &mut [S]) {
+    pub fn evaluate(
+        &mut self,
+        tape: &Tape,
+        constants: &[S],
+        state: &[S],
+        low: &[S],
+        values: &mut [S],
+    ) {
         self.order = 0;
         for (slot, &value) in state.iter().enumerate() {
             self.set(slot, 0, value);
@@ -92,7 +118,15 @@ impl<S: Scalar> Expansion<S> {
     ///
     /// The state is `state + low`, the second a rounding remainder that cancelling sums of states take into account.
     #[inline(always)]
-    pub fn run(&mut self, tape: &Tape, constants: &[S], state: &[S], low: &[S], tau: S, order: usize) {
+    pub fn run(
+        &mut self,
+        tape: &Tape,
+        constants: &[S],
+        state: &[S],
+        low: &[S],
+        tau: S,
+        order: usize,
+    ) {
         self.order = order;
         for (slot, &value) in state.iter().enumerate() {
             self.set(slot, 0, value);
@@ -195,10 +229,15 @@ impl<S: Scalar> Expansion<S> {
                         // k a_0 p_k = sum_{j=1..k} (e j - (k - j)) a_j p_{k-j}
                         let mut sum = S::splat(0.0);
                         for j in 1..=k {
-                            let weight = constants[exponent].mul_add(S::splat(j as f64), S::splat(-((k - j) as f64)));
+                            let weight = constants[exponent]
+                                .mul_add(S::splat(j as f64), S::splat(-((k - j) as f64)));
                             sum = (weight * self.get(base, j)).mul_add(self.get(out, k - j), sum);
                         }
-                        self.set(out, k, sum * self.auxiliaries[inverse] * self.reciprocals[k]);
+                        self.set(
+                            out,
+                            k,
+                            sum * self.auxiliaries[inverse] * self.reciprocals[k],
+                        );
                     }
                 }
                 Op::Slope { out, of } => {
@@ -216,7 +255,8 @@ impl<S: Scalar> Expansion<S> {
                     let value = if k == 0 {
                         apply(function, self.get(argument, 0))
                     } else {
-                        let sum = convolve(self.part(slope, 1, k + 1), self.part(weight, 0, k)) * self.reciprocals[k];
+                        let sum = convolve(self.part(slope, 1, k + 1), self.part(weight, 0, k))
+                            * self.reciprocals[k];
                         match sign {
                             Sign::Plus => sum,
                             Sign::Minus => -sum,
@@ -251,12 +291,15 @@ impl<S: Scalar> Expansion<S> {
     fn self_convolution(&self, slot: usize, first: usize, k: usize) -> S {
         let half = k.div_ceil(2);
         let doubled = if half > first {
-            let sum = convolve(self.part(slot, first, half), self.part(slot, k + 1 - half, k + 1 - first));
+            let sum = convolve(
+                self.part(slot, first, half),
+                self.part(slot, k + 1 - half, k + 1 - first),
+            );
             sum + sum
         } else {
             S::splat(0.0)
         };
-        if k % 2 == 0 && k / 2 >= first {
+        if k.is_multiple_of(2) && k / 2 >= first {
             let middle = self.get(slot, k / 2);
             middle.mul_add(middle, doubled)
         } else {
@@ -268,7 +311,13 @@ impl<S: Scalar> Expansion<S> {
     ///
     /// A difference such as `y3 - delta` near release is what decides between complete and incomplete chatter.
     #[inline(always)]
-    fn compensated_sum(&self, constants: &[S], low: &[S], offset: Option<usize>, terms: &[(usize, usize)]) -> S {
+    fn compensated_sum(
+        &self,
+        constants: &[S],
+        low: &[S],
+        offset: Option<usize>,
+        terms: &[(usize, usize)],
+    ) -> S {
         let mut sum = match offset {
             Some(index) => constants[index],
             None => S::splat(0.0),

@@ -1,1 +1,25 @@
 //! The hybrid flow: flight, impact, chatter, sticking, release.
+//!
+//! ```text
+//! model -> System      compiled once: a Program (field, guards, impact tapes) for each set of closed contacts
+//!       -> Trajectory  the mode machine: one state, its phase, what happened (Occurrence)
+//!            step      expand, locate the first guard, move, collide: branch-free, any number type
+//!            resolve   the rare cases a step cannot certify, settled with full root isolation
+//!            chatter   the end of an infinite impact sequence, extrapolated
+//! ```
+
+mod chatter;
+mod error;
+mod occurrence;
+mod program;
+mod resolve;
+mod step;
+mod system;
+mod trajectory;
+
+pub use error::FlowError;
+pub use occurrence::Occurrence;
+pub use program::{Closed, GuardKind};
+pub use step::Workspace;
+pub use system::{Settings, System};
+pub use trajectory::Trajectory;

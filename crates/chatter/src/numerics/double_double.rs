@@ -16,9 +16,9 @@ pub struct DoubleDouble {
     low: f64,
 }
 
-/// `a + b` exactly, for any `a` and `b`.
+/// `a + b` exactly, as rounded sum and remainder, for any `a` and `b`.
 #[inline(always)]
-pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn two_sum<S: Scalar>(a: S, b: S) -> (S, S) {
     let sum = a + b;
     let shadow = sum - a;
     (sum, (a - (sum - shadow)) + (b - shadow))
@@ -235,6 +235,7 @@ impl PartialOrd for DoubleDouble {
 impl Scalar for DoubleDouble {
     type Mask = bool;
     const ROUNDOFF: f64 = 6.162_975_822_039_155e-33; // 2^-107
+    const ORDERS: [usize; 6] = [14, 18, 24, 32, 40, 50];
 
     fn splat(value: f64) -> Self {
         Self::from(value)
@@ -376,7 +377,6 @@ impl Real for DoubleDouble {
         high: 1.0,
         low: 0.0,
     };
-    const ORDERS: &'static [usize] = &[14, 18, 24, 32, 40, 50];
 }
 
 /// Why a text is not a decimal number.

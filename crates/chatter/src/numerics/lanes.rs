@@ -108,6 +108,7 @@ impl<const L: usize> Neg for Lanes<L> {
 impl<const L: usize> Scalar for Lanes<L> {
     type Mask = LaneMask<L>;
     const ROUNDOFF: f64 = f64::ROUNDOFF;
+    const ORDERS: [usize; 6] = f64::ORDERS;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {

@@ -1,11 +1,13 @@
 //! Numbers, truncated series and polynomials. Knows nothing of models.
 
+pub mod dispatch;
 mod double_double;
 mod lanes;
 pub mod polynomial;
 pub mod roots;
 mod scalar;
 
-pub use double_double::DoubleDouble;
+pub(crate) use double_double::two_sum;
+pub use double_double::{DoubleDouble, NotANumber};
 pub use lanes::{LaneMask, Lanes};
 pub use scalar::{Mask, Real, Scalar};

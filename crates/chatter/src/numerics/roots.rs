@@ -4,8 +4,8 @@
 //! exactly one with one. Anything else is halved and asked again, from the left, until the answer is certain or the
 //! polynomial cannot be told from zero: a touching root. Nothing is missed or invented above the stated noise.
 
-use super::polynomial::{bernstein, horner, horner_with_slope, split};
 use super::Real;
+use super::polynomial::{bernstein, horner, horner_with_slope, split};
 
 /// Which sign changes count as roots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +65,8 @@ fn verdict<R: Real>(values: &[R], noise: R) -> Verdict {
     let mut changes = 0;
     let mut unclear_run = 0;
     let mut last = sign(values[0], noise);
-    let clear_ends = last != Sign::Unclear && sign(values[values.len() - 1], noise) != Sign::Unclear;
+    let clear_ends =
+        last != Sign::Unclear && sign(values[values.len() - 1], noise) != Sign::Unclear;
     if !clear_ends {
         return Verdict::Unclear;
     }
@@ -128,7 +129,12 @@ pub fn bracketed_root<R: Real>(coefficients: &[R], mut low: R, mut high: R) -> R
 ///
 /// Values within `noise` of zero cannot be told from zero. A p that starts below zero has to rise first where only
 /// falling roots count.
-pub fn first_root<R: Real>(coefficients: &[R], width: R, crossing: Crossing, noise: R) -> Option<Root<R>> {
+pub fn first_root<R: Real>(
+    coefficients: &[R],
+    width: R,
+    crossing: Crossing,
+    noise: R,
+) -> Option<Root<R>> {
     let mut values = vec![R::ZERO; coefficients.len()];
     bernstein(coefficients, width, &mut values);
     let mut stack = vec![(R::ZERO, width, 0_u32, values)];
@@ -224,7 +230,11 @@ mod tests {
         for &root in roots {
             exact.push(DoubleDouble::from(0.0));
             for k in (0..exact.len()).rev() {
-                let below = if k > 0 { exact[k - 1] } else { DoubleDouble::from(0.0) };
+                let below = if k > 0 {
+                    exact[k - 1]
+                } else {
+                    DoubleDouble::from(0.0)
+                };
                 exact[k] = below - exact[k] * DoubleDouble::from(root);
             }
         }
@@ -260,7 +270,11 @@ mod tests {
         let shifted = |d: f64| vec![0.16 + d, -0.8, 1.0];
         for d in [1e-4, 1e-8, 1e-12] {
             let noise = 1e-15;
-            assert_eq!(first_root(&shifted(d), 1.0, Crossing::Falling, noise), None, "{d}");
+            assert_eq!(
+                first_root(&shifted(d), 1.0, Crossing::Falling, noise),
+                None,
+                "{d}"
+            );
             let root = first_root(&shifted(-d), 1.0, Crossing::Falling, noise).unwrap();
             assert_eq!(root.kind, RootKind::Crossing, "{d}");
             assert!((root.at - (0.4 - d.sqrt())).abs() < 1e-9, "{d} {root:?}");

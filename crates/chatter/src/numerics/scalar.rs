@@ -59,6 +59,8 @@ pub trait Scalar:
 
     /// Unit roundoff: half the distance from one to the next number.
     const ROUNDOFF: f64;
+    /// Orders of a Taylor expansion to choose from, ascending: short flights take a low one, long steps the highest.
+    const ORDERS: [usize; 6];
 
     /// The double nearest to nothing lost: every lane is `value` exactly.
     fn splat(value: f64) -> Self;
@@ -130,8 +132,6 @@ pub trait Real: Scalar<Mask = bool> + PartialOrd + PartialEq + Display {
     const ZERO: Self;
     /// One.
     const ONE: Self;
-    /// Orders of the Taylor expansion to choose from, ascending: short flights take a low one, long steps the highest.
-    const ORDERS: &'static [usize];
 }
 
 /// Twelve bits of a mantissa are dropped so that the rest, an integer below 2^51, turns into a double by gluing it below
@@ -157,6 +157,7 @@ pub(super) fn coarse_exp2(value: f64) -> f64 {
 impl Scalar for f64 {
     type Mask = bool;
     const ROUNDOFF: f64 = f64::EPSILON / 2.0;
+    const ORDERS: [usize; 6] = [8, 10, 13, 16, 20, 26];
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -247,5 +248,4 @@ impl Real for f64 {
     }
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
-    const ORDERS: &'static [usize] = &[8, 10, 13, 16, 20, 26];
 }

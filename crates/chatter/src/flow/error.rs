@@ -1,0 +1,106 @@
+//! Why a trajectory cannot go on.
+
+use core::fmt;
+
+/// What the method could not do, with the numbers. What was computed before stays valid.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FlowError {
+    /// The field, a gap or an impact map is not a finite number here.
+    LeftDomain {
+        /// Time of the last good state.
+        time: f64,
+        /// That state.
+        state: Vec<f64>,
+    },
+    /// The start lies inside the obstacle.
+    Penetrates {
+        /// Index of the contact.
+        contact: usize,
+        /// Its gap, negative.
+        gap: f64,
+    },
+    /// Contacts that close together cannot be held together: their reactions are not determined.
+    DependentContacts {
+        /// Time of the event.
+        time: f64,
+        /// Indices of the contacts.
+        contacts: Vec<usize>,
+    },
+    /// A contact is at rest with acceleration and jerk zero: whether it opens is decided by higher derivatives.
+    UndecidedRelease {
+        /// Time of the event.
+        time: f64,
+        /// Index of the contact.
+        contact: usize,
+    },
+    /// A model with more contacts than closed sets can be enumerated for.
+    TooManyContacts {
+        /// How many it has.
+        count: usize,
+        /// How many are allowed.
+        limit: usize,
+    },
+    /// A restitution outside [0, 1) at an impact.
+    Restitution {
+        /// Time of the impact.
+        time: f64,
+        /// Index of the contact.
+        contact: usize,
+        /// Minus the ratio of the rates after and before.
+        value: f64,
+    },
+    /// Impacts at several contacts that follow each other without time passing.
+    ImpactsWithoutEnd {
+        /// Time of the event.
+        time: f64,
+        /// How many were resolved.
+        count: usize,
+    },
+}
+
+impl fmt::Display for FlowError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LeftDomain { time, state } => write!(
+                out,
+                "the equations leave their domain after time {time}: they have no finite value past the state {state:?}"
+            ),
+            Self::Penetrates { contact, gap } => write!(
+                out,
+                "the initial state lies inside contact {}: its gap is {gap}, and a gap must not be negative",
+                contact + 1
+            ),
+            Self::DependentContacts { time, contacts } => write!(
+                out,
+                "at time {time} contacts {contacts:?} close together, but their constraint forces are not independent"
+            ),
+            Self::UndecidedRelease { time, contact } => write!(
+                out,
+                "at time {time} contact {} is at rest with zero acceleration and jerk: the equations do not decide \
+                 whether it opens",
+                contact + 1
+            ),
+            Self::TooManyContacts { count, limit } => {
+                write!(
+                    out,
+                    "the model has {count} contacts; at most {limit} are supported"
+                )
+            }
+            Self::Restitution {
+                time,
+                contact,
+                value,
+            } => write!(
+                out,
+                "at time {time} contact {} has restitution {value}, outside [0, 1)",
+                contact + 1
+            ),
+            Self::ImpactsWithoutEnd { time, count } => write!(
+                out,
+                "at time {time} {count} impacts at several contacts follow each other without time passing"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for FlowError {}

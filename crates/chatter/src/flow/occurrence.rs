@@ -1,0 +1,48 @@
+//! What can happen to a trajectory.
+
+/// One event, told after the trajectory has moved to it. Contacts and sections are indices into the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Occurrence<R> {
+    /// A collision: the state is now the one after it.
+    Impact {
+        /// Where.
+        contact: usize,
+        /// Gap rate before, negative.
+        rate_before: R,
+        /// Gap rate after.
+        rate_after: R,
+    },
+    /// A contact is touched with no rate that could be told from zero: nothing changes.
+    Graze {
+        /// Where.
+        contact: usize,
+        /// Gap rate there.
+        rate: R,
+    },
+    /// An infinite sequence of impacts came to its end: the contact is closed from here on.
+    Accumulation {
+        /// Where.
+        contact: usize,
+        /// How many impacts of the sequence were integrated one by one.
+        impacts: u64,
+        /// Estimated error of its time.
+        error: f64,
+    },
+    /// An impact without rebound: the contact is closed from here on.
+    Capture {
+        /// Where.
+        contact: usize,
+    },
+    /// The contact force vanished and the contact opens.
+    Release {
+        /// Where.
+        contact: usize,
+    },
+    /// A section was crossed in its direction.
+    Section {
+        /// Which.
+        section: usize,
+    },
+    /// The time asked for was reached.
+    Horizon,
+}

@@ -1,0 +1,284 @@
+//! What runs in one phase: the field that holds while a given set of contacts is closed, and its guards.
+
+use crate::expressions::{Expr, Graph, Operand, Symbol, Tape};
+use crate::model::{Direction, Mechanics, Section};
+use crate::numerics::Real;
+use crate::numerics::roots::Crossing;
+
+/// A set of contacts in persistent contact, one bit each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct Closed(pub u32);
+
+impl Closed {
+    /// No contact is closed: free flight.
+    pub const NONE: Self = Self(0);
+
+    /// Whether this contact is closed.
+    pub fn contains(self, contact: usize) -> bool {
+        self.0 >> contact & 1 == 1
+    }
+
+    /// The set with one more contact.
+    #[must_use]
+    pub fn with(self, contact: usize) -> Self {
+        Self(self.0 | 1 << contact)
+    }
+
+    /// The set with one contact less.
+    #[must_use]
+    pub fn without(self, contact: usize) -> Self {
+        Self(self.0 & !(1 << contact))
+    }
+
+    /// Contacts of the set, ascending.
+    pub fn contacts(self) -> impl Iterator<Item = usize> {
+        (0..32).filter(move |&contact| self.contains(contact))
+    }
+}
+
+/// What happens where a guard vanishes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuardKind {
+    /// The gap of an open contact closes: an impact.
+    Gap(usize),
+    /// The contact force of a closed contact vanishes: release. The guard is minus the reaction.
+    Reaction(usize),
+    /// A section is crossed.
+    Section(usize),
+}
+
+/// A function of state whose zero ends a step. Gaps and reactions are positive until then.
+#[derive(Clone, Copy, Debug)]
+pub struct Guard {
+    /// What its zero means.
+    pub kind: GuardKind,
+    /// Which zeros count, after a rising section's sign was turned.
+    pub crossing: Crossing,
+    pub(crate) series: Operand,
+}
+
+/// What an impact at one contact does, as a tape of order zero on the state before it.
+#[derive(Clone, Debug)]
+pub struct ImpactTape {
+    pub(crate) tape: Tape,
+    /// Components that change; their new values are the outputs after the five scalars.
+    pub(crate) changed: Vec<usize>,
+}
+
+/// Outputs of an impact tape before the changed components: rate before and after, acceleration and jerk after, and the
+/// restitution that an impact of vanishing rate would have here.
+pub(crate) const IMPACT_SCALARS: usize = 5;
+
+/// Gap, rate, acceleration and jerk of a contact at a state, in a program's field.
+pub(crate) const LOCAL_SCALARS: usize = 4;
+
+/// Everything that one phase needs.
+#[derive(Clone, Debug)]
+pub struct Program {
+    pub(crate) tape: Tape,
+    pub(crate) guards: Vec<Guard>,
+    /// Per contact; none where it is closed.
+    pub(crate) impacts: Vec<Option<ImpactTape>>,
+    /// Per contact: gap, rate, acceleration, jerk.
+    pub(crate) locals: Vec<Tape>,
+    /// Per contact: the state brought to rest on it (gap and rate zero).
+    pub(crate) captures: Vec<Tape>,
+    /// Minus the reactions of the closed contacts, in order.
+    pub(crate) reactions: Tape,
+}
+
+/// The constants of a program's tapes at one parameter set.
+#[derive(Clone, Debug)]
+pub(crate) struct ProgramConstants<R> {
+    pub tape: Vec<R>,
+    pub impacts: Vec<Vec<R>>,
+    pub locals: Vec<Vec<R>>,
+    pub captures: Vec<Vec<R>>,
+    pub reactions: Vec<R>,
+}
+
+impl Program {
+    /// Compiles the phase with this field (flight or sticking) and these reactions, one for each closed contact.
+    pub(crate) fn new(
+        mechanics: &mut Mechanics,
+        sections: &[Section],
+        time: Option<usize>,
+        closed: Closed,
+        field: &[Expr],
+        reactions: &[Expr],
+    ) -> Self {
+        let dimension = field.len();
+        let contacts = mechanics.contacts.clone();
+        let graph = &mut mechanics.graph;
+        let mut functions = Vec::new();
+        let mut kinds = Vec::new();
+        for (index, contact) in contacts.iter().enumerate() {
+            if !closed.contains(index) {
+                functions.push(contact.gap);
+                kinds.push((GuardKind::Gap(index), Crossing::Falling));
+            }
+        }
+        let pushes: Vec<Expr> = reactions.iter().map(|&r| graph.neg(r)).collect();
+        for (contact, &push) in closed.contacts().zip(&pushes) {
+            functions.push(push);
+            kinds.push((GuardKind::Reaction(contact), Crossing::Falling));
+        }
+        for (index, section) in sections.iter().enumerate() {
+            let (surface, crossing) = match section.direction {
+                Direction::Falling => (section.surface, Crossing::Falling),
+                Direction::Rising => (graph.neg(section.surface), Crossing::Falling),
+                Direction::Either => (section.surface, Crossing::Either),
+            };
+            functions.push(surface);
+            kinds.push((GuardKind::Section(index), crossing));
+        }
+        let tape = Tape::new(graph, dimension, field, &functions);
+        let guards = kinds
+            .into_iter()
+            .zip(&tape.outputs)
+            .map(|((kind, crossing), &series)| Guard {
+                kind,
+                crossing,
+                series,
+            })
+            .collect();
+        let mut impacts = Vec::new();
+        let mut locals = Vec::new();
+        let mut captures = Vec::new();
+        for (index, contact) in contacts.iter().enumerate() {
+            let rate = graph.lie_derivative(contact.gap, field);
+            let acceleration = graph.lie_derivative(rate, field);
+            let jerk = graph.lie_derivative(acceleration, field);
+            locals.push(Tape::new(
+                graph,
+                dimension,
+                &[],
+                &[contact.gap, rate, acceleration, jerk],
+            ));
+            let onto_surface = surface_correction(graph, contact.gap, dimension, time);
+            let at_rest: Vec<Expr> = (0..dimension)
+                .map(|i| {
+                    let state = graph.state(i);
+                    let stop = graph.mul(contact.rate, contact.jump[i]);
+                    let rest = graph.sub(state, stop);
+                    graph.add(rest, onto_surface[i])
+                })
+                .collect();
+            captures.push(Tape::new(graph, dimension, &[], &at_rest));
+            if closed.contains(index) {
+                impacts.push(None);
+                continue;
+            }
+            let after = contact.after_impact.clone();
+            let at_after = |graph: &mut Graph, expr| {
+                graph.substitute(expr, &|symbol| match symbol {
+                    Symbol::State(i) => Some(after[i]),
+                    Symbol::Parameter(_) => None,
+                })
+            };
+            let rate_after = at_after(graph, rate);
+            let acceleration_after = at_after(graph, acceleration);
+            let jerk_after = at_after(graph, jerk);
+            let restitution_at_rest =
+                graph.substitute(contact.restitution, &|symbol| match symbol {
+                    Symbol::State(i) => Some(at_rest[i]),
+                    Symbol::Parameter(_) => None,
+                });
+            let mut outputs = vec![
+                contact.rate,
+                rate_after,
+                acceleration_after,
+                jerk_after,
+                restitution_at_rest,
+            ];
+            let mut changed = Vec::new();
+            for i in 0..dimension {
+                let value = graph.add(after[i], onto_surface[i]);
+                if value != graph.state(i) {
+                    changed.push(i);
+                    outputs.push(value);
+                }
+            }
+            impacts.push(Some(ImpactTape {
+                tape: Tape::new(graph, dimension, &[], &outputs),
+                changed,
+            }));
+        }
+        let reactions = Tape::new(graph, dimension, &[], &pushes);
+        Self {
+            tape,
+            guards,
+            impacts,
+            locals,
+            captures,
+            reactions,
+        }
+    }
+
+    pub(crate) fn constants<R: Real>(
+        &self,
+        graph: &Graph,
+        parameters: &[R],
+    ) -> ProgramConstants<R> {
+        let of = |tape: &Tape| tape.constants(graph, parameters);
+        ProgramConstants {
+            tape: of(&self.tape),
+            impacts: self
+                .impacts
+                .iter()
+                .map(|impact| impact.as_ref().map_or_else(Vec::new, |i| of(&i.tape)))
+                .collect(),
+            locals: self.locals.iter().map(of).collect(),
+            captures: self.captures.iter().map(of).collect(),
+            reactions: of(&self.reactions),
+        }
+    }
+
+    /// Every tape, for sizing scratch space.
+    pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
+        [&self.tape, &self.reactions]
+            .into_iter()
+            .chain(&self.locals)
+            .chain(&self.captures)
+            .chain(self.impacts.iter().flatten().map(|impact| &impact.tape))
+    }
+}
+
+/// What to add to a state within rounding of the contact surface so that it lies on it: otherwise the gap would drift
+/// by a rounding error an impact.
+///
+/// Along one coordinate where the gap is linear in it (positions, in mechanics), else along the gradient; never in time.
+fn surface_correction(
+    graph: &mut Graph,
+    gap: Expr,
+    dimension: usize,
+    time: Option<usize>,
+) -> Vec<Expr> {
+    let gradient: Vec<Expr> = (0..dimension)
+        .map(|i| graph.derivative(gap, Symbol::State(i)))
+        .collect();
+    let mut correction = vec![graph.number(0.0); dimension];
+    let linear = gradient.iter().position(|&slope| {
+        graph
+            .as_number(slope)
+            .is_some_and(|value| value.high() != 0.0)
+    });
+    if let Some(i) = linear.filter(|&i| Some(i) != time) {
+        let ratio = graph.div(gap, gradient[i]);
+        correction[i] = graph.neg(ratio);
+        return correction;
+    }
+    let spatial: Vec<usize> = (0..dimension).filter(|&i| Some(i) != time).collect();
+    let two = graph.number(2.0);
+    let squares: Vec<Expr> = spatial
+        .iter()
+        .map(|&i| graph.power(gradient[i], two))
+        .collect();
+    let norm = graph.sum(&squares);
+    for i in spatial {
+        let along = graph.mul(gap, gradient[i]);
+        let share = graph.div(along, norm);
+        correction[i] = graph.neg(share);
+    }
+    correction
+}

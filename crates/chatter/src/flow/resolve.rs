@@ -1,0 +1,189 @@
+//! Settles the steps that [`step`](super::step) could not certify: full root isolation on every guard.
+
+use super::error::FlowError;
+use super::program::{GuardKind, Program};
+use super::step::{NO_EVENT, Workspace};
+use crate::numerics::Real;
+use crate::numerics::polynomial::magnitude;
+use crate::numerics::roots::{Crossing, Root, RootKind, first_root};
+
+/// How a settled step ends, beyond the workspace's event code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Resolution {
+    /// A guard that is touched, not crossed, at the end of the step.
+    pub touched: Option<usize>,
+    /// The step ends within the remaining time, not at it.
+    pub shortened: bool,
+}
+
+/// The unit of time shrinks by this factor while an expansion overflows, this many times at most.
+const SHRINK: f64 = 1e-6;
+const SHRINKS: usize = 8;
+
+/// A first root may lie this many halvings of the step close to its start.
+const HALVINGS: usize = 60;
+
+/// Expands again at the highest order and finds the first event with certainty. The workspace holds the inputs of the
+/// step; afterwards its step and event are set, the state is not moved yet.
+pub(crate) fn resolve<R: Real>(
+    work: &mut Workspace<R>,
+    program: &Program,
+    class: usize,
+    touching: &[u8],
+) -> Result<Resolution, Unsettled> {
+    let mut tries = 0;
+    loop {
+        work.expand(program, class);
+        if expansion_is_finite(work) && work.scaled_step.is_finite() && work.scaled_step > R::ZERO {
+            break;
+        }
+        tries += 1;
+        if tries > SHRINKS {
+            return Err(Unsettled::NotFinite);
+        }
+        work.tau *= R::splat(SHRINK);
+    }
+    work.event = R::splat(NO_EVENT);
+    let mut touched = None;
+    let whole = work.scaled_step;
+    for (index, guard) in program.guards.iter().enumerate() {
+        let one_sided = !matches!(guard.kind, GuardKind::Section(_));
+        let Some(p) = work.guard_series(guard.series, touching[index]) else {
+            continue;
+        };
+        let width = work.scaled_step;
+        let found = if one_sided {
+            first_closing(p, width, work.noise(), touching[index] > 0)?
+        } else {
+            first_crossing(p, width, work.noise(), guard.crossing)
+        };
+        let Some(root) = found else { continue };
+        work.scaled_step = root.at;
+        match root.kind {
+            RootKind::Crossing => {
+                work.event = R::splat(index as f64);
+                touched = None;
+            }
+            RootKind::Touching => {
+                work.event = R::splat(NO_EVENT);
+                touched = Some(index);
+            }
+        }
+    }
+    Ok(Resolution {
+        touched,
+        shortened: work.scaled_step < whole,
+    })
+}
+
+/// Why a step cannot be settled; the caller knows time and state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unsettled {
+    /// The field has no finite expansion here.
+    NotFinite,
+    /// A guard that was just left does not grow.
+    Stuck,
+}
+
+impl Unsettled {
+    /// The error to report, at the state where the step began.
+    pub(crate) fn into_error<R: Real>(self, time: R, state: &[R], program: &Program) -> FlowError {
+        match self {
+            Self::NotFinite => FlowError::LeftDomain {
+                time: time.to_f64(),
+                state: state.iter().map(|x| x.to_f64()).collect(),
+            },
+            Self::Stuck => FlowError::UndecidedRelease {
+                time: time.to_f64(),
+                contact: program
+                    .guards
+                    .iter()
+                    .find_map(|guard| match guard.kind {
+                        GuardKind::Gap(contact) | GuardKind::Reaction(contact) => Some(contact),
+                        GuardKind::Section(_) => None,
+                    })
+                    .unwrap_or(0),
+            },
+        }
+    }
+}
+
+fn expansion_is_finite<R: Real>(work: &Workspace<R>) -> bool {
+    (0..work.state.len()).all(|slot| work.expansion.series(slot).iter().all(|c| c.is_finite()))
+}
+
+/// The first zero of a gap or reaction, which is positive at the start up to noise.
+fn first_closing<R: Real>(
+    p: &[R],
+    width: R,
+    noise: f64,
+    left: bool,
+) -> Result<Option<Root<R>>, Unsettled> {
+    let start = p[0];
+    let noise_within = |end: R| magnitude(p, end) * R::splat(noise);
+    if start > noise_within(width) {
+        return Ok(first_root(p, width, Crossing::Falling, noise_within(width)));
+    }
+    if start <= R::ZERO && left {
+        return Err(Unsettled::Stuck);
+    }
+    if start <= R::ZERO {
+        // On the surface up to rounding: an inward rate is an impact now, an outward one leaves it.
+        if p.len() < 2 || p[1] <= R::ZERO {
+            return Ok(Some(Root {
+                at: R::ZERO,
+                kind: RootKind::Crossing,
+            }));
+        }
+        return first_closing(&p[1..], width, noise, true);
+    }
+    // Positive, but small against what the guard reaches later: search pieces that double in length, each with the
+    // noise of its own size.
+    let mut end = width;
+    for _ in 0..HALVINGS {
+        if start > noise_within(end) {
+            break;
+        }
+        end *= R::splat(0.5);
+    }
+    let mut begin = R::ZERO;
+    while end <= width {
+        let piece = shifted(p, begin);
+        let length = end - begin;
+        if let Some(root) = first_root(&piece, length, Crossing::Falling, noise_within(end)) {
+            return Ok(Some(Root {
+                at: begin + root.at,
+                kind: root.kind,
+            }));
+        }
+        begin = end;
+        end = end + end;
+    }
+    Ok(None)
+}
+
+/// The first zero of a section in (0, width]; a start on the section does not count.
+fn first_crossing<R: Real>(p: &[R], width: R, noise: f64, crossing: Crossing) -> Option<Root<R>> {
+    let level = magnitude(p, width) * R::splat(noise);
+    if p[0].abs() > level || p.len() < 3 {
+        return first_root(p, width, crossing, level);
+    }
+    let rest = &p[1..];
+    let level = magnitude(rest, width) * R::splat(noise);
+    first_root(rest, width, crossing, level)
+}
+
+/// Coefficients of s -> p(begin + s).
+fn shifted<R: Real>(p: &[R], begin: R) -> Vec<R> {
+    let mut shifted = p.to_vec();
+    if begin == R::ZERO {
+        return shifted;
+    }
+    for first in 0..p.len() {
+        for k in (first..p.len() - 1).rev() {
+            let above = shifted[k + 1];
+            shifted[k] = above.mul_add(begin, shifted[k]);
+        }
+    }
+    shifted
+}

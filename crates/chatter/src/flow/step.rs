@@ -1,0 +1,359 @@
+//! One Taylor step: expand, find the first guard that vanishes, move there, and apply the impact if it is one.
+//!
+//! The same code runs on one trajectory and on lanes of many: no branch depends on a value. What cannot be certified
+//! here (a near graze, several candidate roots, a field that is not finite) is reported as such and settled by
+//! [`resolve`](super::resolve) for that trajectory alone, so a lane's result does not depend on its neighbours.
+
+use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
+use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
+use crate::numerics::polynomial::{bernstein, horner, horner_with_slope, magnitude};
+use crate::numerics::roots::Crossing;
+use crate::numerics::{Mask, Real, Scalar, two_sum};
+
+/// How many orders an expansion can choose from.
+pub(crate) const ORDER_CLASSES: usize = f64::ORDERS.len();
+
+/// A step may outgrow the predicted one by this factor at most: beyond it the scaled coefficients say little.
+const GROWTH: f64 = 4.0;
+
+/// A value is told from zero if it exceeds this many roundoffs of the terms that it is the sum of. The sums have some
+/// fifty terms of falling size, each wrong by a few roundoffs.
+pub(crate) const NOISE_ROUNDOFFS: f64 = 32.0;
+
+/// Newton's method stops once a correction is this small relative to the root: the next would be its square.
+const NEWTON_DONE: f64 = 1e-8;
+const NEWTON_STEPS: usize = 6;
+
+/// Longer than any time of interest, yet finite, so that products with zero stay zero.
+pub(crate) const FOREVER: f64 = 1e30;
+
+/// Result code for a step without event.
+pub(crate) const NO_EVENT: f64 = -1.0;
+
+/// The number of a type that a step works with, its inputs and its results.
+#[derive(Clone, Debug)]
+pub struct Workspace<S> {
+    pub(crate) expansion: Expansion<S>,
+    /// For values at a point, so that the expansion of the step survives as dense output.
+    pub(crate) point: Expansion<S>,
+    pub(crate) bernstein: Vec<S>,
+    pub(crate) outputs: Vec<S>,
+
+    /// Tape constants of the program and of its impacts.
+    pub(crate) constants: Vec<S>,
+    pub(crate) impact_constants: Vec<Vec<S>>,
+    /// State before the step, overwritten by the state after it; `low` is its rounding remainder.
+    pub(crate) state: Vec<S>,
+    pub(crate) low: Vec<S>,
+    /// Unit of the scaled time.
+    pub(crate) tau: S,
+    /// The step is at most this long.
+    pub(crate) horizon: S,
+    /// How far an expansion of each order reaches; entries above the order used are kept.
+    pub(crate) reach: [S; ORDER_CLASSES],
+
+    /// Results: the scaled and the true length of the step, the index of the guard that ended it or [`NO_EVENT`].
+    pub(crate) scaled_step: S,
+    pub(crate) step: S,
+    pub(crate) event: S,
+    /// After an impact: rate before and after, acceleration, jerk, restitution at rest, predicted length of the flight.
+    pub(crate) impact: [S; IMPACT_SCALARS],
+    pub(crate) flight_time: S,
+    /// Base-two logarithm of the relative tolerance.
+    log_tolerance: f64,
+    noise: f64,
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Scratch space for programs whose tapes are given.
+    pub(crate) fn new<'a>(
+        tapes: impl Iterator<Item = &'a Tape>,
+        dimension: usize,
+        tolerance: f64,
+    ) -> Self {
+        let zero = S::splat(0.0);
+        let tapes: Vec<&Tape> = tapes.collect();
+        let tolerance = tolerance.max(S::ROUNDOFF);
+        let widest = tapes
+            .iter()
+            .map(|tape| tape.outputs.len())
+            .max()
+            .unwrap_or(0);
+        Self {
+            expansion: Expansion::new(&tapes),
+            point: Expansion::new(&tapes),
+            bernstein: vec![zero; MAX_ORDER + 1],
+            outputs: vec![zero; widest],
+            constants: Vec::new(),
+            impact_constants: Vec::new(),
+            state: vec![zero; dimension],
+            low: vec![zero; dimension],
+            tau: zero,
+            horizon: zero,
+            reach: [zero; ORDER_CLASSES],
+            scaled_step: zero,
+            step: zero,
+            event: zero,
+            impact: [zero; IMPACT_SCALARS],
+            flight_time: zero,
+            log_tolerance: libm::log2(tolerance),
+            noise: NOISE_ROUNDOFFS * tolerance,
+        }
+    }
+
+    /// Relative size below which a polynomial's value is noise.
+    pub(crate) fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    /// Expands the flow at order class `class` and finds how far each order reaches.
+    #[inline(always)]
+    pub(crate) fn expand(&mut self, program: &Program, class: usize) {
+        let order = S::ORDERS[class];
+        self.expansion.run(
+            &program.tape,
+            &self.constants,
+            &self.state,
+            &self.low,
+            self.tau,
+            order,
+        );
+        let dimension = self.state.len();
+        let mut worst = [S::splat(0.0); ORDER_CLASSES];
+        for slot in 0..dimension {
+            self.expansion
+                .tail_ratios(slot, &S::ORDERS[..=class], &mut worst);
+        }
+        for guard in &program.guards {
+            if let (GuardKind::Gap(_), Operand::Series(slot)) = (guard.kind, guard.series)
+                && slot >= dimension
+            {
+                self.expansion
+                    .tail_ratios(slot, &S::ORDERS[..=class], &mut worst);
+            }
+        }
+        for (m, &worst) in worst.iter().enumerate().take(class + 1) {
+            let exponent = (S::splat(self.log_tolerance) - worst.coarse_log2())
+                * S::splat(1.0 / S::ORDERS[m] as f64);
+            let growth = exponent.coarse_exp2().min(S::splat(GROWTH));
+            self.reach[m] = self.tau * growth;
+        }
+        self.scaled_step = (self.reach[class]).min(self.horizon) / self.tau;
+    }
+
+    /// The polynomial of a guard, its `touching` leading coefficients divided out: roots known to lie at the start.
+    #[inline(always)]
+    pub(crate) fn guard_series(&self, series: Operand, touching: u8) -> Option<&[S]> {
+        match series {
+            Operand::Series(slot) => Some(&self.expansion.series(slot)[usize::from(touching)..]),
+            Operand::Constant(_) => None,
+        }
+    }
+
+    /// Shortens the step to the first guard's zero. Returns where this is certain.
+    #[inline(always)]
+    pub(crate) fn locate(&mut self, program: &Program, touching: &[u8]) -> S::Mask {
+        self.event = S::splat(NO_EVENT);
+        let mut certain = self.scaled_step.is_finite() & S::splat(0.0).less(self.scaled_step);
+        for (index, guard) in program.guards.iter().enumerate() {
+            let Operand::Series(slot) = guard.series else {
+                continue;
+            };
+            let p = &self.expansion.series(slot)[usize::from(touching[index])..];
+            let end = self.scaled_step;
+            let start = p[0];
+            let rest = magnitude(&p[1..], end) * end;
+            let noise = (rest + start.abs()) * S::splat(self.noise);
+            let mut settled = (rest + noise).less(start.abs());
+            let must_be_positive = !matches!(guard.kind, GuardKind::Section(_));
+            if must_be_positive {
+                certain = certain & noise.less(start);
+            }
+            if settled.all() {
+                continue;
+            }
+            let (root, converged) = newton(p, quadratic_root(p), end);
+            let root_inside = S::splat(0.0).less(root) & root.at_most(end) & converged;
+            let falls = falls_steadily(p, root) & noise.less(start);
+            let mut found = root_inside & falls;
+            settled = settled | found;
+            let mut at = root;
+            if !settled.all() {
+                let n = p.len();
+                bernstein(p, end, &mut self.bernstein);
+                let count = SignCount::of(&self.bernstein[..n], noise);
+                let positive = noise.less(start);
+                let none = count.none
+                    | (count.one & !positive & S::Mask::splat(guard.crossing == Crossing::Falling));
+                let one =
+                    count.one & (positive | S::Mask::splat(guard.crossing == Crossing::Either));
+                let guess = count.first_change * end * S::splat(1.0 / (n - 1) as f64);
+                let need = one & !settled;
+                if need.any() {
+                    let (second, converged) = newton(p, guess, end);
+                    let inside = S::splat(0.0).less(second) & second.at_most(end) & converged;
+                    let good = need & inside;
+                    at = S::select(good, second, at);
+                    found = found | good;
+                    settled = settled | good;
+                }
+                settled = settled | none;
+            }
+            certain = certain & settled;
+            self.scaled_step = S::select(found, at, self.scaled_step);
+            self.event = S::select(found, S::splat(index as f64), self.event);
+        }
+        certain
+    }
+
+    /// Moves the state to the end of the step and applies the impact where one ended it.
+    #[inline(always)]
+    pub(crate) fn finish(&mut self, program: &Program) {
+        let s = self.scaled_step;
+        for (slot, (state, low)) in self.state.iter_mut().zip(&mut self.low).enumerate() {
+            let increment = horner(&self.expansion.series(slot)[1..], s).mul_add(s, *low);
+            (*state, *low) = two_sum(*state, increment);
+        }
+        self.step = s * self.tau;
+        self.flight_time = S::splat(FOREVER);
+        for (index, guard) in program.guards.iter().enumerate() {
+            let GuardKind::Gap(contact) = guard.kind else {
+                continue;
+            };
+            let code = S::splat(index as f64);
+            let here = code.at_most(self.event) & self.event.at_most(code);
+            if here.any() {
+                self.collide(program, contact, here);
+            }
+        }
+    }
+
+    /// Applies the impact map (M1) of a contact in the lanes of `here`, and predicts how long the next flight lasts.
+    #[inline(always)]
+    fn collide(&mut self, program: &Program, contact: usize, here: S::Mask) {
+        let Some(impact) = &program.impacts[contact] else {
+            return;
+        };
+        let constants = &self.impact_constants[contact];
+        self.point.evaluate(
+            &impact.tape,
+            constants,
+            &self.state,
+            &self.low,
+            &mut self.outputs,
+        );
+        for (i, scalar) in self.impact.iter_mut().enumerate() {
+            *scalar = S::select(here, self.outputs[i], *scalar);
+        }
+        for (&i, &value) in impact.changed.iter().zip(&self.outputs[IMPACT_SCALARS..]) {
+            self.state[i] = S::select(here, value, self.state[i]);
+            self.low[i] = S::select(here, S::splat(0.0), self.low[i]);
+        }
+        let [_, rate, acceleration, jerk, _] = self.impact;
+        let time = flight_time(rate, acceleration, jerk);
+        self.flight_time = S::select(here, time, self.flight_time);
+    }
+}
+
+/// Time to the next impact to leading order, eq. (3); [`FOREVER`] where there is none.
+#[inline(always)]
+pub(crate) fn flight_time<S: Scalar>(rate: S, acceleration: S, jerk: S) -> S {
+    let nu = -acceleration;
+    let u = jerk * rate / (nu * nu);
+    let radicand = u.mul_add(S::splat(-8.0 / 3.0), S::splat(1.0));
+    let root = radicand.max(S::splat(0.0)).sqrt();
+    let time = S::splat(4.0) * rate / (nu * (S::splat(1.0) + root));
+    let falls_back =
+        S::splat(0.0).less(nu) & S::splat(0.0).at_most(radicand) & S::splat(0.0).at_most(rate);
+    S::select(falls_back & time.is_finite(), time, S::splat(FOREVER))
+}
+
+/// The smaller positive root of the leading quadratic: the next impact in the flight of eq. (3).
+#[inline(always)]
+fn quadratic_root<S: Scalar>(p: &[S]) -> S {
+    let (c, b) = (p[0], p[1]);
+    let a = if p.len() > 2 { p[2] } else { S::splat(0.0) };
+    let radicand = b.mul_add(b, S::splat(-4.0) * a * c);
+    let two_c = c + c;
+    two_c / (radicand.max(S::splat(0.0)).sqrt() - b)
+}
+
+/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do.
+#[inline(always)]
+fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask) {
+    let usable = S::splat(0.0).less(guess) & guess.at_most(end + end);
+    let mut at = S::select(usable, guess, end);
+    let mut done = !usable;
+    for _ in 0..NEWTON_STEPS {
+        let (value, slope) = horner_with_slope(p, at);
+        let correction = value / slope;
+        at = S::select(done, at, at - correction);
+        // The square of what double-double has to reach is not reached by what suffices for a double.
+        let small = correction
+            .abs()
+            .at_most(at.abs() * S::splat(NEWTON_DONE * (S::ROUNDOFF * 1e16).sqrt()));
+        done = done | small;
+        if done.all() {
+            break;
+        }
+    }
+    (at, done & usable)
+}
+
+/// Whether p' < 0 on all of [0, s], by bounding what follows the quadratic: then p has no other root there.
+#[inline(always)]
+fn falls_steadily<S: Scalar>(p: &[S], s: S) -> S::Mask {
+    let first = p[1];
+    let bend = if p.len() > 2 {
+        p[2] + p[2]
+    } else {
+        S::splat(0.0)
+    };
+    let mut rest = S::splat(0.0);
+    for (k, &c) in p.iter().enumerate().skip(3).rev() {
+        rest = rest.mul_add(s, c.abs() * S::splat(k as f64));
+    }
+    let rest = rest * s * s;
+    let last = bend.mul_add(s, first);
+    (first.max(last) + rest).less(S::splat(0.0))
+}
+
+/// Sign changes among Bernstein coefficients.
+struct SignCount<S: Scalar> {
+    none: S::Mask,
+    one: S::Mask,
+    /// Index, with its fraction, where the control polygon first changes sign.
+    first_change: S,
+}
+
+impl<S: Scalar> SignCount<S> {
+    #[inline(always)]
+    fn of(values: &[S], noise: S) -> Self {
+        let zero = S::splat(0.0);
+        let mut changes = zero;
+        let mut clear = noise.less(values[0].abs());
+        let mut first_change = zero;
+        for (i, pair) in values.windows(2).enumerate() {
+            clear = clear & noise.less(pair[1].abs());
+            let turned = (pair[0].less(zero) & zero.at_most(pair[1]))
+                | (zero.at_most(pair[0]) & pair[1].less(zero));
+            let fraction = pair[0] / (pair[0] - pair[1]);
+            let place = S::splat(i as f64) + fraction;
+            first_change = S::select(turned & changes.less(S::splat(0.5)), place, first_change);
+            changes = S::select(turned, changes + S::splat(1.0), changes);
+        }
+        Self {
+            none: clear & changes.less(S::splat(0.5)),
+            one: clear & S::splat(0.5).less(changes) & changes.less(S::splat(1.5)),
+            first_change,
+        }
+    }
+}
+
+impl<R: Real> Workspace<R> {
+    /// Sets the constants of a program for a single trajectory.
+    pub(crate) fn load_constants(&mut self, constants: &ProgramConstants<R>) {
+        self.constants.clone_from(&constants.tape);
+        self.impact_constants.clone_from(&constants.impacts);
+    }
+}

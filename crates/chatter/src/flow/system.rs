@@ -1,0 +1,128 @@
+//! A model compiled for integration.
+
+use super::error::FlowError;
+use super::program::{Closed, Program, ProgramConstants};
+use super::step::Workspace;
+use crate::expressions::Graph;
+use crate::model::{Mechanics, MechanicsError, Model};
+use crate::numerics::{Real, Scalar};
+
+/// Closed sets are enumerated, 2^n of them.
+const MAX_CONTACTS: usize = 6;
+
+/// Numerical choices of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Relative truncation error allowed a step; rounding level of the number type where that is larger.
+    pub tolerance: f64,
+}
+
+impl Default for Settings {
+    /// To rounding error.
+    fn default() -> Self {
+        Self { tolerance: 0.0 }
+    }
+}
+
+/// Programs of a model for every set of closed contacts, shared by all trajectories and threads.
+#[derive(Clone, Debug)]
+pub struct System {
+    graph: Graph,
+    programs: Vec<Option<Program>>,
+    dimension: usize,
+    contacts: usize,
+    sections: usize,
+}
+
+impl System {
+    /// Derives and compiles everything that the flow of a model needs.
+    ///
+    /// # Errors
+    /// The mechanics cannot be derived, or there are too many contacts.
+    pub fn new(model: &Model) -> Result<Self, SystemError> {
+        let contacts = model.contacts.len();
+        if contacts > MAX_CONTACTS {
+            return Err(SystemError::Flow(FlowError::TooManyContacts {
+                count: contacts,
+                limit: MAX_CONTACTS,
+            }));
+        }
+        let mut mechanics = Mechanics::new(model).map_err(SystemError::Model)?;
+        let mut programs = Vec::new();
+        for bits in 0..1_u32 << contacts {
+            let closed = Closed(bits);
+            let active: Vec<usize> = closed.contacts().collect();
+            let phase = if active.is_empty() {
+                Some((mechanics.field.clone(), Vec::new()))
+            } else {
+                mechanics
+                    .sticking(&active)
+                    .ok()
+                    .map(|sticking| (sticking.field, sticking.reactions))
+            };
+            programs.push(phase.map(|(field, reactions)| {
+                Program::new(
+                    &mut mechanics,
+                    &model.sections,
+                    model.time,
+                    closed,
+                    &field,
+                    &reactions,
+                )
+            }));
+        }
+        Ok(Self {
+            graph: mechanics.graph,
+            programs,
+            dimension: model.states.len(),
+            contacts,
+            sections: model.sections.len(),
+        })
+    }
+
+    /// Number of states, time included.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Number of contacts.
+    pub fn contacts(&self) -> usize {
+        self.contacts
+    }
+
+    /// Number of sections.
+    pub fn sections(&self) -> usize {
+        self.sections
+    }
+
+    /// The program of a phase; none where these contacts cannot be held together.
+    pub(crate) fn program(&self, closed: Closed) -> Option<&Program> {
+        self.programs[closed.0 as usize].as_ref()
+    }
+
+    pub(crate) fn constants<R: Real>(&self, parameters: &[R]) -> Vec<Option<ProgramConstants<R>>> {
+        self.programs
+            .iter()
+            .map(|program| {
+                program
+                    .as_ref()
+                    .map(|p| p.constants(&self.graph, parameters))
+            })
+            .collect()
+    }
+
+    /// Scratch space for steps of this system.
+    pub fn workspace<S: Scalar>(&self, settings: &Settings) -> Workspace<S> {
+        let tapes = self.programs.iter().flatten().flat_map(Program::tapes);
+        Workspace::new(tapes, self.dimension, settings.tolerance)
+    }
+}
+
+/// Why a model cannot be compiled.
+#[derive(Clone, Debug)]
+pub enum SystemError {
+    /// The model's mechanics cannot be derived.
+    Model(MechanicsError),
+    /// The flow does not support it.
+    Flow(FlowError),
+}

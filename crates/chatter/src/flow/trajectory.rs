@@ -1,0 +1,655 @@
+//! One trajectory: its state, its phase, and the mode machine that says what an event leads to.
+//!
+//! The phase, not a nudge, says on which side of a surface the state is: a guard that is `touching` has so many roots at
+//! the start of the next step, which are divided out. Intervals are half open: an event at the end of a step belongs to
+//! it, one at the start does not.
+
+use super::chatter::{Accumulation, ChatterTracker, LocalPoint};
+use super::error::FlowError;
+use super::occurrence::Occurrence;
+use super::program::{Closed, GuardKind, LOCAL_SCALARS, Program, ProgramConstants};
+use super::resolve::{Resolution, resolve};
+use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
+use super::system::System;
+use crate::numerics::Real;
+use crate::numerics::dispatch::{Kernel, dispatch};
+use crate::numerics::two_sum;
+
+/// A quantity this small against the state and its rate of change counts as zero where a trajectory starts, or where a
+/// contact comes to rest: given states are rarely good to more digits.
+const REST: f64 = 1e-13;
+
+/// An order is used up to this part of the time that it reaches: a prediction is not exact.
+const REACH_USED: f64 = 0.95;
+
+/// First guess of the unit of time, before anything is known; a step finds its own size from there.
+const FIRST_UNIT: f64 = 0.125;
+
+/// More impacts at one instant than this are no sequence of collisions of several contacts.
+const INSTANT_IMPACTS: usize = 1000;
+
+/// A trajectory, at a time and state, in a phase.
+#[derive(Clone, Debug)]
+pub struct Trajectory<R> {
+    pub(crate) constants: Vec<Option<ProgramConstants<R>>>,
+    time: R,
+    time_low: R,
+    pub(crate) state: Vec<R>,
+    pub(crate) low: Vec<R>,
+    pub(crate) closed: Closed,
+    /// Per guard of the phase's program: how many roots lie at the present state.
+    pub(crate) touching: Vec<u8>,
+    pub(crate) reach: [R; ORDER_CLASSES],
+    pub(crate) flight_time: R,
+    tracker: ChatterTracker<R>,
+    sequence: u64,
+    instant_impacts: usize,
+    /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
+    completion: Option<(usize, Accumulation<R>)>,
+    pending: Option<Occurrence<R>>,
+}
+
+/// What the kernel found for one trajectory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepResult<R> {
+    pub step: R,
+    pub event: Option<usize>,
+    pub touched: Option<usize>,
+    pub at_horizon: bool,
+    pub reach: [R; ORDER_CLASSES],
+    pub impact: [R; super::program::IMPACT_SCALARS],
+    pub flight_time: R,
+}
+
+struct ScalarStep<'a, R: Real> {
+    work: &'a mut Workspace<R>,
+    program: &'a Program,
+    class: usize,
+    touching: &'a [u8],
+}
+
+impl<R: Real> Kernel for ScalarStep<'_, R> {
+    type Output = bool;
+    #[inline(always)]
+    fn run(self) -> bool {
+        self.work.expand(self.program, self.class);
+        let certain = self.work.locate(self.program, self.touching);
+        if certain {
+            self.work.finish(self.program);
+        }
+        certain
+    }
+}
+
+impl<R: Real> Trajectory<R> {
+    /// Starts at a state; contacts that it lies on are classified by their rate, acceleration and jerk.
+    ///
+    /// # Errors
+    /// The state penetrates a contact, or the equations have no finite value there.
+    pub fn start(
+        system: &System,
+        work: &mut Workspace<R>,
+        parameters: &[R],
+        time: R,
+        state: &[R],
+    ) -> Result<Self, FlowError> {
+        let mut trajectory = Self {
+            constants: system.constants(parameters),
+            time,
+            time_low: R::ZERO,
+            state: state.to_vec(),
+            low: vec![R::ZERO; state.len()],
+            closed: Closed::NONE,
+            touching: Vec::new(),
+            reach: [R::ZERO; ORDER_CLASSES],
+            flight_time: R::splat(FOREVER),
+            tracker: ChatterTracker::new(),
+            sequence: 0,
+            instant_impacts: 0,
+            completion: None,
+            pending: None,
+        };
+        trajectory.reach[ORDER_CLASSES - 1] = R::splat(FIRST_UNIT);
+        trajectory.enter(system, Closed::NONE)?;
+        for contact in 0..system.contacts() {
+            let local = trajectory.local(system, work, contact)?;
+            if local[0] < -trajectory.rest_level() {
+                return Err(FlowError::Penetrates {
+                    contact,
+                    gap: local[0].to_f64(),
+                });
+            }
+            if local[0] <= trajectory.rest_level() && local[1].abs() <= trajectory.rest_level() {
+                trajectory.rest(system, work, contact)?;
+            } else if local[0].abs() <= trajectory.rest_level() && local[1] > R::ZERO {
+                trajectory.touch(system, GuardKind::Gap(contact), 1);
+            }
+        }
+        trajectory.pending = None;
+        Ok(trajectory)
+    }
+
+    /// Time, as the sum of a leading part and its rounding remainder.
+    pub fn time_parts(&self) -> (R, R) {
+        (self.time, self.time_low)
+    }
+
+    /// Time.
+    pub fn time(&self) -> R {
+        self.time
+    }
+
+    /// State, in the order of the model.
+    pub fn state(&self) -> &[R] {
+        &self.state
+    }
+
+    /// The contacts that are closed.
+    pub fn closed(&self) -> Closed {
+        self.closed
+    }
+
+    /// Moves by one step: to the next event, to `horizon`, or as far as one expansion reaches. Tells what happened, if
+    /// anything. The workspace's [`dense`](Workspace::dense) output covers the step.
+    ///
+    /// # Errors
+    /// The equations leave their domain, or the mechanics do not determine what follows.
+    pub fn advance(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        horizon: R,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        work.step = R::ZERO;
+        if let Some(occurrence) = self.pending.take() {
+            return Ok(Some(occurrence));
+        }
+        if let Some((contact, end)) = self.completion.take() {
+            return self.complete(system, work, contact, &end).map(Some);
+        }
+        let remaining = (horizon - self.time) - self.time_low;
+        if remaining <= R::ZERO {
+            return Ok(Some(Occurrence::Horizon));
+        }
+        let program = self.program(system)?;
+        let class = self.load(work, remaining);
+        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+            work.load_constants(constants);
+        }
+        let certain = dispatch(ScalarStep {
+            work,
+            program,
+            class,
+            touching: &self.touching,
+        });
+        let result = if certain {
+            self.result(work, remaining)
+        } else {
+            self.settle(work, program, remaining)?
+        };
+        self.state.copy_from_slice(&work.state);
+        self.low.copy_from_slice(&work.low);
+        let occurrence = self.digest(system, work, program, result)?;
+        if occurrence == Some(Occurrence::Horizon) {
+            self.time = horizon;
+            self.time_low = R::ZERO;
+        }
+        Ok(occurrence)
+    }
+
+    /// Redoes a step that could not be certified, from this trajectory's state, with full root isolation.
+    pub(crate) fn settle(
+        &self,
+        work: &mut Workspace<R>,
+        program: &Program,
+        remaining: R,
+    ) -> Result<StepResult<R>, FlowError> {
+        let class = self.load(work, remaining);
+        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+            work.load_constants(constants);
+        }
+        let resolution = resolve(work, program, class, &self.touching)
+            .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
+        work.finish(program);
+        let stalled = self.time + work.step == self.time
+            && work.event == R::splat(NO_EVENT)
+            && resolution.touched.is_none()
+            && work.step < remaining;
+        if stalled || !work.state.iter().all(|x| x.is_finite()) {
+            return Err(FlowError::LeftDomain {
+                time: self.time.to_f64(),
+                state: self.state.iter().map(|x| x.to_f64()).collect(),
+            });
+        }
+        let mut result = self.result(work, remaining);
+        let Resolution { touched, shortened } = resolution;
+        result.touched = touched;
+        result.at_horizon &= !shortened;
+        Ok(result)
+    }
+
+    fn program<'s>(&self, system: &'s System) -> Result<&'s Program, FlowError> {
+        system
+            .program(self.closed)
+            .ok_or_else(|| FlowError::DependentContacts {
+                time: self.time.to_f64(),
+                contacts: self.closed.contacts().collect(),
+            })
+    }
+
+    /// The order class of the next step and its unit of time.
+    pub(crate) fn plan(&self) -> (usize, R) {
+        let top = ORDER_CLASSES - 1;
+        for (class, &reach) in self.reach.iter().enumerate() {
+            if self.flight_time <= reach * R::splat(REACH_USED) {
+                return (class, self.flight_time);
+            }
+        }
+        (top, self.reach[top])
+    }
+
+    fn load(&self, work: &mut Workspace<R>, remaining: R) -> usize {
+        let (class, tau) = self.plan();
+        work.state.copy_from_slice(&self.state);
+        work.low.copy_from_slice(&self.low);
+        work.reach = self.reach;
+        work.horizon = remaining;
+        work.tau = tau;
+        class
+    }
+
+    fn result(&self, work: &Workspace<R>, remaining: R) -> StepResult<R> {
+        let event = work.event.to_f64();
+        StepResult {
+            step: work.step,
+            event: (event >= 0.0).then_some(event as usize),
+            touched: None,
+            at_horizon: event == NO_EVENT && work.step >= remaining * R::splat(1.0 - 1e-15),
+            reach: work.reach,
+            impact: work.impact,
+            flight_time: work.flight_time,
+        }
+    }
+
+    /// Takes over the end of a step (state and remainder are already in place) and says what it means.
+    pub(crate) fn digest(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+        result: StepResult<R>,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        self.advance_time(result.step);
+        self.reach = result.reach;
+        self.touching.fill(0);
+        if result.step > R::ZERO {
+            self.instant_impacts = 0;
+        }
+        if let Some(index) = result.touched {
+            self.touching[index] = 2;
+            self.flight_time = R::splat(FOREVER);
+            return self.graze(system, work, program, index);
+        }
+        let Some(index) = result.event else {
+            // The rest of a predicted flight, if a section or the horizon cut it.
+            self.flight_time =
+                if self.flight_time < R::splat(FOREVER) && self.flight_time > result.step {
+                    self.flight_time - result.step
+                } else {
+                    R::splat(FOREVER)
+                };
+            return Ok(result.at_horizon.then_some(Occurrence::Horizon));
+        };
+        match program.guards[index].kind {
+            GuardKind::Section(section) => {
+                self.touching[index] = 1;
+                self.flight_time =
+                    if self.flight_time < R::splat(FOREVER) && self.flight_time > result.step {
+                        self.flight_time - result.step
+                    } else {
+                        R::splat(FOREVER)
+                    };
+                Ok(Some(Occurrence::Section { section }))
+            }
+            GuardKind::Reaction(contact) => {
+                self.open(system, contact, 3)?;
+                self.tracker.interrupt();
+                Ok(Some(Occurrence::Release { contact }))
+            }
+            GuardKind::Gap(contact) => {
+                self.flight_time = result.flight_time;
+                self.touching[index] = 1;
+                self.after_impact(system, work, contact, &result.impact)
+            }
+        }
+    }
+
+    fn advance_time(&mut self, step: R) {
+        let (time, error) = two_sum(self.time, step);
+        let (time, low) = two_sum(time, error + self.time_low);
+        self.time = time;
+        self.time_low = low;
+    }
+
+    fn graze(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+        index: usize,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        self.tracker.interrupt();
+        match program.guards[index].kind {
+            GuardKind::Gap(contact) => {
+                let rate = self.local(system, work, contact)?[1];
+                Ok(Some(Occurrence::Graze { contact, rate }))
+            }
+            GuardKind::Reaction(_) | GuardKind::Section(_) => Ok(None),
+        }
+    }
+
+    fn after_impact(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        impact: &[R],
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        let &[rate_before, rate_after, acceleration, jerk, restitution] = impact else {
+            return Ok(None);
+        };
+        let finite = self.state.iter().all(|x| x.is_finite()) && rate_after.is_finite();
+        if !finite {
+            return Err(self.left_domain());
+        }
+        self.instant_impacts += 1;
+        if self.instant_impacts > INSTANT_IMPACTS {
+            return Err(FlowError::ImpactsWithoutEnd {
+                time: self.time.to_f64(),
+                count: self.instant_impacts,
+            });
+        }
+        let ratio = (-rate_after / rate_before).to_f64();
+        if rate_before < R::ZERO && !(-1e-12..=1.0 + 1e-12).contains(&ratio) {
+            return Err(FlowError::Restitution {
+                time: self.time.to_f64(),
+                contact,
+                value: ratio,
+            });
+        }
+        self.sequence += 1;
+        let occurrence = Occurrence::Impact {
+            contact,
+            rate_before,
+            rate_after,
+        };
+        let rebounds = rate_after > R::ZERO;
+        if !rebounds {
+            self.rest(system, work, contact)?;
+            return Ok(Some(occurrence));
+        }
+        if self.closed != Closed::NONE {
+            self.follow_impulse(system, work)?;
+        }
+        let local = LocalPoint {
+            rate: rate_after,
+            acceleration,
+            jerk,
+            restitution,
+        };
+        let end = self.tracker.observe(
+            contact,
+            local,
+            (self.time, self.time_low),
+            (&self.state, &self.low),
+        );
+        let negligible = self.reach[ORDER_CLASSES - 1] * R::splat(R::ROUNDOFF);
+        if end.is_some() {
+            self.completion = end.map(|end| (contact, end));
+        } else if acceleration < R::ZERO && self.flight_time <= negligible {
+            // Flights shorter than a roundoff of the time scale, as when several contacts chatter at once: what is left
+            // of the sequence is below rounding.
+            let after = self.flight_time / (R::ONE - restitution);
+            let end = Accumulation {
+                after,
+                change: vec![R::ZERO; self.state.len()],
+                error: after.to_f64(),
+            };
+            self.completion = Some((contact, end));
+        }
+        Ok(Some(occurrence))
+    }
+
+    /// Moves to the end of a chatter sequence.
+    fn complete(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        end: &Accumulation<R>,
+    ) -> Result<Occurrence<R>, FlowError> {
+        for ((x, low), &change) in self.state.iter_mut().zip(&mut self.low).zip(&end.change) {
+            (*x, *low) = two_sum(*x, change + *low);
+        }
+        self.advance_time(end.after);
+        let impacts = self.sequence;
+        self.rest(system, work, contact)?;
+        // The accumulation says more than the capture that ends it.
+        self.pending = None;
+        Ok(Occurrence::Accumulation {
+            contact,
+            impacts,
+            error: end.error,
+        })
+    }
+
+    /// An impulse at one contact may change the rates of contacts that are closed: they open, or collide in turn.
+    fn follow_impulse(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<(), FlowError> {
+        for contact in self.closed.contacts() {
+            let local = self.local(system, work, contact)?;
+            if local[1].abs() <= self.rest_level() {
+                continue;
+            }
+            // Either way it is an open contact now; an inward rate collides at the start of the next step.
+            self.open(system, contact, u8::from(local[1] > R::ZERO))?;
+        }
+        Ok(())
+    }
+
+    /// Brings the state to rest on a contact and decides what holds from there: closed, or lifting off at once.
+    fn rest(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<(), FlowError> {
+        self.tracker.interrupt();
+        self.sequence = 0;
+        self.flight_time = R::splat(FOREVER);
+        let program = self.program(system)?;
+        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+            let mut at_rest = vec![R::ZERO; self.state.len()];
+            work.point.evaluate(
+                &program.captures[contact],
+                &constants.captures[contact],
+                &self.state,
+                &self.low,
+                &mut at_rest,
+            );
+            for ((x, low), &value) in self.state.iter_mut().zip(&mut self.low).zip(&at_rest) {
+                if *x != value {
+                    *x = value;
+                    *low = R::ZERO;
+                }
+            }
+        }
+        let [_, _, acceleration, jerk] = self.local(system, work, contact)?;
+        let level = self.rest_level();
+        if acceleration > level {
+            self.touch(system, GuardKind::Gap(contact), 2);
+            return Ok(());
+        }
+        if acceleration < -level {
+            return self.close(system, work, contact);
+        }
+        if jerk > level {
+            self.touch(system, GuardKind::Gap(contact), 3);
+            return Ok(());
+        }
+        if jerk < -level {
+            self.close(system, work, contact)?;
+            self.touch(system, GuardKind::Reaction(contact), 1);
+            return Ok(());
+        }
+        Err(FlowError::UndecidedRelease {
+            time: self.time.to_f64(),
+            contact,
+        })
+    }
+
+    fn close(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<(), FlowError> {
+        self.enter(system, self.closed.with(contact))?;
+        self.pending = Some(Occurrence::Capture { contact });
+        // The new constraint force may relieve contacts that were closed before.
+        loop {
+            let program = self.program(system)?;
+            let Some(constants) = &self.constants[self.closed.0 as usize] else {
+                return Ok(());
+            };
+            let mut pushes = vec![R::ZERO; self.closed.contacts().count()];
+            work.point.evaluate(
+                &program.reactions,
+                &constants.reactions,
+                &self.state,
+                &self.low,
+                &mut pushes,
+            );
+            let level = self.rest_level();
+            let relieved = self
+                .closed
+                .contacts()
+                .zip(pushes)
+                .find(|&(other, push)| other != contact && push < -level);
+            match relieved {
+                Some((other, _)) => self.open(system, other, 2)?,
+                None => return Ok(()),
+            }
+        }
+    }
+
+    fn open(&mut self, system: &System, contact: usize, roots: u8) -> Result<(), FlowError> {
+        self.enter(system, self.closed.without(contact))?;
+        self.touch(system, GuardKind::Gap(contact), roots);
+        self.flight_time = R::splat(FOREVER);
+        Ok(())
+    }
+
+    /// Changes the phase; guards that both phases have keep their roots at the present state.
+    fn enter(&mut self, system: &System, closed: Closed) -> Result<(), FlowError> {
+        let before: Vec<(GuardKind, u8)> = match system.program(self.closed) {
+            Some(program) => program
+                .guards
+                .iter()
+                .map(|guard| guard.kind)
+                .zip(self.touching.iter().copied())
+                .collect(),
+            None => Vec::new(),
+        };
+        self.closed = closed;
+        let program = self.program(system)?;
+        self.touching = program
+            .guards
+            .iter()
+            .map(|guard| {
+                before
+                    .iter()
+                    .find(|(kind, _)| *kind == guard.kind)
+                    .map_or(0, |&(_, roots)| roots)
+            })
+            .collect();
+        Ok(())
+    }
+
+    fn touch(&mut self, system: &System, kind: GuardKind, roots: u8) {
+        let Some(program) = system.program(self.closed) else {
+            return;
+        };
+        for (guard, touching) in program.guards.iter().zip(&mut self.touching) {
+            if guard.kind == kind {
+                *touching = roots;
+            }
+        }
+    }
+
+    /// Gap, rate, acceleration and jerk of a contact in the present phase.
+    fn local(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<[R; LOCAL_SCALARS], FlowError> {
+        let program = self.program(system)?;
+        let mut local = [R::ZERO; LOCAL_SCALARS];
+        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+            work.point.evaluate(
+                &program.locals[contact],
+                &constants.locals[contact],
+                &self.state,
+                &self.low,
+                &mut local,
+            );
+        }
+        if local.iter().all(|value| value.is_finite()) {
+            Ok(local)
+        } else {
+            Err(self.left_domain())
+        }
+    }
+
+    fn left_domain(&self) -> FlowError {
+        FlowError::LeftDomain {
+            time: self.time.to_f64(),
+            state: self.state.iter().map(|x| x.to_f64()).collect(),
+        }
+    }
+
+    fn rest_level(&self) -> R {
+        let largest = self.state.iter().fold(R::ONE, |most, x| most.max(x.abs()));
+        largest * R::splat(REST)
+    }
+}
+
+impl<R: Real> Workspace<R> {
+    /// The latest step as polynomials: for each state its coefficients in powers of the scaled time, and the scaled and
+    /// true length of the step.
+    pub fn dense(&self) -> Dense<'_, R> {
+        Dense { work: self }
+    }
+}
+
+/// Dense output of the latest step: the expansion itself.
+pub struct Dense<'w, R> {
+    work: &'w Workspace<R>,
+}
+
+impl<R: Real> Dense<'_, R> {
+    /// Length of the step; zero if the latest call moved nowhere.
+    pub fn step(&self) -> R {
+        self.work.step
+    }
+
+    /// Value of a state after a part of the step, `fraction` in [0, 1], before any impact at its end.
+    pub fn state(&self, index: usize, fraction: R) -> R {
+        let s = self.work.scaled_step * fraction;
+        crate::numerics::polynomial::horner(self.work.expansion.series(index), s)
+    }
+}
