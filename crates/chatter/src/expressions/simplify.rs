@@ -373,11 +373,9 @@ impl Graph {
         }
     }
 
+    /// Place of a factor in a product: numbers aside, from what never changes to what is dearest to compute.
     fn factor_order(&self, factor: Expr) -> (u8, usize, Expr) {
-        let base = match self.node(factor) {
-            &Node::Power(base, _) => base,
-            _ => factor,
-        };
+        let base = self.split_exponent(factor).0;
         match self.node(base) {
             Node::Number(_) => (0, 0, factor),
             Node::Pi => (1, 0, factor),

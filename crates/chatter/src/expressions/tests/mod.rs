@@ -1,7 +1,10 @@
 //! Tests of the expression language as a whole.
 
 mod errors;
+mod formulas;
+mod laws;
 mod parsing;
+mod plain;
 
 use super::{Expr, Graph, ParseError};
 
@@ -21,4 +24,11 @@ pub(super) fn read(graph: &mut Graph, text: &str) -> Result<Expr, ParseError> {
             .or(parameter.map(|index| parameters[index]))
     };
     graph.parse(text, &resolve, &["x", "y", "z", "kappa", "beta", "q"])
+}
+
+fn names() -> (Vec<String>, Vec<String>) {
+    (
+        STATES.map(String::from).to_vec(),
+        PARAMETERS.map(String::from).to_vec(),
+    )
 }

@@ -1,0 +1,371 @@
+//! Expressions as formulas: in the notation they are read in, or in TeX.
+
+use super::graph::{Expr, Function, Graph, Node, Symbol};
+use super::number_text::{NumberText, number_text};
+use super::tex_name::tex_name;
+use crate::numerics::DoubleDouble;
+
+/// Names of the symbols, by position.
+#[derive(Clone, Copy, Debug)]
+pub struct Names<'a> {
+    /// Names of the states.
+    pub states: &'a [String],
+    /// Names of the parameters.
+    pub parameters: &'a [String],
+}
+
+/// Longest formula in bytes, and deepest nesting: a graph of shared parts can be far larger when written out, and
+/// nobody reads past this. The rest is `…`.
+const LONGEST_FORMULA: usize = 1 << 16;
+const DEEPEST_FORMULA: usize = 500;
+
+/// How tightly a formula holds together, loosest first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    Sum,
+    Product,
+    Power,
+    Atom,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Notation {
+    Text,
+    Tex,
+}
+
+/// A factor above or below the line.
+enum Piece {
+    Number(String),
+    /// A base with an exponent above zero.
+    Power(Expr, DoubleDouble),
+    Whole(Expr),
+}
+
+/// A term: its sign, and what stands above and below the line.
+#[derive(Default)]
+struct Fraction {
+    negative: bool,
+    above: Vec<Piece>,
+    below: Vec<Piece>,
+}
+
+impl Graph {
+    /// The formula in the notation that [`parse`](Self::parse) reads: parentheses where they are needed, `a - b`,
+    /// `x/y`, `sqrt(x)`, the shortest digits of each number. Beyond 65536 bytes it ends in `…`.
+    pub fn to_text(&self, expr: Expr, names: Names<'_>) -> String {
+        Writer::write(self, expr, names, Notation::Text)
+    }
+
+    /// The formula in TeX's mathematics mode. `kappa` becomes a Greek letter, `y1` and `y_1` have a subscript.
+    pub fn to_tex(&self, expr: Expr, names: Names<'_>) -> String {
+        Writer::write(self, expr, names, Notation::Tex)
+    }
+
+    fn fraction(&self, expr: Expr) -> Fraction {
+        let mut fraction = Fraction::default();
+        let factors = match self.node(expr) {
+            Node::Product(factors) => factors.as_slice(),
+            _ => core::slice::from_ref(&expr),
+        };
+        for (place, &factor) in factors.iter().enumerate() {
+            match self.node(factor) {
+                Node::Number(number) => {
+                    let value = number.value();
+                    let negative = value.high() < 0.0;
+                    let size = if negative { -value } else { value };
+                    fraction.negative ^= negative;
+                    match number_text(size) {
+                        NumberText::Decimal(text) if text == "1" => {}
+                        NumberText::Decimal(text) => fraction.above.push(Piece::Number(text)),
+                        NumberText::Ratio(above, below) => {
+                            if above != 1 {
+                                fraction.above.push(Piece::Number(above.to_string()));
+                            }
+                            fraction.below.push(Piece::Number(below.to_string()));
+                        }
+                    }
+                    debug_assert!(place == 0 || fraction.above.len() + fraction.below.len() > 0);
+                }
+                &Node::Power(base, exponent) => match self.as_number(exponent) {
+                    Some(weight) if weight.high() < 0.0 => {
+                        fraction.below.push(Piece::Power(base, -weight));
+                    }
+                    Some(weight) => fraction.above.push(Piece::Power(base, weight)),
+                    None => fraction.above.push(Piece::Whole(factor)),
+                },
+                _ => fraction.above.push(Piece::Whole(factor)),
+            }
+        }
+        if fraction.above.is_empty() {
+            fraction.above.push(Piece::Number("1".to_string()));
+        }
+        fraction
+    }
+
+    fn binding(&self, expr: Expr) -> Binding {
+        match self.node(expr) {
+            Node::Sum(_) => Binding::Sum,
+            Node::Pi | Node::Symbol(_) | Node::Call(..) => Binding::Atom,
+            Node::Number(_) | Node::Product(_) | Node::Power(..) => {
+                let fraction = self.fraction(expr);
+                if fraction.negative {
+                    return Binding::Sum;
+                }
+                match (&fraction.above[..], &fraction.below[..]) {
+                    ([Piece::Number(_)], []) => Binding::Atom,
+                    ([Piece::Power(_, weight)], []) if is_root(*weight) => Binding::Atom,
+                    ([Piece::Power(..) | Piece::Whole(_)], []) => Binding::Power,
+                    _ => Binding::Product,
+                }
+            }
+        }
+    }
+}
+
+fn is_root(weight: DoubleDouble) -> bool {
+    weight == DoubleDouble::from(0.5)
+}
+
+struct Writer<'a> {
+    graph: &'a Graph,
+    names: Names<'a>,
+    notation: Notation,
+    out: String,
+    depth: usize,
+    is_cut: bool,
+}
+
+impl<'a> Writer<'a> {
+    fn write(graph: &'a Graph, expr: Expr, names: Names<'a>, notation: Notation) -> String {
+        let mut writer = Self {
+            graph,
+            names,
+            notation,
+            out: String::new(),
+            depth: 0,
+            is_cut: false,
+        };
+        writer.formula(expr, Binding::Sum);
+        writer.out
+    }
+
+    /// Writes `expr`, in parentheses if it holds together less tightly than is needed.
+    fn formula(&mut self, expr: Expr, needed: Binding) {
+        if self.is_cut {
+            return;
+        }
+        if self.out.len() > LONGEST_FORMULA || self.depth == DEEPEST_FORMULA {
+            self.out.push('…');
+            self.is_cut = true;
+            return;
+        }
+        self.depth += 1;
+        if self.graph.binding(expr) < needed {
+            self.parenthesised(|writer| writer.bare(expr));
+        } else {
+            self.bare(expr);
+        }
+        self.depth -= 1;
+    }
+
+    fn parenthesised(&mut self, write: impl FnOnce(&mut Self)) {
+        let (open, close) = match self.notation {
+            Notation::Text => ("(", ")"),
+            Notation::Tex => (r"\left(", r"\right)"),
+        };
+        self.out.push_str(open);
+        write(self);
+        self.out.push_str(close);
+    }
+
+    fn bare(&mut self, expr: Expr) {
+        match self.graph.node(expr) {
+            Node::Pi => self.out.push_str(match self.notation {
+                Notation::Text => "pi",
+                Notation::Tex => r"\pi",
+            }),
+            Node::Symbol(symbol) => self.symbol(*symbol),
+            Node::Call(function, argument) => {
+                self.out.push_str(function_name(*function, self.notation));
+                self.parenthesised(|writer| writer.formula(*argument, Binding::Sum));
+            }
+            Node::Sum(terms) => {
+                for (place, &term) in terms.iter().enumerate() {
+                    if self.is_cut {
+                        return;
+                    }
+                    let fraction = self.graph.fraction(term);
+                    self.out.push_str(match (place, fraction.negative) {
+                        (0, false) => "",
+                        (0, true) => "-",
+                        (_, false) => " + ",
+                        (_, true) => " - ",
+                    });
+                    self.unsigned(&fraction, Binding::Product);
+                }
+            }
+            // A power with an exponent that is no number: the others are fractions.
+            &Node::Power(base, exponent) if self.graph.as_number(exponent).is_none() => {
+                self.power(base, |writer| writer.exponent(exponent));
+            }
+            Node::Number(_) | Node::Product(_) | Node::Power(..) => {
+                let fraction = self.graph.fraction(expr);
+                if fraction.negative {
+                    self.out.push('-');
+                }
+                self.unsigned(&fraction, Binding::Product);
+            }
+        }
+    }
+
+    /// A fraction without its sign.
+    fn unsigned(&mut self, fraction: &Fraction, needed: Binding) {
+        if fraction.below.is_empty() {
+            self.pieces(&fraction.above, needed);
+            return;
+        }
+        match self.notation {
+            Notation::Text => {
+                self.pieces(&fraction.above, Binding::Product);
+                self.out.push('/');
+                if fraction.below.len() == 1 {
+                    self.pieces(&fraction.below, Binding::Power);
+                } else {
+                    self.parenthesised(|writer| writer.pieces(&fraction.below, Binding::Product));
+                }
+            }
+            Notation::Tex => {
+                self.out.push_str(r"\frac{");
+                self.pieces(&fraction.above, Binding::Sum);
+                self.out.push_str("}{");
+                self.pieces(&fraction.below, Binding::Sum);
+                self.out.push('}');
+            }
+        }
+    }
+
+    /// Factors beside one another; a single one needs only what its surroundings do.
+    fn pieces(&mut self, pieces: &[Piece], alone: Binding) {
+        let needed = if pieces.len() == 1 {
+            alone
+        } else {
+            Binding::Power
+        };
+        for (place, piece) in pieces.iter().enumerate() {
+            if self.is_cut {
+                return;
+            }
+            if place > 0 {
+                self.out.push_str(match (self.notation, piece) {
+                    (Notation::Text, _) => "*",
+                    (Notation::Tex, Piece::Number(_)) => r" \cdot ",
+                    (Notation::Tex, _) => r" \, ",
+                });
+            }
+            match piece {
+                Piece::Number(text) => self.number(text),
+                Piece::Power(base, weight) => self.numeric_power(*base, *weight, needed),
+                Piece::Whole(expr) => self.formula(*expr, needed),
+            }
+        }
+    }
+
+    fn number(&mut self, text: &str) {
+        match (self.notation, text.split_once('e')) {
+            (Notation::Tex, Some((mantissa, exponent))) => {
+                self.out
+                    .push_str(&format!(r"{mantissa} \cdot 10^{{{exponent}}}"));
+            }
+            _ => self.out.push_str(text),
+        }
+    }
+
+    fn numeric_power(&mut self, base: Expr, weight: DoubleDouble, needed: Binding) {
+        if weight == DoubleDouble::from(1.0) {
+            return self.formula(base, needed);
+        }
+        if is_root(weight) {
+            return match self.notation {
+                Notation::Text => {
+                    self.out.push_str("sqrt");
+                    self.parenthesised(|writer| writer.formula(base, Binding::Sum));
+                }
+                Notation::Tex => {
+                    self.out.push_str(r"\sqrt{");
+                    self.formula(base, Binding::Sum);
+                    self.out.push('}');
+                }
+            };
+        }
+        self.power(base, |writer| {
+            match (number_text(weight), writer.notation) {
+                (NumberText::Decimal(text), _) => writer.number(&text),
+                (NumberText::Ratio(above, below), Notation::Text) => {
+                    writer.out.push_str(&format!("({above}/{below})"));
+                }
+                (NumberText::Ratio(above, below), Notation::Tex) => {
+                    writer.out.push_str(&format!("{above}/{below}"));
+                }
+            }
+        });
+    }
+
+    fn power(&mut self, base: Expr, exponent: impl FnOnce(&mut Self)) {
+        self.formula(base, Binding::Atom);
+        match self.notation {
+            Notation::Text => {
+                self.out.push('^');
+                exponent(self);
+            }
+            Notation::Tex => {
+                self.out.push_str("^{");
+                exponent(self);
+                self.out.push('}');
+            }
+        }
+    }
+
+    fn exponent(&mut self, exponent: Expr) {
+        let needed = match self.notation {
+            Notation::Text => Binding::Atom,
+            Notation::Tex => Binding::Sum,
+        };
+        self.formula(exponent, needed);
+    }
+
+    fn symbol(&mut self, symbol: Symbol) {
+        let (names, index, kind) = match symbol {
+            Symbol::State(index) => (self.names.states, index, "state"),
+            Symbol::Parameter(index) => (self.names.parameters, index, "parameter"),
+        };
+        let name = match names.get(index) {
+            Some(name) => name.clone(),
+            None => format!("{kind}_{index}"),
+        };
+        self.out.push_str(&match self.notation {
+            Notation::Text => name,
+            Notation::Tex => tex_name(&name),
+        });
+    }
+}
+
+fn function_name(function: Function, notation: Notation) -> &'static str {
+    let (text, tex) = match function {
+        Function::Exp => ("exp", r"\exp"),
+        Function::Ln => ("log", r"\ln"),
+        Function::Sin => ("sin", r"\sin"),
+        Function::Cos => ("cos", r"\cos"),
+        Function::Tan => ("tan", r"\tan"),
+        Function::Asin => ("asin", r"\arcsin"),
+        Function::Acos => ("acos", r"\arccos"),
+        Function::Atan => ("atan", r"\arctan"),
+        Function::Sinh => ("sinh", r"\sinh"),
+        Function::Cosh => ("cosh", r"\cosh"),
+        Function::Tanh => ("tanh", r"\tanh"),
+    };
+    match notation {
+        Notation::Text => text,
+        Notation::Tex => tex,
+    }
+}

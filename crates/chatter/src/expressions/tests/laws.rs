@@ -1,0 +1,116 @@
+//! Laws of simplification, differentiation, formulas and parsing, on random expressions.
+
+use super::plain::{Plain, plain, point};
+use super::{names, read};
+use crate::expressions::{Graph, Names, Symbol};
+use crate::numerics::{DoubleDouble, Real, Scalar};
+use proptest::prelude::*;
+
+/// Error bounds are of first order; an expression whose bound is above this is too ill-conditioned to test on.
+const LARGEST_USEFUL_ERROR: f64 = 1e-20;
+
+/// Simplification takes other roundings than the tree does: so many times the tree's own error bound.
+const ROUNDING_RATIO: f64 = 100.0;
+
+/// The value of the tree and the error allowed, where it is finite and well-conditioned.
+fn reference(tree: &Plain, at: &[Vec<DoubleDouble>; 2]) -> Option<(DoubleDouble, f64)> {
+    let bounded = tree.evaluate(at);
+    let allowed = ROUNDING_RATIO * bounded.error;
+    (bounded.value.is_finite() && allowed < LARGEST_USEFUL_ERROR)
+        .then_some((bounded.value, allowed))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn simplification_keeps_the_value(tree in plain(), at in point()) {
+        if let Some((expected, allowed)) = reference(&tree, &at) {
+            let mut graph = Graph::default();
+            let expr = tree.build(&mut graph);
+            let value = graph.evaluate(expr, &at[0], &at[1]);
+            let error = (value - expected).abs().to_f64();
+            prop_assert!(error <= allowed, "{value:.20} is not {expected:.20}: {error:e} > {allowed:e}");
+        }
+    }
+
+    #[test]
+    fn rebuilding_a_canonical_expression_changes_nothing(tree in plain()) {
+        let mut graph = Graph::default();
+        let expr = tree.build(&mut graph);
+        let again = graph.substitute(expr, &|_| None);
+        prop_assert_eq!(again, expr);
+    }
+
+    #[test]
+    fn formulas_are_read_back_as_they_were(tree in plain(), at in point()) {
+        if let Some((_, allowed)) = reference(&tree, &at) {
+            let mut graph = Graph::default();
+            let expr = tree.build(&mut graph);
+            let (states, parameters) = names();
+            let text = graph.to_text(expr, Names { states: &states, parameters: &parameters });
+            let back = read(&mut graph, &text);
+            prop_assert!(back.is_ok(), "{text}: {}", back.unwrap_err());
+            let expected = graph.evaluate(expr, &at[0], &at[1]);
+            let value = graph.evaluate(back.unwrap(), &at[0], &at[1]);
+            let error = (value - expected).abs().to_f64();
+            prop_assert!(error <= allowed, "{text}: {value:.20} is not {expected:.20}");
+        }
+    }
+
+    #[test]
+    fn derivatives_are_the_limit_of_differences(tree in plain(), at in point()) {
+        let mut graph = Graph::default();
+        let expr = tree.build(&mut graph);
+        let derivative = graph.derivative(expr, Symbol::State(0));
+        let value = graph.evaluate(derivative, &at[0], &at[1]);
+        // Fourth order: the error falls sixteenfold from one step to its half.
+        let difference = |step: f64| {
+            let shifted = |steps: f64| {
+                let mut states = at[0].clone();
+                states[0] += DoubleDouble::from(steps * step);
+                graph.evaluate(expr, &states, &at[1])
+            };
+            let near = (shifted(1.0) - shifted(-1.0)) * DoubleDouble::from(8.0);
+            let far = shifted(2.0) - shifted(-2.0);
+            (near - far) / DoubleDouble::from(12.0 * step)
+        };
+        let (coarse, fine) = (difference(2.0_f64.powi(-17)), difference(2.0_f64.powi(-18)));
+        let spread = (coarse - fine).abs().to_f64();
+        let size = graph.evaluate(expr, &at[0], &at[1]).abs().to_f64() + fine.abs().to_f64() + 1.0;
+        if fine.is_finite() && value.is_finite() && spread < 1e-9 * size {
+            let error = (value - fine).abs().to_f64();
+            prop_assert!(
+                error <= 2.0 * spread + 1e-20 * size,
+                "{value:.20} is not {fine:.20}, spread {spread:e}"
+            );
+        }
+    }
+
+    #[test]
+    fn any_text_is_read_or_refused(text in r"[\PC]{0,40}") {
+        check_spans(&text)?;
+    }
+
+    #[test]
+    fn any_jumble_of_tokens_is_read_or_refused(
+        tokens in proptest::collection::vec(
+            prop_oneof![
+                Just("x"), Just("kappa"), Just("nobody"), Just("sin"), Just("pi"), Just("2"), Just("1e3"),
+                Just("."), Just("+"), Just("-"), Just("*"), Just("**"), Just("/"), Just("^"), Just("("),
+                Just(")"), Just(","), Just(" "), Just("é"), Just("²"), Just("𝛼"),
+            ],
+            0..30,
+        ),
+    ) {
+        check_spans(&tokens.concat())?;
+    }
+}
+
+fn check_spans(text: &str) -> Result<(), TestCaseError> {
+    if let Err(error) = read(&mut Graph::default(), text) {
+        prop_assert!(text.get(error.span.clone()).is_some(), "{:?}", error.span);
+        prop_assert!(!error.to_string().is_empty());
+    }
+    Ok(())
+}
