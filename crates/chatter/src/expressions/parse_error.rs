@@ -134,9 +134,9 @@ impl fmt::Display for ParseErrorKind {
     }
 }
 
-impl fmt::Display for ParseError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{}", self.kind)?;
+impl ParseError {
+    /// What to do about it, where there is a good guess: the second half of the message.
+    pub fn help(&self) -> Option<String> {
         match (&self.kind, &self.suggestion) {
             (
                 ParseErrorKind::MissingOperator { .. }
@@ -144,16 +144,23 @@ impl fmt::Display for ParseError {
                 | ParseErrorKind::BareFunction(_)
                 | ParseErrorKind::StrayCharacter(_),
                 Some(suggestion),
-            ) => write!(out, "; write `{suggestion}`"),
-            (_, Some(suggestion)) => write!(out, "; did you mean `{suggestion}`?"),
+            ) => Some(format!("write `{suggestion}`")),
+            (_, Some(suggestion)) => Some(format!("did you mean `{suggestion}`?")),
             (ParseErrorKind::UnknownFunction(_), None) => {
-                write!(
-                    out,
-                    "; there are {}",
-                    function_names().collect::<Vec<_>>().join(", ")
-                )
+                let functions: Vec<&str> = function_names().collect();
+                Some(format!("there are {}", functions.join(", ")))
             }
-            (_, None) => Ok(()),
+            (_, None) => None,
+        }
+    }
+}
+
+impl fmt::Display for ParseError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}", self.kind)?;
+        match self.help() {
+            Some(help) => write!(out, "; {help}"),
+            None => Ok(()),
         }
     }
 }

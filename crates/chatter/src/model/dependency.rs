@@ -52,7 +52,7 @@ impl Model {
     /// The parameters, each after those its value uses; or a circle among them.
     pub(super) fn parameter_order(&self) -> Result<Vec<usize>, Vec<usize>> {
         let used = |symbol| match symbol {
-            Symbol::Parameter(index) => Some(index),
+            Symbol::Parameter(index) => (index < self.parameters.len()).then_some(index),
             Symbol::State(_) => None,
         };
         let uses: Vec<Vec<usize>> = (self.parameters.iter())

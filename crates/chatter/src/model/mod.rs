@@ -1,9 +1,16 @@
 //! Impacting systems: states, parameters, contacts, sections, and the files that hold them.
 //!
-//! A [`Model`] is equations and nothing else. [`Mechanics`] derives from them what an impacting system needs: rate,
-//! acceleration, jerk, the impact map and the sticking field.
+//! A [`Model`] is equations and nothing else. It comes from a file ([`Model::from_toml`]) or from a [`ModelBuilder`];
+//! both write the same draft of named texts, which is resolved, parsed and checked in one place. [`Mechanics`] derives
+//! from the equations what an impacting system needs: rate, acceleration, jerk, the impact map and the sticking field.
 
+mod assemble;
 mod dependency;
+mod diagnostic;
+mod direction;
+mod draft;
+mod error;
+mod file;
 mod identically_zero;
 mod mechanics;
 #[expect(
@@ -11,6 +18,14 @@ mod mechanics;
     reason = "the floor is named after what it holds"
 )]
 mod model;
+mod names;
+mod overrides;
+mod scope;
+mod syntax;
+mod table;
 
+pub use diagnostic::Palette;
+pub use direction::Direction;
+pub use error::{ModelError, ModelErrorKind, ModelErrors, Role};
 pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};
-pub use model::{Contact, Definition, Direction, Label, Model, Parameter, Section, State};
+pub use model::{Contact, Definition, Label, Model, Parameter, Section, State};

@@ -1,5 +1,6 @@
 //! An impacting system as its equations.
 
+use super::direction::Direction;
 use crate::expressions::{Expr, Graph};
 use crate::numerics::Real;
 
@@ -86,17 +87,6 @@ pub struct Section {
     pub direction: Direction,
 }
 
-/// Which crossings of a surface count.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Direction {
-    /// From negative to positive.
-    Rising,
-    /// From positive to negative.
-    Falling,
-    /// Both.
-    Either,
-}
-
 /// A named expression, written out wherever it is used.
 #[derive(Clone, Debug)]
 pub struct Definition {
@@ -104,6 +94,8 @@ pub struct Definition {
     pub name: String,
     /// What it stands for.
     pub value: Expr,
+    /// Whether another equation names it.
+    pub used: bool,
 }
 
 impl Model {

@@ -1,0 +1,149 @@
+//! A model as its author wrote it: named texts and where they stand. Files and the builder both make one, and
+//! [`assemble`](super::assemble) turns it into a [`Model`](super::Model).
+
+use super::direction::Direction;
+use super::model::Label;
+use crate::numerics::DoubleDouble;
+use core::ops::Range;
+use std::sync::Arc;
+
+/// A text that errors point into.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct SourceText {
+    /// Name of the file, or what the text is for.
+    pub name: String,
+    /// Empty where there is no text to show.
+    pub text: String,
+}
+
+/// A stretch of a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub source: Arc<SourceText>,
+    pub span: Range<usize>,
+    /// Where the content of the string starts, if it stands in the source letter by letter (no escapes).
+    pub verbatim: Option<usize>,
+}
+
+impl Place {
+    /// A place without text, known by name only.
+    pub fn named(name: &str) -> Self {
+        Self::whole(name, "")
+    }
+
+    /// All of a text of its own.
+    pub fn whole(name: &str, text: &str) -> Self {
+        let (name, text) = (name.to_owned(), text.to_owned());
+        let span = 0..text.len();
+        let verbatim = Some(0);
+        Self {
+            source: Arc::new(SourceText { name, text }),
+            span,
+            verbatim,
+        }
+    }
+
+    /// The part `within` of the string that stands here, or all of it where it cannot be told.
+    pub fn inside(&self, within: Range<usize>) -> Self {
+        let Some(start) = self.verbatim else {
+            return self.clone();
+        };
+        let span = start + within.start..start + within.end;
+        Self {
+            span,
+            ..self.clone()
+        }
+    }
+}
+
+/// A name and where it stands.
+#[derive(Clone, Debug)]
+pub(super) struct Name {
+    pub text: String,
+    pub place: Place,
+}
+
+/// Something that should be an expression.
+#[derive(Clone, Debug)]
+pub(super) struct Formula {
+    pub content: Content,
+    pub place: Place,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Content {
+    Number(DoubleDouble),
+    Text(String),
+    /// Not an expression, which has been reported.
+    Broken,
+}
+
+/// `name = formula`.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub name: Name,
+    pub formula: Formula,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct ContactDraft {
+    pub name: Option<Name>,
+    pub place: Place,
+    pub gap: Option<Formula>,
+    pub impulse: Option<ImpulseDraft>,
+    pub restitution: Option<Formula>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct ImpulseDraft {
+    pub place: Place,
+    /// `None` where the table could not be read, which has been reported.
+    pub components: Option<Vec<Entry>>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct SectionDraft {
+    pub name: Name,
+    pub surface: Option<Formula>,
+    pub direction: Direction,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct LabelDraft {
+    pub name: Name,
+    pub label: Label,
+}
+
+/// Everything an author wrote, unresolved.
+#[derive(Clone, Debug)]
+pub(super) struct Draft {
+    /// Stands for the model as a whole in errors.
+    pub place: Place,
+    pub title: Option<String>,
+    pub source: Option<String>,
+    pub parameters: Vec<Entry>,
+    /// `None` where there is no such table; entries `None` where it is no table, which has been reported.
+    pub flight: Option<(Place, Option<Vec<Entry>>)>,
+    pub contacts: Vec<ContactDraft>,
+    pub sections: Vec<SectionDraft>,
+    pub initial: Vec<Entry>,
+    pub definitions: Vec<Entry>,
+    pub labels: Vec<LabelDraft>,
+}
+
+impl Draft {
+    pub fn new(place: Place) -> Self {
+        Self {
+            place,
+            title: None,
+            source: None,
+            parameters: Vec::new(),
+            flight: None,
+            contacts: Vec::new(),
+            sections: Vec::new(),
+            initial: Vec::new(),
+            definitions: Vec::new(),
+            labels: Vec::new(),
+        }
+    }
+}
