@@ -11,6 +11,9 @@ use crate::numerics::Scalar;
 /// Highest order that an expansion may have.
 pub const MAX_ORDER: usize = 50;
 
+/// Coefficients stored for each series.
+const STRIDE: usize = MAX_ORDER + 1;
+
 /// 1 / k for k from 1 on, correctly rounded at each number's own precision.
 #[inline(always)]
 fn reciprocal<S: Scalar>(k: usize) -> S {
@@ -20,7 +23,6 @@ fn reciprocal<S: Scalar>(k: usize) -> S {
 /// Scratch space of one thread: the coefficients of every series of a tape.
 #[derive(Clone, Debug)]
 pub struct Expansion<S> {
-    stride: usize,
     order: usize,
     values: Vec<S>,
     auxiliaries: Vec<S>,
@@ -35,9 +37,8 @@ impl<S: Scalar> Expansion<S> {
         let mut reciprocals = vec![S::splat(0.0)];
         reciprocals.extend((1..=MAX_ORDER + 1).map(reciprocal::<S>));
         Self {
-            stride: MAX_ORDER + 1,
             order: 0,
-            values: vec![S::splat(0.0); slots * (MAX_ORDER + 1)],
+            values: vec![S::splat(0.0); slots * STRIDE],
             auxiliaries: vec![S::splat(0.0); auxiliaries],
             reciprocals,
         }
@@ -52,22 +53,43 @@ impl<S: Scalar> Expansion<S> {
     /// Coefficients of a series in powers of the scaled time, lowest first.
     #[inline(always)]
     pub fn series(&self, slot: usize) -> &[S] {
-        &self.values[slot * self.stride..slot * self.stride + self.order + 1]
+        &self.values[slot * STRIDE..slot * STRIDE + self.order + 1]
+    }
+
+    /// The slots of a tape that runs here all exist, and so does every order asked for: what the accesses below rely on.
+    #[inline(always)]
+    fn admit(&self, tape: &Tape, constants: &[S], order: usize) {
+        assert!(
+            tape.slots * STRIDE <= self.values.len()
+                && tape.auxiliaries <= self.auxiliaries.len()
+                && tape.constant_count() <= constants.len()
+                && order < STRIDE
+        );
     }
 
     #[inline(always)]
     fn get(&self, slot: usize, k: usize) -> S {
-        self.values[slot * self.stride + k]
+        debug_assert!(slot * STRIDE + k < self.values.len() && k < STRIDE);
+        // SAFETY: `slot` comes from a tape that `admit` let in, whose slots are all below `tape.slots` by construction,
+        // and `k` is at most the order that it let in. (Checked accesses cost a third of a scalar step.)
+        unsafe { *self.values.get_unchecked(slot * STRIDE + k) }
     }
 
     #[inline(always)]
     fn set(&mut self, slot: usize, k: usize, value: S) {
-        self.values[slot * self.stride + k] = value;
+        debug_assert!(slot * STRIDE + k < self.values.len() && k < STRIDE);
+        // SAFETY: as in `get`.
+        unsafe { *self.values.get_unchecked_mut(slot * STRIDE + k) = value };
     }
 
     #[inline(always)]
     fn part(&self, slot: usize, from: usize, to: usize) -> &[S] {
-        &self.values[slot * self.stride + from..slot * self.stride + to]
+        debug_assert!(slot * STRIDE + to <= self.values.len() && from <= to && to <= STRIDE);
+        // SAFETY: as in `get`; callers pass `from <= to`, and `to` is at most one more than the order.
+        unsafe {
+            self.values
+                .get_unchecked(slot * STRIDE + from..slot * STRIDE + to)
+        }
     }
 
     /// How large the last terms of a series are against its leading ones, for each of several truncation orders: each
@@ -102,6 +124,7 @@ impl<S: Scalar> Expansion<S> {
         values: &mut [S],
     ) {
         self.order = 0;
+        self.admit(tape, constants, 0);
         for (slot, &value) in state.iter().enumerate() {
             self.set(slot, 0, value);
         }
@@ -128,6 +151,7 @@ impl<S: Scalar> Expansion<S> {
         order: usize,
     ) {
         self.order = order;
+        self.admit(tape, constants, order);
         for (slot, &value) in state.iter().enumerate() {
             self.set(slot, 0, value);
         }
@@ -340,21 +364,32 @@ impl<S: Scalar> Expansion<S> {
     }
 }
 
-/// sum_i a_i b_{n-1-i}, in two interleaved partial sums whose order is the same for every number type.
+/// sum_i a_i b_{n-1-i}, in an order that is the same for every number type.
+///
+/// The outermost products come last: one of them holds the coefficient that was computed just before, and the rest of
+/// the sum need not wait for it.
 #[inline(always)]
 fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
+    let n = a.len();
+    let (Some(&first), Some(&last)) = (a.first(), b.get(n.wrapping_sub(1))) else {
+        return S::splat(0.0);
+    };
+    if n == 1 {
+        return first * last;
+    }
     let mut even = S::splat(0.0);
     let mut odd = S::splat(0.0);
-    let mut left = a.chunks_exact(2);
-    let mut right = b.rchunks_exact(2);
+    let mut left = a[1..n - 1].chunks_exact(2);
+    let mut right = b[1..n - 1].rchunks_exact(2);
     for (pair, mirrored) in left.by_ref().zip(right.by_ref()) {
         even = pair[0].mul_add(mirrored[1], even);
         odd = pair[1].mul_add(mirrored[0], odd);
     }
-    if let ([last], [first]) = (left.remainder(), right.remainder()) {
-        even = last.mul_add(*first, even);
+    if let ([middle], [mirrored]) = (left.remainder(), right.remainder()) {
+        even = middle.mul_add(*mirrored, even);
     }
-    even + odd
+    let sum = a[n - 1].mul_add(b[0], even + odd);
+    first.mul_add(last, sum)
 }
 
 #[inline(always)]

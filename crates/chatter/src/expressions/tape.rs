@@ -156,6 +156,12 @@ impl Tape {
     }
 }
 
+#[derive(Default)]
+struct LinearForm {
+    offsets: Vec<Expr>,
+    terms: Vec<(usize, usize)>,
+}
+
 struct Lowering<'g> {
     graph: &'g mut Graph,
     tape: Tape,
@@ -261,27 +267,43 @@ impl Lowering<'_> {
         (coefficient, Some(self.graph.product(&varying)))
     }
 
-    fn linear(&mut self, parts: &[Expr]) -> usize {
-        let mut offsets = Vec::new();
-        let mut terms = Vec::new();
+    /// Terms of a sum, each a coefficient and a series, and the offsets; constant factors are multiplied into the sums
+    /// that they stand before, which saves an operation an order.
+    fn collect(&mut self, parts: &[Expr], factor: Option<Expr>, into: &mut LinearForm) {
         for &part in parts {
-            match self.split(part) {
-                (offset, None) => offsets.push(offset),
-                (coefficient, Some(varying)) => {
+            let (coefficient, varying) = self.split(part);
+            let coefficient = match factor {
+                Some(factor) => self.graph.mul(factor, coefficient),
+                None => coefficient,
+            };
+            let Some(varying) = varying else {
+                into.offsets.push(coefficient);
+                continue;
+            };
+            match self.graph.node(varying).clone() {
+                Node::Sum(inner) if !self.series.contains_key(&varying) => {
+                    self.collect(&inner, Some(coefficient), into);
+                }
+                _ => {
                     let slot = self.slot(varying);
-                    terms.push((self.constant(coefficient), slot));
+                    into.terms.push((self.constant(coefficient), slot));
                 }
             }
         }
-        let offset = if offsets.is_empty() {
+    }
+
+    fn linear(&mut self, parts: &[Expr]) -> usize {
+        let mut form = LinearForm::default();
+        self.collect(parts, None, &mut form);
+        let offset = if form.offsets.is_empty() {
             None
         } else {
-            let sum = self.graph.sum(&offsets);
+            let sum = self.graph.sum(&form.offsets);
             Some(self.constant(sum))
         };
         let out = self.new_slot();
         let first = self.tape.terms.len();
-        self.tape.terms.extend(terms);
+        self.tape.terms.extend(form.terms);
         let end = self.tape.terms.len();
         self.tape.ops.push(Op::Linear {
             out,

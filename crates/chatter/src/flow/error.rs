@@ -40,6 +40,13 @@ pub enum FlowError {
         /// How many are allowed.
         limit: usize,
     },
+    /// A model with more contacts and sections than can be watched at once.
+    TooManySurfaces {
+        /// How many it has.
+        count: usize,
+        /// How many are allowed.
+        limit: usize,
+    },
     /// A restitution outside [0, 1) at an impact.
     Restitution {
         /// Time of the impact.
@@ -86,6 +93,10 @@ impl fmt::Display for FlowError {
                     "the model has {count} contacts; at most {limit} are supported"
                 )
             }
+            Self::TooManySurfaces { count, limit } => write!(
+                out,
+                "the model has {count} contacts and sections; at most {limit} are supported"
+            ),
             Self::Restitution {
                 time,
                 contact,

@@ -15,6 +15,7 @@ mod program;
 mod resolve;
 mod step;
 mod system;
+mod touching;
 mod trajectory;
 
 pub use error::FlowError;

@@ -3,6 +3,7 @@
 use super::error::FlowError;
 use super::program::{GuardKind, Program};
 use super::step::{NO_EVENT, Workspace};
+use super::touching::Touching;
 use crate::numerics::Real;
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::roots::{Crossing, Root, RootKind, first_root};
@@ -29,7 +30,7 @@ pub(crate) fn resolve<R: Real>(
     work: &mut Workspace<R>,
     program: &Program,
     class: usize,
-    touching: &[u8],
+    touching: Touching,
 ) -> Result<Resolution, Unsettled> {
     let mut tries = 0;
     loop {
@@ -48,12 +49,12 @@ pub(crate) fn resolve<R: Real>(
     let whole = work.scaled_step;
     for (index, guard) in program.guards.iter().enumerate() {
         let one_sided = !matches!(guard.kind, GuardKind::Section(_));
-        let Some(p) = work.guard_series(guard.series, touching[index]) else {
+        let Some(p) = work.guard_series(guard.series, touching.get(index)) else {
             continue;
         };
         let width = work.scaled_step;
         let found = if one_sided {
-            first_closing(p, width, work.noise(), touching[index] > 0)?
+            first_closing(p, width, work.noise(), touching.get(index) > 0)?
         } else {
             first_crossing(p, width, work.noise(), guard.crossing)
         };

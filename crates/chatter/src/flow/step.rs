@@ -5,6 +5,7 @@
 //! [`resolve`](super::resolve) for that trajectory alone, so a lane's result does not depend on its neighbours.
 
 use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
+use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
 use crate::numerics::polynomial::{bernstein, horner, horner_with_slope, magnitude};
 use crate::numerics::roots::Crossing;
@@ -152,14 +153,14 @@ impl<S: Scalar> Workspace<S> {
 
     /// Shortens the step to the first guard's zero. Returns where this is certain.
     #[inline(always)]
-    pub(crate) fn locate(&mut self, program: &Program, touching: &[u8]) -> S::Mask {
+    pub(crate) fn locate(&mut self, program: &Program, touching: Touching) -> S::Mask {
         self.event = S::splat(NO_EVENT);
         let mut certain = self.scaled_step.is_finite() & S::splat(0.0).less(self.scaled_step);
         for (index, guard) in program.guards.iter().enumerate() {
             let Operand::Series(slot) = guard.series else {
                 continue;
             };
-            let p = &self.expansion.series(slot)[usize::from(touching[index])..];
+            let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
             let end = self.scaled_step;
             let start = p[0];
             let rest = magnitude(&p[1..], end) * end;

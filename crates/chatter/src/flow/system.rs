@@ -3,6 +3,7 @@
 use super::error::FlowError;
 use super::program::{Closed, Program, ProgramConstants};
 use super::step::Workspace;
+use super::touching::Touching;
 use crate::expressions::Graph;
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::{Real, Scalar};
@@ -45,6 +46,12 @@ impl System {
             return Err(SystemError::Flow(FlowError::TooManyContacts {
                 count: contacts,
                 limit: MAX_CONTACTS,
+            }));
+        }
+        if contacts + model.sections.len() > Touching::GUARDS {
+            return Err(SystemError::Flow(FlowError::TooManySurfaces {
+                count: contacts + model.sections.len(),
+                limit: Touching::GUARDS,
             }));
         }
         let mut mechanics = Mechanics::new(model).map_err(SystemError::Model)?;

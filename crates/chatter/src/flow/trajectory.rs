@@ -11,6 +11,7 @@ use super::program::{Closed, GuardKind, LOCAL_SCALARS, Program, ProgramConstants
 use super::resolve::{Resolution, resolve};
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
+use super::touching::Touching;
 use crate::numerics::Real;
 use crate::numerics::dispatch::{Kernel, dispatch};
 use crate::numerics::two_sum;
@@ -21,6 +22,9 @@ const REST: f64 = 1e-13;
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
 const REACH_USED: f64 = 0.95;
+
+/// A restitution computed from rates may leave [0, 1] by this much.
+const RESTITUTION_SLACK: f64 = 1e-12;
 
 /// First guess of the unit of time, before anything is known; a step finds its own size from there.
 const FIRST_UNIT: f64 = 0.125;
@@ -38,7 +42,7 @@ pub struct Trajectory<R> {
     pub(crate) low: Vec<R>,
     pub(crate) closed: Closed,
     /// Per guard of the phase's program: how many roots lie at the present state.
-    pub(crate) touching: Vec<u8>,
+    pub(crate) touching: Touching,
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
     tracker: ChatterTracker<R>,
@@ -65,7 +69,7 @@ struct ScalarStep<'a, R: Real> {
     work: &'a mut Workspace<R>,
     program: &'a Program,
     class: usize,
-    touching: &'a [u8],
+    touching: Touching,
 }
 
 impl<R: Real> Kernel for ScalarStep<'_, R> {
@@ -100,7 +104,7 @@ impl<R: Real> Trajectory<R> {
             state: state.to_vec(),
             low: vec![R::ZERO; state.len()],
             closed: Closed::NONE,
-            touching: Vec::new(),
+            touching: Touching::NONE,
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
             tracker: ChatterTracker::new(),
@@ -180,7 +184,7 @@ impl<R: Real> Trajectory<R> {
             work,
             program,
             class,
-            touching: &self.touching,
+            touching: self.touching,
         });
         let result = if certain {
             self.result(work, remaining)
@@ -208,7 +212,7 @@ impl<R: Real> Trajectory<R> {
         if let Some(constants) = &self.constants[self.closed.0 as usize] {
             work.load_constants(constants);
         }
-        let resolution = resolve(work, program, class, &self.touching)
+        let resolution = resolve(work, program, class, self.touching)
             .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
         work.finish(program);
         let stalled = self.time + work.step == self.time
@@ -281,12 +285,12 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.advance_time(result.step);
         self.reach = result.reach;
-        self.touching.fill(0);
+        self.touching = Touching::NONE;
         if result.step > R::ZERO {
             self.instant_impacts = 0;
         }
         if let Some(index) = result.touched {
-            self.touching[index] = 2;
+            self.touching.set(index, 2);
             self.flight_time = R::splat(FOREVER);
             return self.graze(system, work, program, index);
         }
@@ -302,7 +306,7 @@ impl<R: Real> Trajectory<R> {
         };
         match program.guards[index].kind {
             GuardKind::Section(section) => {
-                self.touching[index] = 1;
+                self.touching.set(index, 1);
                 self.flight_time =
                     if self.flight_time < R::splat(FOREVER) && self.flight_time > result.step {
                         self.flight_time - result.step
@@ -318,7 +322,7 @@ impl<R: Real> Trajectory<R> {
             }
             GuardKind::Gap(contact) => {
                 self.flight_time = result.flight_time;
-                self.touching[index] = 1;
+                self.touching.set(index, 1);
                 self.after_impact(system, work, contact, &result.impact)
             }
         }
@@ -369,12 +373,13 @@ impl<R: Real> Trajectory<R> {
                 count: self.instant_impacts,
             });
         }
-        let ratio = (-rate_after / rate_before).to_f64();
-        if rate_before < R::ZERO && !(-1e-12..=1.0 + 1e-12).contains(&ratio) {
+        let slack = -rate_before * R::splat(RESTITUTION_SLACK);
+        let legal = rate_after >= -slack && rate_after <= slack - rate_before;
+        if rate_before < R::ZERO && !legal {
             return Err(FlowError::Restitution {
                 time: self.time.to_f64(),
                 contact,
-                value: ratio,
+                value: (-rate_after / rate_before).to_f64(),
             });
         }
         self.sequence += 1;
@@ -555,38 +560,26 @@ impl<R: Real> Trajectory<R> {
 
     /// Changes the phase; guards that both phases have keep their roots at the present state.
     fn enter(&mut self, system: &System, closed: Closed) -> Result<(), FlowError> {
-        let before: Vec<(GuardKind, u8)> = match system.program(self.closed) {
-            Some(program) => program
-                .guards
-                .iter()
-                .map(|guard| guard.kind)
-                .zip(self.touching.iter().copied())
-                .collect(),
-            None => Vec::new(),
-        };
+        let before = self.touching;
+        let old = system.program(self.closed);
         self.closed = closed;
         let program = self.program(system)?;
-        self.touching = program
-            .guards
-            .iter()
-            .map(|guard| {
-                before
-                    .iter()
-                    .find(|(kind, _)| *kind == guard.kind)
-                    .map_or(0, |&(_, roots)| roots)
-            })
-            .collect();
+        self.touching = Touching::NONE;
+        for (index, guard) in program.guards.iter().enumerate() {
+            let same =
+                old.and_then(|old| old.guards.iter().position(|other| other.kind == guard.kind));
+            self.touching
+                .set(index, same.map_or(0, |place| before.get(place)));
+        }
         Ok(())
     }
 
     fn touch(&mut self, system: &System, kind: GuardKind, roots: u8) {
-        let Some(program) = system.program(self.closed) else {
-            return;
-        };
-        for (guard, touching) in program.guards.iter().zip(&mut self.touching) {
-            if guard.kind == kind {
-                *touching = roots;
-            }
+        let place = system
+            .program(self.closed)
+            .and_then(|program| program.guards.iter().position(|guard| guard.kind == kind));
+        if let Some(index) = place {
+            self.touching.set(index, roots);
         }
     }
 
@@ -629,6 +622,11 @@ impl<R: Real> Trajectory<R> {
 }
 
 impl<R: Real> Workspace<R> {
+    /// Order of the latest expansion.
+    pub fn order(&self) -> usize {
+        self.expansion.order()
+    }
+
     /// The latest step as polynomials: for each state its coefficients in powers of the scaled time, and the scaled and
     /// true length of the step.
     pub fn dense(&self) -> Dense<'_, R> {
