@@ -147,6 +147,16 @@ impl Tape {
             .collect()
     }
 
+    /// Indices of the constants whose expressions satisfy a condition.
+    pub(crate) fn constants_where(&self, condition: impl Fn(Expr) -> bool) -> Vec<usize> {
+        let matching = |(index, &expr): (usize, &Expr)| condition(expr).then_some(index);
+        self.constants
+            .iter()
+            .enumerate()
+            .filter_map(matching)
+            .collect()
+    }
+
     /// Whether every output is a state or a constant, so that no operation is needed at the last order.
     pub(crate) fn outputs_are_states(&self) -> bool {
         self.outputs.iter().all(|output| match output {

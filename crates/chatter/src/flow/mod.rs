@@ -10,6 +10,7 @@
 
 mod chatter;
 mod error;
+mod fleet;
 mod occurrence;
 mod program;
 mod resolve;
@@ -19,6 +20,7 @@ mod touching;
 mod trajectory;
 
 pub use error::FlowError;
+pub use fleet::{Next, run_fleet};
 pub use occurrence::Occurrence;
 pub use program::{Closed, GuardKind};
 pub use step::Workspace;

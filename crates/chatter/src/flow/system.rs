@@ -4,7 +4,7 @@ use super::error::FlowError;
 use super::program::{Closed, Program, ProgramConstants};
 use super::step::Workspace;
 use super::touching::Touching;
-use crate::expressions::Graph;
+use crate::expressions::{Graph, Symbol, Tape};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::{Real, Scalar};
 
@@ -105,6 +105,21 @@ impl System {
     /// The program of a phase; none where these contacts cannot be held together.
     pub(crate) fn program(&self, closed: Closed) -> Option<&Program> {
         self.programs[closed.0 as usize].as_ref()
+    }
+
+    /// All programs, by the bits of their closed sets.
+    pub(crate) fn programs(&self) -> impl Iterator<Item = Option<&Program>> {
+        self.programs.iter().map(Option::as_ref)
+    }
+
+    /// Which constants of a tape change with any of these parameters.
+    pub(crate) fn constants_depending_on(&self, tape: &Tape, parameters: &[usize]) -> Vec<usize> {
+        tape.constants_where(|expr| {
+            let symbols = self.graph.symbols(expr);
+            parameters
+                .iter()
+                .any(|&p| symbols.contains(&Symbol::Parameter(p)))
+        })
     }
 
     pub(crate) fn constants<R: Real>(&self, parameters: &[R]) -> Vec<Option<ProgramConstants<R>>> {

@@ -45,6 +45,7 @@ pub struct Trajectory<R> {
     pub(crate) touching: Touching,
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
+    horizon: R,
     tracker: ChatterTracker<R>,
     sequence: u64,
     instant_impacts: usize,
@@ -63,6 +64,13 @@ pub(crate) struct StepResult<R> {
     pub reach: [R; ORDER_CLASSES],
     pub impact: [R; super::program::IMPACT_SCALARS],
     pub flight_time: R,
+}
+
+impl<R: Real> StepResult<R> {
+    /// Whether a step without event goes all the way of the time left, whose product with a unit of time is rounded.
+    pub(crate) fn reaches(step: R, remaining: R) -> bool {
+        step >= remaining * R::splat(1.0 - 4.0 * R::ROUNDOFF)
+    }
 }
 
 struct ScalarStep<'a, R: Real> {
@@ -107,6 +115,7 @@ impl<R: Real> Trajectory<R> {
             touching: Touching::NONE,
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
+            horizon: R::splat(FOREVER),
             tracker: ChatterTracker::new(),
             sequence: 0,
             instant_impacts: 0,
@@ -153,6 +162,25 @@ impl<R: Real> Trajectory<R> {
         self.closed
     }
 
+    /// The time at which the trajectory stops next.
+    pub fn horizon(&self) -> R {
+        self.horizon
+    }
+
+    /// Sets the time at which the trajectory stops next, for [`run_fleet`](super::run_fleet).
+    pub fn set_horizon(&mut self, horizon: R) {
+        self.horizon = horizon;
+    }
+
+    pub(crate) fn remaining(&self) -> R {
+        (self.horizon - self.time) - self.time_low
+    }
+
+    /// Whether the next call to [`advance`](Self::advance) needs no step.
+    pub(crate) fn has_pending(&self) -> bool {
+        self.pending.is_some() || self.completion.is_some() || self.remaining() <= R::ZERO
+    }
+
     /// Moves by one step: to the next event, to `horizon`, or as far as one expansion reaches. Tells what happened, if
     /// anything. The workspace's [`dense`](Workspace::dense) output covers the step.
     ///
@@ -164,6 +192,7 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         horizon: R,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
+        self.horizon = horizon;
         work.step = R::ZERO;
         if let Some(occurrence) = self.pending.take() {
             return Ok(Some(occurrence));
@@ -171,61 +200,60 @@ impl<R: Real> Trajectory<R> {
         if let Some((contact, end)) = self.completion.take() {
             return self.complete(system, work, contact, &end).map(Some);
         }
-        let remaining = (horizon - self.time) - self.time_low;
-        if remaining <= R::ZERO {
+        if self.remaining() <= R::ZERO {
             return Ok(Some(Occurrence::Horizon));
         }
         let program = self.program(system)?;
-        let class = self.load(work, remaining);
-        if let Some(constants) = &self.constants[self.closed.0 as usize] {
-            work.load_constants(constants);
-        }
+        let class = self.load(work);
         let certain = dispatch(ScalarStep {
             work,
             program,
             class,
             touching: self.touching,
         });
-        let result = if certain {
-            self.result(work, remaining)
-        } else {
-            self.settle(work, program, remaining)?
-        };
+        if !certain {
+            return self.advance_settled(system, work, program);
+        }
+        let result = self.result(work);
         self.state.copy_from_slice(&work.state);
         self.low.copy_from_slice(&work.low);
-        let occurrence = self.digest(system, work, program, result)?;
-        if occurrence == Some(Occurrence::Horizon) {
-            self.time = horizon;
-            self.time_low = R::ZERO;
-        }
-        Ok(occurrence)
+        self.digest(system, work, program, result)
+    }
+
+    /// Moves by a step that could not be certified, with full root isolation.
+    pub(crate) fn advance_settled(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        let result = self.settle(work, program)?;
+        self.state.copy_from_slice(&work.state);
+        self.low.copy_from_slice(&work.low);
+        self.digest(system, work, program, result)
     }
 
     /// Redoes a step that could not be certified, from this trajectory's state, with full root isolation.
-    pub(crate) fn settle(
+    fn settle(
         &self,
         work: &mut Workspace<R>,
         program: &Program,
-        remaining: R,
     ) -> Result<StepResult<R>, FlowError> {
-        let class = self.load(work, remaining);
-        if let Some(constants) = &self.constants[self.closed.0 as usize] {
-            work.load_constants(constants);
-        }
+        let class = self.load(work);
         let resolution = resolve(work, program, class, self.touching)
             .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
         work.finish(program);
         let stalled = self.time + work.step == self.time
             && work.event == R::splat(NO_EVENT)
             && resolution.touched.is_none()
-            && work.step < remaining;
+            && work.step < self.remaining();
         if stalled || !work.state.iter().all(|x| x.is_finite()) {
             return Err(FlowError::LeftDomain {
                 time: self.time.to_f64(),
                 state: self.state.iter().map(|x| x.to_f64()).collect(),
             });
         }
-        let mut result = self.result(work, remaining);
+        let mut result = self.result(work);
         let Resolution { touched, shortened } = resolution;
         result.touched = touched;
         result.at_horizon &= !shortened;
@@ -252,23 +280,27 @@ impl<R: Real> Trajectory<R> {
         (top, self.reach[top])
     }
 
-    fn load(&self, work: &mut Workspace<R>, remaining: R) -> usize {
+    fn load(&self, work: &mut Workspace<R>) -> usize {
+        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+            work.load_constants(constants);
+        }
         let (class, tau) = self.plan();
         work.state.copy_from_slice(&self.state);
         work.low.copy_from_slice(&self.low);
         work.reach = self.reach;
-        work.horizon = remaining;
+        work.horizon = self.remaining();
         work.tau = tau;
         class
     }
 
-    fn result(&self, work: &Workspace<R>, remaining: R) -> StepResult<R> {
+    fn result(&self, work: &Workspace<R>) -> StepResult<R> {
+        let remaining = self.remaining();
         let event = work.event.to_f64();
         StepResult {
             step: work.step,
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
-            at_horizon: event == NO_EVENT && work.step >= remaining * R::splat(1.0 - 1e-15),
+            at_horizon: event == NO_EVENT && StepResult::reaches(work.step, remaining),
             reach: work.reach,
             impact: work.impact,
             flight_time: work.flight_time,
@@ -302,7 +334,12 @@ impl<R: Real> Trajectory<R> {
                 } else {
                     R::splat(FOREVER)
                 };
-            return Ok(result.at_horizon.then_some(Occurrence::Horizon));
+            if result.at_horizon {
+                self.time = self.horizon;
+                self.time_low = R::ZERO;
+                return Ok(Some(Occurrence::Horizon));
+            }
+            return Ok(None);
         };
         match program.guards[index].kind {
             GuardKind::Section(section) => {

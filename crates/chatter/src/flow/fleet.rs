@@ -1,0 +1,346 @@
+//! Packs the steps of many trajectories into lanes. Nothing else knows of lanes.
+//!
+//! Each trajectory keeps its own time, step, order and phase. Those whose next step runs the same program at the same
+//! order with the same roots divided out wait in one queue; a full queue makes a full vector. What a lane computes does
+//! not depend on its neighbours, so results do not depend on packing, width or thread count.
+
+use super::error::FlowError;
+use super::occurrence::Occurrence;
+use super::program::{Closed, IMPACT_SCALARS, Program, ProgramConstants};
+use super::step::{NO_EVENT, ORDER_CLASSES, Workspace};
+use super::system::{Settings, System};
+use super::touching::Touching;
+use super::trajectory::{StepResult, Trajectory};
+use crate::numerics::dispatch::{Kernel, dispatch, has_avx512};
+use crate::numerics::{LaneMask, Lanes, Scalar};
+
+/// What becomes of a trajectory after an occurrence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// It goes on, from wherever the visitor left it.
+    Continue,
+    /// It is finished.
+    Retire,
+}
+
+/// Which constants of which tape differ between the trajectories of a fleet; the others are loaded once.
+#[derive(Clone, Debug)]
+struct Varying {
+    tape: Vec<usize>,
+    impacts: Vec<Vec<usize>>,
+}
+
+/// Runs trajectories of one system side by side until each retires.
+///
+/// `visit` hears of every occurrence of every trajectory, by index, and may replace the trajectory. All may differ in
+/// the parameters named in `swept` (by index) and in nothing else of the model.
+pub fn run_fleet<V>(
+    system: &System,
+    settings: &Settings,
+    swept: &[usize],
+    trajectories: &mut [Trajectory<f64>],
+    visit: V,
+) where
+    V: FnMut(usize, &mut Trajectory<f64>, Result<Occurrence<f64>, FlowError>) -> Next,
+{
+    if has_avx512() {
+        Fleet::<16, V>::new(system, settings, swept, trajectories, visit).run();
+    } else {
+        Fleet::<8, V>::new(system, settings, swept, trajectories, visit).run();
+    }
+}
+
+/// Trajectories whose next steps can share a vector.
+#[derive(Debug)]
+struct Queue {
+    closed: Closed,
+    touching: Touching,
+    class: usize,
+    /// Index of the trajectory and its unit of time.
+    waiting: Vec<(usize, f64)>,
+}
+
+struct Fleet<'a, const L: usize, V> {
+    system: &'a System,
+    trajectories: &'a mut [Trajectory<f64>],
+    visit: V,
+    varying: Vec<Option<Varying>>,
+    constants: Vec<Option<ProgramConstants<Lanes<L>>>>,
+    wide: Workspace<Lanes<L>>,
+    single: Workspace<f64>,
+    queues: Vec<Queue>,
+    loaded: Option<Closed>,
+}
+
+struct LaneStep<'a, const L: usize> {
+    work: &'a mut Workspace<Lanes<L>>,
+    program: &'a Program,
+    class: usize,
+    touching: Touching,
+}
+
+impl<const L: usize> Kernel for LaneStep<'_, L> {
+    type Output = LaneMask<L>;
+    #[inline(always)]
+    fn run(self) -> LaneMask<L> {
+        self.work.expand(self.program, self.class);
+        let certain = self.work.locate(self.program, self.touching);
+        self.work.finish(self.program);
+        certain
+    }
+}
+
+impl<'a, const L: usize, V> Fleet<'a, L, V>
+where
+    V: FnMut(usize, &mut Trajectory<f64>, Result<Occurrence<f64>, FlowError>) -> Next,
+{
+    fn new(
+        system: &'a System,
+        settings: &Settings,
+        swept: &[usize],
+        trajectories: &'a mut [Trajectory<f64>],
+        visit: V,
+    ) -> Self {
+        let splat = |values: &[f64]| {
+            values
+                .iter()
+                .map(|&value| Lanes::splat(value))
+                .collect::<Vec<_>>()
+        };
+        let constants = match trajectories.first() {
+            Some(first) => first
+                .constants
+                .iter()
+                .map(|constants| {
+                    constants.as_ref().map(|c| ProgramConstants {
+                        tape: splat(&c.tape),
+                        impacts: c.impacts.iter().map(|impact| splat(impact)).collect(),
+                        locals: Vec::new(),
+                        captures: Vec::new(),
+                        reactions: Vec::new(),
+                    })
+                })
+                .collect(),
+            None => Vec::new(),
+        };
+        let varying = system.programs().map(|program| {
+            program.map(|program| Varying {
+                tape: system.constants_depending_on(&program.tape, swept),
+                impacts: program
+                    .impacts
+                    .iter()
+                    .map(|impact| {
+                        impact.as_ref().map_or_else(Vec::new, |i| {
+                            system.constants_depending_on(&i.tape, swept)
+                        })
+                    })
+                    .collect(),
+            })
+        });
+        Self {
+            varying: varying.collect(),
+            constants,
+            wide: system.workspace(settings),
+            single: system.workspace(settings),
+            queues: Vec::new(),
+            loaded: None,
+            system,
+            trajectories,
+            visit,
+        }
+    }
+
+    fn run(mut self) {
+        for index in 0..self.trajectories.len() {
+            self.enqueue(index);
+        }
+        while let Some(queue) = self.fullest() {
+            self.step(queue);
+        }
+    }
+
+    /// A queue that fills a vector, or else the longest.
+    fn fullest(&self) -> Option<usize> {
+        let mut best = None;
+        let mut length = 0;
+        for (place, queue) in self.queues.iter().enumerate() {
+            if queue.waiting.len() >= L {
+                return Some(place);
+            }
+            if queue.waiting.len() > length {
+                length = queue.waiting.len();
+                best = Some(place);
+            }
+        }
+        best
+    }
+
+    /// Puts a trajectory into the queue of its next step, after whatever it can do without one.
+    fn enqueue(&mut self, index: usize) {
+        loop {
+            let trajectory = &mut self.trajectories[index];
+            if !trajectory.has_pending() {
+                break;
+            }
+            let horizon = trajectory.horizon();
+            let told = match trajectory.advance(self.system, &mut self.single, horizon) {
+                Ok(None) => continue,
+                Ok(Some(occurrence)) => Ok(occurrence),
+                Err(error) => Err(error),
+            };
+            if (self.visit)(index, trajectory, told) == Next::Retire {
+                return;
+            }
+        }
+        let trajectory = &self.trajectories[index];
+        let (closed, touching) = (trajectory.closed, trajectory.touching);
+        let (class, tau) = trajectory.plan();
+        let same = |queue: &Queue| {
+            queue.class == class && queue.closed == closed && queue.touching == touching
+        };
+        let place = match self.queues.iter().position(same) {
+            Some(place) => place,
+            None => {
+                self.queues.push(Queue {
+                    closed,
+                    touching,
+                    class,
+                    waiting: Vec::new(),
+                });
+                self.queues.len() - 1
+            }
+        };
+        self.queues[place].waiting.push((index, tau));
+    }
+
+    /// Takes up to a vector of trajectories from a queue and moves each by one step.
+    fn step(&mut self, place: usize) {
+        let queue = &mut self.queues[place];
+        let (closed, touching, class) = (queue.closed, queue.touching, queue.class);
+        let Some(program) = self.system.program(closed) else {
+            // A trajectory enters only phases that have a program.
+            queue.waiting.clear();
+            return;
+        };
+        let count = queue.waiting.len().min(L);
+        let first = queue.waiting.len() - count;
+        let mut members = [(0, 0.0); L];
+        members[..count].copy_from_slice(&queue.waiting[first..]);
+        queue.waiting.truncate(first);
+        for lane in count..L {
+            members[lane] = members[0];
+        }
+        let remaining = self.gather(closed, &members);
+        let certain = dispatch(LaneStep {
+            work: &mut self.wide,
+            program,
+            class,
+            touching,
+        });
+        for lane in 0..count {
+            let index = members[lane].0;
+            let outcome = self.digest(program, index, lane, certain.0[lane], remaining[lane]);
+            let told = match outcome {
+                Ok(None) => {
+                    self.enqueue(index);
+                    continue;
+                }
+                Ok(Some(occurrence)) => Ok(occurrence),
+                Err(error) => Err(error),
+            };
+            let failed = told.is_err();
+            if (self.visit)(index, &mut self.trajectories[index], told) == Next::Continue && !failed
+            {
+                self.enqueue(index);
+            }
+        }
+    }
+
+    /// Loads states and constants into lanes; returns the time left to each.
+    #[inline]
+    fn gather(&mut self, closed: Closed, members: &[(usize, f64); L]) -> [f64; L] {
+        let phase = closed.0 as usize;
+        let (Some(constants), Some(varying)) = (&mut self.constants[phase], &self.varying[phase])
+        else {
+            return [0.0; L];
+        };
+        if self.loaded != Some(closed) {
+            self.wide.constants.clone_from(&constants.tape);
+            self.wide.impact_constants.clone_from(&constants.impacts);
+            self.loaded = Some(closed);
+        }
+        let mut remaining = [0.0; L];
+        for (lane, &(index, tau)) in members.iter().enumerate() {
+            let trajectory = &self.trajectories[index];
+            for (wide, &value) in self.wide.state.iter_mut().zip(&trajectory.state) {
+                wide.0[lane] = value;
+            }
+            for (wide, &value) in self.wide.low.iter_mut().zip(&trajectory.low) {
+                wide.0[lane] = value;
+            }
+            for class in 0..ORDER_CLASSES {
+                self.wide.reach[class].0[lane] = trajectory.reach[class];
+            }
+            self.wide.tau.0[lane] = tau;
+            remaining[lane] = trajectory.remaining();
+            let Some(own) = &trajectory.constants[phase] else {
+                continue;
+            };
+            for &place in &varying.tape {
+                self.wide.constants[place].0[lane] = own.tape[place];
+            }
+            for ((wide, own), places) in self
+                .wide
+                .impact_constants
+                .iter_mut()
+                .zip(&own.impacts)
+                .zip(&varying.impacts)
+            {
+                for &place in places {
+                    wide[place].0[lane] = own[place];
+                }
+            }
+        }
+        self.wide.horizon = Lanes(remaining);
+        remaining
+    }
+
+    /// Gives a lane's step to its trajectory; an uncertain one is settled by itself.
+    #[inline]
+    fn digest(
+        &mut self,
+        program: &Program,
+        index: usize,
+        lane: usize,
+        certain: bool,
+        remaining: f64,
+    ) -> Result<Option<Occurrence<f64>>, FlowError> {
+        let trajectory = &mut self.trajectories[index];
+        if !certain {
+            return trajectory.advance_settled(self.system, &mut self.single, program);
+        }
+        for (value, wide) in trajectory.state.iter_mut().zip(&self.wide.state) {
+            *value = wide.0[lane];
+        }
+        for (value, wide) in trajectory.low.iter_mut().zip(&self.wide.low) {
+            *value = wide.0[lane];
+        }
+        let event = self.wide.event.0[lane];
+        let mut result = StepResult {
+            step: self.wide.step.0[lane],
+            event: (event >= 0.0).then_some(event as usize),
+            touched: None,
+            at_horizon: event == NO_EVENT && StepResult::reaches(self.wide.step.0[lane], remaining),
+            reach: [0.0; ORDER_CLASSES],
+            impact: [0.0; IMPACT_SCALARS],
+            flight_time: self.wide.flight_time.0[lane],
+        };
+        for class in 0..ORDER_CLASSES {
+            result.reach[class] = self.wide.reach[class].0[lane];
+        }
+        for (scalar, wide) in result.impact.iter_mut().zip(&self.wide.impact) {
+            *scalar = wide.0[lane];
+        }
+        trajectory.digest(self.system, &mut self.single, program, result)
+    }
+}
