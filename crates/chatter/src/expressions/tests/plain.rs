@@ -21,7 +21,7 @@ pub(super) enum Plain {
     Call(Function, Box<Plain>),
 }
 
-const FUNCTIONS: [Function; 11] = [
+pub(super) const FUNCTIONS: [Function; 11] = [
     Function::Exp,
     Function::Ln,
     Function::Sin,
@@ -90,6 +90,9 @@ pub(super) struct Bounded {
 /// Rounding error of one operation, with room for what the elementary functions lose.
 const ROUNDING: f64 = 1e-30;
 
+/// Errors above this are not small: first order says nothing of them.
+const LARGEST_LINEAR_ERROR: f64 = 1e-10;
+
 impl Bounded {
     fn rounded(value: DoubleDouble, error: f64) -> Self {
         // Constants that were folded away leave errors of their own size: hence the 1.
@@ -99,6 +102,12 @@ impl Bounded {
 
     /// A function of one argument, its slope from a difference of the argument's error.
     fn through(self, function: impl Fn(DoubleDouble) -> DoubleDouble) -> Self {
+        if self.error > LARGEST_LINEAR_ERROR {
+            return Self {
+                value: function(self.value),
+                error: f64::INFINITY,
+            };
+        }
         let step = DoubleDouble::from(self.error.max(1e-20));
         let value = function(self.value);
         let change = [self.value - step, self.value + step]
@@ -179,7 +188,14 @@ impl Plain {
             Self::Divide(a, b) => {
                 let (a, b) = (a.evaluate(point), b.evaluate(point));
                 let value = a.value / b.value;
-                let error = (a.error + value.to_f64().abs() * b.error) / b.value.to_f64().abs();
+                let below = b.value.to_f64().abs();
+                if b.error > LARGEST_LINEAR_ERROR * below {
+                    return Bounded {
+                        value,
+                        error: f64::INFINITY,
+                    };
+                }
+                let error = (a.error + value.to_f64().abs() * b.error) / below;
                 Bounded::rounded(value, error)
             }
             Self::Negate(a) => {
