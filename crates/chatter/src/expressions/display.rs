@@ -1,5 +1,6 @@
 //! Expressions as formulas: in the notation they are read in, or in TeX.
 
+use super::fraction::{Binding, Fraction, Piece, is_root};
 use super::graph::{Expr, Function, Graph, Node, Symbol};
 use super::number_text::{NumberText, number_text};
 use super::tex_name::tex_name;
@@ -19,35 +20,10 @@ pub struct Names<'a> {
 const LONGEST_FORMULA: usize = 1 << 16;
 const DEEPEST_FORMULA: usize = 500;
 
-/// How tightly a formula holds together, loosest first.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Binding {
-    Sum,
-    Product,
-    Power,
-    Atom,
-}
-
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Notation {
     Text,
     Tex,
-}
-
-/// A factor above or below the line.
-enum Piece {
-    Number(String),
-    /// A base with an exponent above zero.
-    Power(Expr, DoubleDouble),
-    Whole(Expr),
-}
-
-/// A term: its sign, and what stands above and below the line.
-#[derive(Default)]
-struct Fraction {
-    negative: bool,
-    above: Vec<Piece>,
-    below: Vec<Piece>,
 }
 
 impl Graph {
@@ -61,70 +37,6 @@ impl Graph {
     pub fn to_tex(&self, expr: Expr, names: Names<'_>) -> String {
         Writer::write(self, expr, names, Notation::Tex)
     }
-
-    fn fraction(&self, expr: Expr) -> Fraction {
-        let mut fraction = Fraction::default();
-        let factors = match self.node(expr) {
-            Node::Product(factors) => factors.as_slice(),
-            _ => core::slice::from_ref(&expr),
-        };
-        for (place, &factor) in factors.iter().enumerate() {
-            match self.node(factor) {
-                Node::Number(number) => {
-                    let value = number.value();
-                    let negative = value.high() < 0.0;
-                    let size = if negative { -value } else { value };
-                    fraction.negative ^= negative;
-                    match number_text(size) {
-                        NumberText::Decimal(text) if text == "1" => {}
-                        NumberText::Decimal(text) => fraction.above.push(Piece::Number(text)),
-                        NumberText::Ratio(above, below) => {
-                            if above != 1 {
-                                fraction.above.push(Piece::Number(above.to_string()));
-                            }
-                            fraction.below.push(Piece::Number(below.to_string()));
-                        }
-                    }
-                    debug_assert!(place == 0 || fraction.above.len() + fraction.below.len() > 0);
-                }
-                &Node::Power(base, exponent) => match self.as_number(exponent) {
-                    Some(weight) if weight.high() < 0.0 => {
-                        fraction.below.push(Piece::Power(base, -weight));
-                    }
-                    Some(weight) => fraction.above.push(Piece::Power(base, weight)),
-                    None => fraction.above.push(Piece::Whole(factor)),
-                },
-                _ => fraction.above.push(Piece::Whole(factor)),
-            }
-        }
-        if fraction.above.is_empty() {
-            fraction.above.push(Piece::Number("1".to_string()));
-        }
-        fraction
-    }
-
-    fn binding(&self, expr: Expr) -> Binding {
-        match self.node(expr) {
-            Node::Sum(_) => Binding::Sum,
-            Node::Pi | Node::Symbol(_) | Node::Call(..) => Binding::Atom,
-            Node::Number(_) | Node::Product(_) | Node::Power(..) => {
-                let fraction = self.fraction(expr);
-                if fraction.negative {
-                    return Binding::Sum;
-                }
-                match (&fraction.above[..], &fraction.below[..]) {
-                    ([Piece::Number(_)], []) => Binding::Atom,
-                    ([Piece::Power(_, weight)], []) if is_root(*weight) => Binding::Atom,
-                    ([Piece::Power(..) | Piece::Whole(_)], []) => Binding::Power,
-                    _ => Binding::Product,
-                }
-            }
-        }
-    }
-}
-
-fn is_root(weight: DoubleDouble) -> bool {
-    weight == DoubleDouble::from(0.5)
 }
 
 struct Writer<'a> {

@@ -1,20 +1,25 @@
 //! Expression graphs, their parser, derivatives and tapes.
 
+mod call;
 mod derivative;
 mod display;
 mod eval;
+mod fraction;
 mod graph;
 mod lexer;
 mod number;
 mod number_text;
+mod operand;
 mod parse_error;
 mod parser;
+mod product;
 mod series;
-mod simplify;
 mod substitute;
 mod suggest;
+mod sum;
 mod tape;
 mod tex_name;
+mod weighted;
 
 pub use display::Names;
 pub use graph::{Expr, Function, Graph, Node, Symbol};
