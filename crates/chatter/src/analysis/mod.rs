@@ -1,1 +1,3 @@
-//! Questions asked of a flow or a map, one file each.
+//! Questions asked of a system: each a pure function from a specification that can be stored to a typed result.
+
+pub mod simulate;

@@ -65,6 +65,22 @@ pub enum FlowError {
     },
 }
 
+impl FlowError {
+    /// A word for it, the same in all output.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::LeftDomain { .. } => "left_domain",
+            Self::Penetrates { .. } => "penetrates",
+            Self::DependentContacts { .. } => "dependent_contacts",
+            Self::UndecidedRelease { .. } => "undecided_release",
+            Self::TooManyContacts { .. } => "too_many_contacts",
+            Self::Restitution { .. } => "restitution",
+            Self::ImpactsWithoutEnd { .. } => "impacts_without_end",
+            Self::TooManySurfaces { .. } => "too_many_surfaces",
+        }
+    }
+}
+
 impl fmt::Display for FlowError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -24,5 +24,5 @@ pub use fleet::{Next, run_fleet};
 pub use occurrence::Occurrence;
 pub use program::{Closed, GuardKind};
 pub use step::Workspace;
-pub use system::{Settings, System};
-pub use trajectory::Trajectory;
+pub use system::{Settings, System, SystemError};
+pub use trajectory::{Dense, Trajectory};

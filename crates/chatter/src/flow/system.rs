@@ -7,6 +7,7 @@ use super::touching::Touching;
 use crate::expressions::{Graph, Symbol, Tape};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::{Real, Scalar};
+use core::fmt;
 
 /// Closed sets are enumerated, 2^n of them.
 const MAX_CONTACTS: usize = 6;
@@ -148,3 +149,14 @@ pub enum SystemError {
     /// The flow does not support it.
     Flow(FlowError),
 }
+
+impl fmt::Display for SystemError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Model(error) => error.fmt(out),
+            Self::Flow(error) => error.fmt(out),
+        }
+    }
+}
+
+impl core::error::Error for SystemError {}

@@ -6,6 +6,7 @@ mod lanes;
 pub mod polynomial;
 pub mod roots;
 mod scalar;
+mod stored;
 
 pub(crate) use double_double::two_sum;
 pub use double_double::{DoubleDouble, NotANumber};

@@ -1,0 +1,148 @@
+//! One trajectory with all that happens on it.
+//!
+//! ```text
+//! Spec        how long, what stops it, what is sampled
+//! simulate -> Simulation    events, contact phases, counts, samples, outcome
+//! ```
+
+mod recorder;
+mod result;
+mod samples;
+mod spec;
+
+#[cfg(test)]
+mod tests;
+
+pub use result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
+pub use samples::Samples;
+pub use spec::{EventKind, EventTarget, Sampling, Spec, SpecError, Stop};
+
+use crate::flow::{FlowError, Occurrence, Settings, System, SystemError, Trajectory};
+use crate::model::Model;
+use crate::numerics::Real;
+use core::fmt;
+use core::ops::ControlFlow;
+use recorder::Recorder;
+
+/// The observer is asked every so many steps: often enough for a reaction within a millisecond, too rarely to cost.
+const STEPS_BETWEEN_REPORTS: u32 = 64;
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Time where it began.
+    pub start: f64,
+    /// Time reached.
+    pub time: f64,
+    /// Time where it ends at the latest.
+    pub until: f64,
+    /// Impacts so far.
+    pub impacts: u64,
+    /// Impacts it may have.
+    pub impact_budget: u64,
+}
+
+/// Follows the trajectory from the model's initial state, at the model's parameter values, until something stops it.
+///
+/// The observer hears of progress every few steps and may break off; what was computed before is kept. So it is when
+/// the equations leave their domain or the mechanics do not determine what follows: see [`Outcome`].
+///
+/// # Errors
+/// The specification does not fit the model, the model cannot be compiled, or the initial state is not a state that a
+/// trajectory can start from.
+pub fn simulate<R: Real>(
+    model: &Model,
+    spec: &Spec,
+    observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<Simulation<R>, SimulateError> {
+    let mut targets = spec.targets(model)?;
+    let system = System::new(model).map_err(SimulateError::System)?;
+    let settings = Settings {
+        tolerance: spec.tolerance,
+    };
+    let mut work = system.workspace::<R>(&settings);
+    let parameters = model.parameter_values::<R>(&[]);
+    let state = model.initial_state(&parameters);
+    let start = model.time.map_or(R::ZERO, |index| state[index]);
+    let until = R::from_double_double(spec.until);
+    if until.partial_cmp(&start) != Some(core::cmp::Ordering::Greater) || !until.is_finite() {
+        return Err(SpecError::Until {
+            start: start.to_f64(),
+            until: until.to_f64(),
+        }
+        .into());
+    }
+    let mut trajectory = Trajectory::start(&system, &mut work, &parameters, start, &state)
+        .map_err(SimulateError::Start)?;
+    let mut recorder = Recorder::new(&spec.sampling, &trajectory);
+    let stops_at_rest = spec.stops.contains(&Stop::Rest) && model.time.is_none();
+    let mut steps: u32 = 0;
+
+    let outcome = loop {
+        if steps.is_multiple_of(STEPS_BETWEEN_REPORTS) {
+            let progress = Progress {
+                start: start.to_f64(),
+                time: trajectory.time().to_f64(),
+                until: until.to_f64(),
+                impacts: recorder.counts.impacts,
+                impact_budget: spec.impacts,
+            };
+            if observer(&progress).is_break() {
+                break Outcome::Interrupted;
+            }
+        }
+        steps = steps.wrapping_add(1);
+        let occurrence = match trajectory.advance(&system, &mut work, until) {
+            Ok(occurrence) => occurrence,
+            Err(error) => break Outcome::Failed(error),
+        };
+        recorder.motion(&work.dense(), &trajectory);
+        match occurrence {
+            None => {
+                if stops_at_rest && recorder.at_rest(&work.dense(), &trajectory) {
+                    break Outcome::Rest;
+                }
+            }
+            Some(Occurrence::Horizon) => break Outcome::Horizon,
+            Some(occurrence) => {
+                recorder.event(occurrence, &trajectory);
+                if let Some(target) = targets.reached_by(recorder.latest()) {
+                    break Outcome::Event(target);
+                }
+                if recorder.counts.impacts >= spec.impacts {
+                    break Outcome::ImpactBudget;
+                }
+            }
+        }
+    };
+    Ok(recorder.finish(outcome, &trajectory))
+}
+
+/// Why a simulation cannot begin.
+#[derive(Clone, Debug)]
+pub enum SimulateError {
+    /// The specification is wrong by itself or does not fit the model.
+    Spec(SpecError),
+    /// The model cannot be compiled.
+    System(SystemError),
+    /// No trajectory starts from the initial state.
+    Start(FlowError),
+}
+
+impl From<SpecError> for SimulateError {
+    fn from(error: SpecError) -> Self {
+        Self::Spec(error)
+    }
+}
+
+impl fmt::Display for SimulateError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Spec(error) => error.fmt(out),
+            Self::System(error) => error.fmt(out),
+            Self::Start(error) => error.fmt(out),
+        }
+    }
+}
+
+impl core::error::Error for SimulateError {}

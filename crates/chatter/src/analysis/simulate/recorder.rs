@@ -1,0 +1,165 @@
+//! Takes note of a trajectory while it moves.
+
+use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
+use super::samples::Sampler;
+use super::spec::Sampling;
+use crate::flow::{Closed, Dense, Occurrence, Trajectory};
+use crate::numerics::Real;
+
+pub(super) struct Recorder<R> {
+    pub(super) counts: Counts,
+    events: Vec<Event<R>>,
+    /// Whether the latest occurrence became an event.
+    fresh: bool,
+    contact_phases: Vec<ContactPhase<R>>,
+    start: (R, Vec<R>),
+    /// Time and closed contacts before the next step.
+    before: (R, Closed),
+    in_flight: bool,
+    samplers: Vec<Sampler<R>>,
+}
+
+impl<R: Real> Recorder<R> {
+    pub(super) fn new(sampling: &[Sampling], trajectory: &Trajectory<R>) -> Self {
+        let mut recorder = Self {
+            counts: Counts::default(),
+            events: Vec::new(),
+            fresh: false,
+            contact_phases: Vec::new(),
+            start: (trajectory.time(), trajectory.state().to_vec()),
+            before: (trajectory.time(), Closed::NONE),
+            in_flight: false,
+            samplers: (sampling.iter())
+                .map(|&sampling| Sampler::new(sampling, trajectory))
+                .collect(),
+        };
+        recorder.follow_phases(trajectory);
+        recorder
+    }
+
+    /// Notes the step just made.
+    pub(super) fn motion(&mut self, dense: &Dense<'_, R>, trajectory: &Trajectory<R>) {
+        let (time, closed) = self.before;
+        if dense.step() > R::ZERO && closed == Closed::NONE && !self.in_flight {
+            self.in_flight = true;
+            self.counts.flights += 1;
+        }
+        for sampler in &mut self.samplers {
+            sampler.motion(dense, time, closed, trajectory);
+        }
+        self.follow_phases(trajectory);
+    }
+
+    /// Opens and ends contact phases where the set of closed contacts has changed.
+    fn follow_phases(&mut self, trajectory: &Trajectory<R>) {
+        let (time, closed) = (trajectory.time(), trajectory.closed());
+        let before = self.before.1;
+        for contact in closed.contacts().filter(|&c| !before.contains(c)) {
+            self.contact_phases.push(ContactPhase {
+                contact,
+                start: time,
+                end: None,
+            });
+            self.in_flight = false;
+        }
+        for contact in before.contacts().filter(|&c| !closed.contains(c)) {
+            let open = |phase: &&mut ContactPhase<R>| phase.contact == contact;
+            if let Some(phase) = self.contact_phases.iter_mut().rev().find(open) {
+                phase.end = Some(time);
+            }
+        }
+        self.before = (time, closed);
+    }
+
+    /// Notes what happened.
+    pub(super) fn event(&mut self, occurrence: Occurrence<R>, trajectory: &Trajectory<R>) {
+        self.fresh = true;
+        let detail = match occurrence {
+            Occurrence::Impact {
+                contact,
+                rate_before,
+                rate_after,
+            } => {
+                self.counts.impacts += 1;
+                self.in_flight = false;
+                EventDetail::Impact {
+                    contact,
+                    rate_before,
+                    rate_after,
+                    closes: trajectory.closed().contains(contact),
+                }
+            }
+            Occurrence::Accumulation {
+                contact,
+                impacts,
+                error,
+            } => {
+                self.counts.accumulations += 1;
+                EventDetail::Accumulation {
+                    contact,
+                    impacts,
+                    error,
+                }
+            }
+            Occurrence::Release { contact } => {
+                self.counts.releases += 1;
+                EventDetail::Release { contact }
+            }
+            Occurrence::Graze { contact, rate } => {
+                self.counts.grazes += 1;
+                EventDetail::Graze { contact, rate }
+            }
+            Occurrence::Section { section } => {
+                self.counts.sections += 1;
+                EventDetail::Section { section }
+            }
+            // The impact before it says so already.
+            Occurrence::Capture { .. } | Occurrence::Horizon => {
+                self.fresh = false;
+                return;
+            }
+        };
+        for sampler in &mut self.samplers {
+            sampler.event(trajectory);
+        }
+        self.events.push(Event {
+            time: trajectory.time(),
+            state: trajectory.state().to_vec(),
+            detail,
+        });
+    }
+
+    /// The event that the latest occurrence became.
+    pub(super) fn latest(&self) -> Option<&Event<R>> {
+        self.events.last().filter(|_| self.fresh)
+    }
+
+    /// Whether a contact is closed and the state has not changed during the step just made: then, in an autonomous
+    /// system, it never will.
+    pub(super) fn at_rest(&self, dense: &Dense<'_, R>, trajectory: &Trajectory<R>) -> bool {
+        let still = |(index, &value): (usize, &R)| {
+            [0.0, 0.5]
+                .iter()
+                .all(|&fraction| dense.state(index, R::splat(fraction)) == value)
+        };
+        trajectory.closed() != Closed::NONE
+            && dense.step() > R::ZERO
+            && trajectory.state().iter().enumerate().all(still)
+    }
+
+    pub(super) fn finish(self, outcome: Outcome, trajectory: &Trajectory<R>) -> Simulation<R> {
+        let (start_time, start_state) = self.start;
+        Simulation {
+            outcome,
+            start_time,
+            start_state,
+            time: trajectory.time(),
+            state: trajectory.state().to_vec(),
+            closed: trajectory.closed(),
+            counts: self.counts,
+            events: self.events,
+            contact_phases: self.contact_phases,
+            samples: self.samplers.into_iter().map(Sampler::finish).collect(),
+        }
+    }
+}

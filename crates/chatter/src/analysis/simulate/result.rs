@@ -1,0 +1,155 @@
+//! What came of a simulation.
+
+use super::samples::Samples;
+use super::spec::{EventKind, EventTarget};
+use crate::flow::{Closed, FlowError};
+
+/// A trajectory as a list of what happened. Contacts and sections are indices into the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulation<R> {
+    /// Why it ended.
+    pub outcome: Outcome,
+    /// Time where it began.
+    pub start_time: R,
+    /// State where it began.
+    pub start_state: Vec<R>,
+    /// Time where it ended.
+    pub time: R,
+    /// State where it ended.
+    pub state: Vec<R>,
+    /// Contacts that were closed where it ended.
+    pub closed: Closed,
+    /// How often what happened.
+    pub counts: Counts,
+    /// What happened, in order.
+    pub events: Vec<Event<R>>,
+    /// Phases of persistent contact, in order of their start.
+    pub contact_phases: Vec<ContactPhase<R>>,
+    /// The state at the times asked for, one list for each sampling of the specification.
+    pub samples: Vec<Samples<R>>,
+}
+
+/// Why a simulation ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// The time asked for was reached.
+    Horizon,
+    /// As many impacts as allowed have happened.
+    ImpactBudget,
+    /// An event that was waited for has happened.
+    Event(EventTarget),
+    /// A contact is closed and nothing changes any more.
+    Rest,
+    /// The observer broke off.
+    Interrupted,
+    /// The trajectory cannot go on.
+    Failed(FlowError),
+}
+
+impl Outcome {
+    /// A word for it, the same in all output.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Horizon => "horizon",
+            Self::ImpactBudget => "impact_budget",
+            Self::Event(_) => "event",
+            Self::Rest => "rest",
+            Self::Interrupted => "interrupted",
+            Self::Failed(error) => error.name(),
+        }
+    }
+}
+
+/// How often what happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Stretches of free motion with no contact closed, those that were extrapolated at accumulations left out.
+    pub flights: u64,
+    /// Impacts, those that were extrapolated at accumulations left out.
+    pub impacts: u64,
+    /// Complete chatter sequences.
+    pub accumulations: u64,
+    /// Releases.
+    pub releases: u64,
+    /// Touches without impact.
+    pub grazes: u64,
+    /// Sections crossed.
+    pub sections: u64,
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event<R> {
+    /// When.
+    pub time: R,
+    /// The state just after it.
+    pub state: Vec<R>,
+    /// What.
+    pub detail: EventDetail<R>,
+}
+
+impl<R> Event<R> {
+    /// The kind of event.
+    pub const fn kind(&self) -> EventKind {
+        match self.detail {
+            EventDetail::Impact { .. } => EventKind::Impact,
+            EventDetail::Accumulation { .. } => EventKind::Accumulation,
+            EventDetail::Release { .. } => EventKind::Release,
+            EventDetail::Graze { .. } => EventKind::Graze,
+            EventDetail::Section { .. } => EventKind::Section,
+        }
+    }
+}
+
+/// What belongs to an event of one kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EventDetail<R> {
+    /// A collision.
+    Impact {
+        /// Where.
+        contact: usize,
+        /// Gap rate before, negative.
+        rate_before: R,
+        /// Gap rate after.
+        rate_after: R,
+        /// Whether it was without rebound, so that the contact is closed from here on.
+        closes: bool,
+    },
+    /// An infinite sequence of impacts came to its end: the contact is closed from here on.
+    Accumulation {
+        /// Where.
+        contact: usize,
+        /// How many impacts of the sequence were integrated one by one.
+        impacts: u64,
+        /// Estimated error of its time.
+        error: f64,
+    },
+    /// The contact force vanished and the contact opens.
+    Release {
+        /// Where.
+        contact: usize,
+    },
+    /// A contact was touched with a rate that cannot be told from zero.
+    Graze {
+        /// Where.
+        contact: usize,
+        /// Gap rate there.
+        rate: R,
+    },
+    /// A section was crossed in its direction.
+    Section {
+        /// Which.
+        section: usize,
+    },
+}
+
+/// A stretch of persistent contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPhase<R> {
+    /// Which contact.
+    pub contact: usize,
+    /// When it closed.
+    pub start: R,
+    /// When it opened; none where the simulation ended before.
+    pub end: Option<R>,
+}

@@ -1,0 +1,122 @@
+//! States along a trajectory.
+
+use super::spec::Sampling;
+use crate::flow::{Closed, Dense, Trajectory};
+use crate::numerics::Real;
+
+/// States at a sequence of times that never falls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Samples<R> {
+    /// The times.
+    pub times: Vec<R>,
+    /// For each state of the model its values at these times.
+    pub states: Vec<Vec<R>>,
+    /// The contacts that were closed.
+    pub closed: Vec<Closed>,
+}
+
+impl<R: Real> Samples<R> {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    fn new(dimension: usize) -> Self {
+        Self {
+            times: Vec::new(),
+            states: vec![Vec::new(); dimension],
+            closed: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, time: R, closed: Closed, state: impl Fn(usize) -> R) {
+        self.times.push(time);
+        self.closed.push(closed);
+        for (index, values) in self.states.iter_mut().enumerate() {
+            values.push(state(index));
+        }
+    }
+}
+
+/// Takes samples while a trajectory moves.
+pub(super) struct Sampler<R> {
+    sampling: Sampling,
+    samples: Samples<R>,
+    start: R,
+    /// How many samples at equal intervals have been taken.
+    taken: u64,
+}
+
+impl<R: Real> Sampler<R> {
+    pub(super) fn new(sampling: Sampling, trajectory: &Trajectory<R>) -> Self {
+        let state = trajectory.state();
+        let mut samples = Samples::new(state.len());
+        samples.push(trajectory.time(), trajectory.closed(), |index| state[index]);
+        Self {
+            sampling,
+            samples,
+            start: trajectory.time(),
+            taken: 1,
+        }
+    }
+
+    /// Samples the step from `before` that the trajectory has just made, in the phase `closed`.
+    pub(super) fn motion(
+        &mut self,
+        dense: &Dense<'_, R>,
+        before: R,
+        closed: Closed,
+        trajectory: &Trajectory<R>,
+    ) {
+        match self.sampling {
+            Sampling::Dense { per_step } => {
+                if dense.step() > R::ZERO {
+                    for k in 1..=per_step {
+                        let fraction = R::splat(f64::from(k)) / R::splat(f64::from(per_step));
+                        let time = if k == per_step {
+                            trajectory.time()
+                        } else {
+                            dense.step().mul_add(fraction, before)
+                        };
+                        self.samples
+                            .push(time, closed, |index| dense.state(index, fraction));
+                    }
+                }
+            }
+            Sampling::Every(interval) => {
+                let interval = R::from_double_double(interval);
+                let due = |taken: u64| interval.mul_add(R::splat(taken as f64), self.start);
+                while due(self.taken) <= trajectory.time() {
+                    let time = due(self.taken);
+                    self.taken += 1;
+                    if dense.step() > R::ZERO {
+                        let fraction = ((time - before) / dense.step()).max(R::ZERO).min(R::ONE);
+                        self.samples
+                            .push(time, closed, |index| dense.state(index, fraction));
+                    } else {
+                        let state = trajectory.state();
+                        self.samples.push(time, closed, |index| state[index]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Samples the state after an event.
+    pub(super) fn event(&mut self, trajectory: &Trajectory<R>) {
+        if matches!(self.sampling, Sampling::Dense { .. }) {
+            let state = trajectory.state();
+            let (time, closed) = (trajectory.time(), trajectory.closed());
+            self.samples.push(time, closed, |index| state[index]);
+        }
+    }
+
+    pub(super) fn finish(self) -> Samples<R> {
+        self.samples
+    }
+}

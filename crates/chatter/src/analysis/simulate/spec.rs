@@ -1,0 +1,304 @@
+//! What is to be simulated, in a form that can be stored.
+
+use super::result::{Event, EventDetail};
+use crate::model::Model;
+use crate::numerics::DoubleDouble;
+use core::fmt;
+use serde::{Deserialize, Serialize};
+
+/// How long a trajectory is followed, and what is kept of it. Model, parameters and initial state come from the model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spec {
+    /// The run ends at this time at the latest.
+    pub until: DoubleDouble,
+    /// The run ends with this impact at the latest.
+    pub impacts: u64,
+    /// What else ends the run.
+    pub stops: Vec<Stop>,
+    /// Relative truncation error allowed a step; rounding level where that is larger.
+    pub tolerance: f64,
+    /// At which times the state is kept; each gives a list of samples of its own.
+    pub sampling: Vec<Sampling>,
+}
+
+impl Spec {
+    /// More impacts than this are rarely meant: a trajectory that rattles for ever is to end.
+    pub const IMPACT_BUDGET: u64 = 1_000_000;
+
+    /// Up to a time, to rounding error, within the usual impact budget, without samples.
+    pub fn until(time: impl Into<DoubleDouble>) -> Self {
+        Self {
+            until: time.into(),
+            impacts: Self::IMPACT_BUDGET,
+            stops: Vec::new(),
+            tolerance: 0.0,
+            sampling: Vec::new(),
+        }
+    }
+
+    /// Checks the specification against the model and resolves its names.
+    pub(super) fn targets(&self, model: &Model) -> Result<Targets, SpecError> {
+        if self.impacts == 0 {
+            return Err(SpecError::NoImpacts);
+        }
+        if !(0.0..1.0).contains(&self.tolerance) {
+            return Err(SpecError::Tolerance {
+                value: self.tolerance,
+            });
+        }
+        for sampling in &self.sampling {
+            match sampling {
+                Sampling::Dense { per_step: 0 } => return Err(SpecError::NoSamples),
+                Sampling::Every(step) if !(step.high() > 0.0 && step.high().is_finite()) => {
+                    return Err(SpecError::SampleStep { value: step.high() });
+                }
+                _ => {}
+            }
+        }
+        let mut targets = Vec::new();
+        for stop in &self.stops {
+            if let Stop::Event(target) = stop {
+                targets.push(OpenTarget {
+                    place: target.place(model)?,
+                    left: target.count.max(1),
+                    target: target.clone(),
+                });
+            }
+        }
+        Ok(Targets(targets))
+    }
+}
+
+/// What ends a run before its time is over.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// A contact is closed and nothing changes any more, for ever. Never reached where equations depend on time.
+    Rest,
+    /// An event has happened often enough.
+    Event(EventTarget),
+}
+
+/// The `count`-th event of a kind, at one contact or section or at any.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EventTarget {
+    /// Which kind.
+    pub kind: EventKind,
+    /// Name of the contact or section, if only events there count.
+    pub at: Option<String>,
+    /// How many are waited for; zero means one.
+    pub count: u64,
+}
+
+impl EventTarget {
+    /// Index of the contact or section named.
+    fn place(&self, model: &Model) -> Result<Option<usize>, SpecError> {
+        let Some(name) = &self.at else {
+            return Ok(None);
+        };
+        let known: Vec<&str> = match self.kind {
+            EventKind::Section => model.sections.iter().map(|s| &*s.name).collect(),
+            _ => model.contacts.iter().map(|c| &*c.name).collect(),
+        };
+        match known.iter().position(|known| known == name) {
+            Some(index) => Ok(Some(index)),
+            None => Err(SpecError::UnknownPlace {
+                kind: self.kind,
+                name: name.clone(),
+                known: known.into_iter().map(str::to_owned).collect(),
+            }),
+        }
+    }
+}
+
+impl fmt::Display for EventTarget {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.count > 1 {
+            write!(out, "{} ", Ordinal(self.count))?;
+        }
+        write!(out, "{}", self.kind)?;
+        match (&self.at, self.kind) {
+            (Some(name), EventKind::Section) => write!(out, " `{name}`"),
+            (Some(name), EventKind::Release) => write!(out, " from {name}"),
+            (Some(name), _) => write!(out, " at {name}"),
+            (None, _) => Ok(()),
+        }
+    }
+}
+
+struct Ordinal(u64);
+
+impl fmt::Display for Ordinal {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let suffix = match (self.0 % 10, self.0 % 100) {
+            (1, rest) if rest != 11 => "st",
+            (2, rest) if rest != 12 => "nd",
+            (3, rest) if rest != 13 => "rd",
+            _ => "th",
+        };
+        write!(out, "{}{suffix}", self.0)
+    }
+}
+
+/// A kind of event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EventKind {
+    /// A collision.
+    Impact,
+    /// The end of a complete chatter sequence.
+    Accumulation,
+    /// The end of a contact phase.
+    Release,
+    /// A touch without impact.
+    Graze,
+    /// A section was crossed.
+    Section,
+}
+
+impl EventKind {
+    /// All kinds.
+    pub const ALL: [Self; 5] = [
+        Self::Impact,
+        Self::Accumulation,
+        Self::Release,
+        Self::Graze,
+        Self::Section,
+    ];
+
+    /// Its name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Impact => "impact",
+            Self::Accumulation => "accumulation",
+            Self::Release => "release",
+            Self::Graze => "graze",
+            Self::Section => "section",
+        }
+    }
+}
+
+impl fmt::Display for EventKind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
+    }
+}
+
+/// At which times the state is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sampling {
+    /// At equal fractions of each integration step, so many a step. Where an event ends the step there are two samples:
+    /// the state before and after it.
+    Dense {
+        /// Samples in a step.
+        per_step: u32,
+    },
+    /// At equal intervals of time from the start; an event that falls on such a time counts as not yet happened.
+    Every(DoubleDouble),
+}
+
+/// What is wrong with a specification.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpecError {
+    /// The end does not come after the start.
+    Until {
+        /// Where the run starts.
+        start: f64,
+        /// Where it should end.
+        until: f64,
+    },
+    /// A budget of no impacts.
+    NoImpacts,
+    /// A tolerance that is no small positive number or zero.
+    Tolerance {
+        /// What was asked for.
+        value: f64,
+    },
+    /// Dense sampling without samples.
+    NoSamples,
+    /// A sampling interval that is no positive number.
+    SampleStep {
+        /// What was asked for.
+        value: f64,
+    },
+    /// The model has no such contact or section.
+    UnknownPlace {
+        /// The kind of event waited for.
+        kind: EventKind,
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+}
+
+impl fmt::Display for SpecError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Until { start, until } => write!(
+                out,
+                "a run from time {start} cannot end at time {until}: the end must be finite and lie after the start"
+            ),
+            Self::NoImpacts => write!(out, "a run must be allowed at least one impact"),
+            Self::Tolerance { value } => write!(
+                out,
+                "a tolerance of {value} makes no sense: expected a number from 0 (rounding error) to below 1"
+            ),
+            Self::NoSamples => write!(out, "dense sampling needs at least one sample a step"),
+            Self::SampleStep { value } => write!(
+                out,
+                "a sampling interval of {value} makes no sense: expected a positive number"
+            ),
+            Self::UnknownPlace { kind, name, known } => {
+                let what = match kind {
+                    EventKind::Section => "section",
+                    _ => "contact",
+                };
+                write!(out, "the model has no {what} `{name}`")?;
+                match known.split_last() {
+                    None => write!(out, ": it has no {what}s"),
+                    Some((only, [])) => write!(out, ": it has `{only}`"),
+                    Some((last, rest)) => {
+                        write!(out, ": it has `{}` and `{last}`", rest.join("`, `"))
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl core::error::Error for SpecError {}
+
+/// The event targets of a run, counted down.
+pub(super) struct Targets(Vec<OpenTarget>);
+
+struct OpenTarget {
+    target: EventTarget,
+    place: Option<usize>,
+    left: u64,
+}
+
+impl Targets {
+    /// The target that this event completes.
+    pub(super) fn reached_by<R>(&mut self, event: Option<&Event<R>>) -> Option<EventTarget> {
+        let event = event?;
+        let kind = event.kind();
+        let place = match event.detail {
+            EventDetail::Section { section } => section,
+            EventDetail::Impact { contact, .. }
+            | EventDetail::Accumulation { contact, .. }
+            | EventDetail::Release { contact }
+            | EventDetail::Graze { contact, .. } => contact,
+        };
+        for open in &mut self.0 {
+            if open.target.kind == kind && open.place.is_none_or(|wanted| wanted == place) {
+                open.left -= 1;
+                if open.left == 0 {
+                    return Some(open.target.clone());
+                }
+            }
+        }
+        None
+    }
+}
