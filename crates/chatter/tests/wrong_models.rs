@@ -1,7 +1,8 @@
 //! Every way to get a model wrong that we could think of, with the whole message for each: the snapshot is meant to be
 //! read, and is to be helpful to somebody who has never seen a model file.
 
-use chatter::model::Model;
+use chatter::model::{Direction, Model, ModelBuilder, ModelErrorKind, Palette};
+use proptest::prelude::*;
 
 /// What is wrong, and a text that has it wrong.
 const WRONG: &[(&str, &str)] = &[
@@ -211,4 +212,196 @@ fn messages() {
         document += &format!("=== {what} ===\n{errors}\n\n");
     }
     insta::assert_snapshot!(document);
+}
+
+#[test]
+fn messages_without_a_file() {
+    let mut document = String::new();
+    let mut say =
+        |what: &str, message: String| document += &format!("=== {what} ===\n{message}\n\n");
+    let wrong = ModelBuilder::new()
+        .parameter("pi", 3)
+        .parameter("g", f64::INFINITY)
+        .state("y", "w", 0)
+        .state("v", "-g - 2 y", "y")
+        .state("y", 1, 0)
+        .contact("floor", "y +", [("w", 1)], 1.5)
+        .section("", "v", Direction::Rising)
+        .build();
+    say(
+        "a builder with everything wrong",
+        wrong.unwrap_err().to_string(),
+    );
+    say(
+        "an empty builder",
+        ModelBuilder::new().build().unwrap_err().to_string(),
+    );
+    let ball = ModelBuilder::new()
+        .parameter("g", 9.81)
+        .parameter("weight", "2*g")
+        .definition("speed", "sqrt(v^2)")
+        .state("height", "v", 1)
+        .state("v", "-weight*speed", 0)
+        .contact("floor", "height", [("v", 1)], 0.5)
+        .build()
+        .unwrap();
+    let mut changed = ball.clone();
+    for (name, text) in [
+        ("gg", "1"),
+        ("g", "9,81"),
+        ("g", "v"),
+        ("g", "weight/2"),
+        ("weight", "1/0"),
+        ("g", "weigth"),
+        ("g", ""),
+    ] {
+        let error = changed.set_parameter(name, text).unwrap_err();
+        say(&format!("--set {name}={text}"), error.to_string());
+    }
+    for (name, text) in [
+        ("hight", "1"),
+        ("height", "v"),
+        ("height", "speed"),
+        ("v", "log(0)"),
+        ("t", "1"),
+    ] {
+        let error = changed.set_initial(name, text).unwrap_err();
+        say(&format!("--initial {name}={text}"), error.to_string());
+    }
+    assert_eq!(
+        changed.parameter_values::<f64>(&[]),
+        ball.parameter_values::<f64>(&[])
+    );
+    insta::assert_snapshot!(document);
+}
+
+#[test]
+fn parameters_and_initial_values_can_be_set() {
+    let mut ball = ModelBuilder::new()
+        .parameter("g", 9.81)
+        .parameter("twice", "2*g")
+        .state("y", "v", "twice")
+        .state("v", "-g*cos(t)", 0)
+        .build()
+        .unwrap();
+    ball.set_parameter("g", "3/2").unwrap();
+    ball.set_initial("v", "-sqrt(g + twice^2/4 - g + 1.75)")
+        .unwrap();
+    ball.set_initial("t", "pi").unwrap();
+    let parameters = ball.parameter_values::<f64>(&[]);
+    assert_eq!(parameters, [1.5, 3.0]);
+    assert_eq!(
+        ball.initial_state(&parameters),
+        [3.0, -2.0, std::f64::consts::PI]
+    );
+    let energy = ball.parse_expression("v^2/2 + g*y").unwrap();
+    assert_eq!(
+        ball.graph
+            .evaluate::<f64>(energy, &[2.0, 4.0, 0.0], &parameters),
+        11.0
+    );
+    assert!(ball.parse_expression("v + w").is_err());
+}
+
+#[test]
+fn errors_know_their_line_and_column() {
+    let text = "[flight]\ny = \"\"\"\n  v + π\n  + wind\"\"\"\nv = -1\n\n[initial]\ny = 1\nv = 0\n";
+    let errors = Model::from_toml(text, "folder/ball.toml").unwrap_err();
+    let error = &errors.errors()[0];
+    assert_eq!(error.source_name(), "folder/ball.toml");
+    assert_eq!(error.line_and_column(), (3, 7));
+    assert_eq!(&text[error.span()], "π");
+    assert!(matches!(error.kind(), ModelErrorKind::Expression { .. }));
+    assert!(error.render(Palette::Ansi).contains("\u{1b}["));
+    assert!(!error.render(Palette::Plain).contains("\u{1b}["));
+}
+
+/// A model file that uses all there is.
+const COMPLETE: &str = r#"
+title = "Ball"
+source = 'nowhere'
+
+[parameters]
+g = 9.81
+A = "g/omega^2" # amplitude
+omega = 6e1
+
+[definitions]
+table = "A*sin(omega*t)"
+
+[flight]
+y = "v"
+v = """
+-g
+"""
+
+[[contact]]
+name = "table"
+gap = "y - table"
+impulse = { v = 1, y = "0" }
+restitution = "1/2"
+
+[section.phase]
+surface = "sin(omega*t)"
+direction = "rising"
+
+[initial]
+y = 1
+v = 0.0
+t = 0x10
+
+[labels]
+y = { text = "height", unit = "m" }
+v = "velocity"
+"#;
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn the_reader_survives_any_change_to_a_model(
+        changes in prop::collection::vec((0..COMPLETE.len(), 0..3_usize, any::<char>()), 1..6),
+        fragments in prop::collection::vec(
+            (0..COMPLETE.len(), prop::sample::select(vec![
+                "\n", "\"", "'", "\"\"\"", "[", "]]", "{", "=", "\\", "\u{feff}", "\r\n", "\t", "t", "[[contact]]\n",
+                "[flight]\n", "nan", "1e999", "0", "-", "^", "(", "é",
+            ])),
+            0..4,
+        ),
+    ) {
+        let mut characters: Vec<char> = COMPLETE.chars().collect();
+        for (at, action, character) in changes {
+            let at = at.min(characters.len() - 1);
+            match action {
+                0 => characters[at] = character,
+                1 => characters.insert(at, character),
+                _ => {
+                    characters.remove(at);
+                }
+            }
+        }
+        for (at, fragment) in fragments {
+            let at = at.min(characters.len());
+            characters.splice(at..at, fragment.chars());
+        }
+        let text: String = characters.into_iter().collect();
+        match Model::from_toml(&text, "model.toml") {
+            Ok(model) => drop(chatter::model::check(&model)),
+            Err(errors) => {
+                prop_assert!(!errors.errors().is_empty());
+                prop_assert!(errors.to_string().contains("error: "));
+                for error in errors.errors() {
+                    prop_assert!(text.get(error.span()).is_some(), "{:?}", error.span());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_model_that_is_changed_is_right_itself() {
+    let model =
+        Model::from_toml(COMPLETE, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
+    let initial = model.initial_state(&model.parameter_values::<f64>(&[]));
+    assert_eq!(initial, [1.0, 0.0, 16.0]);
 }

@@ -1,14 +1,17 @@
 //! From a draft to a model: names are resolved, texts parsed, definitions written out, and everything checked that can
 //! be wrong whatever the values of the parameters.
 
+mod contacts;
+mod initial;
+mod naming;
+
 use super::dependency::dependency_order;
-use super::draft::{ContactDraft, Draft, Entry, Formula, ImpulseDraft, Name, Place, SectionDraft};
+use super::draft::{Draft, Entry, Formula, Place};
 use super::error::{ModelError, ModelErrorKind, Role};
-use super::model::{Contact, Definition, Label, Model, Parameter, Section, State};
-use super::names::{TIME, is_name_of, reserved_meaning};
+use super::model::{Contact, Definition, Label, Model, Parameter, State};
+use super::names::TIME;
 use super::scope::{Purpose, Scope};
 use crate::expressions::{Expr, Graph, Symbol, nearest};
-use std::collections::HashMap;
 
 impl Draft {
     /// Resolves, parses and checks everything. What has been reported before comes along.
@@ -127,88 +130,6 @@ impl<'a> Assembly<'a> {
         self.check_circles(&model);
         self.label(&mut model, draft);
         model
-    }
-
-    fn check_flight(&mut self, draft: &'a Draft) {
-        let nothing = self.parameters.is_empty()
-            && self.definitions.is_empty()
-            && draft.contacts.is_empty()
-            && draft.sections.is_empty()
-            && draft.initial.is_empty();
-        match &draft.flight {
-            None if nothing => self.report(ModelErrorKind::Empty, &draft.place),
-            None => self.report(ModelErrorKind::NoFlight, &draft.place),
-            Some((place, Some(entries))) if entries.is_empty() => {
-                self.report(ModelErrorKind::NoStates, place);
-            }
-            Some((_, entries)) => {
-                for entry in entries
-                    .iter()
-                    .flatten()
-                    .filter(|entry| entry.name.text == TIME)
-                {
-                    self.report(ModelErrorKind::TimeEquation, &entry.name.place);
-                }
-            }
-        }
-    }
-
-    /// Every name is a name, not reserved, and stands for one thing.
-    fn check_names(&mut self, draft: &'a Draft) {
-        let of = |role: Role| move |entry: &'a Entry| (role, &entry.name);
-        let mut quantities: Vec<(Role, &Name)> = (self.states.iter().copied().map(of(Role::State)))
-            .chain(self.parameters.iter().map(of(Role::Parameter)))
-            .chain(self.definitions.iter().map(of(Role::Definition)))
-            .collect();
-        quantities.sort_by_key(|(_, name)| name.place.span.start);
-        let contacts = draft
-            .contacts
-            .iter()
-            .filter_map(|contact| contact.name.as_ref());
-        let contacts: Vec<(Role, &Name)> = contacts.map(|name| (Role::Contact, name)).collect();
-        let sections = draft
-            .sections
-            .iter()
-            .map(|section| (Role::Section, &section.name));
-        for names in [quantities, contacts, sections.collect()] {
-            let mut seen: HashMap<&str, (Role, &Name)> = HashMap::new();
-            for (role, name) in names {
-                self.check_name(role, name);
-                let Some((first, there)) = seen.insert(&name.text, (role, name)) else {
-                    continue;
-                };
-                let name_text = name.text.clone();
-                let kind = ModelErrorKind::DuplicateName {
-                    name: name_text,
-                    role,
-                    first,
-                };
-                let error = ModelError::new(kind, &name.place);
-                let label = format!("first defined here as a {first}");
-                self.errors.push(error.with_related(&there.place, label));
-            }
-        }
-    }
-
-    fn check_name(&mut self, role: Role, name: &Name) {
-        let text = name.text.clone();
-        let in_expressions = !matches!(role, Role::Contact | Role::Section);
-        if !is_name_of(role, &text) {
-            self.report(
-                ModelErrorKind::InvalidName { name: text, role },
-                &name.place,
-            );
-        } else if let Some(meaning) = reserved_meaning(&text).filter(|_| in_expressions) {
-            let name_text = text;
-            self.report(
-                ModelErrorKind::ReservedName {
-                    name: name_text,
-                    role,
-                    meaning,
-                },
-                &name.place,
-            );
-        }
     }
 
     fn placeholder(&mut self, definition: usize) -> Expr {
@@ -343,79 +264,6 @@ impl<'a> Assembly<'a> {
         scope
     }
 
-    /// Names for initial values: parameters, and definitions that do not change.
-    fn constants(&mut self) -> Scope<'a> {
-        let mut scope = Scope::new(Purpose::Initial);
-        for (index, entry) in self.parameters.iter().enumerate() {
-            scope.allow(&entry.name.text, self.graph.parameter(index));
-        }
-        for (index, entry) in self.definitions.iter().enumerate() {
-            if self.graph.depends_on_state(self.meanings[index]) {
-                scope.bar(&entry.name.text, Role::Definition);
-            } else {
-                scope.allow(&entry.name.text, self.placeholder(index));
-            }
-        }
-        for entry in &self.states {
-            scope.bar(&entry.name.text, Role::State);
-        }
-        scope.bar(TIME, Role::Time);
-        scope
-    }
-
-    /// Initial values of the states, and of time where the model says one, last.
-    fn read_initial(&mut self, entries: &[Entry], flight: &Place) -> Vec<Expr> {
-        let scope = self.constants();
-        let mut values: Vec<Option<Expr>> = vec![None; self.states.len() + 1];
-        for entry in entries {
-            let name = &entry.name.text;
-            let value = self.read(&scope, &entry.formula);
-            let index = self
-                .states
-                .iter()
-                .position(|state| state.name.text == *name);
-            if let Some(index) = index {
-                values[index] = Some(value);
-            } else if name == TIME {
-                self.uses_time = true;
-                values[self.states.len()] = Some(value);
-            } else if !self.states.is_empty() {
-                let (states, nearest) = self.state_names(name);
-                let name = name.clone();
-                let kind = ModelErrorKind::InitialOfUnknownState {
-                    name,
-                    states,
-                    nearest,
-                };
-                self.report(kind, &entry.name.place);
-            }
-        }
-        self.check_initial(&values, flight);
-        let zero = self.graph.number(0.0);
-        values
-            .into_iter()
-            .map(|value| value.unwrap_or(zero))
-            .collect()
-    }
-
-    fn check_initial(&mut self, values: &[Option<Expr>], flight: &Place) {
-        let states = self.states.clone();
-        let missing = states
-            .iter()
-            .zip(values)
-            .filter(|(_, value)| value.is_none());
-        let missing: Vec<&Name> = missing.map(|(state, _)| &state.name).collect();
-        if missing.len() > 1 && missing.len() == states.len() {
-            let states = missing.iter().map(|name| name.text.clone()).collect();
-            self.report(ModelErrorKind::NothingInitial { states }, flight);
-            return;
-        }
-        for name in missing {
-            let state = name.text.clone();
-            self.report(ModelErrorKind::NoInitial { state }, &name.place);
-        }
-    }
-
     /// Names of the states, and the one nearest to `name`.
     fn state_names(&self, name: &str) -> (Vec<String>, Option<String>) {
         let names: Vec<String> = self
@@ -425,107 +273,6 @@ impl<'a> Assembly<'a> {
             .collect();
         let nearest = nearest(name, names.iter().map(|name| &**name));
         (names, nearest)
-    }
-
-    fn contact(
-        &mut self,
-        scope: &Scope,
-        contact: &ContactDraft,
-        index: usize,
-        draft: &Draft,
-    ) -> Contact {
-        let table = match &contact.name {
-            Some(name) => format!("[[contact]] `{}`", name.text),
-            None => "[[contact]]".to_owned(),
-        };
-        let name = match &contact.name {
-            Some(name) => name.text.clone(),
-            None if draft.contacts.len() == 1 => "contact".to_owned(),
-            None => format!("contact{}", index + 1),
-        };
-        let present = [
-            ("gap", contact.gap.is_some()),
-            ("impulse", contact.impulse.is_some()),
-            ("restitution", contact.restitution.is_some()),
-        ];
-        let missing = present.iter().filter(|(_, there)| !there);
-        let keys: Vec<&'static str> = missing.map(|&(key, _)| key).collect();
-        if !keys.is_empty() {
-            self.report(ModelErrorKind::MissingKeys { table, keys }, &contact.place);
-        }
-        let gap = self.read_optional(scope, contact.gap.as_ref());
-        let restitution = self.read_optional(scope, contact.restitution.as_ref());
-        if let (Some(value), Some(formula)) =
-            (self.graph.as_number(restitution), &contact.restitution)
-        {
-            let value = value.high();
-            if !(0.0..1.0).contains(&value) {
-                self.report(ModelErrorKind::Restitution { value }, &formula.place);
-            }
-        }
-        let impulse = contact.impulse.as_ref();
-        let impulse = impulse.map_or_else(Vec::new, |impulse| self.impulse(scope, impulse));
-        Contact {
-            name,
-            gap,
-            impulse,
-            restitution,
-        }
-    }
-
-    /// The impulse direction, one component a state.
-    fn impulse(&mut self, scope: &Scope, impulse: &ImpulseDraft) -> Vec<Expr> {
-        let zero = self.graph.number(0.0);
-        let mut direction = vec![zero; self.states.len()];
-        let Some(components) = &impulse.components else {
-            return direction;
-        };
-        let mut misplaced = false;
-        for Entry { name, formula } in components {
-            let value = self.read(scope, formula);
-            let index = self
-                .states
-                .iter()
-                .position(|state| state.name.text == name.text);
-            if let Some(index) = index {
-                direction[index] = value;
-                continue;
-            }
-            misplaced = true;
-            let kind = if name.text == TIME {
-                ModelErrorKind::ImpulseOnTime
-            } else {
-                let (states, nearest) = self.state_names(&name.text);
-                let name = name.text.clone();
-                ModelErrorKind::ImpulseOnUnknownState {
-                    name,
-                    states,
-                    nearest,
-                }
-            };
-            self.report(kind, &name.place);
-        }
-        if !misplaced && direction.iter().all(|&component| component == zero) {
-            self.report(ModelErrorKind::NoImpulse, &impulse.place);
-        }
-        direction
-    }
-
-    fn section(&mut self, scope: &Scope, section: &SectionDraft) -> Section {
-        if section.surface.is_none() {
-            let table = format!("[section.{}]", section.name.text);
-            let kind = ModelErrorKind::MissingKeys {
-                table,
-                keys: vec!["surface"],
-            };
-            self.report(kind, &section.name.place);
-        }
-        let surface = self.read_optional(scope, section.surface.as_ref());
-        Section {
-            name: section.name.text.clone(),
-            surface,
-            direction: section.direction,
-        }
     }
 
     fn check_circles(&mut self, model: &Model) {

@@ -58,6 +58,7 @@ impl Model {
             // What else seems wrong may follow from a line that could not be read, except for errors within expressions.
             errors.retain(|error| error.kind.is_local());
         }
+        errors.sort_by_key(|error| error.place.span.start);
         Err(ModelErrors::new(errors))
     }
 }

@@ -131,13 +131,14 @@ impl Mechanics {
         let jump: Vec<Expr> = (contact.impulse.iter())
             .map(|&w| graph.div(w, rate_per_impulse))
             .collect();
-        let one = graph.number(1.0);
-        let factor = graph.add(one, contact.restitution);
+        // (1 + r) v as v + r v: where x itself is in v, the first cancels it, and nothing is lost in rounding.
         let after_impact = (jump.iter().enumerate())
             .map(|(index, &jump)| {
                 let before = graph.state(index);
-                let change = graph.product(&[factor, rate, jump]);
-                graph.sub(before, change)
+                let stop = graph.mul(rate, jump);
+                let rebound = graph.mul(contact.restitution, stop);
+                let (stop, rebound) = (graph.neg(stop), graph.neg(rebound));
+                graph.sum(&[before, stop, rebound])
             })
             .collect();
         Ok(ContactMechanics {

@@ -2,9 +2,12 @@
 //!
 //! A [`Model`] is equations and nothing else. It comes from a file ([`Model::from_toml`]) or from a [`ModelBuilder`];
 //! both write the same draft of named texts, which is resolved, parsed and checked in one place. [`Mechanics`] derives
-//! from the equations what an impacting system needs: rate, acceleration, jerk, the impact map and the sticking field.
+//! from the equations what an impacting system needs: rate, acceleration, jerk, the impact map and the sticking field. [`check()`] shows them as formulas and warns
+//! of what looks wrong.
 
 mod assemble;
+mod builder;
+mod check;
 mod dependency;
 mod diagnostic;
 mod direction;
@@ -13,6 +16,7 @@ mod error;
 mod file;
 mod identically_zero;
 mod mechanics;
+mod message;
 #[expect(
     clippy::module_inception,
     reason = "the floor is named after what it holds"
@@ -23,9 +27,13 @@ mod overrides;
 mod scope;
 mod syntax;
 mod table;
+mod warning;
 
+pub use builder::{ModelBuilder, Value};
+pub use check::{Check, ContactFormulas, NamedFormula, check};
 pub use diagnostic::Palette;
 pub use direction::Direction;
 pub use error::{ModelError, ModelErrorKind, ModelErrors, Role};
 pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};
 pub use model::{Contact, Definition, Label, Model, Parameter, Section, State};
+pub use warning::Warning;

@@ -3,6 +3,7 @@
 use super::draft::{Content, Formula};
 use super::error::{ModelError, ModelErrorKind, Role};
 use crate::expressions::{Expr, Graph, ParseErrorKind};
+use crate::numerics::Scalar;
 use std::collections::HashMap;
 
 /// What an expression is for, where that restricts what it may depend on.
@@ -46,7 +47,14 @@ impl<'a> Scope<'a> {
     /// Reads a formula; `None` where something is wrong with it that has been reported.
     pub fn read(&self, graph: &mut Graph, formula: &Formula) -> Result<Option<Expr>, ModelError> {
         let text = match &formula.content {
-            Content::Number(value) => return Ok(Some(graph.number_exact(*value))),
+            Content::Number(value) if value.is_finite() => {
+                return Ok(Some(graph.number_exact(*value)));
+            }
+            Content::Number(value) => {
+                let (what, value) = ("the number".to_owned(), value.high());
+                let kind = ModelErrorKind::NotFinite { what, value };
+                return Err(ModelError::new(kind, &formula.place));
+            }
             Content::Broken => return Ok(None),
             Content::Text(text) => text,
         };

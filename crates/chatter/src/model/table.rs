@@ -4,7 +4,7 @@ use super::direction::{DIRECTIONS, Direction};
 use super::draft::{Content, Entry, Formula, Name, Place, SourceText};
 use super::error::{ModelError, ModelErrorKind};
 use crate::expressions::nearest;
-use crate::numerics::{DoubleDouble, Scalar};
+use crate::numerics::DoubleDouble;
 use core::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
@@ -139,8 +139,8 @@ impl<'i> TableReader<'i> {
                 place.verbatim = self.offset(text);
                 Content::Text(text.to_string())
             }
-            DeValue::Float(number) => self.number(what, number.as_str(), 10, &place),
-            DeValue::Integer(number) => self.number(what, number.as_str(), number.radix(), &place),
+            DeValue::Float(number) => self.number(number.as_str(), 10, &place),
+            DeValue::Integer(number) => self.number(number.as_str(), number.radix(), &place),
             _ => {
                 self.wrong_type(what, EXPRESSION, value);
                 Content::Broken
@@ -149,7 +149,7 @@ impl<'i> TableReader<'i> {
         Formula { content, place }
     }
 
-    fn number(&mut self, what: String, digits: &str, radix: u32, place: &Place) -> Content {
+    fn number(&mut self, digits: &str, radix: u32, place: &Place) -> Content {
         let number: Option<DoubleDouble> = match radix {
             // Not a number, which the reader of TOML has reported.
             10 if digits.is_empty() => return Content::Broken,
@@ -166,12 +166,7 @@ impl<'i> TableReader<'i> {
             self.report(ModelErrorKind::NotANumber { text }, place);
             return Content::Broken;
         };
-        if number.is_finite() {
-            return Content::Number(number);
-        }
-        let value = number.high();
-        self.report(ModelErrorKind::NotFinite { what, value }, place);
-        Content::Broken
+        Content::Number(number)
     }
 
     /// One of the directions.
