@@ -7,7 +7,9 @@
 use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
 use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
-use crate::numerics::polynomial::{bernstein, horner, horner_with_slope, magnitude};
+use crate::numerics::polynomial::{
+    bernstein, bernstein_from, horner, horner_with_slope, magnitude,
+};
 use crate::numerics::roots::Crossing;
 use crate::numerics::{Mask, Real, Scalar, two_sum};
 
@@ -180,6 +182,9 @@ impl<S: Scalar> Workspace<S> {
             settled = settled | found;
             let mut at = root;
             if !settled.all() {
+                settled = settled | rises(p, end, noise, self.noise, &mut self.bernstein);
+            }
+            if !settled.all() {
                 let n = p.len();
                 bernstein(p, end, &mut self.bernstein);
                 let count = SignCount::of(&self.bernstein[..n], noise);
@@ -188,9 +193,9 @@ impl<S: Scalar> Workspace<S> {
                     | (count.one & !positive & S::Mask::splat(guard.crossing == Crossing::Falling));
                 let one =
                     count.one & (positive | S::Mask::splat(guard.crossing == Crossing::Either));
-                let guess = count.first_change * end * S::splat(1.0 / (n - 1) as f64);
                 let need = one & !settled;
                 if need.any() {
+                    let guess = count.first_change * end * S::splat(1.0 / (n - 1) as f64);
                     let (second, converged) = newton(p, guess, end);
                     let inside = S::splat(0.0).less(second) & second.at_most(end) & converged;
                     let good = need & inside;
@@ -317,6 +322,34 @@ fn falls_steadily<S: Scalar>(p: &[S], s: S) -> S::Mask {
     let rest = rest * s * s;
     let last = bend.mul_add(s, first);
     (first.max(last) + rest).less(S::splat(0.0))
+}
+
+/// Whether p > 0 on all of [0, s] although it may first dip, as the gap does after the last impact before release.
+///
+/// Up to e = c |p_1| / p_2 the dip is a quadratic's, whose coefficient p_2 the higher terms lessen a little; beyond e
+/// the leading terms exceed (1 - 1/c) p_2 s^2, and what that leaves of p / s^2 is positive by its Bernstein coefficients.
+#[inline(always)]
+fn rises<S: Scalar>(p: &[S], s: S, noise: S, noise_factor: f64, scratch: &mut [S]) -> S::Mask {
+    const MARGIN: f64 = 1.001;
+    const FAR: f64 = 3.0;
+    let n = p.len();
+    if n < 4 {
+        return S::Mask::splat(false);
+    }
+    let zero = S::splat(0.0);
+    let dip = S::select(p[1].less(zero), -p[1], zero);
+    let near = (S::splat(FAR) * dip / p[2]).min(s);
+    let least_bend = p[2] - near * magnitude(&p[3..], near);
+    let rootless = (S::splat(MARGIN / 4.0) * dip * dip).less(p[0] * least_bend);
+    let candidate = rootless & zero.less(p[2]) & noise.less(p[0]);
+    if !candidate.any() {
+        return candidate;
+    }
+    let g = &mut scratch[..n - 2];
+    let level = magnitude(&p[2..], s) * S::splat(noise_factor);
+    bernstein_from(p[2] * S::splat(1.0 - 1.0 / FAR), &p[3..], s, g);
+    let least = g.iter().fold(g[0], |least, &value| value.min(least));
+    candidate & level.less(least)
 }
 
 /// Sign changes among Bernstein coefficients.

@@ -60,11 +60,23 @@ pub fn magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
 /// times [`magnitude`].
 #[inline(always)]
 pub fn bernstein<S: Scalar>(coefficients: &[S], width: S, out: &mut [S]) {
-    let n = coefficients.len();
-    let row = &INVERSE_BINOMIALS[n - 1];
+    bernstein_from(
+        coefficients[0],
+        &coefficients[1..],
+        width,
+        &mut out[..coefficients.len()],
+    );
+}
+
+/// [`bernstein`] of a polynomial given as its constant term and the coefficients after it.
+#[inline(always)]
+pub fn bernstein_from<S: Scalar>(constant: S, rest: &[S], width: S, out: &mut [S]) {
+    let n = rest.len() + 1;
+    let row = &INVERSE_BINOMIALS[n - 1][1..];
     let out = &mut out[..n];
-    let mut power = S::splat(1.0);
-    for ((value, &c), &inverse) in out.iter_mut().zip(coefficients).zip(row) {
+    out[0] = constant;
+    let mut power = width;
+    for ((value, &c), &inverse) in out[1..].iter_mut().zip(rest).zip(row) {
         *value = c * power * S::from_double_double(inverse);
         power *= width;
     }
