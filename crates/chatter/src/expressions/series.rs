@@ -11,9 +11,6 @@ use crate::numerics::Scalar;
 /// Highest order that an expansion may have.
 pub const MAX_ORDER: usize = 50;
 
-/// Coefficients stored for each series.
-const STRIDE: usize = MAX_ORDER + 1;
-
 /// 1 / k for k from 1 on, correctly rounded at each number's own precision.
 #[inline(always)]
 fn reciprocal<S: Scalar>(k: usize) -> S {
@@ -30,6 +27,9 @@ pub struct Expansion<S> {
 }
 
 impl<S: Scalar> Expansion<S> {
+    /// Coefficients stored for each series: no more than the number type's highest order needs, to stay in cache.
+    const STRIDE: usize = S::ORDERS[S::ORDERS.len() - 1] + 1;
+
     /// Room for every tape of at most `slots` series and `auxiliaries` helpers.
     pub fn new(tapes: &[&Tape]) -> Self {
         let slots = tapes.iter().map(|tape| tape.slots).max().unwrap_or(0);
@@ -38,7 +38,7 @@ impl<S: Scalar> Expansion<S> {
         reciprocals.extend((1..=MAX_ORDER + 1).map(reciprocal::<S>));
         Self {
             order: 0,
-            values: vec![S::splat(0.0); slots * STRIDE],
+            values: vec![S::splat(0.0); slots * Self::STRIDE],
             auxiliaries: vec![S::splat(0.0); auxiliaries],
             reciprocals,
         }
@@ -53,42 +53,44 @@ impl<S: Scalar> Expansion<S> {
     /// Coefficients of a series in powers of the scaled time, lowest first.
     #[inline(always)]
     pub fn series(&self, slot: usize) -> &[S] {
-        &self.values[slot * STRIDE..slot * STRIDE + self.order + 1]
+        &self.values[slot * Self::STRIDE..slot * Self::STRIDE + self.order + 1]
     }
 
     /// The slots of a tape that runs here all exist, and so does every order asked for: what the accesses below rely on.
     #[inline(always)]
     fn admit(&self, tape: &Tape, constants: &[S], order: usize) {
         assert!(
-            tape.slots * STRIDE <= self.values.len()
+            tape.slots * Self::STRIDE <= self.values.len()
                 && tape.auxiliaries <= self.auxiliaries.len()
                 && tape.constant_count() <= constants.len()
-                && order < STRIDE
+                && order < Self::STRIDE
         );
     }
 
     #[inline(always)]
     fn get(&self, slot: usize, k: usize) -> S {
-        debug_assert!(slot * STRIDE + k < self.values.len() && k < STRIDE);
+        debug_assert!(slot * Self::STRIDE + k < self.values.len() && k < Self::STRIDE);
         // SAFETY: `slot` comes from a tape that `admit` let in, whose slots are all below `tape.slots` by construction,
         // and `k` is at most the order that it let in. (Checked accesses cost a third of a scalar step.)
-        unsafe { *self.values.get_unchecked(slot * STRIDE + k) }
+        unsafe { *self.values.get_unchecked(slot * Self::STRIDE + k) }
     }
 
     #[inline(always)]
     fn set(&mut self, slot: usize, k: usize, value: S) {
-        debug_assert!(slot * STRIDE + k < self.values.len() && k < STRIDE);
+        debug_assert!(slot * Self::STRIDE + k < self.values.len() && k < Self::STRIDE);
         // SAFETY: as in `get`.
-        unsafe { *self.values.get_unchecked_mut(slot * STRIDE + k) = value };
+        unsafe { *self.values.get_unchecked_mut(slot * Self::STRIDE + k) = value };
     }
 
     #[inline(always)]
     fn part(&self, slot: usize, from: usize, to: usize) -> &[S] {
-        debug_assert!(slot * STRIDE + to <= self.values.len() && from <= to && to <= STRIDE);
+        debug_assert!(
+            slot * Self::STRIDE + to <= self.values.len() && from <= to && to <= Self::STRIDE
+        );
         // SAFETY: as in `get`; callers pass `from <= to`, and `to` is at most one more than the order.
         unsafe {
             self.values
-                .get_unchecked(slot * STRIDE + from..slot * STRIDE + to)
+                .get_unchecked(slot * Self::STRIDE + from..slot * Self::STRIDE + to)
         }
     }
 
