@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! model -> System      compiled once: a Program (field, guards, impact tapes) for each set of closed contacts
+//!          variation derivatives as further states of the same system: columns, saltation at impacts
 //!       -> Trajectory  the mode machine: one state, its phase, what happened (Occurrence)
 //!            step      expand, locate the first guard, move, collide: branch-free, any number type
 //!            resolve   the rare cases a step cannot certify, settled with full root isolation
@@ -18,6 +19,7 @@ mod step;
 mod system;
 mod touching;
 mod trajectory;
+mod variation;
 
 pub use error::FlowError;
 pub use fleet::{Next, run_fleet};
@@ -26,3 +28,4 @@ pub use program::{Closed, GuardKind};
 pub use step::Workspace;
 pub use system::{Settings, System, SystemError};
 pub use trajectory::{Dense, Trajectory};
+pub use variation::Column;

@@ -97,16 +97,68 @@ pub(crate) struct ProgramConstants<R> {
     pub reactions: Vec<R>,
 }
 
+/// What holds while a set of contacts is closed, as expressions.
+#[derive(Clone, Debug)]
+pub(crate) struct Phase {
+    pub closed: Closed,
+    /// Flight or sticking field.
+    pub field: Vec<Expr>,
+    /// One for each closed contact, in order.
+    pub reactions: Vec<Expr>,
+    /// For each contact the state after an impact there.
+    pub impacts: Vec<Vec<Expr>>,
+    /// For each contact the state once its rate is taken away.
+    pub rests: Vec<Vec<Expr>>,
+}
+
+impl Phase {
+    /// The phase in which these contacts are closed; none where they cannot be held together.
+    pub(crate) fn new(mechanics: &mut Mechanics, closed: Closed) -> Option<Self> {
+        let active: Vec<usize> = closed.contacts().collect();
+        let (field, reactions) = if active.is_empty() {
+            (mechanics.field.clone(), Vec::new())
+        } else {
+            let sticking = mechanics.sticking(&active).ok()?;
+            (sticking.field, sticking.reactions)
+        };
+        let contacts = mechanics.contacts.clone();
+        let graph = &mut mechanics.graph;
+        let rests = contacts
+            .iter()
+            .map(|contact| {
+                (contact.jump.iter().enumerate())
+                    .map(|(i, &jump)| {
+                        let state = graph.state(i);
+                        let stop = graph.mul(contact.rate, jump);
+                        graph.sub(state, stop)
+                    })
+                    .collect()
+            })
+            .collect();
+        Some(Self {
+            closed,
+            field,
+            reactions,
+            impacts: contacts.into_iter().map(|c| c.after_impact).collect(),
+            rests,
+        })
+    }
+}
+
 impl Program {
-    /// Compiles the phase with this field (flight or sticking) and these reactions, one for each closed contact.
+    /// Compiles a phase.
     pub(crate) fn new(
         mechanics: &mut Mechanics,
         sections: &[Section],
         time: Option<usize>,
-        closed: Closed,
-        field: &[Expr],
-        reactions: &[Expr],
+        phase: &Phase,
     ) -> Self {
+        let Phase {
+            closed,
+            field,
+            reactions,
+            ..
+        } = phase;
         let dimension = field.len();
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
@@ -156,20 +208,15 @@ impl Program {
                 &[contact.gap, rate, acceleration, jerk],
             ));
             let onto_surface = surface_correction(graph, contact.gap, dimension, time);
-            let at_rest: Vec<Expr> = (0..dimension)
-                .map(|i| {
-                    let state = graph.state(i);
-                    let stop = graph.mul(contact.rate, contact.jump[i]);
-                    let rest = graph.sub(state, stop);
-                    graph.add(rest, onto_surface[i])
-                })
+            let at_rest: Vec<Expr> = (phase.rests[index].iter().zip(&onto_surface))
+                .map(|(&rest, &correction)| graph.add(rest, correction))
                 .collect();
             captures.push(Tape::new(graph, dimension, &[], &at_rest));
             if closed.contains(index) {
                 impacts.push(None);
                 continue;
             }
-            let after = contact.after_impact.clone();
+            let after = &phase.impacts[index];
             let at_after = |graph: &mut Graph, expr| {
                 graph.substitute(expr, &|symbol| match symbol {
                     Symbol::State(i) => Some(after[i]),

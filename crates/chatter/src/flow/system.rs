@@ -1,9 +1,10 @@
 //! A model compiled for integration.
 
 use super::error::FlowError;
-use super::program::{Closed, Program, ProgramConstants};
+use super::program::{Closed, Phase, Program, ProgramConstants};
 use super::step::Workspace;
 use super::touching::Touching;
+use super::variation::{Column, Direction, extend};
 use crate::expressions::{Graph, Symbol, Tape};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::{Real, Scalar};
@@ -32,6 +33,7 @@ pub struct System {
     graph: Graph,
     programs: Vec<Option<Program>>,
     dimension: usize,
+    coordinates: usize,
     contacts: usize,
     sections: usize,
 }
@@ -42,6 +44,19 @@ impl System {
     /// # Errors
     /// The mechanics cannot be derived, or there are too many contacts.
     pub fn new(model: &Model) -> Result<Self, SystemError> {
+        Self::with_columns(model, &[])
+    }
+
+    /// Like [`new`](Self::new), with derivatives carried along: the state is followed by one column after the other,
+    /// each as long as the model's state. Where a trajectory starts, each holds what it is the derivative of.
+    ///
+    /// At a graze the derivative does not exist: columns stay as they are where an impact has no rate, and grow without
+    /// bound as its rate goes to zero. Impacts while another contact is closed are covered as long as that contact stays
+    /// closed.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn with_columns(model: &Model, columns: &[Column]) -> Result<Self, SystemError> {
         let contacts = model.contacts.len();
         if contacts > MAX_CONTACTS {
             return Err(SystemError::Flow(FlowError::TooManyContacts {
@@ -56,41 +71,50 @@ impl System {
             }));
         }
         let mut mechanics = Mechanics::new(model).map_err(SystemError::Model)?;
+        let coordinates = model.states.len();
+        let directions: Vec<Direction> = (columns.iter().enumerate())
+            .map(|(index, column)| {
+                let parameters = match *column {
+                    Column::State => Vec::new(),
+                    Column::Parameter(p) => model.parameter_rates(&mut mechanics.graph, p),
+                };
+                Direction::new((index + 1) * coordinates, parameters)
+            })
+            .collect();
         let mut programs = Vec::new();
         for bits in 0..1_u32 << contacts {
-            let closed = Closed(bits);
-            let active: Vec<usize> = closed.contacts().collect();
-            let phase = if active.is_empty() {
-                Some((mechanics.field.clone(), Vec::new()))
-            } else {
-                mechanics
-                    .sticking(&active)
-                    .ok()
-                    .map(|sticking| (sticking.field, sticking.reactions))
-            };
-            programs.push(phase.map(|(field, reactions)| {
-                Program::new(
-                    &mut mechanics,
-                    &model.sections,
-                    model.time,
-                    closed,
-                    &field,
-                    &reactions,
-                )
-            }));
+            let phase = Phase::new(&mut mechanics, Closed(bits)).map(|mut phase| {
+                extend(&mut phase, &mut mechanics, &directions);
+                phase
+            });
+            programs
+                .push(phase.map(|phase| {
+                    Program::new(&mut mechanics, &model.sections, model.time, &phase)
+                }));
         }
         Ok(Self {
             graph: mechanics.graph,
             programs,
-            dimension: model.states.len(),
+            dimension: coordinates * (1 + columns.len()),
+            coordinates,
             contacts,
             sections: model.sections.len(),
         })
     }
 
-    /// Number of states, time included.
+    /// Length of the state of a trajectory: the model's states, time included, and the columns.
     pub fn dimension(&self) -> usize {
         self.dimension
+    }
+
+    /// Number of states of the model, time included.
+    pub fn coordinates(&self) -> usize {
+        self.coordinates
+    }
+
+    /// The components of column number `index` in a state of a trajectory.
+    pub fn column<'s, R>(&self, state: &'s [R], index: usize) -> &'s [R] {
+        &state[(index + 1) * self.coordinates..(index + 2) * self.coordinates]
     }
 
     /// Number of contacts.

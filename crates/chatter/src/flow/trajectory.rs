@@ -40,6 +40,8 @@ pub struct Trajectory<R> {
     time_low: R,
     pub(crate) state: Vec<R>,
     pub(crate) low: Vec<R>,
+    /// How many of the states are the model's own; columns of derivatives follow.
+    coordinates: usize,
     pub(crate) closed: Closed,
     /// Per guard of the phase's program: how many roots lie at the present state.
     pub(crate) touching: Touching,
@@ -111,6 +113,7 @@ impl<R: Real> Trajectory<R> {
             time_low: R::ZERO,
             state: state.to_vec(),
             low: vec![R::ZERO; state.len()],
+            coordinates: system.coordinates(),
             closed: Closed::NONE,
             touching: Touching::NONE,
             reach: [R::ZERO; ORDER_CLASSES],
@@ -513,8 +516,8 @@ impl<R: Real> Trajectory<R> {
         self.sequence = 0;
         self.flight_time = R::splat(FOREVER);
         let program = self.program(system)?;
+        let mut at_rest = self.state.clone();
         if let Some(constants) = &self.constants[self.closed.0 as usize] {
-            let mut at_rest = vec![R::ZERO; self.state.len()];
             work.point.evaluate(
                 &program.captures[contact],
                 &constants.captures[contact],
@@ -522,13 +525,10 @@ impl<R: Real> Trajectory<R> {
                 &self.low,
                 &mut at_rest,
             );
-            for ((x, low), &value) in self.state.iter_mut().zip(&mut self.low).zip(&at_rest) {
-                if *x != value {
-                    *x = value;
-                    *low = R::ZERO;
-                }
-            }
         }
+        // Columns stay as they are if the contact lifts off at once: nothing holds it.
+        let coordinates = self.coordinates;
+        self.take(0..coordinates, &at_rest);
         let [_, _, acceleration, jerk] = self.local(system, work, contact)?;
         let level = self.rest_level();
         if acceleration > level {
@@ -536,6 +536,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(());
         }
         if acceleration < -level {
+            self.take(coordinates..at_rest.len(), &at_rest);
             return self.close(system, work, contact);
         }
         if jerk > level {
@@ -543,6 +544,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(());
         }
         if jerk < -level {
+            self.take(coordinates..at_rest.len(), &at_rest);
             self.close(system, work, contact)?;
             self.touch(system, GuardKind::Reaction(contact), 1);
             return Ok(());
@@ -551,6 +553,16 @@ impl<R: Real> Trajectory<R> {
             time: self.time.to_f64(),
             contact,
         })
+    }
+
+    /// Replaces a range of states; one that does not change keeps its rounding remainder.
+    fn take(&mut self, range: core::ops::Range<usize>, values: &[R]) {
+        for index in range {
+            if self.state[index] != values[index] {
+                self.state[index] = values[index];
+                self.low[index] = R::ZERO;
+            }
+        }
     }
 
     fn close(
@@ -653,7 +665,8 @@ impl<R: Real> Trajectory<R> {
     }
 
     fn rest_level(&self) -> R {
-        let largest = self.state.iter().fold(R::ONE, |most, x| most.max(x.abs()));
+        let coordinates = &self.state[..self.coordinates];
+        let largest = coordinates.iter().fold(R::ONE, |most, x| most.max(x.abs()));
         largest * R::splat(REST)
     }
 }

@@ -25,6 +25,7 @@ mod model;
 mod names;
 mod overrides;
 mod scope;
+mod sensitivity;
 mod syntax;
 mod table;
 mod warning;

@@ -1,0 +1,100 @@
+//! Derivatives of a flow: the variational equation as further states of the same system.
+//!
+//! A column m = dx/d(something) obeys m' = Df m + df/dp between events (MATH.md 6), and jumps where the trajectory does.
+//! With the derivative of any function along a column,
+//!
+//! ```text
+//! D g = sum_i dg/dx_i m_i  (+ dg/dp in a parameter's column)
+//! ```
+//!
+//! an impact x+ = R(x-) on the surface h = 0, with the field f on both sides, takes the column to
+//!
+//! ```text
+//! m+ = D R + (f(x+) - L_f R) D h / L_f h                                                     saltation
+//! ```
+//!
+//! and coming to rest, x+ = x - v W / b at h = v = 0, takes it to D (x - v W / b): the event's time drops out because
+//! the contact force makes up the whole difference of the fields. Release is continuous in the column as in the field.
+//!
+//! All of it is written down as expressions in (x, m), so one trajectory carries its derivatives through every phase
+//! with the same tapes, steps and error control.
+
+use super::program::Phase;
+use crate::expressions::{Expr, Graph, Symbol};
+use crate::model::Mechanics;
+
+/// What a column of derivatives is taken with respect to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Column {
+    /// A displacement of the initial state; where the trajectory starts the column says which.
+    State,
+    /// A parameter, by its number. Where the trajectory starts the column holds the derivative of the initial state.
+    Parameter(usize),
+}
+
+/// One column of a variational system: where its components lie, and how parameters change along it.
+pub(crate) struct Direction {
+    /// First state that holds the column.
+    offset: usize,
+    /// Rate of each parameter along the column; empty for a displacement of the state.
+    parameters: Vec<Expr>,
+}
+
+impl Direction {
+    pub(crate) fn new(offset: usize, parameters: Vec<Expr>) -> Self {
+        Self { offset, parameters }
+    }
+
+    /// The derivative of each of `exprs` along the column; `dimension` states have a component in it.
+    pub(crate) fn along(&self, graph: &mut Graph, dimension: usize, exprs: &[Expr]) -> Vec<Expr> {
+        let components: Vec<Expr> = (0..dimension)
+            .map(|i| graph.state(self.offset + i))
+            .collect();
+        graph.directional_derivatives(exprs, &|symbol| match symbol {
+            Symbol::State(i) => components.get(i).copied(),
+            Symbol::Parameter(i) => self.parameters.get(i).copied(),
+        })
+    }
+}
+
+/// Extends the field, the impacts and the rests of a phase by the columns.
+pub(crate) fn extend(phase: &mut Phase, mechanics: &mut Mechanics, directions: &[Direction]) {
+    let dimension = phase.field.len();
+    let field = phase.field.clone();
+    let graph = &mut mechanics.graph;
+    for direction in directions {
+        let rates = direction.along(graph, dimension, &field);
+        phase.field.extend(rates);
+    }
+    for (contact, (after, rest)) in mechanics
+        .contacts
+        .iter()
+        .zip(phase.impacts.iter_mut().zip(&mut phase.rests))
+    {
+        let map = after.clone();
+        let approach = graph.lie_derivative(contact.gap, &field);
+        let jumps: Vec<Expr> = field
+            .iter()
+            .zip(&map)
+            .map(|(&component, &image)| {
+                let leaving = graph.substitute(component, &|symbol| match symbol {
+                    Symbol::State(i) => map.get(i).copied(),
+                    Symbol::Parameter(_) => None,
+                });
+                let arriving = graph.lie_derivative(image, &field);
+                let jump = graph.sub(leaving, arriving);
+                graph.div(jump, approach)
+            })
+            .collect();
+        let at_rest = rest.clone();
+        for direction in directions {
+            let gap = direction.along(graph, dimension, &[contact.gap])[0];
+            let image = direction.along(graph, dimension, &map);
+            for (&image, &jump) in image.iter().zip(&jumps) {
+                let late = graph.mul(jump, gap);
+                after.push(graph.add(image, late));
+            }
+            rest.extend(direction.along(graph, dimension, &at_rest));
+        }
+    }
+}

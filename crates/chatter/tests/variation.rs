@@ -1,0 +1,128 @@
+//! Columns of derivatives against differences of double-double trajectories, through every phase.
+
+use chatter::flow::{Column, Occurrence, Settings, System, Trajectory};
+use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
+
+const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
+
+/// Forced, with time as a state; wall, impulse and restitution depend on state, time and parameters, and the gap is no
+/// coordinate.
+const CURVED: &str = r#"
+title = "Bead at a curved, moving wall"
+[parameters]
+omega = 2.8
+e = 0.7
+a = "e/5"
+[flight]
+x = "v"
+v = "-x - 0.1*v + cos(omega*t)"
+[[contact]]
+name = "wall"
+gap = "0.2 + a*sin(omega*t) - x - a*x^2"
+impulse = { v = "1 + x^2" }
+restitution = "e/(1 + v^2/10)"
+[initial]
+x = 0.1
+v = 0.3
+"#;
+
+fn read(text: &str) -> Model {
+    Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"))
+}
+
+fn end<R: Real>(
+    system: &System,
+    parameters: &[R],
+    state: &[R],
+    until: f64,
+) -> (Vec<R>, Vec<&'static str>) {
+    let mut work = system.workspace::<R>(&Settings::default());
+    let mut trajectory = Trajectory::start(system, &mut work, parameters, R::ZERO, state).unwrap();
+    let mut kinds = Vec::new();
+    loop {
+        kinds.push(
+            match trajectory
+                .advance(system, &mut work, R::splat(until))
+                .unwrap()
+            {
+                None => continue,
+                Some(Occurrence::Impact { .. }) => "impact",
+                Some(Occurrence::Accumulation { .. }) => "accumulation",
+                Some(Occurrence::Capture { .. }) => "capture",
+                Some(Occurrence::Release { .. }) => "release",
+                Some(Occurrence::Section { .. }) => "section",
+                Some(Occurrence::Graze { .. }) => "graze",
+                Some(Occurrence::Horizon) => return (trajectory.state().to_vec(), kinds),
+            },
+        );
+    }
+}
+
+/// Compares each column at time `until` with a central difference; returns what happened on the way.
+fn check(model: &Model, state: &[f64], until: f64, tolerance: f64) -> Vec<&'static str> {
+    const STEP: f64 = 1e-9;
+    let n = model.states.len();
+    let columns: Vec<Column> = (0..n)
+        .map(|_| Column::State)
+        .chain((0..model.parameters.len()).map(Column::Parameter))
+        .collect();
+    let variational = System::with_columns(model, &columns).unwrap();
+    let plain = System::new(model).unwrap();
+    let parameters = model.parameter_values::<f64>(&[]);
+    let mut start = state.to_vec();
+    for (index, _) in columns.iter().enumerate() {
+        start.extend((0..n).map(|i| f64::from(u8::from(i == index))));
+    }
+    let (with, kinds) = end(&variational, &parameters, &start, until);
+    let (without, _) = end(&plain, &parameters, state, until);
+    for (a, b) in with.iter().zip(&without) {
+        assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{a} {b}");
+    }
+    for (index, column) in columns.iter().enumerate() {
+        let shifted = |sign: f64| {
+            let step = DoubleDouble::from(sign * STEP);
+            let mut x: Vec<DoubleDouble> = state.iter().map(|&x| x.into()).collect();
+            let values = match *column {
+                Column::State => {
+                    x[index] += step;
+                    model.parameter_values(&[])
+                }
+                Column::Parameter(p) => {
+                    let value = model.parameter_values::<DoubleDouble>(&[])[p];
+                    model.parameter_values(&[(p, value + step)])
+                }
+            };
+            end(&plain, &values, &x, until).0
+        };
+        let (plus, minus) = (shifted(1.0), shifted(-1.0));
+        for i in 0..n {
+            let difference = ((plus[i] - minus[i]) / DoubleDouble::from(2.0 * STEP)).to_f64();
+            let derivative = variational.column(&with, index)[i];
+            assert!(
+                (derivative - difference).abs() <= tolerance * difference.abs().max(1.0),
+                "{column:?} of state {i} at {until}: {derivative}, not {difference}"
+            );
+        }
+    }
+    kinds
+}
+
+#[test]
+fn columns_follow_flights_and_impacts() {
+    let valve = read(VALVE);
+    let kinds = check(&valve, &[0.003, 0.02, 9.99], 9.0, 1e-9);
+    assert!(kinds.len() > 10, "{kinds:?}");
+    let kinds = check(&read(CURVED), &[0.1, 0.3, 0.0], 14.0, 1e-9);
+    assert!(kinds.len() > 3, "{kinds:?}");
+}
+
+#[test]
+fn columns_follow_complete_chatter_sticking_and_release() {
+    let mut valve = read(VALVE);
+    valve.set_parameter("q", "0.0195").unwrap();
+    for until in [9.0, 20.0] {
+        let kinds = check(&valve, &[0.003, 0.02, 9.99], until, 1e-7);
+        assert!(kinds.contains(&"accumulation"), "{kinds:?}");
+    }
+}
