@@ -1,0 +1,353 @@
+//! What a panel shows: curves, markers, bands, reference lines and notes.
+
+use super::color::Color;
+use super::density::Density;
+use super::map::{CategoryMap, HeatMap};
+
+/// One thing that a panel shows. Later ones are drawn over earlier ones.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Layer {
+    /// A curve.
+    Line(Line),
+    /// Separate points.
+    Markers(Markers),
+    /// Very many points.
+    Density(Density),
+    /// Bands across the panel.
+    Spans(Spans),
+    /// A straight line across the panel.
+    Rule(Rule),
+    /// Text at a point.
+    Note(Note),
+    /// Numbers as colours.
+    HeatMap(HeatMap),
+    /// Categories as colours.
+    CategoryMap(CategoryMap),
+}
+
+/// How a line is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Dash {
+    /// Not at all.
+    #[default]
+    Solid,
+    /// Into dashes.
+    Dashed,
+    /// Into dots.
+    Dotted,
+    /// Into dashes and dots in turn.
+    DashDotted,
+}
+
+impl Dash {
+    /// Lengths of dashes and gaps in turn, in points.
+    pub(super) fn pattern(self, width: f64) -> Vec<f64> {
+        let lengths: &[f64] = match self {
+            Dash::Solid => &[],
+            Dash::Dashed => &[4.0, 2.2],
+            Dash::Dotted => &[1.0, 1.6],
+            Dash::DashDotted => &[4.0, 1.8, 1.0, 1.8],
+        };
+        lengths.iter().map(|l| l * width.max(0.6)).collect()
+    }
+}
+
+/// A curve through points, broken where a coordinate is not finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    pub(super) x: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    pub(super) color: Option<Color>,
+    pub(super) width: f64,
+    pub(super) dash: Dash,
+    pub(super) label: Option<String>,
+}
+
+impl Line {
+    /// A curve through the points `(x[k], y[k])`, in the next colour of the palette.
+    pub fn new(x: Vec<f64>, y: Vec<f64>) -> Self {
+        Line {
+            x,
+            y,
+            color: None,
+            width: 0.8,
+            dash: Dash::Solid,
+            label: None,
+        }
+    }
+
+    /// In this colour.
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = Some(color);
+        self
+    }
+
+    /// So many points thick.
+    pub fn width(mut self, width: f64) -> Self {
+        self.width = width;
+        self
+    }
+
+    /// Broken in this way.
+    pub fn dash(mut self, dash: Dash) -> Self {
+        self.dash = dash;
+        self
+    }
+
+    /// With an entry in the legend.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = Some(label.into());
+        self
+    }
+}
+
+/// Shape of a marker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Marker {
+    /// Filled circle.
+    #[default]
+    Disc,
+    /// Circle with a white inside.
+    Circle,
+    /// Filled square.
+    Square,
+    /// Filled triangle, point upwards.
+    Triangle,
+    /// Filled square on its corner.
+    Diamond,
+    /// Two crossing diagonals.
+    Cross,
+    /// A level and an upright line, crossing.
+    Plus,
+}
+
+/// Separate points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Markers {
+    pub(super) x: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    pub(super) marker: Marker,
+    pub(super) size: f64,
+    pub(super) color: Option<Color>,
+    pub(super) label: Option<String>,
+}
+
+impl Markers {
+    /// Discs at the points `(x[k], y[k])`, in the next colour of the palette.
+    pub fn new(x: Vec<f64>, y: Vec<f64>) -> Self {
+        Markers {
+            x,
+            y,
+            marker: Marker::Disc,
+            size: 3.0,
+            color: None,
+            label: None,
+        }
+    }
+
+    /// Of this shape.
+    pub fn marker(mut self, marker: Marker) -> Self {
+        self.marker = marker;
+        self
+    }
+
+    /// So many points across.
+    pub fn size(mut self, size: f64) -> Self {
+        self.size = size;
+        self
+    }
+
+    /// In this colour.
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = Some(color);
+        self
+    }
+
+    /// With an entry in the legend.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = Some(label.into());
+        self
+    }
+}
+
+/// Which way a line or band runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Orientation {
+    /// From left to right, at a place on the vertical axis.
+    Horizontal,
+    /// From bottom to top, at a place on the horizontal axis.
+    Vertical,
+}
+
+/// Bands across the panel, such as phases of contact over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spans {
+    pub(super) intervals: Vec<(f64, f64)>,
+    pub(super) orientation: Orientation,
+    pub(super) color: Color,
+    pub(super) label: Option<String>,
+}
+
+impl Spans {
+    /// Vertical bands over intervals of the horizontal axis. They do not enter an automatic range.
+    pub fn new(intervals: Vec<(f64, f64)>) -> Self {
+        Spans {
+            intervals,
+            orientation: Orientation::Vertical,
+            color: Color::BAND,
+            label: None,
+        }
+    }
+
+    /// Horizontal bands over intervals of the vertical axis.
+    pub fn horizontal(mut self) -> Self {
+        self.orientation = Orientation::Horizontal;
+        self
+    }
+
+    /// In this colour.
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = color;
+        self
+    }
+
+    /// With an entry in the legend.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = Some(label.into());
+        self
+    }
+}
+
+/// A straight line across the whole panel. It does not enter an automatic range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rule {
+    pub(super) at: f64,
+    pub(super) orientation: Orientation,
+    pub(super) color: Color,
+    pub(super) width: f64,
+    pub(super) dash: Dash,
+    pub(super) label: Option<String>,
+}
+
+impl Rule {
+    /// From bottom to top at a place on the horizontal axis.
+    pub fn vertical(at: f64) -> Self {
+        Rule {
+            at,
+            orientation: Orientation::Vertical,
+            color: Color::GREY,
+            width: 0.6,
+            dash: Dash::Dashed,
+            label: None,
+        }
+    }
+
+    /// From left to right at a place on the vertical axis.
+    pub fn horizontal(at: f64) -> Self {
+        Rule {
+            orientation: Orientation::Horizontal,
+            ..Rule::vertical(at)
+        }
+    }
+
+    /// In this colour.
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = color;
+        self
+    }
+
+    /// So many points thick.
+    pub fn width(mut self, width: f64) -> Self {
+        self.width = width;
+        self
+    }
+
+    /// Broken in this way.
+    pub fn dash(mut self, dash: Dash) -> Self {
+        self.dash = dash;
+        self
+    }
+
+    /// With an entry in the legend.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = Some(label.into());
+        self
+    }
+}
+
+/// Which part of a note is at its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Anchor {
+    /// The note is to the upper right of its point.
+    #[default]
+    LowerLeft,
+    /// The note is to the upper left of its point.
+    LowerRight,
+    /// The note is to the lower right of its point.
+    UpperLeft,
+    /// The note is to the lower left of its point.
+    UpperRight,
+    /// The note is centred above its point.
+    Below,
+    /// The note is centred below its point.
+    Above,
+    /// The note is centred on its point.
+    Centre,
+}
+
+/// Text at a point. It does not enter an automatic range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Note {
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) text: String,
+    pub(super) anchor: Anchor,
+    pub(super) color: Color,
+}
+
+impl Note {
+    /// A label at a point.
+    pub fn new(x: f64, y: f64, text: impl Into<String>) -> Self {
+        Note {
+            x,
+            y,
+            text: text.into(),
+            anchor: Anchor::default(),
+            color: Color::INK,
+        }
+    }
+
+    /// With this part of it at the point.
+    pub fn anchor(mut self, anchor: Anchor) -> Self {
+        self.anchor = anchor;
+        self
+    }
+
+    /// In this colour.
+    pub fn color(mut self, color: Color) -> Self {
+        self.color = color;
+        self
+    }
+}
+
+macro_rules! into_layer {
+    ($($kind:ident),*) => {
+        $(impl From<$kind> for Layer {
+            fn from(layer: $kind) -> Self {
+                Layer::$kind(layer)
+            }
+        })*
+    };
+}
+
+into_layer!(
+    Line,
+    Markers,
+    Density,
+    Spans,
+    Rule,
+    Note,
+    HeatMap,
+    CategoryMap
+);

@@ -1,0 +1,15 @@
+//! Tables: named columns of numbers, truth values and text, written as CSV and NPZ, read back from NPZ.
+
+mod csv;
+mod error;
+mod npy;
+mod npz_reader;
+mod npz_writer;
+mod table;
+
+pub use csv::{csv_text, write_csv};
+pub use error::TableError;
+pub use npy::{ArrayInfo, Element, Kind};
+pub use npz_reader::{FloatStream, NpzReader};
+pub use npz_writer::{ArrayWriter, NpzWriter};
+pub use table::{Column, Dataset, Table, Values};
