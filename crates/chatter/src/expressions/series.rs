@@ -6,7 +6,7 @@
 
 use super::graph::Function;
 use super::tape::{Op, Operand, Sign, Tape};
-use crate::numerics::Scalar;
+use crate::numerics::{Scalar, two_sum};
 
 /// Highest order that an expansion may have.
 pub const MAX_ORDER: usize = 50;
@@ -22,6 +22,8 @@ fn reciprocal<S: Scalar>(k: usize) -> S {
 pub struct Expansion<S> {
     order: usize,
     values: Vec<S>,
+    /// Rounding remainders of order zero, where they are known: of states and of linear combinations.
+    lows: Vec<S>,
     auxiliaries: Vec<S>,
     reciprocals: Vec<S>,
 }
@@ -39,6 +41,7 @@ impl<S: Scalar> Expansion<S> {
         Self {
             order: 0,
             values: vec![S::splat(0.0); slots * Self::STRIDE],
+            lows: vec![S::splat(0.0); slots],
             auxiliaries: vec![S::splat(0.0); auxiliaries],
             reciprocals,
         }
@@ -56,11 +59,20 @@ impl<S: Scalar> Expansion<S> {
         &self.values[slot * Self::STRIDE..slot * Self::STRIDE + self.order + 1]
     }
 
+    /// The series of one of the tape's outputs; none where parameters alone fix it.
+    pub fn output(&self, tape: &Tape, index: usize) -> Option<&[S]> {
+        match tape.outputs[index] {
+            Operand::Series(slot) => Some(self.series(slot)),
+            Operand::Constant(_) => None,
+        }
+    }
+
     /// The slots of a tape that runs here all exist, and so does every order asked for: what the accesses below rely on.
     #[inline(always)]
     fn admit(&self, tape: &Tape, constants: &[S], order: usize) {
         assert!(
             tape.slots * Self::STRIDE <= self.values.len()
+                && tape.slots <= self.lows.len()
                 && tape.auxiliaries <= self.auxiliaries.len()
                 && tape.constant_count() <= constants.len()
                 && order < Self::STRIDE
@@ -127,10 +139,8 @@ impl<S: Scalar> Expansion<S> {
     ) {
         self.order = 0;
         self.admit(tape, constants, 0);
-        for (slot, &value) in state.iter().enumerate() {
-            self.set(slot, 0, value);
-        }
-        self.run_order(tape, constants, low, 0);
+        self.start(tape, state, low);
+        self.run_order(tape, constants, 0);
         for (value, output) in values.iter_mut().zip(&tape.outputs) {
             *value = match *output {
                 Operand::Constant(index) => constants[index],
@@ -154,11 +164,9 @@ impl<S: Scalar> Expansion<S> {
     ) {
         self.order = order;
         self.admit(tape, constants, order);
-        for (slot, &value) in state.iter().enumerate() {
-            self.set(slot, 0, value);
-        }
+        self.start(tape, state, low);
         for k in 0..order {
-            self.run_order(tape, constants, low, k);
+            self.run_order(tape, constants, k);
             let factor = tau * self.reciprocals[k + 1];
             for (slot, derivative) in tape.field.iter().enumerate() {
                 let value = match *derivative {
@@ -170,12 +178,24 @@ impl<S: Scalar> Expansion<S> {
             }
         }
         if !tape.outputs_are_states() {
-            self.run_order(tape, constants, low, order);
+            self.run_order(tape, constants, order);
+        }
+    }
+
+    /// Puts the state into its slots.
+    #[inline(always)]
+    fn start(&mut self, tape: &Tape, state: &[S], low: &[S]) {
+        for low in &mut self.lows[..tape.slots] {
+            *low = S::splat(0.0);
+        }
+        for (slot, (&value, &low)) in state.iter().zip(low).enumerate() {
+            self.set(slot, 0, value);
+            self.lows[slot] = low;
         }
     }
 
     #[inline(always)]
-    fn run_order(&mut self, tape: &Tape, constants: &[S], low: &[S], k: usize) {
+    fn run_order(&mut self, tape: &Tape, constants: &[S], k: usize) {
         for op in &tape.ops {
             match *op {
                 Op::Linear {
@@ -186,7 +206,9 @@ impl<S: Scalar> Expansion<S> {
                 } => {
                     let terms = &tape.terms[first..end];
                     let value = if k == 0 {
-                        self.compensated_sum(constants, low, offset, terms)
+                        let (value, low) = self.compensated_sum(constants, offset, terms);
+                        self.lows[out] = low;
+                        value
                     } else {
                         let mut sum = S::splat(0.0);
                         for &(coefficient, slot) in terms {
@@ -297,7 +319,10 @@ impl<S: Scalar> Expansion<S> {
                     argument,
                 } => {
                     let (of_sine, of_cosine) = if k == 0 {
-                        self.get(argument, 0).sin_cos()
+                        // The remainder of the argument turns the pair a little further.
+                        let (sine, cosine) = self.get(argument, 0).sin_cos();
+                        let low = self.lows[argument];
+                        (low.mul_add(cosine, sine), (-low).mul_add(sine, cosine))
                     } else {
                         let slope = self.part(slope, 1, k + 1);
                         (
@@ -333,17 +358,18 @@ impl<S: Scalar> Expansion<S> {
         }
     }
 
-    /// A linear combination of order zero in about twice the working precision, remainders of the states included.
+    /// A linear combination of order zero in about twice the working precision, remainders of its terms included, and
+    /// its own remainder.
     ///
-    /// A difference such as `y3 - delta` near release is what decides between complete and incomplete chatter.
+    /// A difference such as `y3 - delta` near release is what decides between complete and incomplete chatter, and a
+    /// phase `omega*t` of many turns is what a forced system depends on.
     #[inline(always)]
     fn compensated_sum(
         &self,
         constants: &[S],
-        low: &[S],
         offset: Option<usize>,
         terms: &[(usize, usize)],
-    ) -> S {
+    ) -> (S, S) {
         let mut sum = match offset {
             Some(index) => constants[index],
             None => S::splat(0.0),
@@ -354,15 +380,12 @@ impl<S: Scalar> Expansion<S> {
             let value = self.get(slot, 0);
             let product = coefficient * value;
             error += coefficient.mul_add(value, -product);
-            let total = sum + product;
-            let shadow = total - sum;
-            error += (sum - (total - shadow)) + (product - shadow);
+            let (total, lost) = two_sum(sum, product);
+            error += lost;
             sum = total;
-            if slot < low.len() {
-                error = coefficient.mul_add(low[slot], error);
-            }
+            error = coefficient.mul_add(self.lows[slot], error);
         }
-        sum + error
+        two_sum(sum, error)
     }
 }
 

@@ -406,6 +406,15 @@ impl<R: Real> Trajectory<R> {
         if !finite {
             return Err(self.left_domain());
         }
+        if rate_before >= R::ZERO && self.sequence > 0 {
+            // A rate that cannot be told from zero: the sequence has sunk into the rounding of the equations.
+            let end = Accumulation {
+                after: R::ZERO,
+                change: vec![R::ZERO; self.state.len()],
+                error: self.flight_time.min(self.reach[0]).to_f64(),
+            };
+            return self.complete(system, work, contact, &end).map(Some);
+        }
         self.instant_impacts += 1;
         if self.instant_impacts > INSTANT_IMPACTS {
             return Err(FlowError::ImpactsWithoutEnd {
