@@ -360,3 +360,11 @@ fn warnings_name_what_looks_wrong() {
         }]
     );
 }
+
+#[test]
+fn the_ball_comes_to_rest_and_stays() {
+    // In contact the surface of the section `apex` vanishes identically, which is no crossing.
+    let counts = simulate(&shipped("bouncing_ball"), 10.0);
+    assert_eq!(counts.accumulations, 1, "{counts:?}");
+    assert_eq!(counts.releases, 0, "{counts:?}");
+}

@@ -185,6 +185,10 @@ fn first_closing<R: Real>(
 /// The first zero of a section in (0, width]; a start on the section does not count.
 fn first_crossing<R: Real>(p: &[R], width: R, noise: f64, crossing: Crossing) -> Option<Root<R>> {
     let level = magnitude(p, width) * R::splat(noise);
+    if level == R::ZERO {
+        // The trajectory runs within the surface, as one at rest does in that of its velocity: no crossing.
+        return None;
+    }
     if p[0].abs() > level || p.len() < 3 {
         return first_root(p, width, crossing, level);
     }
