@@ -1,3 +1,4 @@
 //! Questions asked of a system: each a pure function from a specification that can be stored to a typed result.
 
+pub mod map;
 pub mod simulate;
