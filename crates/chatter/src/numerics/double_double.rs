@@ -581,7 +581,7 @@ mod tests {
             prop_assert!(close(y.ln().exp(), y));
             prop_assert!(close(y.sqrt() * y.sqrt(), y));
             prop_assert!(close((x.tanh() * x.cosh()) + DoubleDouble::ONE, x.sinh() + DoubleDouble::ONE));
-            prop_assert!(close(x / y * y + DoubleDouble::ONE, x + DoubleDouble::ONE));
+            prop_assert!(close(x / y * y, x));
             prop_assert!(close(x.tan().atan().tan(), x.tan()));
             let text = format!("{y:.33}");
             prop_assert!(close(text.parse().unwrap(), y));

@@ -5,8 +5,18 @@
 
 use super::DoubleDouble;
 use super::scalar::{Mask, Scalar, coarse_exp2, coarse_log2};
-use core::array::from_fn;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
+
+/// An array by index. Unlike `core::array::from_fn` it is always inlined, and so compiled for the features of the kernel
+/// that it stands in.
+#[inline(always)]
+fn lanes<T: Copy, const L: usize>(first: T, function: impl Fn(usize) -> T) -> [T; L] {
+    let mut all = [first; L];
+    for (i, lane) in all.iter_mut().enumerate() {
+        *lane = function(i);
+    }
+    all
+}
 
 /// `L` doubles that go through the same operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +31,7 @@ impl<const L: usize> BitAnd for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
-        Self(from_fn(|i| self.0[i] & other.0[i]))
+        Self(lanes(false, |i| self.0[i] & other.0[i]))
     }
 }
 
@@ -29,7 +39,7 @@ impl<const L: usize> BitOr for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
-        Self(from_fn(|i| self.0[i] | other.0[i]))
+        Self(lanes(false, |i| self.0[i] | other.0[i]))
     }
 }
 
@@ -37,7 +47,7 @@ impl<const L: usize> Not for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        Self(from_fn(|i| !self.0[i]))
+        Self(lanes(false, |i| !self.0[i]))
     }
 }
 
@@ -59,11 +69,11 @@ impl<const L: usize> Mask for LaneMask<L> {
 impl<const L: usize> Lanes<L> {
     #[inline(always)]
     fn each(self, function: impl Fn(f64) -> f64) -> Self {
-        Self(from_fn(|i| function(self.0[i])))
+        Self(lanes(0.0, |i| function(self.0[i])))
     }
     #[inline(always)]
     fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
-        Self(from_fn(|i| function(self.0[i], other.0[i])))
+        Self(lanes(0.0, |i| function(self.0[i], other.0[i])))
     }
 }
 
@@ -120,7 +130,7 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        Self(from_fn(|i| {
+        Self(lanes(0.0, |i| {
             f64::mul_add(self.0[i], factor.0[i], addend.0[i])
         }))
     }
@@ -172,19 +182,19 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
-        LaneMask(from_fn(|i| self.0[i] < other.0[i]))
+        LaneMask(lanes(false, |i| self.0[i] < other.0[i]))
     }
     #[inline(always)]
     fn at_most(self, other: Self) -> Self::Mask {
-        LaneMask(from_fn(|i| self.0[i] <= other.0[i]))
+        LaneMask(lanes(false, |i| self.0[i] <= other.0[i]))
     }
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
-        LaneMask(from_fn(|i| self.0[i].abs() < f64::INFINITY))
+        LaneMask(lanes(false, |i| self.0[i].abs() < f64::INFINITY))
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Self(from_fn(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
+        Self(lanes(0.0, |i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
     }
     #[inline(always)]
     fn coarse_log2(self) -> Self {
