@@ -1,3 +1,38 @@
 //! The `chatter` command.
 
-fn main() {}
+mod commands;
+mod failure;
+mod named;
+mod numbers;
+mod options;
+mod shipped;
+mod simulation;
+mod terminal;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+EXAMPLES
+  chatter models
+  chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg
+  chatter simulate my_model.toml --json
+  chatter check my_model.toml
+
+Each command has a --help of its own. Exit codes: 0 done, 1 the computation could not be finished, 2 wrong input,
+130 broken off by Ctrl-C.";
+
+/// Mechanical systems with impacts: trajectories through chatter, contact and release, from equations in a text file
+#[derive(Parser, Debug)]
+#[command(name = "chatter", version, after_help = EXAMPLES, disable_help_subcommand = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: commands::Command,
+}
+
+fn main() -> ExitCode {
+    match Arguments::parse().command.run() {
+        Ok(code) => code.into(),
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,221 @@
+//! `chatter simulate`: one trajectory.
+
+use crate::failure::{self, Failure};
+use crate::numbers::Digits;
+use crate::options::{FigureFile, Initial, Loaded, ModelOptions, Quantity, StopOption, TableFile};
+use crate::simulation::{Listing, SampleOption, Subject, account, document, picture, table};
+use crate::terminal::{self, Progress, Style};
+use chatter::analysis::simulate::{
+    Outcome, Progress as Reached, SimulateError, Simulation, Spec, SpecError, Stop, simulate,
+};
+use chatter::expressions::nearest;
+use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
+use clap::Args;
+use core::ops::ControlFlow;
+
+const EXAMPLES: &str = "\
+EXAMPLES
+  chatter simulate pressure_relief_valve --set q=0.0195 --until 40
+  chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg --out valve.npz
+  chatter simulate bouncing_ball --set r=0.9 --json
+  chatter simulate bouncing_ball --digits 30
+  chatter simulate impact_oscillator --set omega=2.8 --until '100*2*pi/omega' --sample '2*pi/omega' --out strobe.csv
+  chatter simulate pressure_relief_valve --set q=0.0203 --initial y3=9.9 --stop section:closing=10 --events
+
+JSON
+  One document: outcome, time, state (by name), counts, events (kind, time, contact or section, state just after the
+  event, rate_before and rate_after; for accumulations impacts and error), contact_phases, parameters, start. With more
+  than 17 digits each number has a twin in decimals as text, under its name with `_digits` at the end.";
+
+/// Follow one trajectory through flights, impacts, chatter, contact and release
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    model: ModelOptions,
+
+    #[command(flatten)]
+    initial: Initial,
+
+    /// End at this time, a number or an expression in parameters. Without it the run ends when the system is at rest
+    /// for ever, else 100 units of time after its start, or with --stop or --impacts after a million
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    until: Option<Quantity>,
+
+    /// End after this many impacts [default: 1000000]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    impacts: Option<u64>,
+
+    /// End at the COUNT-th such event. KIND is impact, accumulation, release, graze or section; NAME is a contact, or a
+    /// section after `section:`. `rest` ends the run when the system is at rest for ever
+    #[arg(long, value_name = "KIND[:NAME][=COUNT]")]
+    stop: Vec<StopOption>,
+
+    /// Relative error allowed in one step; rounding error without it
+    #[arg(long, value_name = "X", allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+
+    /// Digits of the numbers in the output, up to 30; above 17 the whole computation is done with more digits
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Digits::MOST.0)))]
+    digits: Option<u32>,
+
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    json: bool,
+
+    /// List every event instead of a summary
+    #[arg(long, conflicts_with = "json")]
+    events: bool,
+
+    /// Write the trajectory as a table, .csv or .npz
+    #[arg(long, value_name = "FILE")]
+    out: Option<TableFile>,
+
+    /// Rows of the table: `events`, `dense:N` (N a step of the integration, and each event from both sides), or an
+    /// interval of time [default: dense:16]
+    #[arg(long, value_name = "ROWS", requires = "out")]
+    sample: Option<SampleOption>,
+
+    /// Draw the time histories and the phase portrait, .svg, .png or .pdf
+    #[arg(long, value_name = "FILE")]
+    plot: Option<FigureFile>,
+}
+
+/// Units of time that a run lasts if nothing else is said.
+const USUAL_TIME: f64 = 100.0;
+
+/// Units of time within which an event that is waited for should come.
+const LONG_TIME: f64 = 1e6;
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let Loaded { mut model, text } = arguments.model.load()?;
+    arguments.initial.apply(&mut model)?;
+    let spec = specification(arguments, &mut model)?;
+    let digits = arguments.digits.map_or(Digits::DOUBLE, Digits);
+    let subject = Subject {
+        model: &model,
+        spec: &spec,
+        source: &arguments.model.model,
+        text: &text,
+        digits,
+        time_was_given: arguments.until.is_some(),
+    };
+    if digits.fit_double() {
+        follow::<f64>(arguments, &subject)
+    } else {
+        follow::<DoubleDouble>(arguments, &subject)
+    }
+}
+
+fn specification(arguments: &Arguments, model: &mut Model) -> Result<Spec, Failure> {
+    let mut stops: Vec<Stop> = arguments.stop.iter().map(|stop| stop.0.clone()).collect();
+    let until = match &arguments.until {
+        Some(until) => until.value(model, "--until")?,
+        None => {
+            let waits = !stops.is_empty() || arguments.impacts.is_some();
+            let lasts = if waits { LONG_TIME } else { USUAL_TIME };
+            stops.push(Stop::Rest);
+            let parameters = model.parameter_values::<DoubleDouble>(&[]);
+            let initial = model.initial_state(&parameters);
+            let start = model.time.map_or(DoubleDouble::ZERO, |time| initial[time]);
+            start + DoubleDouble::from(lasts)
+        }
+    };
+    let mut sampling = Vec::new();
+    if arguments.out.is_some() {
+        let rows = arguments.sample.clone().unwrap_or_default();
+        sampling.extend(rows.sampling(model)?);
+    }
+    if arguments.plot.is_some() {
+        sampling.push(picture::SAMPLING);
+    }
+    Ok(Spec {
+        impacts: arguments.impacts.unwrap_or(Spec::IMPACT_BUDGET),
+        stops,
+        tolerance: arguments.tolerance.unwrap_or(0.0),
+        sampling,
+        ..Spec::until(until)
+    })
+}
+
+fn follow<R: Real>(arguments: &Arguments, subject: &Subject) -> Result<u8, Failure> {
+    terminal::catch_interrupts();
+    let mut progress = Progress::new();
+    let mut simulation: Simulation<R> = simulate(subject.model, subject.spec, &mut |reached| {
+        progress.show(part_done(reached), || {
+            format!("time {:.6}, {} impacts", reached.time, reached.impacts)
+        });
+        if terminal::interrupted() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })
+    .map_err(|error| refused(&error, subject.model))?;
+    progress.finish();
+
+    let drawn = arguments
+        .plot
+        .as_ref()
+        .and_then(|_| simulation.samples.pop());
+    let mut written = Vec::new();
+    if let Some(TableFile(path)) = &arguments.out {
+        let files = table::write(subject, &simulation, path)
+            .map_err(|error| Failure::Output(error.to_string()))?;
+        written.extend(files);
+    }
+    if let (Some(FigureFile(path)), Some(samples)) = (&arguments.plot, &drawn) {
+        picture::draw(subject, &simulation, samples)
+            .write(path)
+            .map_err(|error| Failure::Output(error.to_string()))?;
+        written.push(path.clone());
+    }
+    let text = if arguments.json {
+        document::document(subject, &simulation)
+    } else {
+        let listing = if arguments.events {
+            Listing::EveryEvent
+        } else {
+            Listing::Summary
+        };
+        let mut text = account::account(subject, &simulation, listing, Style::of_stdout());
+        for path in &written {
+            text += &format!("wrote {}\n", path.display());
+        }
+        text
+    };
+    terminal::print(&text).map_err(Failure::Output)?;
+    Ok(match simulation.outcome {
+        Outcome::Failed(_) => failure::UNFINISHED,
+        Outcome::Interrupted => failure::INTERRUPTED,
+        Outcome::Horizon | Outcome::ImpactBudget | Outcome::Event(_) | Outcome::Rest => {
+            failure::SUCCESS
+        }
+    })
+}
+
+/// By time or by impacts, whichever is nearer to its end.
+fn part_done(reached: &Reached) -> f64 {
+    let by_time = (reached.time - reached.start) / (reached.until - reached.start);
+    let by_impacts = reached.impacts as f64 / reached.impact_budget as f64;
+    by_time.max(by_impacts)
+}
+
+/// A run that could not begin: what was asked for is wrong.
+fn refused(error: &SimulateError, model: &Model) -> Failure {
+    match error {
+        SimulateError::Spec(error) => {
+            let failure = Failure::input(error);
+            match error {
+                SpecError::UnknownPlace { name, known, .. } => {
+                    failure.did_you_mean(nearest(name, known.iter().map(String::as_str)))
+                }
+                _ => failure,
+            }
+        }
+        SimulateError::System(error) => Failure::input(error),
+        SimulateError::Start(error) => Failure::input(crate::simulation::sentence(error, model)),
+    }
+}

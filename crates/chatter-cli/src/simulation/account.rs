@@ -1,0 +1,398 @@
+//! A simulation as text: what happened, in the order it happened.
+
+use super::{Subject, sentence};
+use crate::numbers::{concise, fixed, full, significant};
+use crate::terminal::Style;
+use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation};
+use chatter::flow::Closed;
+use chatter::numerics::Real;
+
+/// How much of what happened is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listing {
+    /// Impacts one sequence a line, and the middle of a long run left out.
+    Summary,
+    /// One event a line, all of them.
+    EveryEvent,
+}
+
+/// Digits of times in the list.
+const TIME_DIGITS: u32 = 12;
+/// Digits of rates and durations in the list.
+const DETAIL_DIGITS: u32 = 6;
+/// Digits of an estimated error.
+const ERROR_DIGITS: u32 = 2;
+/// A summary has at most so many lines: what a reader takes in. The middle is left out.
+const MOST_LINES: usize = 40;
+/// Longest line of the parameters.
+const WIDTH: usize = 100;
+
+/// The whole account.
+pub fn account<R: Real>(
+    subject: &Subject,
+    simulation: &Simulation<R>,
+    listing: Listing,
+    style: Style,
+) -> String {
+    let teller = Teller::new(subject, simulation, style);
+    let mut text = teller.heading();
+    text.push('\n');
+    text += &teller.list(listing);
+    text.push('\n');
+    text += &teller.ending();
+    text
+}
+
+/// One line of the list.
+struct Line<R> {
+    time: R,
+    what: String,
+    place: String,
+    detail: String,
+}
+
+struct Teller<'a, R> {
+    subject: &'a Subject<'a>,
+    simulation: &'a Simulation<R>,
+    style: Style,
+    decimals: u32,
+    detail_digits: u32,
+}
+
+impl<'a, R: Real> Teller<'a, R> {
+    fn new(subject: &'a Subject, simulation: &'a Simulation<R>, style: Style) -> Self {
+        let largest = simulation
+            .time
+            .to_f64()
+            .abs()
+            .max(simulation.start_time.to_f64().abs());
+        let before_point = if largest < 1.0 {
+            1
+        } else {
+            largest.log10().floor() as u32 + 1
+        };
+        let wanted = subject.digits.0;
+        let time_digits = if subject.digits.fit_double() {
+            wanted.min(TIME_DIGITS)
+        } else {
+            wanted
+        };
+        Self {
+            subject,
+            simulation,
+            style,
+            decimals: time_digits.saturating_sub(before_point),
+            detail_digits: wanted.min(DETAIL_DIGITS),
+        }
+    }
+
+    fn heading(&self) -> String {
+        let model = self.subject.model;
+        let mut text = match &model.title {
+            Some(title) => format!(
+                "{}  {}\n",
+                self.style.title(title),
+                self.style.faint(self.subject.source)
+            ),
+            None => format!("{}\n", self.style.title(self.subject.source)),
+        };
+        let parameters = model.parameter_values::<R>(&[]);
+        let values = model.parameters.iter().zip(parameters);
+        let values =
+            values.map(|(parameter, value)| format!("{} = {}", parameter.name, self.number(value)));
+        text += &wrapped(values.collect(), "  ");
+        let start = &self.simulation.start_state;
+        let mut values = vec![format!(
+            "from time {}",
+            self.number(self.simulation.start_time)
+        )];
+        values.extend(self.subject.states().map(|index| {
+            format!(
+                "{} = {}",
+                self.subject.state_name(index),
+                self.number(start[index])
+            )
+        }));
+        text += &wrapped(values, "  ");
+        text
+    }
+
+    fn number(&self, value: R) -> String {
+        if self.subject.digits.fit_double() {
+            full(value, self.subject.digits)
+        } else {
+            concise(value, self.subject.digits.0)
+        }
+    }
+
+    fn list(&self, listing: Listing) -> String {
+        let lines = match listing {
+            Listing::EveryEvent => self.every_event(),
+            Listing::Summary => self.summary(),
+        };
+        let mut rows: Vec<Option<&Line<R>>> = lines.iter().map(Some).collect();
+        let mut left_out = 0;
+        if listing == Listing::Summary && rows.len() > MOST_LINES {
+            let half = MOST_LINES / 2;
+            left_out = rows.len() - 2 * half;
+            rows.splice(half..half + left_out, [None]);
+        }
+        let shown = || rows.iter().flatten();
+        let time_width = shown()
+            .map(|line| self.time(line.time).len())
+            .max()
+            .unwrap_or(0)
+            .max(4);
+        let width = |text: fn(&Line<R>) -> &str| {
+            shown()
+                .map(|line| text(line).chars().count())
+                .max()
+                .unwrap_or(0)
+        };
+        let (what_width, place_width) = (width(|line| &line.what), width(|line| &line.place));
+        let mut text = String::new();
+        let header = format!("  {:>time_width$}  event", "time");
+        text += &format!("{}\n", self.style.faint(&header));
+        for row in &rows {
+            let Some(line) = row else {
+                let note = format!("{left_out} more lines; --events lists every event");
+                text += &format!("  {:>time_width$}  {}\n", "...", self.style.faint(&note));
+                continue;
+            };
+            let row = format!(
+                "  {:>time_width$}  {:what_width$}  {:place_width$}  {}",
+                self.time(line.time),
+                line.what,
+                line.place,
+                line.detail
+            );
+            text += row.trim_end();
+            text.push('\n');
+        }
+        text
+    }
+
+    fn time(&self, time: R) -> String {
+        fixed(time, self.decimals)
+    }
+
+    fn detail(&self, value: R) -> String {
+        concise(value, self.detail_digits)
+    }
+
+    fn start_line(&self) -> Line<R> {
+        let at_start = self.simulation.contact_phases.iter();
+        let closed = at_start.take_while(|phase| phase.start == self.simulation.start_time);
+        let closed = closed.fold(Closed::NONE, |closed, phase| closed.with(phase.contact));
+        Line {
+            time: self.simulation.start_time,
+            what: "start".to_owned(),
+            place: String::new(),
+            detail: self.phase(closed),
+        }
+    }
+
+    fn phase(&self, closed: Closed) -> String {
+        match &self.subject.contact_names(closed)[..] {
+            [] => "in flight".to_owned(),
+            names => format!("in contact with {}", names.join(" and ")),
+        }
+    }
+
+    fn every_event(&self) -> Vec<Line<R>> {
+        let events = self.simulation.events.iter();
+        core::iter::once(self.start_line())
+            .chain(events.map(|event| self.line(event)))
+            .collect()
+    }
+
+    fn line(&self, event: &Event<R>) -> Line<R> {
+        let detail = match event.detail {
+            EventDetail::Impact {
+                rate_before,
+                rate_after,
+                closes,
+                ..
+            } => {
+                let rates = format!(
+                    "rate {} -> {}",
+                    self.detail(rate_before),
+                    self.detail(rate_after)
+                );
+                if closes {
+                    format!("{rates}, closes")
+                } else {
+                    rates
+                }
+            }
+            EventDetail::Accumulation { impacts, error, .. } => format!(
+                "after {}, time known to {}",
+                counted(impacts, "impact"),
+                significant(error, ERROR_DIGITS)
+            ),
+            EventDetail::Release { contact } => self.time_in_contact(contact, event.time),
+            EventDetail::Graze { rate, .. } => format!("rate {}", self.detail(rate)),
+            EventDetail::Section { .. } => String::new(),
+        };
+        Line {
+            time: event.time,
+            what: event.kind().name().to_owned(),
+            place: self.subject.place(&event.detail).to_owned(),
+            detail,
+        }
+    }
+
+    fn time_in_contact(&self, contact: usize, end: R) -> String {
+        let ended = |phase: &&_| {
+            let phase: &chatter::analysis::simulate::ContactPhase<R> = phase;
+            phase.contact == contact && phase.end == Some(end)
+        };
+        match self.simulation.contact_phases.iter().find(ended) {
+            Some(phase) => format!("after {} in contact", self.detail(end - phase.start)),
+            None => String::new(),
+        }
+    }
+
+    /// Impacts of one contact with ever smaller rates are one line.
+    fn summary(&self) -> Vec<Line<R>> {
+        let mut lines = vec![self.start_line()];
+        let mut events = self.simulation.events.iter().peekable();
+        while let Some(event) = events.next() {
+            let Some((place, mut rate)) = incoming(event) else {
+                lines.push(self.line(event));
+                continue;
+            };
+            let (mut last, mut count) = (event, 1);
+            while let Some((next_place, next_rate)) =
+                events.peek().and_then(|event| incoming(event))
+            {
+                if next_place != place || next_rate.abs() > rate.abs() {
+                    break;
+                }
+                rate = next_rate;
+                count += 1;
+                last = events.next().unwrap_or(last);
+            }
+            lines.push(if count == 1 {
+                self.line(event)
+            } else {
+                self.sequence(event, last, count)
+            });
+        }
+        lines
+    }
+
+    fn sequence(&self, first: &Event<R>, last: &Event<R>, count: u64) -> Line<R> {
+        let rate = |event| incoming(event).map_or(R::ZERO, |(_, rate)| rate);
+        Line {
+            time: first.time,
+            what: counted(count, "impact"),
+            place: self.subject.place(&first.detail).to_owned(),
+            detail: format!(
+                "until {}, rates {} to {}",
+                self.time(last.time),
+                self.detail(rate(first)),
+                self.detail(rate(last))
+            ),
+        }
+    }
+
+    fn ending(&self) -> String {
+        let simulation = self.simulation;
+        let mut text = format!(
+            "  {} at time {}, {}\n",
+            self.why(),
+            self.number(simulation.time),
+            self.phase(simulation.closed)
+        );
+        let names = || {
+            self.subject
+                .states()
+                .map(|index| self.subject.state_name(index))
+        };
+        let width = names().map(|name| name.chars().count()).max().unwrap_or(0);
+        for (index, name) in self.subject.states().zip(names()) {
+            text += &format!(
+                "    {name:width$} = {}\n",
+                self.number(simulation.state[index])
+            );
+        }
+        let counts = simulation.counts;
+        let named = [
+            (counts.flights, "flight"),
+            (counts.impacts, "impact"),
+            (counts.accumulations, "accumulation"),
+            (counts.releases, "release"),
+            (counts.grazes, "graze"),
+            (counts.sections, "section crossing"),
+        ];
+        let named = named.iter().filter(|(count, _)| *count > 0);
+        let named: Vec<String> = named.map(|&(count, name)| counted(count, name)).collect();
+        if !named.is_empty() {
+            text += &wrapped(named, "  ");
+        }
+        if let Outcome::Failed(error) = &simulation.outcome {
+            let title = self.style.error("error:");
+            text += &format!("\n{title} {}\n", sentence(error, self.subject.model));
+        }
+        text
+    }
+
+    fn why(&self) -> String {
+        match &self.simulation.outcome {
+            Outcome::Horizon if self.subject.time_was_given => {
+                "the end asked for is reached".to_owned()
+            }
+            Outcome::Horizon => "the end is reached, --until sets another,".to_owned(),
+            Outcome::ImpactBudget => {
+                let impacts = counted(self.subject.spec.impacts, "impact");
+                format!("stopped after {impacts}, --impacts allows more,")
+            }
+            Outcome::Event(target) => format!("stopped by the {target}"),
+            Outcome::Rest => "at rest for ever: stopped".to_owned(),
+            Outcome::Interrupted => "interrupted".to_owned(),
+            Outcome::Failed(_) => "broken off".to_owned(),
+        }
+    }
+}
+
+/// Contact and incoming rate of an impact.
+fn incoming<R: Real>(event: &Event<R>) -> Option<(usize, R)> {
+    match event.detail {
+        EventDetail::Impact {
+            contact,
+            rate_before,
+            ..
+        } => Some((contact, rate_before)),
+        _ => None,
+    }
+}
+
+fn counted(count: u64, name: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {name}{plural}")
+}
+
+/// Items separated by commas, broken into lines.
+fn wrapped(items: Vec<String>, indent: &str) -> String {
+    let mut text = String::new();
+    let mut line = String::new();
+    let count = items.len();
+    for (index, mut item) in items.into_iter().enumerate() {
+        if index + 1 < count {
+            item.push(',');
+        }
+        if !line.is_empty() && line.chars().count() + item.chars().count() + 3 > WIDTH {
+            text += &format!("{indent}{line}\n");
+            line.clear();
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line += &item;
+    }
+    if !line.is_empty() {
+        text += &format!("{indent}{line}\n");
+    }
+    text
+}

@@ -1,0 +1,243 @@
+//! A simulation as one JSON document.
+
+use super::{Subject, sentence};
+use crate::named::Named;
+use crate::numbers::significant;
+use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation};
+use chatter::numerics::Real;
+use serde::Serialize;
+
+/// A number, and its digits where a double does not hold them.
+struct Value {
+    number: f64,
+    digits: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    outcome: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<ErrorObject>,
+    time: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_digits: Option<String>,
+    state: Named<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state_digits: Option<Named<String>>,
+    closed: Vec<&'a str>,
+    counts: Counts,
+    events: Vec<EventObject<'a>>,
+    contact_phases: Vec<Phase<'a>>,
+    model: ModelObject<'a>,
+    parameters: Named<f64>,
+    start: Start,
+    until: f64,
+    impact_budget: u64,
+    tolerance: f64,
+    version: &'static str,
+}
+
+#[derive(Serialize)]
+struct ErrorObject {
+    kind: &'static str,
+    message: String,
+}
+
+#[derive(Serialize)]
+struct ModelObject<'a> {
+    source: &'a str,
+    title: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct Counts {
+    flights: u64,
+    impacts: u64,
+    accumulations: u64,
+    releases: u64,
+    grazes: u64,
+    sections: u64,
+}
+
+#[derive(Serialize)]
+struct Phase<'a> {
+    contact: &'a str,
+    start: f64,
+    end: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Start {
+    time: f64,
+    state: Named<f64>,
+}
+
+#[derive(Serialize, Default)]
+struct EventObject<'a> {
+    kind: &'static str,
+    time: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    time_digits: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contact: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    section: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_before: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_before_digits: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_after: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_after_digits: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    closes: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    impacts: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<f64>,
+    state: Named<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state_digits: Option<Named<String>>,
+}
+
+/// The document, with a line break at its end.
+pub fn document<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> String {
+    let writer = Writer { subject };
+    let (time, state) = (writer.value(simulation.time), &simulation.state);
+    let counts = simulation.counts;
+    let parameters = subject.model.parameter_values::<f64>(&[]);
+    let document = Document {
+        outcome: simulation.outcome.name(),
+        error: match &simulation.outcome {
+            Outcome::Failed(error) => Some(ErrorObject {
+                kind: error.name(),
+                message: sentence(error, subject.model),
+            }),
+            _ => None,
+        },
+        time: time.number,
+        time_digits: time.digits,
+        state: writer.state(state),
+        state_digits: writer.state_digits(state),
+        closed: subject.contact_names(simulation.closed),
+        counts: Counts {
+            flights: counts.flights,
+            impacts: counts.impacts,
+            accumulations: counts.accumulations,
+            releases: counts.releases,
+            grazes: counts.grazes,
+            sections: counts.sections,
+        },
+        events: simulation
+            .events
+            .iter()
+            .map(|event| writer.event(event))
+            .collect(),
+        contact_phases: (simulation.contact_phases.iter())
+            .map(|phase| Phase {
+                contact: &subject.model.contacts[phase.contact].name,
+                start: phase.start.to_f64(),
+                end: phase.end.map(Real::to_f64),
+            })
+            .collect(),
+        model: ModelObject {
+            source: subject.source,
+            title: subject.model.title.as_deref(),
+        },
+        parameters: Named::new(subject.model.parameter_names(), parameters),
+        start: Start {
+            time: simulation.start_time.to_f64(),
+            state: writer.state(&simulation.start_state),
+        },
+        until: subject.spec.until.to_f64(),
+        impact_budget: subject.spec.impacts,
+        tolerance: subject.spec.tolerance,
+        version: env!("CARGO_PKG_VERSION"),
+    };
+    let mut text = serde_json::to_string_pretty(&document).expect("names and numbers are JSON");
+    text.push('\n');
+    text
+}
+
+struct Writer<'a> {
+    subject: &'a Subject<'a>,
+}
+
+impl<'a> Writer<'a> {
+    fn digits<R: Real>(&self, value: R) -> Option<String> {
+        let wanted = self.subject.digits;
+        (!wanted.fit_double()).then(|| significant(value, wanted.0))
+    }
+
+    fn value<R: Real>(&self, value: R) -> Value {
+        Value {
+            number: value.to_f64(),
+            digits: self.digits(value),
+        }
+    }
+
+    fn state<R: Real>(&self, state: &[R]) -> Named<f64> {
+        let subject = self.subject;
+        let named = |index: usize| (subject.state_name(index).to_owned(), state[index].to_f64());
+        Named(subject.states().map(named).collect())
+    }
+
+    fn state_digits<R: Real>(&self, state: &[R]) -> Option<Named<String>> {
+        let subject = self.subject;
+        let named = |index: usize| {
+            Some((
+                subject.state_name(index).to_owned(),
+                self.digits(state[index])?,
+            ))
+        };
+        let digits: Option<Vec<_>> = subject.states().map(named).collect();
+        digits.filter(|_| !subject.digits.fit_double()).map(Named)
+    }
+
+    fn event<R: Real>(&self, event: &Event<R>) -> EventObject<'a> {
+        let time = self.value(event.time);
+        let place = Some(self.subject.place(&event.detail));
+        let mut object = EventObject {
+            kind: event.kind().name(),
+            time: time.number,
+            time_digits: time.digits,
+            contact: place,
+            state: self.state(&event.state),
+            state_digits: self.state_digits(&event.state),
+            ..EventObject::default()
+        };
+        let mut rates = |before: R, after: R| {
+            let (before, after) = (self.value(before), self.value(after));
+            (object.rate_before, object.rate_before_digits) = (Some(before.number), before.digits);
+            (object.rate_after, object.rate_after_digits) = (Some(after.number), after.digits);
+        };
+        match event.detail {
+            EventDetail::Impact {
+                rate_before,
+                rate_after,
+                closes,
+                ..
+            } => {
+                rates(rate_before, rate_after);
+                object.closes = Some(closes);
+            }
+            EventDetail::Graze { rate, .. } => rates(rate, rate),
+            EventDetail::Accumulation { impacts, error, .. } => {
+                object.impacts = Some(impacts);
+                object.error = Some(error);
+            }
+            EventDetail::Section { .. } => {
+                object.section = object.contact.take();
+            }
+            EventDetail::Release { .. } => {}
+        }
+        object
+    }
+}
+
+impl<T> Default for Named<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}

@@ -1,0 +1,64 @@
+//! How a simulation is told: as text, as a JSON document, as a table, as a picture.
+
+pub mod account;
+pub mod document;
+pub mod picture;
+mod sample;
+mod sentence;
+pub mod table;
+
+pub use account::Listing;
+pub use sample::SampleOption;
+pub use sentence::sentence;
+
+use crate::numbers::Digits;
+use chatter::analysis::simulate::{EventDetail, Spec};
+use chatter::flow::Closed;
+use chatter::model::Model;
+
+/// What a simulation was about.
+pub struct Subject<'a> {
+    /// The model, with everything set into it.
+    pub model: &'a Model,
+    /// What was asked for.
+    pub spec: &'a Spec,
+    /// The model as the user named it.
+    pub source: &'a str,
+    /// The text of the model's file.
+    pub text: &'a str,
+    /// How many digits the user wants.
+    pub digits: Digits,
+    /// Whether the user said when to end.
+    pub time_was_given: bool,
+}
+
+impl Subject<'_> {
+    /// Positions of the states proper: time is told apart.
+    pub fn states(&self) -> impl Iterator<Item = usize> {
+        (0..self.model.states.len()).filter(|&index| Some(index) != self.model.time)
+    }
+
+    /// Name of a state.
+    pub fn state_name(&self, index: usize) -> &str {
+        &self.model.states[index].name
+    }
+
+    /// Names of closed contacts.
+    pub fn contact_names(&self, closed: Closed) -> Vec<&str> {
+        let contacts = closed.contacts();
+        contacts
+            .map(|contact| self.model.contacts[contact].name.as_str())
+            .collect()
+    }
+
+    /// Name of the contact or section of an event.
+    pub fn place<R>(&self, detail: &EventDetail<R>) -> &str {
+        match *detail {
+            EventDetail::Section { section } => &self.model.sections[section].name,
+            EventDetail::Impact { contact, .. }
+            | EventDetail::Accumulation { contact, .. }
+            | EventDetail::Release { contact }
+            | EventDetail::Graze { contact, .. } => &self.model.contacts[contact].name,
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Why a trajectory cannot go on, with the names of the model.
+
+use crate::numbers::Digits;
+use crate::numbers::full;
+use chatter::flow::FlowError;
+use chatter::model::Model;
+
+/// One sentence, without a full stop.
+pub fn sentence(error: &FlowError, model: &Model) -> String {
+    let name = |contact: usize| match model.contacts.get(contact) {
+        Some(contact) => format!("contact `{}`", contact.name),
+        None => format!("contact {}", contact + 1),
+    };
+    let number = |value: f64| full(value, Digits::DOUBLE);
+    match error {
+        FlowError::LeftDomain { time, state } => {
+            let values = model.states.iter().zip(state).enumerate();
+            let values: Vec<String> = values
+                .filter(|&(index, _)| Some(index) != model.time)
+                .map(|(_, (state, &value))| format!("{} = {}", state.name, number(value)))
+                .collect();
+            format!(
+                "the equations leave their domain at time {}: they have no finite value past {}",
+                number(*time),
+                values.join(", ")
+            )
+        }
+        FlowError::Penetrates { contact, gap } => format!(
+            "the start lies beyond {}: its gap is {} there, and must not be negative",
+            name(*contact),
+            number(*gap)
+        ),
+        FlowError::DependentContacts { time, contacts } => {
+            let names: Vec<String> = contacts.iter().map(|&contact| name(contact)).collect();
+            format!(
+                "at time {} {} are closed together, but their impulses do not determine the contact forces",
+                number(*time),
+                names.join(" and ")
+            )
+        }
+        FlowError::UndecidedRelease { time, contact } => format!(
+            "at time {} {} is at rest with zero acceleration and jerk: the equations do not decide whether it opens",
+            number(*time),
+            name(*contact)
+        ),
+        FlowError::Restitution {
+            time,
+            contact,
+            value,
+        } => format!(
+            "at time {} {} has restitution {}, outside 0 <= r < 1",
+            number(*time),
+            name(*contact),
+            number(*value)
+        ),
+        FlowError::TooManyContacts { .. }
+        | FlowError::TooManySurfaces { .. }
+        | FlowError::ImpactsWithoutEnd { .. } => error.to_string(),
+    }
+}
