@@ -125,24 +125,96 @@ impl<R: Real> Trajectory<R> {
             completion: None,
             pending: None,
         };
-        trajectory.reach[ORDER_CLASSES - 1] = R::splat(FIRST_UNIT);
-        trajectory.enter(system, Closed::NONE)?;
+        trajectory.restart(system, work, time, state)?;
+        Ok(trajectory)
+    }
+
+    /// Starts again elsewhere, as [`start`](Self::start) does, at the same parameter values. Forgets the horizon.
+    ///
+    /// # Errors
+    /// As for [`start`](Self::start); another restart is then needed before the trajectory can go on.
+    pub fn restart(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        time: R,
+        state: &[R],
+    ) -> Result<(), FlowError> {
+        self.move_to(system, Closed::NONE, time, state)?;
         for contact in 0..system.contacts() {
-            let local = trajectory.local(system, work, contact)?;
-            if local[0] < -trajectory.rest_level() {
+            let local = self.local(system, work, contact)?;
+            if local[0] < -self.rest_level() {
                 return Err(FlowError::Penetrates {
                     contact,
                     gap: local[0].to_f64(),
                 });
             }
-            if local[0] <= trajectory.rest_level() && local[1].abs() <= trajectory.rest_level() {
-                trajectory.rest(system, work, contact)?;
-            } else if local[0].abs() <= trajectory.rest_level() && local[1] > R::ZERO {
-                trajectory.touch(system, GuardKind::Gap(contact), 1);
+            if local[0] <= self.rest_level() && local[1].abs() <= self.rest_level() {
+                self.rest(system, work, contact)?;
+            } else if local[0].abs() <= self.rest_level() && local[1] > R::ZERO {
+                self.touch(system, GuardKind::Gap(contact), 1);
             }
         }
-        trajectory.pending = None;
-        Ok(trajectory)
+        self.pending = None;
+        Ok(())
+    }
+
+    /// Starts again at a state that differs little from one in which these contacts were closed: they stay so, whatever
+    /// the displaced state says. Forgets the horizon.
+    ///
+    /// # Errors
+    /// These contacts cannot be held together.
+    pub fn restart_beside(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        closed: Closed,
+        time: R,
+        state: &[R],
+    ) -> Result<(), FlowError> {
+        self.move_to(system, closed, time, state)?;
+        for contact in closed.contacts() {
+            let at_rest = self.at_rest(system, work, contact)?;
+            self.take(0..at_rest.len(), &at_rest);
+        }
+        Ok(())
+    }
+
+    /// Says that the state lies on a surface and that this does not count as a crossing: the next one does.
+    pub fn leave(&mut self, system: &System, kind: GuardKind) {
+        self.touch(system, kind, 1);
+    }
+
+    /// Changes the parameter values. A [`restart`](Self::restart) must follow: the phase was found with the old ones.
+    pub fn set_parameters(&mut self, system: &System, parameters: &[R]) {
+        self.constants = system.constants(parameters);
+    }
+
+    fn move_to(
+        &mut self,
+        system: &System,
+        closed: Closed,
+        time: R,
+        state: &[R],
+    ) -> Result<(), FlowError> {
+        self.time = time;
+        self.time_low = R::ZERO;
+        self.state.clear();
+        self.state.extend_from_slice(state);
+        self.low.clear();
+        self.low.resize(state.len(), R::ZERO);
+        self.reach = [R::ZERO; ORDER_CLASSES];
+        self.reach[ORDER_CLASSES - 1] = R::splat(FIRST_UNIT);
+        self.flight_time = R::splat(FOREVER);
+        self.horizon = R::splat(FOREVER);
+        self.tracker = ChatterTracker::new();
+        self.sequence = 0;
+        self.instant_impacts = 0;
+        self.completion = None;
+        self.pending = None;
+        self.enter(system, closed)?;
+        self.touching = Touching::NONE;
+        Ok(())
     }
 
     /// Time, as the sum of a leading part and its rounding remainder.
@@ -524,17 +596,7 @@ impl<R: Real> Trajectory<R> {
         self.tracker.interrupt();
         self.sequence = 0;
         self.flight_time = R::splat(FOREVER);
-        let program = self.program(system)?;
-        let mut at_rest = self.state.clone();
-        if let Some(constants) = &self.constants[self.closed.0 as usize] {
-            work.point.evaluate(
-                &program.captures[contact],
-                &constants.captures[contact],
-                &self.state,
-                &self.low,
-                &mut at_rest,
-            );
-        }
+        let at_rest = self.at_rest(system, work, contact)?;
         // Columns stay as they are if the contact lifts off at once: nothing holds it.
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
@@ -572,6 +634,27 @@ impl<R: Real> Trajectory<R> {
                 self.low[index] = R::ZERO;
             }
         }
+    }
+
+    /// The state brought to rest on a contact: gap and rate zero.
+    fn at_rest(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<Vec<R>, FlowError> {
+        let program = self.program(system)?;
+        let mut at_rest = self.state.clone();
+        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+            work.point.evaluate(
+                &program.captures[contact],
+                &constants.captures[contact],
+                &self.state,
+                &self.low,
+                &mut at_rest,
+            );
+        }
+        Ok(at_rest)
     }
 
     fn close(
