@@ -113,10 +113,9 @@ impl Bounded {
         let change = [self.value - step, self.value + step]
             .map(|moved| (function(moved) - value).abs().to_f64())
             .into_iter()
-            .fold(
-                0.0,
-                |a: f64, b| if b.is_nan() { f64::NAN } else { a.max(b) },
-            );
+            // Not `max`, which would lose the NaN of an argument that rounding can push out of the domain.
+            .reduce(|a, b| if a > b || a.is_nan() { a } else { b })
+            .unwrap_or(f64::NAN);
         Self::rounded(value, change / step.to_f64() * self.error)
     }
 }
