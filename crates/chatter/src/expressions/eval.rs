@@ -108,6 +108,10 @@ pub(super) fn integer_power<R: Real>(base: R, exponent: i32) -> R {
             square *= square;
         }
     }
+    if !result.is_finite() {
+        // A double-double past the range is NaN, where a double knows infinity and its reciprocal.
+        return R::splat(libm::pow(base.to_f64(), f64::from(exponent)));
+    }
     if exponent < 0 {
         R::ONE / result
     } else {
@@ -145,6 +149,9 @@ mod tests {
         check(0.0, 1.5, 0.0);
         check(0.0, -1.5, f64::INFINITY);
         check(0.0, 0.0, 1.0);
+        check(12.5, -1000.0, 0.0);
+        check(-12.5, 1001.0, f64::NEG_INFINITY);
+        check(f64::NAN, 3.0, f64::NAN);
         check(f64::NAN, 1.5, f64::NAN);
         check(2.0, f64::NAN, f64::NAN);
     }
