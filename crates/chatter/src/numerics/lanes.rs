@@ -196,6 +196,29 @@ impl<const L: usize> Scalar for Lanes<L> {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         Self(lanes(0.0, |i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
     }
+    /// Eight lanes at a time: two running sums of sixteen lanes each make the compiler shuffle between registers.
+    #[inline(always)]
+    fn horner_with_slope(coefficients: &[Self], at: Self) -> (Self, Self) {
+        const CHUNK: usize = 8;
+        let mut value = Self::splat(0.0);
+        let mut slope = Self::splat(0.0);
+        for first in (0..L).step_by(CHUNK) {
+            let end = L.min(first + CHUNK);
+            let mut v = [0.0; CHUNK];
+            let mut d = [0.0; CHUNK];
+            let mut x = [0.0; CHUNK];
+            x[..end - first].copy_from_slice(&at.0[first..end]);
+            for c in coefficients.iter().rev() {
+                for i in 0..end - first {
+                    d[i] = f64::mul_add(d[i], x[i], v[i]);
+                    v[i] = f64::mul_add(v[i], x[i], c.0[first + i]);
+                }
+            }
+            value.0[first..end].copy_from_slice(&v[..end - first]);
+            slope.0[first..end].copy_from_slice(&d[..end - first]);
+        }
+        (value, slope)
+    }
     #[inline(always)]
     fn coarse_log2(self) -> Self {
         self.each(coarse_log2)

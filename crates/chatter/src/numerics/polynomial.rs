@@ -35,13 +35,7 @@ pub fn horner<S: Scalar>(coefficients: &[S], s: S) -> S {
 /// p(s) and p'(s).
 #[inline(always)]
 pub fn horner_with_slope<S: Scalar>(coefficients: &[S], s: S) -> (S, S) {
-    let mut value = S::splat(0.0);
-    let mut slope = S::splat(0.0);
-    for &c in coefficients.iter().rev() {
-        slope = slope.mul_add(s, value);
-        value = value.mul_add(s, c);
-    }
-    (value, slope)
+    S::horner_with_slope(coefficients, s)
 }
 
 /// sum_k |c_k| s^k for s >= 0: no partial sum of p on [0, s] is larger.

@@ -115,6 +115,18 @@ pub trait Scalar:
         Self::select(other.less(self), self, other)
     }
 
+    /// Value and slope of a polynomial, lowest coefficient first, by Horner's rule.
+    #[inline(always)]
+    fn horner_with_slope(coefficients: &[Self], at: Self) -> (Self, Self) {
+        let mut value = Self::splat(0.0);
+        let mut slope = Self::splat(0.0);
+        for &c in coefficients.iter().rev() {
+            slope = slope.mul_add(at, value);
+            value = value.mul_add(at, c);
+        }
+        (value, slope)
+    }
+
     /// A crude base-two logarithm of a positive number, off by at most 0.09: enough to choose an order or a step, and
     /// free of any call. Zero gives about -1023.
     fn coarse_log2(self) -> Self;
