@@ -5,6 +5,7 @@
 //! [`resolve`](super::resolve) for that trajectory alone, so a lane's result does not depend on its neighbours.
 
 use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
+use super::system::Settings;
 use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
 use crate::numerics::polynomial::{
@@ -68,6 +69,8 @@ pub struct Workspace<S> {
     pub(crate) flight_time: S,
     /// Base-two logarithm of the relative tolerance.
     log_tolerance: f64,
+    /// See [`Settings::longest_tail`].
+    pub(crate) longest_tail: f64,
     noise: f64,
 }
 
@@ -76,11 +79,11 @@ impl<S: Scalar> Workspace<S> {
     pub(crate) fn new<'a>(
         tapes: impl Iterator<Item = &'a Tape>,
         dimension: usize,
-        tolerance: f64,
+        settings: &Settings,
     ) -> Self {
         let zero = S::splat(0.0);
         let tapes: Vec<&Tape> = tapes.collect();
-        let tolerance = tolerance.max(S::ROUNDOFF);
+        let tolerance = settings.tolerance.max(S::ROUNDOFF);
         let widest = tapes
             .iter()
             .map(|tape| tape.outputs.len())
@@ -105,6 +108,7 @@ impl<S: Scalar> Workspace<S> {
             flight_time: zero,
             log_tolerance: libm::log2(tolerance * TRUNCATION_SHARE),
             noise: NOISE_ROUNDOFFS * tolerance,
+            longest_tail: settings.longest_tail,
         }
     }
 
