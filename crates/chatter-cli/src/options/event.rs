@@ -1,6 +1,5 @@
 //! What ends a run before its time is over.
 
-use super::Count;
 use chatter::analysis::simulate::{EventKind, EventTarget, Stop};
 use chatter::expressions::nearest;
 
@@ -16,10 +15,11 @@ impl std::str::FromStr for StopOption {
     fn from_str(text: &str) -> Result<Self, String> {
         let (event, count) = match text.split_once('=') {
             Some((event, count)) => {
-                let Count(count) = count
-                    .parse()
-                    .map_err(|error| format!("`{count}` is no count: {error}"))?;
-                (event.trim(), count)
+                let number = count.trim().parse::<u64>().ok().filter(|&count| count > 0);
+                let number = number.ok_or_else(|| {
+                    format!("`{count}` is no count: expected a whole number from 1")
+                })?;
+                (event.trim(), number)
             }
             None => (text.trim(), 1),
         };

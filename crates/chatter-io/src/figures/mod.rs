@@ -8,7 +8,6 @@ mod draw;
 mod error;
 mod figure;
 mod fonts;
-pub(crate) mod html;
 mod label;
 mod layer;
 mod layout;

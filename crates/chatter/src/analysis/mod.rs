@@ -1,5 +1,6 @@
 //! Questions asked of a system: each a pure function from a specification that can be stored to a typed result.
 
+pub mod border;
 pub mod map;
 pub mod simulate;
 pub mod universal;

@@ -29,3 +29,4 @@ pub use step::Workspace;
 pub use system::{Settings, System, SystemError};
 pub use trajectory::{Dense, Trajectory};
 pub use variation::Column;
+pub(crate) use variation::Direction;

@@ -3,6 +3,7 @@
 pub mod dispatch;
 mod double_double;
 mod lanes;
+pub mod linear;
 pub mod polynomial;
 pub mod roots;
 mod scalar;

@@ -1,0 +1,230 @@
+//! The linearising coordinates X and N of a chatter sequence, (M4), and their derivatives.
+//!
+//! One flight and impact is an analytic map of (u, nu) with a saddle at (u*, 0) whose multipliers are 1 / eta and lambda.
+//! With U, V analytic and U(x, 0) - u* = x + O(x^2), V(0, y) = y + O(y^2), the orbit is
+//!
+//! ```text
+//! u_k - u* = U(X eta^-k, N lambda^k) - u*,        nu_k = V(X eta^-k, N lambda^k)
+//! ```
+//!
+//! On X = 0 therefore the errors of the limits have the following ratios from impact to impact (j = 1, 2, …):
+//!
+//! ```text
+//! eta^k (u_k - u*)  -> X     eta lambda^j
+//! nu_k / lambda^k   -> N     lambda^j
+//! eta^k du_k        -> dX    lambda^j  and  eta lambda^j (from dN)
+//! t_k               -> t_inf lambda^j
+//! ```
+//!
+//! If lambda and eta depend on what is varied, k times each power occurs as well: a ratio to be eliminated twice.
+
+use super::extrapolate::{Estimate, Plan, limit};
+use super::release::ReleasePoint;
+use super::sequence::Sequence;
+use crate::analysis::universal::Constants;
+use crate::numerics::Real;
+
+/// Terms of an extrapolation lie so many impacts apart that the first ratio is about this: then rounding errors are
+/// amplified little.
+const TERM_RATIO: f64 = 0.6;
+
+/// The sequence is followed until nu has shrunk to the unit roundoff to this power: further impacts have less tail but
+/// more rounding error, since nu is known to a roundoff of the state.
+const TAIL_POWER: f64 = 0.165;
+
+/// Rounding errors grow like eta^-k along the sequence: after so many roundoffs times that the terms are noise.
+const NOISE_ROUNDOFFS: f64 = 100.0;
+
+/// More ratios than this are never eliminated.
+const MOST_ORDERS: usize = 24;
+
+/// How far a sequence is followed and how its limits are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extrapolation {
+    /// Impacts of the chatter sequence to follow; chosen from the number type if not given.
+    pub impacts: Option<usize>,
+    /// Largest number of ratios to eliminate; as many as help if not given.
+    pub orders: Option<usize>,
+}
+
+/// What is needed to take limits for one restitution.
+#[derive(Clone, Debug)]
+pub(crate) struct Limits<R> {
+    pub constants: Constants<R>,
+    /// du*/dp.
+    fixed_point_slope: R,
+    impacts: usize,
+    plan: Plan,
+    lambda_powers: Vec<R>,
+    eta_lambda_powers: Vec<R>,
+    slope_powers: Vec<R>,
+    /// The same with those that occur twice along the parameter.
+    parameter_powers: Vec<R>,
+}
+
+impl<R: Real> Limits<R> {
+    pub(crate) fn new(
+        constants: Constants<R>,
+        release: &ReleasePoint<R>,
+        extrapolation: Extrapolation,
+    ) -> Self {
+        let ln_lambda = constants.ln_lambda.to_f64();
+        let stride = (libm::log(TERM_RATIO) / ln_lambda).round().max(1.0) as usize;
+        let tail = TAIL_POWER * libm::log(R::ROUNDOFF) / ln_lambda;
+        let impacts = extrapolation
+            .impacts
+            .unwrap_or((libm::ceil(tail) as usize).max(4));
+        // u* = g(u*, r) with dg/dr = g / r and dg/du = 1 / eta.
+        let fixed_point_slope = if release.restitution_slope == R::ZERO {
+            R::ZERO
+        } else {
+            release.restitution_slope * constants.chatter_fixed_point / constants.restitution
+                * (-constants.eta / constants.one_minus_eta)
+        };
+        let powers = |first: R| {
+            (1..MOST_ORDERS)
+                .scan(first, |power, _| {
+                    *power *= constants.lambda;
+                    Some(*power)
+                })
+                .collect::<Vec<R>>()
+        };
+        let lambda_powers = powers(R::ONE);
+        let eta_lambda_powers = powers(constants.eta);
+        let mut slope_powers = [&lambda_powers[..], &eta_lambda_powers[..]].concat();
+        slope_powers.sort_by(|a, b| b.partial_cmp(a).unwrap_or(core::cmp::Ordering::Equal));
+        let copies = if release.restitution_slope == R::ZERO {
+            1
+        } else {
+            2
+        };
+        let parameter_powers = (slope_powers.iter())
+            .flat_map(|&ratio| core::iter::repeat_n(ratio, copies))
+            .collect();
+        Self {
+            constants,
+            fixed_point_slope,
+            impacts,
+            plan: Plan {
+                stride,
+                orders: extrapolation.orders.unwrap_or(MOST_ORDERS),
+            },
+            lambda_powers,
+            eta_lambda_powers,
+            slope_powers,
+            parameter_powers,
+        }
+    }
+
+    /// How many impacts of the chatter sequence to follow.
+    pub(crate) fn impacts(&self) -> usize {
+        self.impacts
+    }
+
+    /// The impact of a sequence nearest to u*: up to it the sequence approaches the border, beyond it departs.
+    pub(crate) fn nearest(&self, sequence: &Sequence<R>) -> usize {
+        let mut best = (sequence.begins, f64::INFINITY);
+        for (k, impact) in sequence.impacts.iter().enumerate().skip(sequence.begins) {
+            if impact.local.acceleration >= R::ZERO {
+                break;
+            }
+            let distance = self.distance(impact.local.u());
+            if distance <= best.1 {
+                best = (k, distance);
+            }
+        }
+        best.0
+    }
+
+    /// |u - u*| / u*.
+    pub(crate) fn distance(&self, u: R) -> f64 {
+        let fixed_point = self.constants.chatter_fixed_point;
+        ((u - fixed_point).abs() / fixed_point).to_f64()
+    }
+
+    fn power(&self, base: R, exponent: usize) -> R {
+        (0..exponent).fold(R::ONE, |power, _| power * base)
+    }
+
+    /// The limit of a quantity that is multiplied by one more `growth` at each impact.
+    fn scaled_limit(
+        &self,
+        sequence: &Sequence<R>,
+        end: usize,
+        growth: R,
+        ratios: &[R],
+        quantity: impl Fn(usize) -> R,
+    ) -> Estimate<R> {
+        let mut scale = self.power(growth, sequence.begins);
+        let terms: Vec<R> = (sequence.begins..=end)
+            .map(|k| {
+                let term = quantity(k) * scale;
+                scale *= growth;
+                term
+            })
+            .collect();
+        let Some(mut found) = limit(&terms, ratios, self.plan) else {
+            return Estimate {
+                value: R::splat(f64::NAN),
+                error: f64::INFINITY,
+            };
+        };
+        let growth = libm::exp(-self.constants.ln_eta.to_f64() * end as f64);
+        let noise = NOISE_ROUNDOFFS * R::ROUNDOFF * growth * found.value.abs().to_f64();
+        found.error = found.error.max(noise);
+        found
+    }
+
+    /// X, from the impacts up to number `end`.
+    pub(crate) fn x(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
+        self.x_without(sequence, end, &self.eta_lambda_powers)
+    }
+
+    /// X where it is not quite zero: the tail of its derivative times X is removed, too.
+    #[cfg(test)]
+    pub(crate) fn x_off_border(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
+        self.x_without(sequence, end, &self.parameter_powers)
+    }
+
+    fn x_without(&self, sequence: &Sequence<R>, end: usize, ratios: &[R]) -> Estimate<R> {
+        self.scaled_limit(sequence, end, self.constants.eta, ratios, |k| {
+            sequence.impacts[k].local.u() - self.constants.chatter_fixed_point
+        })
+    }
+
+    /// The derivative of X along a combination of columns; `by_parameter` if the parameter changes along it.
+    pub(crate) fn x_slope(
+        &self,
+        sequence: &Sequence<R>,
+        end: usize,
+        weights: &[R],
+        by_parameter: bool,
+    ) -> Estimate<R> {
+        let (shift, ratios) = if by_parameter {
+            (self.fixed_point_slope, &self.parameter_powers)
+        } else {
+            (R::ZERO, &self.slope_powers)
+        };
+        self.scaled_limit(sequence, end, self.constants.eta, ratios, |k| {
+            let local = &sequence.impacts[k].local;
+            (weights.iter().enumerate())
+                .map(|(column, &weight)| weight * local.u_slope(column))
+                .fold(-shift, |sum, part| sum + part)
+        })
+    }
+
+    /// N.
+    pub(crate) fn amplitude(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
+        let growth = R::ONE / self.constants.lambda;
+        self.scaled_limit(sequence, end, growth, &self.lambda_powers, |k| {
+            sequence.impacts[k].local.nu()
+        })
+    }
+
+    /// When the impacts accumulate.
+    pub(crate) fn accumulation(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
+        self.scaled_limit(sequence, end, R::ONE, &self.lambda_powers, |k| {
+            sequence.impacts[k].time
+        })
+    }
+}

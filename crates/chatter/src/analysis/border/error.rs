@@ -1,0 +1,194 @@
+//! What can keep a border orbit from being found.
+
+use crate::flow::{FlowError, SystemError};
+use core::fmt;
+
+/// Why there is no border orbit, or none that the theory covers.
+#[derive(Clone, Debug)]
+pub enum BorderError {
+    /// The model has no parameter of this name.
+    UnknownParameter {
+        /// What was asked for.
+        name: String,
+        /// The nearest name that there is.
+        nearest: Option<String>,
+    },
+    /// The model has no state of this name.
+    UnknownState {
+        /// What was asked for.
+        name: String,
+        /// The nearest name that there is.
+        nearest: Option<String>,
+    },
+    /// A border orbit is defined for one contact.
+    Contacts {
+        /// How many the model has.
+        count: usize,
+    },
+    /// The release point is unique, and the return map one-dimensional, only for three states, time included.
+    States {
+        /// How many the model has.
+        count: usize,
+    },
+    /// The parameter values to search are no interval.
+    Range {
+        /// Lower end asked for.
+        low: f64,
+        /// Upper end asked for.
+        high: f64,
+    },
+    /// No state was found with gap, rate and acceleration zero and positive jerk.
+    NoRelease {
+        /// The parameter value.
+        value: f64,
+    },
+    /// The restitution at release is not in the open interval (0, 1).
+    Restitution {
+        /// The restitution.
+        value: f64,
+        /// The parameter value.
+        at: f64,
+    },
+    /// The section of the leading-order coefficients is not reached between release and the first impact.
+    Section {
+        /// The state that defines it.
+        state: String,
+        /// Its level.
+        level: f64,
+    },
+    /// There is no border near the value asked for.
+    NoBorder {
+        /// Lower end of what was searched.
+        low: f64,
+        /// Upper end of what was searched.
+        high: f64,
+        /// Where complete chatter ends without a border.
+        breaks: Vec<Break>,
+    },
+    /// The smooth equation X(p) = 0 could not be solved to the accuracy of the number type.
+    NotConverged {
+        /// The parameter value reached.
+        value: f64,
+        /// X there.
+        residual: f64,
+    },
+    /// The model cannot be compiled.
+    System(SystemError),
+    /// A trajectory cannot go on.
+    Flow(FlowError),
+}
+
+/// A parameter value where the verdict complete or incomplete changes without a border orbit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Break {
+    /// The parameter value.
+    pub value: f64,
+    /// What happens there.
+    pub cause: BreakCause,
+}
+
+/// Why the verdict changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BreakCause {
+    /// An impact before or within the sequence is a graze: on one side it does not happen. The first impact has number 0.
+    Graze {
+        /// Number of the impact.
+        impact: usize,
+        /// Its rate before the impact, negative and small.
+        rate: f64,
+    },
+    /// The sequence jumps for another reason, or depends on the parameter too steeply for a border to be resolved.
+    Jump,
+}
+
+impl fmt::Display for Break {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = self.value;
+        match self.cause {
+            BreakCause::Graze { impact: 0, rate } => {
+                write!(
+                    out,
+                    "at {value} the first impact is a graze (rate {rate:e})"
+                )
+            }
+            BreakCause::Graze { impact, rate } => write!(
+                out,
+                "at {value} impact {} after release is a graze (rate {rate:e})",
+                impact + 1
+            ),
+            BreakCause::Jump => write!(out, "at {value} the impact sequence jumps"),
+        }
+    }
+}
+
+impl fmt::Display for BorderError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let suggest = |nearest: &Option<String>| match nearest {
+            Some(name) => format!("; did you mean `{name}`?"),
+            None => String::new(),
+        };
+        match self {
+            Self::UnknownParameter { name, nearest } => {
+                write!(
+                    out,
+                    "the model has no parameter `{name}`{}",
+                    suggest(nearest)
+                )
+            }
+            Self::UnknownState { name, nearest } => {
+                write!(out, "the model has no state `{name}`{}", suggest(nearest))
+            }
+            Self::Contacts { count } => write!(
+                out,
+                "border orbits are defined for models with one contact; this one has {count}"
+            ),
+            Self::States { count } => write!(
+                out,
+                "border orbits are defined for models with three states, time included (only then is the release point \
+                 one point); this one has {count}"
+            ),
+            Self::Range { low, high } => write!(
+                out,
+                "no parameter values between {low} and {high}: the range must go from a smaller to a larger finite number"
+            ),
+            Self::NoRelease { value } => write!(
+                out,
+                "with the parameter at {value} no release point was found: no state with gap, rate and acceleration zero \
+                 and positive jerk"
+            ),
+            Self::Restitution { value, at } => write!(
+                out,
+                "with the parameter at {at} the restitution at release is {value}; a border orbit needs one between 0 \
+                 and 1, both excluded"
+            ),
+            Self::Section { state, level } => write!(
+                out,
+                "the section {state} = {level} is not crossed between release and the first impact"
+            ),
+            Self::NoBorder { low, high, breaks } => {
+                write!(out, "there is no border between {low} and {high}")?;
+                breaks.iter().try_for_each(|at| write!(out, "; {at}"))
+            }
+            Self::NotConverged { value, residual } => write!(
+                out,
+                "the border near {value} could not be located to rounding: X = {residual:e} there"
+            ),
+            Self::System(error) => error.fmt(out),
+            Self::Flow(error) => error.fmt(out),
+        }
+    }
+}
+
+impl std::error::Error for BorderError {}
+
+impl From<FlowError> for BorderError {
+    fn from(error: FlowError) -> Self {
+        Self::Flow(error)
+    }
+}
+
+impl From<SystemError> for BorderError {
+    fn from(error: SystemError) -> Self {
+        Self::System(error)
+    }
+}

@@ -1,0 +1,168 @@
+//! Exact coefficients of the one-dimensional return map near a border orbit, (M5).
+
+use super::error::BorderError;
+use super::extrapolate::Estimate;
+use super::problem::{PARAMETER_COLUMN, Problem, STATES};
+use super::root::Point;
+use crate::numerics::Real;
+
+/// Coefficients of z -> Upsilon(K z + mu), mu = M (p - p*), and what they are made of.
+///
+/// States after the first impact lie on the contact surface. They are given by two of the model's states, the
+/// [`section`](super::Border::section) coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exact<R> {
+    /// K = C A B.
+    pub slope: Estimate<R>,
+    /// M = C ds_0/dp + D.
+    pub unfolding_rate: Estimate<R>,
+    /// N* of (M4).
+    pub amplitude: Estimate<R>,
+    /// A B: the change of the first impact, all states, that Upsilon = 1 makes.
+    pub first_impact_by_upsilon: Vec<R>,
+    /// ds_0/dp: how the first impact moves with the parameter, release point included, all states.
+    pub first_impact_by_parameter: Vec<R>,
+    /// A: derivative of the first impact by the state at release, a row for each of the model's states.
+    pub flight: Vec<Vec<R>>,
+    /// B: the offset at release that Upsilon = 1 makes.
+    pub offset: Vec<R>,
+    /// C = dX/ds_0 in the section coordinates.
+    pub covector: Vec<Estimate<R>>,
+    /// D = dX/dp at fixed section coordinates.
+    pub covector_parameter: Estimate<R>,
+}
+
+/// The states that parametrise the contact surface h = 0 at a point, and how the one left out follows them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SectionChart<R> {
+    /// Indices of the coordinates.
+    pub free: Vec<usize>,
+    /// Index of the state that follows.
+    pub bound: usize,
+    /// Derivative of it by the coordinates, then by the parameter.
+    pub bound_slopes: Vec<R>,
+}
+
+impl<R: Real> SectionChart<R> {
+    /// Leaves out the state that the gap depends on most, time last of all.
+    pub(crate) fn new(problem: &Problem, parameters: &[R], state: &[R]) -> Self {
+        let [gap, _] = problem.release.gap_and_rate_slopes(state, parameters);
+        let bound = (0..STATES)
+            .filter(|&i| Some(i) != problem.model.time)
+            .max_by(|&a, &b| {
+                let (a, b) = (gap[a].abs(), gap[b].abs());
+                // On a tie the first, as max_by would keep the last.
+                a.partial_cmp(&b)
+                    .filter(|order| order.is_ne())
+                    .unwrap_or(core::cmp::Ordering::Greater)
+            })
+            .unwrap_or(0);
+        let free: Vec<usize> = (0..STATES).filter(|&i| i != bound).collect();
+        let bound_slopes = (free.iter().copied().chain([PARAMETER_COLUMN]))
+            .map(|i| -gap[i] / gap[bound])
+            .collect();
+        Self {
+            free,
+            bound,
+            bound_slopes,
+        }
+    }
+
+    /// Weights of the columns (states, parameter) along a coordinate of the section, or along the parameter at fixed
+    /// coordinates.
+    pub(crate) fn weights(&self, along: usize) -> Vec<R> {
+        let mut weights = vec![R::ZERO; STATES + 1];
+        weights[self.free.get(along).copied().unwrap_or(PARAMETER_COLUMN)] = R::ONE;
+        weights[self.bound] = self.bound_slopes[along];
+        weights
+    }
+}
+
+/// Sum of columns times weights, for the state after an impact.
+pub(crate) fn combine<R: Real>(slopes: &[super::local::Slopes<R>], weights: &[R]) -> Vec<R> {
+    (0..STATES)
+        .map(|i| {
+            (slopes.iter().zip(weights)).fold(R::ZERO, |sum, (slope, &weight)| {
+                sum + slope.state[i] * weight
+            })
+        })
+        .collect()
+}
+
+/// The sequence from the first impact is followed once to see by how much its X misses zero, and once more.
+const RESTARTS: usize = 3;
+
+/// The exact normal form at a border.
+pub(crate) fn exact<R: Real>(
+    problem: &Problem,
+    point: &Point<R>,
+    chart: &SectionChart<R>,
+) -> Result<Exact<R>, BorderError> {
+    let Point {
+        release,
+        limits,
+        sequence,
+        end,
+        ..
+    } = point;
+    let parameters = problem.parameters(point.value);
+    let amplitude = limits.amplitude(sequence, *end);
+    let scale = amplitude.value * amplitude.value / release.jerk;
+    let mut jump = release.jump.clone();
+    jump.push(R::ZERO);
+    let by_rate = limits.x_slope(sequence, *end, &jump, false);
+    let relative = 2.0 * amplitude.error / amplitude.value.to_f64().abs();
+    let mut slope = by_rate.scaled(scale);
+    slope.error += relative * slope.value.to_f64().abs();
+    let mut shift = release.slope.clone();
+    shift.push(R::ONE);
+    let first = &sequence.impacts[0];
+    let start = &first.state[..STATES];
+    let flight = (0..STATES)
+        .map(|i| {
+            (0..STATES)
+                .map(|c| first.local.slopes[c].state[i])
+                .collect()
+        })
+        .collect();
+    let offset: Vec<R> = release.jump.iter().map(|&w| w * scale).collect();
+    let by_upsilon = combine(&first.local.slopes, &jump);
+    // From the first impact on, again with unit columns: X as a function of the state there. That impact itself is not
+    // in the new sequence, whose X is therefore measured one power of eta later. Rounding of the state leaves X there
+    // somewhat off zero, which the sequence magnifies: the state that can be set most finely makes up for it.
+    let mut start = start.to_vec();
+    let along = chart.free.len();
+    let mut covector = Vec::new();
+    let mut covector_parameter = point.slope;
+    for _ in 0..RESTARTS {
+        let onward = problem.variation(&parameters, &start, sequence.impacts.len() - 1)?;
+        let end = (*end - 1).min(onward.impacts.len() - 1);
+        let by = |along: usize, by_parameter: bool| {
+            let weights = chart.weights(along);
+            limits
+                .x_slope(&onward, end, &weights, by_parameter)
+                .scaled(limits.constants.eta)
+        };
+        covector = (0..along).map(|i| by(i, false)).collect();
+        covector_parameter = by(along, true);
+        let x = limits.x(&onward, end).value * limits.constants.eta;
+        let leverage = |i: usize| {
+            let size = start[chart.free[i]].abs().to_f64().max(f64::MIN_POSITIVE);
+            covector[i].value.abs().to_f64() / size
+        };
+        let finest = if leverage(0) >= leverage(1) { 0 } else { 1 };
+        let state = &mut start[chart.free[finest]];
+        *state -= x / covector[finest].value;
+    }
+    Ok(Exact {
+        slope,
+        unfolding_rate: point.slope,
+        amplitude,
+        first_impact_by_upsilon: by_upsilon.iter().map(|&s| s * scale).collect(),
+        first_impact_by_parameter: combine(&first.local.slopes, &shift),
+        flight,
+        offset,
+        covector,
+        covector_parameter,
+    })
+}

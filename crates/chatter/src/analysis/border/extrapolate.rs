@@ -1,0 +1,100 @@
+//! Limits of sequences whose error is a sum of known geometric sequences.
+
+use crate::numerics::Real;
+
+/// A number and the estimate of its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate<R> {
+    /// The number.
+    pub value: R,
+    /// Estimated absolute error.
+    pub error: f64,
+}
+
+impl<R: Real> Estimate<R> {
+    /// The estimate times an exact factor.
+    pub(crate) fn scaled(self, factor: R) -> Self {
+        Self {
+            value: self.value * factor,
+            error: self.error * factor.to_f64().abs(),
+        }
+    }
+}
+
+/// How a limit is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Plan {
+    /// Terms lie this many impacts apart.
+    pub stride: usize,
+    /// At most so many ratios are eliminated.
+    pub orders: usize,
+}
+
+/// The limit of a sequence a + sum_i c_i ratios_i^k, from its latest terms.
+///
+/// Eliminates one ratio after the other, largest first, and keeps the order at which successive results agree best: more
+/// orders remove more of the tail but amplify rounding. `None` for an empty sequence.
+pub(crate) fn limit<R: Real>(terms: &[R], ratios: &[R], plan: Plan) -> Option<Estimate<R>> {
+    let mut column: Vec<R> = terms.iter().rev().step_by(plan.stride).copied().collect();
+    column.reverse();
+    let last = *column.last()?;
+    let mut best = Estimate {
+        value: last,
+        error: f64::INFINITY,
+    };
+    let mut previous = last;
+    for &ratio in ratios.iter().take(plan.orders) {
+        if column.len() < 2 {
+            break;
+        }
+        let power = (1..plan.stride).fold(ratio, |power, _| power * ratio);
+        let weight = power / (R::ONE - power);
+        column = column
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).mul_add(weight, pair[1]))
+            .collect();
+        let value = column[column.len() - 1];
+        // Two signs of error: what the last ratio changed, and how far the results still move along the sequence.
+        let drift = match column.len() {
+            1 => R::ZERO,
+            n => (value - column[n - 2]).abs(),
+        };
+        let error = (value - previous).abs().max(drift).to_f64();
+        if error <= best.error {
+            best = Estimate { value, error };
+        }
+        previous = value;
+    }
+    let floor = best.value.abs().to_f64() * R::ROUNDOFF;
+    best.error = best.error.max(floor);
+    Some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_tails_are_removed() {
+        let ratios = [0.87, 0.76, 0.7, 0.61, 0.6];
+        let terms: Vec<f64> = (0..40)
+            .map(|k| {
+                ratios
+                    .iter()
+                    .enumerate()
+                    .map(|(i, &ratio)| libm::pow(ratio, f64::from(k)) * (i as f64 - 1.5))
+                    .sum::<f64>()
+                    + 2.5
+            })
+            .collect();
+        let plan = Plan {
+            stride: 3,
+            orders: 5,
+        };
+        let found = limit(&terms, &ratios, plan).unwrap();
+        assert!((found.value - 2.5).abs() < 1e-11, "{found:?}");
+        assert!(found.error < 1e-3);
+        let rough = limit(&terms[..10], &ratios, plan).unwrap();
+        assert!((rough.value - 2.5).abs() <= 3.0 * rough.error, "{rough:?}");
+    }
+}

@@ -1,0 +1,36 @@
+//! Border orbits: complete chatter that ends exactly at release, and the one-dimensional map around them (MATH.md 4).
+//!
+//! ```text
+//! release      the point h = v = a = 0, j > 0
+//! sequence     the impacts that follow it, and the verdict complete / incomplete
+//! coordinate   X and N: limits along the sequence, with derivatives
+//! search       a scan of the parameter; each change of the verdict is closed in on
+//! root         the smooth equation X(p) = 0
+//! exact        (M5): K, M and what they are made of
+//! leading_order   the paper's A to F
+//! ```
+
+mod coordinate;
+mod error;
+mod exact;
+mod extrapolate;
+mod leading_order;
+mod local;
+mod orbit;
+mod problem;
+mod release;
+mod root;
+mod search;
+mod sequence;
+
+pub use coordinate::Extrapolation;
+pub use error::{BorderError, Break, BreakCause};
+pub use exact::Exact;
+pub use extrapolate::Estimate;
+pub use leading_order::{LeadingOrder, ReleaseSection};
+pub use local::LocalCoordinate;
+pub use orbit::{
+    Border, BorderSpec, Borders, FirstImpact, Search, border_near, borders_in, leading_order_at,
+};
+pub use release::ReleasePoint;
+pub use sequence::Verdict;

@@ -1,0 +1,225 @@
+//! The release point: where contact ends, h = v = a = 0 and j > 0.
+
+use crate::expressions::{Expr, Graph, Symbol};
+use crate::flow::{Occurrence, Settings, System, Trajectory};
+use crate::model::{Mechanics, MechanicsError, Model};
+use crate::numerics::linear::solve;
+use crate::numerics::{DoubleDouble, Real};
+
+/// Newton's method gives up after so many steps.
+const NEWTON_STEPS: usize = 40;
+
+/// A correction this many roundoffs of the state is no correction.
+const NEWTON_DONE: f64 = 8.0;
+
+/// How many steps of a trajectory are looked through for places near a release.
+const SEED_STEPS: usize = 4000;
+
+/// How many of its states serve as first guesses.
+const SEEDS: usize = 100;
+
+/// A horizon that no step reaches.
+const NO_HORIZON: f64 = 1e12;
+
+/// Equations of the release point of a model with one contact.
+#[derive(Clone, Debug)]
+pub(crate) struct ReleaseEquations {
+    graph: Graph,
+    /// h, v, a.
+    functions: Vec<Expr>,
+    /// Their derivatives, a row each: by the states, then by the parameter.
+    jacobian: Vec<Vec<Expr>>,
+    jerk: Expr,
+    restitution: Expr,
+    jump: Vec<Expr>,
+    field: Vec<Expr>,
+    /// Derivatives of restitution, jerk and field: a row each, by the states, then by the parameter.
+    slopes: Vec<Vec<Expr>>,
+}
+
+/// A release point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReleasePoint<R> {
+    /// The state.
+    pub state: Vec<R>,
+    /// How it moves with the parameter.
+    pub slope: Vec<R>,
+    /// j > 0 there.
+    pub jerk: R,
+    /// Restitution of an impact of vanishing rate there.
+    pub restitution: R,
+    /// How the restitution there moves with the parameter.
+    pub restitution_slope: R,
+    /// How the jerk there moves with the parameter.
+    pub jerk_slope: R,
+    /// The free field there.
+    pub field: Vec<R>,
+    /// How the field there moves with the parameter.
+    pub field_slope: Vec<R>,
+    /// W / b there: what an impulse does to the state that changes the rate by one.
+    pub jump: Vec<R>,
+}
+
+impl ReleaseEquations {
+    pub(crate) fn new(model: &Model, parameter: usize) -> Result<Self, MechanicsError> {
+        let mut mechanics = Mechanics::new(model)?;
+        let contact = mechanics.contacts[0].clone();
+        let field = mechanics.field.clone();
+        let graph = &mut mechanics.graph;
+        let rates = model.parameter_rates(graph, parameter);
+        let states: Vec<Symbol> = (0..model.states.len()).map(Symbol::State).collect();
+        let functions = vec![contact.gap, contact.rate, contact.acceleration];
+        let mut all = functions.clone();
+        all.extend([contact.restitution, contact.jerk]);
+        all.extend(&field);
+        let mut jacobian = graph.jacobian(&all, &states);
+        let by_parameter = graph.directional_derivatives(&all, &|symbol| match symbol {
+            Symbol::Parameter(i) => rates.get(i).copied(),
+            Symbol::State(_) => None,
+        });
+        for (row, entry) in jacobian.iter_mut().zip(by_parameter) {
+            row.push(entry);
+        }
+        let slopes = jacobian.split_off(functions.len());
+        Ok(Self {
+            graph: mechanics.graph,
+            functions,
+            jacobian,
+            jerk: contact.jerk,
+            restitution: contact.restitution,
+            jump: contact.jump,
+            field,
+            slopes,
+        })
+    }
+
+    fn values<R: Real>(&self, exprs: &[Expr], state: &[R], parameters: &[R]) -> Vec<R> {
+        exprs
+            .iter()
+            .map(|&expr| self.graph.evaluate(expr, state, parameters))
+            .collect()
+    }
+
+    /// The derivatives of gap and rate, a row each: by the states, then by the parameter.
+    pub(crate) fn gap_and_rate_slopes<R: Real>(
+        &self,
+        state: &[R],
+        parameters: &[R],
+    ) -> [Vec<R>; 2] {
+        [0, 1].map(|row| self.values(&self.jacobian[row], state, parameters))
+    }
+
+    /// Gap and rate.
+    pub(crate) fn gap_and_rate<R: Real>(&self, state: &[R], parameters: &[R]) -> [R; 2] {
+        [0, 1].map(|i| self.graph.evaluate(self.functions[i], state, parameters))
+    }
+
+    /// Newton's method from a guess; `None` where it does not converge to a point with positive jerk.
+    pub(crate) fn solve<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<ReleasePoint<R>> {
+        let states = guess.len();
+        let mut state = guess.to_vec();
+        let mut before = f64::INFINITY;
+        let mut settled = false;
+        for _ in 0..NEWTON_STEPS {
+            let values = self.values(&self.functions, &state, parameters);
+            let rows: Vec<Vec<R>> = (self.jacobian.iter())
+                .map(|row| self.values(&row[..states], &state, parameters))
+                .collect();
+            let correction = solve(&rows, &values)?;
+            let mut size = 0.0_f64;
+            for (x, &dx) in state.iter_mut().zip(&correction) {
+                *x -= dx;
+                size = size.max((dx.abs() / (x.abs() + R::ONE)).to_f64());
+            }
+            if !size.is_finite() {
+                return None;
+            }
+            let done = NEWTON_DONE * R::ROUNDOFF;
+            if size <= done || (size < done.sqrt() && size >= before) {
+                settled = true;
+                break;
+            }
+            before = size;
+        }
+        if !settled {
+            return None;
+        }
+        let rows: Vec<Vec<R>> = (self.jacobian.iter())
+            .map(|row| self.values(&row[..states], &state, parameters))
+            .collect();
+        let shift: Vec<R> = (self.jacobian.iter())
+            .map(|row| -self.graph.evaluate(row[states], &state, parameters))
+            .collect();
+        let slope = solve(&rows, &shift)?;
+        let jerk = self.graph.evaluate(self.jerk, &state, parameters);
+        if !(jerk > R::ZERO && jerk.is_finite()) {
+            return None;
+        }
+        let mut totals: Vec<R> = (self.slopes.iter())
+            .map(|row| {
+                let by = self.values(row, &state, parameters);
+                (by.iter().zip(&slope)).fold(by[states], |sum, (&by, &moves)| sum + by * moves)
+            })
+            .collect();
+        let field_slope = totals.split_off(2);
+        Some(ReleasePoint {
+            restitution: self.graph.evaluate(self.restitution, &state, parameters),
+            restitution_slope: totals[0],
+            jerk_slope: totals[1],
+            field: self.values(&self.field, &state, parameters),
+            field_slope,
+            jump: self.values(&self.jump, &state, parameters),
+            state,
+            slope,
+            jerk,
+        })
+    }
+
+    /// Looks for a release point: from the initial state, from where a trajectory is released, from states along it. In a
+    /// forced system there is one in every period: the earliest that is found is taken, since late times lose digits.
+    pub(crate) fn search(
+        &self,
+        model: &Model,
+        system: &System,
+        parameters: &[f64],
+    ) -> Option<ReleasePoint<f64>> {
+        let initial = model.initial_state(parameters);
+        if let Some(found) = self.solve(parameters, &initial) {
+            return Some(found);
+        }
+        let mut work = system.workspace::<f64>(&Settings::default());
+        let time = model.time.map_or(0.0, |index| initial[index]);
+        let mut trajectory =
+            Trajectory::start(system, &mut work, parameters, time, &initial).ok()?;
+        let mut seeds = Vec::new();
+        for _ in 0..SEED_STEPS {
+            match trajectory.advance(system, &mut work, NO_HORIZON) {
+                Ok(Some(Occurrence::Release { .. })) => {
+                    seeds.push(trajectory.state().to_vec());
+                    break;
+                }
+                Ok(_) if seeds.len() < SEEDS => seeds.push(trajectory.state().to_vec()),
+                Ok(_) => {}
+                Err(_) => break,
+            }
+        }
+        let found = seeds
+            .iter()
+            .filter_map(|state| self.solve(parameters, state));
+        let lateness = |point: &ReleasePoint<f64>| match model.time {
+            Some(index) => (point.state[index] - time).abs(),
+            None => 0.0,
+        };
+        found.min_by(|a, b| lateness(a).total_cmp(&lateness(b)))
+    }
+
+    /// A release point polished in another number type.
+    pub(crate) fn polish<R: Real>(
+        &self,
+        parameters: &[R],
+        near: &[DoubleDouble],
+    ) -> Option<ReleasePoint<R>> {
+        let guess: Vec<R> = near.iter().map(|&x| R::from_double_double(x)).collect();
+        self.solve(parameters, &guess)
+    }
+}

@@ -1,0 +1,193 @@
+//! The border as the smooth root X(p) = 0.
+
+use super::coordinate::{Extrapolation, Limits};
+use super::error::BorderError;
+use super::extrapolate::Estimate;
+use super::problem::{PARAMETER_COLUMN, Problem, exactly};
+use super::release::ReleasePoint;
+use super::sequence::Sequence;
+use crate::numerics::{DoubleDouble, Real};
+
+/// Newton's method gives up after so many steps: from where it starts each gains two digits at first.
+const NEWTON_STEPS: usize = 30;
+
+/// A correction of so many roundoffs of the parameter is no correction.
+const NEWTON_DONE: f64 = 2.0;
+
+/// Where corrections stop shrinking the error must be this small relative to the parameter, else there is no root, or
+/// not enough of the sequence is near it to tell.
+const SETTLED: f64 = 1e-9;
+
+/// X and its derivative at a parameter value, with the sequence that they were taken from.
+#[derive(Clone, Debug)]
+pub(crate) struct Point<R> {
+    pub value: R,
+    pub release: ReleasePoint<R>,
+    pub limits: Limits<R>,
+    pub sequence: Sequence<R>,
+    /// The last impact that still approaches the border.
+    pub end: usize,
+    pub x: Estimate<R>,
+    /// dX/dp, release point included.
+    pub slope: Estimate<R>,
+}
+
+/// A parameter value where X vanishes.
+#[derive(Clone, Debug)]
+pub(crate) struct Root<R> {
+    pub point: Point<R>,
+    /// Estimated error of the parameter value.
+    pub error: f64,
+}
+
+impl Problem {
+    /// X and dX/dp at a parameter value near a border.
+    pub(crate) fn point<R: Real>(
+        &self,
+        value: R,
+        near: &[DoubleDouble],
+        begins: usize,
+        extrapolation: Extrapolation,
+    ) -> Result<Point<R>, BorderError> {
+        let release = self.release_point(value, Some(near))?;
+        let limits = Limits::new(Self::constants(value, &release)?, &release, extrapolation);
+        let parameters = self.parameters(value);
+        let sequence = self.variation(&parameters, &release.state, begins + limits.impacts())?;
+        if sequence.impacts.len() <= sequence.begins {
+            return Err(BorderError::NotConverged {
+                value: value.to_f64(),
+                residual: f64::NAN,
+            });
+        }
+        let end = limits.nearest(&sequence);
+        let x = limits.x(&sequence, end);
+        let mut weights = release.slope.clone();
+        weights.push(R::ONE);
+        debug_assert_eq!(weights.len(), PARAMETER_COLUMN + 1);
+        let slope = limits.x_slope(&sequence, end, &weights, true);
+        Ok(Point {
+            value,
+            release,
+            limits,
+            sequence,
+            end,
+            x,
+            slope,
+        })
+    }
+
+    /// Newton's method on X(p) = 0 from a value close enough for the sequence to come near u*.
+    pub(crate) fn root<R: Real>(
+        &self,
+        guess: R,
+        near: &[DoubleDouble],
+        begins: usize,
+        extrapolation: Extrapolation,
+        within: (f64, f64),
+    ) -> Result<Root<R>, BorderError> {
+        let mut value = guess;
+        let mut near = near.to_vec();
+        let mut before = f64::INFINITY;
+        let mut residual = f64::NAN;
+        for _ in 0..NEWTON_STEPS {
+            let point = self.point(value, &near, begins, extrapolation)?;
+            near = exactly(&point.release.state);
+            let correction = point.x.value / point.slope.value;
+            residual = point.x.value.to_f64();
+            let size = correction.abs().to_f64();
+            let next = value - correction;
+            if !(next.to_f64() >= within.0 && next.to_f64() <= within.1) {
+                break;
+            }
+            let floor = NEWTON_DONE * R::ROUNDOFF * value.abs().to_f64();
+            if size <= floor || size >= before {
+                let error = (point.x.error / point.slope.value.to_f64().abs())
+                    .max(size.min(before))
+                    .max(floor);
+                if error.is_nan() || error > SETTLED * value.abs().to_f64() {
+                    break;
+                }
+                return Ok(Root { point, error });
+            }
+            before = size;
+            value = next;
+        }
+        Err(BorderError::NotConverged {
+            value: value.to_f64(),
+            residual,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::local::LocalCoordinate;
+    use super::super::problem::STATES;
+    use super::*;
+    use crate::model::Model;
+    use crate::numerics::Scalar;
+
+    const VALVE: &str = include_str!("../../../../../models/pressure_relief_valve.toml");
+
+    /// X(p) and X(x) by differences, against the columns.
+    #[test]
+    fn slopes_of_x_are_its_differences() {
+        const STEP: f64 = 1e-20;
+        const LAST: usize = 60;
+        let mut model = Model::from_toml(VALVE, "valve").unwrap();
+        for (parameter, value) in [
+            ("q", "0.02005600568931228428251703106969"),
+            ("kappa", "1.25"),
+            ("r", "0.8"),
+        ] {
+            model
+                .set_parameter("q", "0.02005600568931228428251703106969")
+                .unwrap();
+            let problem = Problem::new(&model, parameter, LocalCoordinate::AtImpact).unwrap();
+            let value: DoubleDouble = value.parse().unwrap();
+            let near = exactly(&[0.0, 0.0, 10.0]);
+            let settings = Extrapolation::default();
+            let at = |shift: f64| {
+                let value = value + DoubleDouble::from(shift);
+                problem.point(value, &near, 0, settings).unwrap()
+            };
+            let (low, middle, high) = (at(-STEP), at(0.0), at(STEP));
+            // The same impacts for all: where the sequence departs, X is no longer what it was.
+            let x = |point: &Point<DoubleDouble>| {
+                point.limits.x_off_border(&point.sequence, LAST).value
+            };
+            let difference = (x(&high) - x(&low)) / DoubleDouble::from(2.0 * STEP);
+            let off = ((difference - middle.slope.value) / difference)
+                .abs()
+                .to_f64();
+            assert!(
+                off < 1e-7,
+                "{parameter}: {difference} {}",
+                middle.slope.value
+            );
+        }
+        let problem = Problem::new(&model, "q", LocalCoordinate::AtImpact).unwrap();
+        let value: DoubleDouble = "0.02005600568931228428251703106969".parse().unwrap();
+        let near = exactly(&[0.0, 0.0, 10.0]);
+        let point = problem
+            .point(value, &near, 0, Extrapolation::default())
+            .unwrap();
+        let parameters = problem.parameters(value);
+        for i in 1..STATES {
+            let shifted = |shift: f64| {
+                let mut state = point.sequence.impacts[0].state[..STATES].to_vec();
+                state[i] += DoubleDouble::from(shift);
+                let sequence = problem.variation(&parameters, &state, 70).unwrap();
+                point.limits.x_off_border(&sequence, LAST).value
+            };
+            let difference = (shifted(STEP) - shifted(-STEP)) / DoubleDouble::from(2.0 * STEP);
+            let state = &point.sequence.impacts[0].state[..STATES];
+            let sequence = problem.variation(&parameters, state, 70).unwrap();
+            let mut weights = vec![DoubleDouble::ZERO; STATES + 1];
+            weights[i] = DoubleDouble::ONE;
+            let slope = point.limits.x_slope(&sequence, LAST, &weights, false);
+            let off = ((difference - slope.value) / difference).abs().to_f64();
+            assert!(off < 1e-7, "{i}: {difference} {}", slope.value);
+        }
+    }
+}

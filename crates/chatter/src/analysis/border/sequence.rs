@@ -1,0 +1,173 @@
+//! The impact sequence that follows a state, and how it ends.
+
+use super::error::BorderError;
+use super::local::{Local, LocalTape};
+use crate::flow::{Occurrence, Settings, System, Trajectory};
+use crate::numerics::Real;
+
+/// A flight is local, one of a chatter sequence, if it starts with a < 0 and lasts at most this many nu / j. At the
+/// border of the last local flight, a graze, it lasts 3/2 of it to leading order (eq. (3) with s = 0).
+const LOCAL_FLIGHT: f64 = 3.0;
+
+/// So many local flights one after the other are a chatter sequence.
+const SEQUENCE: usize = 3;
+
+/// No impact for so many steps: the trajectory does not come back.
+const STEPS_WITHOUT_IMPACT: usize = 2_000;
+
+/// More impacts than this are not followed: a sequence at restitution 0.99 has some two thousand.
+const MOST_IMPACTS: usize = 20_000;
+
+/// After so many long flights without a chatter sequence none is expected.
+const MOST_EXCURSIONS: usize = 40;
+
+/// A horizon that no flight reaches.
+const NO_HORIZON: f64 = 1e12;
+
+/// How an impact sequence ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Infinitely many impacts, then contact.
+    Complete,
+    /// After finitely many impacts close to each other, a long flight.
+    Incomplete,
+    /// No chatter sequence within what was followed.
+    NoChatter,
+    /// As many impacts as asked for were followed.
+    Stopped,
+}
+
+/// One impact of a sequence.
+#[derive(Clone, Debug)]
+pub(crate) struct Impact<R> {
+    pub time: R,
+    /// State after it, columns included.
+    pub state: Vec<R>,
+    pub rate_before: R,
+    pub local: Local<R>,
+}
+
+/// The impacts from a state on.
+#[derive(Clone, Debug)]
+pub(crate) struct Sequence<R> {
+    pub impacts: Vec<Impact<R>>,
+    pub verdict: Verdict,
+    /// Number of the first impact after which flights are local up to the end.
+    pub begins: usize,
+}
+
+/// A compiled system and its local coordinates.
+#[derive(Clone, Debug)]
+pub(crate) struct Follower {
+    pub system: System,
+    pub local: LocalTape,
+    /// Place of time among the states.
+    pub time: Option<usize>,
+}
+
+/// Where to stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Until {
+    /// At the end of the first chatter sequence.
+    Verdict,
+    /// After so many impacts, or at the end of the first chatter sequence if that is earlier.
+    Impacts(usize),
+}
+
+impl Follower {
+    /// Follows the impacts from a state, columns included.
+    pub(crate) fn follow<R: Real>(
+        &self,
+        parameters: &[R],
+        start: &[R],
+        until: Until,
+    ) -> Result<Sequence<R>, BorderError> {
+        let system = &self.system;
+        let mut work = system.workspace::<R>(&Settings::default());
+        let mut expansion = self.local.expansion();
+        let constants = self.local.constants(parameters);
+        let time = self.time.map_or(R::ZERO, |index| start[index]);
+        let mut trajectory = Trajectory::start(system, &mut work, parameters, time, start)?;
+        let mut sequence = Sequence {
+            impacts: Vec::new(),
+            verdict: Verdict::NoChatter,
+            begins: 0,
+        };
+        // Until when the present flight is local.
+        let mut limit: Option<R> = None;
+        let mut quiet = 0;
+        let mut excursions = 0;
+        while quiet < STEPS_WITHOUT_IMPACT
+            && sequence.impacts.len() < MOST_IMPACTS
+            && excursions < MOST_EXCURSIONS
+        {
+            quiet += 1;
+            let horizon = limit.unwrap_or(R::splat(NO_HORIZON));
+            match trajectory.advance(system, &mut work, horizon)? {
+                Some(Occurrence::Impact { rate_before, .. }) => {
+                    quiet = 0;
+                    if limit.is_none() && sequence.is_chatter() {
+                        sequence.verdict = Verdict::Incomplete;
+                        return Ok(sequence);
+                    }
+                    let local = self.local.at(
+                        &mut expansion,
+                        &constants,
+                        trajectory.state(),
+                        &trajectory.low,
+                    );
+                    if limit.is_none() {
+                        sequence.begins = sequence.impacts.len();
+                        excursions += 1;
+                    }
+                    limit = local_flight(&local).map(|length| trajectory.time() + length);
+                    sequence.impacts.push(Impact {
+                        time: trajectory.time(),
+                        state: trajectory.state().to_vec(),
+                        rate_before,
+                        local,
+                    });
+                    if until == Until::Impacts(sequence.impacts.len()) {
+                        sequence.verdict = Verdict::Stopped;
+                        return Ok(sequence);
+                    }
+                }
+                Some(Occurrence::Accumulation { .. } | Occurrence::Capture { .. }) => {
+                    sequence.verdict = Verdict::Complete;
+                    return Ok(sequence);
+                }
+                Some(Occurrence::Horizon) => {
+                    if limit.is_none() {
+                        break;
+                    }
+                    limit = None;
+                    if sequence.is_chatter() {
+                        sequence.verdict = Verdict::Incomplete;
+                        return Ok(sequence);
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(sequence)
+    }
+}
+
+impl<R> Sequence<R> {
+    /// Whether the latest impacts follow each other closely.
+    fn is_chatter(&self) -> bool {
+        self.impacts.len() > self.begins + SEQUENCE
+    }
+}
+
+/// How long a flight may last to be a local one; `None` where it cannot be one.
+fn local_flight<R: Real>(local: &Local<R>) -> Option<R> {
+    if local.acceleration >= R::ZERO {
+        return None;
+    }
+    Some(if local.jerk > R::ZERO {
+        local.nu() / local.jerk * R::splat(LOCAL_FLIGHT)
+    } else {
+        R::splat(NO_HORIZON)
+    })
+}

@@ -1,0 +1,306 @@
+//! Border orbits: the paper's table, the exact normal form, other systems, and questions without an answer.
+
+use chatter::analysis::border::*;
+use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
+
+const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
+const OSCILLATOR: &str = include_str!("../../../models/impact_oscillator.toml");
+const TWO_SIDED: &str = include_str!("../../../models/impact_oscillator_two_sided.toml");
+const BALL: &str = include_str!("../../../models/bouncing_ball.toml");
+
+fn read(text: &str) -> Model {
+    Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"))
+}
+
+fn valve_border<R: Real>() -> Border<R> {
+    border_near(&read(VALVE), &BorderSpec::new("q"), 0.02).unwrap()
+}
+
+/// The paper's numbers with the unit of their last digit, and ours.
+fn printed(form: &LeadingOrder<f64>) -> [(&'static str, f64, f64, f64); 17] {
+    [
+        ("y1", 0.001080, 1e-6, form.crossing[0]),
+        ("y2", 0.011966, 1e-6, form.crossing[1]),
+        ("B1", 0.186318, 1e-6, form.b[0]),
+        ("B2", 0.747358, 1e-6, form.b[1]),
+        ("C1", 1.33805, 1e-5, form.c[0]),
+        ("C2", 0.577996, 1e-6, form.c[1]),
+        ("D", 7.88954, 1e-5, form.d),
+        ("E1", -0.103297, 1e-6, form.e[0]),
+        ("E2", -0.621515, 1e-6, form.e[1]),
+        ("A11", -11.2769, 1e-4, form.a[0][0]),
+        ("A12", -0.667163, 1e-6, form.a[0][1]),
+        ("A21", 60.6417, 1e-4, form.a[1][0]),
+        ("A22", 3.55289, 1e-5, form.a[1][1]),
+        ("F1", 3.96147, 1e-5, form.f[0]),
+        ("F2", -16.6998, 1e-4, form.f[1]),
+        ("CAB", 4.58679, 1e-5, form.slope),
+        ("CAE + CF + D", 0.754296, 1e-6, form.unfolding_rate),
+    ]
+}
+
+/// Which of our numbers do not round to the paper's, and by how many units of the last digit they miss it.
+fn deviations(form: &LeadingOrder<f64>) -> Vec<(&'static str, i32)> {
+    printed(form)
+        .into_iter()
+        .map(|(name, paper, unit, ours)| (name, ((ours - paper) / unit).round() as i32))
+        .filter(|&(_, units)| units != 0)
+        .collect()
+}
+
+#[test]
+fn eq28_and_eq29_at_the_border() {
+    let border = valve_border::<f64>();
+    assert!((border.value.value - 0.020056).abs() < 0.5e-6);
+    assert!((border.first_impact.state[1] - 0.118256).abs() < 0.5e-6);
+    assert!((border.first_impact.state[2] - 9.45248).abs() < 0.5e-5);
+    // E is met at the paper's own q* (next test). A and F come out of its integrator with some six digits: A12, A22 and
+    // F limit CAB and CAE + CF + D, the latter a sum of terms a hundred times its size.
+    let expected = [
+        ("E1", 1),
+        ("E2", 1),
+        ("A12", -2),
+        ("A22", 1),
+        ("CAB", 1),
+        ("CAE + CF + D", -16),
+    ];
+    assert_eq!(deviations(&border.leading_order.unwrap()), expected);
+}
+
+/// The digits of D, E1 and E2 together put the q* that the paper computed with, printed as 0.020056, between
+/// 0.02005600115 and 0.02005600234.
+#[test]
+fn eq28_and_eq29_at_the_printed_parameter() {
+    let model = read(VALVE);
+    let at = |q: f64| {
+        let form = leading_order_at(&model, &BorderSpec::new("q"), q).unwrap();
+        deviations(&form)
+    };
+    let flight = [("A12", -2), ("A22", 1), ("CAB", 1), ("CAE + CF + D", -15)];
+    assert_eq!(at(0.0200560017), flight);
+    let with_d = [
+        ("D", 1),
+        ("A12", -1),
+        ("A22", 1),
+        ("CAB", 1),
+        ("CAE + CF + D", -15),
+    ];
+    assert_eq!(at(0.020056), with_d);
+}
+
+#[test]
+fn f64_agrees_with_double_double() {
+    let (rough, fine) = (valve_border::<f64>(), valve_border::<DoubleDouble>());
+    let off = |a: f64, b: DoubleDouble| ((b - DoubleDouble::from(a)) / b).to_f64().abs();
+    assert!(off(rough.value.value, fine.value.value) < 1e-13);
+    for i in 1..3 {
+        assert!(off(rough.first_impact.state[i], fine.first_impact.state[i]) < 1e-13);
+    }
+    let estimates = |exact: &Exact<f64>| {
+        [
+            exact.slope,
+            exact.unfolding_rate,
+            exact.amplitude,
+            exact.covector[0],
+            exact.covector[1],
+            exact.covector_parameter,
+        ]
+    };
+    let fine = [
+        fine.exact.slope,
+        fine.exact.unfolding_rate,
+        fine.exact.amplitude,
+        fine.exact.covector[0],
+        fine.exact.covector[1],
+        fine.exact.covector_parameter,
+    ];
+    for (a, b) in estimates(&rough.exact).iter().zip(fine) {
+        assert!(off(a.value, b.value) < 1e-9, "{a:?} {b:?}");
+        assert!(
+            (a.value - b.value.to_f64()).abs() <= 3.0 * a.error,
+            "{a:?} {b:?}"
+        );
+        assert!(b.error < 1e-20 * b.value.to_f64().abs());
+    }
+}
+
+/// K, M and N* are properties of the orbit: neither what u is read off from, nor how many impacts are integrated, nor how
+/// many ratios are eliminated shows in them.
+#[test]
+fn exact_form_depends_on_no_choice() {
+    fn forms<R: Real>(impacts: [usize; 3], orders: [usize; 2], tolerance: f64) {
+        let model = read(VALVE);
+        let mut forms = Vec::new();
+        for coordinate in [LocalCoordinate::AtImpact, LocalCoordinate::AtRest] {
+            for impacts in impacts {
+                for orders in orders {
+                    let mut spec = BorderSpec::new("q");
+                    spec.coordinate = coordinate;
+                    spec.extrapolation = Extrapolation {
+                        impacts: Some(impacts),
+                        orders: Some(orders),
+                    };
+                    let border = border_near::<R>(&model, &spec, 0.02).unwrap();
+                    forms.push((border.exact, border.value));
+                }
+            }
+        }
+        let (first, value) = forms[0].clone();
+        for (form, other) in &forms[1..] {
+            let off = |a: R, b: R| ((a - b) / b).to_f64().abs();
+            assert!(off(form.slope.value, first.slope.value) < tolerance);
+            assert!(off(form.unfolding_rate.value, first.unfolding_rate.value) < tolerance);
+            assert!(off(form.amplitude.value, first.amplitude.value) < tolerance);
+            assert!(off(other.value, value.value) < tolerance);
+        }
+    }
+    forms::<f64>([43, 46, 50], [9, 12], 1e-9);
+    forms::<DoubleDouble>([76, 84, 90], [18, 22], 1e-20);
+}
+
+#[test]
+fn coefficients_make_up_slope_and_rate() {
+    let border = valve_border::<DoubleDouble>();
+    let exact = &border.exact;
+    let product = |by: &[DoubleDouble]| {
+        border
+            .section
+            .iter()
+            .zip(&exact.covector)
+            .fold(DoubleDouble::from(0.0), |sum, (&i, c)| {
+                sum + c.value * by[i]
+            })
+    };
+    let close = |a: DoubleDouble, b: DoubleDouble| {
+        assert!(((a - b) / b).to_f64().abs() < 1e-20, "{a} {b}");
+    };
+    close(product(&exact.first_impact_by_upsilon), exact.slope.value);
+    let moved = product(&exact.first_impact_by_parameter) + exact.covector_parameter.value;
+    close(moved, exact.unfolding_rate.value);
+    // A B.
+    for (row, &moved) in exact
+        .flight
+        .iter()
+        .zip(&exact.first_impact_by_upsilon)
+        .skip(1)
+    {
+        let sum = row
+            .iter()
+            .zip(&exact.offset)
+            .fold(DoubleDouble::from(0.0), |sum, (&a, &b)| sum + a * b);
+        close(sum, moved);
+    }
+}
+
+#[test]
+fn other_valves_have_their_borders() {
+    for (name, text, near, value) in [
+        ("kappa", "1.0", 0.048, 0.047_964_883_927),
+        ("r", "0.75", 0.0916, 0.091_623_745_784),
+    ] {
+        let mut model = read(VALVE);
+        model.set_parameter(name, text).unwrap();
+        let spec = BorderSpec::new("q");
+        let border = border_near::<f64>(&model, &spec, near).unwrap();
+        assert!((border.value.value - value).abs() < 1e-12);
+        assert!(border.value.error < 1e-13);
+        let all = borders_in::<f64>(&model, &spec, 0.01, 0.2).unwrap();
+        assert_eq!(all.borders.len(), 1);
+        assert!((all.borders[0].value.value - value).abs() < 1e-12);
+        assert!(all.breaks.is_empty());
+    }
+}
+
+/// The same orbit whichever parameter is varied: p* of one is the given value of the other.
+#[test]
+fn every_parameter_leads_to_the_same_orbit() {
+    let mut model = read(VALVE);
+    model.set_parameter("q", "0.02005600568931228428").unwrap();
+    let here = valve_border::<f64>();
+    for (parameter, value) in [("kappa", 1.25), ("r", 0.8), ("delta", 10.0), ("beta", 20.0)] {
+        let border = border_near::<f64>(&model, &BorderSpec::new(parameter), value).unwrap();
+        let off = (border.value.value - value).abs() / value;
+        assert!(off < 1e-12, "{parameter}: {off}");
+        let slope = border.exact.slope.value / here.exact.slope.value - 1.0;
+        assert!(slope.abs() < 1e-9, "{parameter}: {slope}");
+    }
+}
+
+#[test]
+fn the_forced_oscillator_has_borders() {
+    let model = read(OSCILLATOR);
+    let found = borders_in::<f64>(&model, &BorderSpec::new("sigma"), -0.9, 0.95).unwrap();
+    let values: Vec<f64> = found.borders.iter().map(|b| b.value.value).collect();
+    let expected = [
+        0.123_448_597_848_029,
+        0.777_348_206_276_957,
+        0.792_035_464_209_81,
+    ];
+    assert_eq!(values.len(), expected.len(), "{values:?}");
+    for (border, expected) in found.borders.iter().zip(expected) {
+        assert!((border.value.value - expected).abs() < 1e-12);
+        let sigma = border.value.value;
+        let [x, v, t] = border.release.state[..] else {
+            panic!("three states")
+        };
+        assert!((x - sigma).abs() < 1e-14 && v.abs() < 1e-14);
+        assert!(((0.3 * t).cos() - sigma).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn questions_without_an_answer_get_a_typed_one() {
+    let valve = read(VALVE);
+    let near = |model: &Model, parameter: &str, value: f64| {
+        border_near::<f64>(model, &BorderSpec::new(parameter), value).unwrap_err()
+    };
+    match near(&valve, "kapa", 1.0) {
+        BorderError::UnknownParameter { name, nearest } => {
+            assert_eq!((&*name, nearest.as_deref()), ("kapa", Some("kappa")));
+        }
+        other => panic!("{other}"),
+    }
+    assert!(matches!(
+        near(&read(TWO_SIDED), "omega", 1.0),
+        BorderError::Contacts { count: 2 }
+    ));
+    assert!(matches!(
+        near(&read(BALL), "r", 0.5),
+        BorderError::States { count: 2 }
+    ));
+    let mut plastic = valve.clone();
+    plastic.set_parameter("r", "0").unwrap();
+    assert!(matches!(
+        near(&plastic, "q", 0.02),
+        BorderError::Restitution { value: 0.0, .. }
+    ));
+    assert!(matches!(
+        near(&valve, "q", 0.2),
+        BorderError::NoBorder { .. }
+    ));
+    let spec = BorderSpec::new("q");
+    let none = borders_in::<f64>(&valve, &spec, 0.021, 0.03).unwrap();
+    assert!(none.borders.is_empty() && none.breaks.is_empty());
+    for (low, high) in [
+        (0.03, 0.02),
+        (0.02, 0.02),
+        (f64::NAN, 1.0),
+        (0.0, f64::INFINITY),
+    ] {
+        assert!(matches!(
+            borders_in::<f64>(&valve, &spec, low, high),
+            Err(BorderError::Range { .. })
+        ));
+    }
+    let mut far = spec.clone();
+    far.section = Some(ReleaseSection {
+        state: "y3".to_owned(),
+        level: 11.0,
+    });
+    let border = border_near::<f64>(&valve, &far, 0.02).unwrap();
+    assert!(matches!(
+        border.leading_order,
+        Err(BorderError::Section { .. })
+    ));
+}
