@@ -24,7 +24,7 @@ Each command has a --help of its own. Exit codes: 0 done, 1 the computation coul
 
 /// Mechanical systems with impacts: trajectories through chatter, contact and release, from equations in a text file
 #[derive(Parser, Debug)]
-#[command(name = "chatter", version, after_help = EXAMPLES, disable_help_subcommand = true)]
+#[command(name = "chatter", version, after_help = EXAMPLES, disable_help_subcommand = true, term_width = 120)]
 struct Arguments {
     #[command(subcommand)]
     command: commands::Command,

@@ -24,7 +24,10 @@ pub fn find(name: &str) -> Option<Shipped> {
     all().find(|shipped| shipped.name == name)
 }
 
-/// The name that is probably meant.
+/// The name that is probably meant: a like one, else the shortest that has this one in it.
 pub fn suggest(name: &str) -> Option<String> {
-    nearest(name, MODELS.iter().map(|&(known, _)| known))
+    let names = || all().map(|shipped| shipped.name);
+    let lower = name.to_lowercase();
+    let holding = names().filter(|known| !lower.is_empty() && known.contains(&lower));
+    nearest(name, names()).or_else(|| holding.min_by_key(|known| known.len()).map(str::to_owned))
 }

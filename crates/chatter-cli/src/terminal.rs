@@ -57,6 +57,12 @@ impl Style {
     }
 }
 
+/// Tells the user of an error.
+pub fn complain(message: &str) {
+    let title = Style::new(colors_on_stderr()).error("error:");
+    eprintln!("{title} {message}");
+}
+
 /// Whether errors may be coloured.
 pub fn colors_on_stderr() -> bool {
     wants_color(std::io::stderr().is_terminal())

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use crate::figures::FigureError;
 use crate::format::FormatError;
+use crate::reports::ReportError;
 use crate::tables::TableError;
 
 /// Any error of this crate.
@@ -20,6 +21,8 @@ pub enum Error {
     Table(TableError),
     /// A figure cannot be drawn.
     Figure(FigureError),
+    /// A report cannot be put together.
+    Report(ReportError),
 }
 
 impl fmt::Display for Error {
@@ -29,6 +32,7 @@ impl fmt::Display for Error {
             Error::Format(e) => e.fmt(f),
             Error::Table(e) => e.fmt(f),
             Error::Figure(e) => e.fmt(f),
+            Error::Report(e) => e.fmt(f),
         }
     }
 }
@@ -37,7 +41,7 @@ impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Error::File(e) => e.source(),
-            Error::Format(_) | Error::Table(_) | Error::Figure(_) => None,
+            Error::Format(_) | Error::Table(_) | Error::Figure(_) | Error::Report(_) => None,
         }
     }
 }
@@ -57,6 +61,12 @@ impl From<FormatError> for Error {
 impl From<TableError> for Error {
     fn from(e: TableError) -> Self {
         Error::Table(e)
+    }
+}
+
+impl From<ReportError> for Error {
+    fn from(e: ReportError) -> Self {
+        Error::Report(e)
     }
 }
 

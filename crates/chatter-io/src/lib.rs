@@ -1,4 +1,4 @@
-//! Tables and figures as plain values, and their writers. Knows nothing of analyses.
+//! Tables, figures and reports as plain values, and their writers. Knows nothing of analyses.
 //!
 //! # Tables
 //!
@@ -66,6 +66,10 @@
 //! # Ok::<(), chatter_io::figures::FigureError>(())
 //! ```
 //!
+//! # Reports
+//!
+//! A [`reports::Report`] gathers text, tables and figures in one HTML file that refers to nothing outside itself.
+//!
 //! # Files
 //!
 //! Every file is written beside its place under a temporary name and then renamed ([`atomic_file`]): it appears whole or
@@ -76,6 +80,7 @@ mod crc32;
 mod error;
 pub mod figures;
 mod format;
+pub mod reports;
 pub mod tables;
 
 #[cfg(test)]

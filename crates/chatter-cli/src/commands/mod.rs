@@ -10,7 +10,7 @@ use clap::Subcommand;
 /// What can be asked for.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    Simulate(simulate::Arguments),
+    Simulate(Box<simulate::Arguments>),
     Check(check::Arguments),
     Models(models::Arguments),
 }

@@ -2,8 +2,13 @@
 
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
-use crate::options::{FigureFile, Initial, Loaded, ModelOptions, Quantity, StopOption, TableFile};
-use crate::simulation::{Listing, SampleOption, Subject, account, document, picture, table};
+use crate::options::{
+    Count, FigureFile, Initial, Loaded, ModelOptions, Precision, Quantity, StopOption, TableFile,
+    Window,
+};
+use crate::simulation::{
+    Listing, SampleOption, Subject, account, document, picture, sentence, table,
+};
 use crate::terminal::{self, Progress, Style};
 use chatter::analysis::simulate::{
     Outcome, Progress as Reached, SimulateError, Simulation, Spec, SpecError, Stop, simulate,
@@ -45,7 +50,7 @@ pub struct Arguments {
 
     /// End after this many impacts [default: 1000000]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    impacts: Option<u64>,
+    impacts: Option<Count>,
 
     /// End at the COUNT-th such event. KIND is impact, accumulation, release, graze or section; NAME is a contact, or a
     /// section after `section:`. `rest` ends the run when the system is at rest for ever
@@ -54,11 +59,11 @@ pub struct Arguments {
 
     /// Relative error allowed in one step; rounding error without it
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
-    tolerance: Option<f64>,
+    tolerance: Option<Quantity>,
 
     /// Digits of the numbers in the output, up to 30; above 17 the whole computation is done with more digits
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Digits::MOST.0)))]
-    digits: Option<u32>,
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    digits: Option<Precision>,
 
     /// Print one JSON document instead of text
     #[arg(long)]
@@ -74,12 +79,26 @@ pub struct Arguments {
 
     /// Rows of the table: `events`, `dense:N` (N a step of the integration, and each event from both sides), or an
     /// interval of time [default: dense:16]
-    #[arg(long, value_name = "ROWS", requires = "out")]
+    #[arg(
+        long,
+        value_name = "ROWS",
+        requires = "out",
+        allow_hyphen_values = true
+    )]
     sample: Option<SampleOption>,
 
     /// Draw the time histories and the phase portrait, .svg, .png or .pdf
     #[arg(long, value_name = "FILE")]
     plot: Option<FigureFile>,
+
+    /// Times that the plot shows, all without it
+    #[arg(
+        long,
+        value_name = "FROM:TO",
+        requires = "plot",
+        allow_hyphen_values = true
+    )]
+    window: Option<Window>,
 }
 
 /// Units of time that a run lasts if nothing else is said.
@@ -93,7 +112,13 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Loaded { mut model, text } = arguments.model.load()?;
     arguments.initial.apply(&mut model)?;
     let spec = specification(arguments, &mut model)?;
-    let digits = arguments.digits.map_or(Digits::DOUBLE, Digits);
+    let window = match &arguments.window {
+        Some(window) => Some(window.values(&mut model, "--window")?),
+        None => None,
+    };
+    let digits = arguments
+        .digits
+        .map_or(Digits::DOUBLE, |precision| precision.0);
     let subject = Subject {
         model: &model,
         spec: &spec,
@@ -103,13 +128,16 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         time_was_given: arguments.until.is_some(),
     };
     if digits.fit_double() {
-        follow::<f64>(arguments, &subject)
+        follow::<f64>(arguments, &subject, window)
     } else {
-        follow::<DoubleDouble>(arguments, &subject)
+        follow::<DoubleDouble>(arguments, &subject, window)
     }
 }
 
 fn specification(arguments: &Arguments, model: &mut Model) -> Result<Spec, Failure> {
+    let parameters = model.parameter_values::<DoubleDouble>(&[]);
+    let initial = model.initial_state(&parameters);
+    let start = model.time.map_or(DoubleDouble::ZERO, |time| initial[time]);
     let mut stops: Vec<Stop> = arguments.stop.iter().map(|stop| stop.0.clone()).collect();
     let until = match &arguments.until {
         Some(until) => until.value(model, "--until")?,
@@ -117,11 +145,12 @@ fn specification(arguments: &Arguments, model: &mut Model) -> Result<Spec, Failu
             let waits = !stops.is_empty() || arguments.impacts.is_some();
             let lasts = if waits { LONG_TIME } else { USUAL_TIME };
             stops.push(Stop::Rest);
-            let parameters = model.parameter_values::<DoubleDouble>(&[]);
-            let initial = model.initial_state(&parameters);
-            let start = model.time.map_or(DoubleDouble::ZERO, |time| initial[time]);
             start + DoubleDouble::from(lasts)
         }
+    };
+    let tolerance = match &arguments.tolerance {
+        Some(tolerance) => tolerance.value(model, "--tolerance")?.high(),
+        None => 0.0,
     };
     let mut sampling = Vec::new();
     if arguments.out.is_some() {
@@ -129,18 +158,27 @@ fn specification(arguments: &Arguments, model: &mut Model) -> Result<Spec, Failu
         sampling.extend(rows.sampling(model)?);
     }
     if arguments.plot.is_some() {
-        sampling.push(picture::SAMPLING);
+        sampling.push(picture::sampling(match &arguments.until {
+            Some(_) => until - start,
+            None => USUAL_TIME.into(),
+        }));
     }
     Ok(Spec {
-        impacts: arguments.impacts.unwrap_or(Spec::IMPACT_BUDGET),
+        impacts: arguments
+            .impacts
+            .map_or(Spec::IMPACT_BUDGET, |count| count.0),
         stops,
-        tolerance: arguments.tolerance.unwrap_or(0.0),
+        tolerance,
         sampling,
         ..Spec::until(until)
     })
 }
 
-fn follow<R: Real>(arguments: &Arguments, subject: &Subject) -> Result<u8, Failure> {
+fn follow<R: Real>(
+    arguments: &Arguments,
+    subject: &Subject,
+    window: Option<(f64, f64)>,
+) -> Result<u8, Failure> {
     terminal::catch_interrupts();
     let mut progress = Progress::new();
     let mut simulation: Simulation<R> = simulate(subject.model, subject.spec, &mut |reached| {
@@ -167,7 +205,7 @@ fn follow<R: Real>(arguments: &Arguments, subject: &Subject) -> Result<u8, Failu
         written.extend(files);
     }
     if let (Some(FigureFile(path)), Some(samples)) = (&arguments.plot, &drawn) {
-        picture::draw(subject, &simulation, samples)
+        picture::draw(subject, &simulation, samples, window)
             .write(path)
             .map_err(|error| Failure::Output(error.to_string()))?;
         written.push(path.clone());
@@ -187,6 +225,9 @@ fn follow<R: Real>(arguments: &Arguments, subject: &Subject) -> Result<u8, Failu
         text
     };
     terminal::print(&text).map_err(Failure::Output)?;
+    if let Outcome::Failed(error) = &simulation.outcome {
+        terminal::complain(&sentence(error, subject.model));
+    }
     Ok(match simulation.outcome {
         Outcome::Failed(_) => failure::UNFINISHED,
         Outcome::Interrupted => failure::INTERRUPTED,
@@ -216,6 +257,6 @@ fn refused(error: &SimulateError, model: &Model) -> Failure {
             }
         }
         SimulateError::System(error) => Failure::input(error),
-        SimulateError::Start(error) => Failure::input(crate::simulation::sentence(error, model)),
+        SimulateError::Start(error) => Failure::input(sentence(error, model)),
     }
 }

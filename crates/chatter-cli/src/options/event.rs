@@ -1,5 +1,6 @@
 //! What ends a run before its time is over.
 
+use super::Count;
 use chatter::analysis::simulate::{EventKind, EventTarget, Stop};
 use chatter::expressions::nearest;
 
@@ -15,11 +16,10 @@ impl std::str::FromStr for StopOption {
     fn from_str(text: &str) -> Result<Self, String> {
         let (event, count) = match text.split_once('=') {
             Some((event, count)) => {
-                let number = count.trim().parse::<u64>().ok().filter(|&count| count > 0);
-                let number = number.ok_or_else(|| {
-                    format!("`{count}` is no count: expected a whole number from 1")
-                })?;
-                (event.trim(), number)
+                let Count(count) = count
+                    .parse()
+                    .map_err(|error| format!("`{count}` is no count: {error}"))?;
+                (event.trim(), count)
             }
             None => (text.trim(), 1),
         };

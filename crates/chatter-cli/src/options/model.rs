@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::shipped;
 use chatter::expressions::nearest;
-use chatter::model::Model;
+use chatter::model::{Model, ModelError};
 use clap::Args;
 use std::path::Path;
 
@@ -60,7 +60,8 @@ impl ModelOptions {
                 ))
                 .help(format!("start it elsewhere with --initial {name}={text}")));
             }
-            model.set_parameter(name, text)?;
+            let from_option = |error: ModelError| error.with_source_name(&format!("--set {name}"));
+            model.set_parameter(name, text).map_err(from_option)?;
         }
         Ok(Loaded { model, text })
     }
@@ -91,7 +92,9 @@ impl Initial {
                     ));
                 }
             }
-            model.set_initial(name, text)?;
+            let from_option =
+                |error: ModelError| error.with_source_name(&format!("--initial {name}"));
+            model.set_initial(name, text).map_err(from_option)?;
         }
         Ok(())
     }
@@ -104,6 +107,11 @@ fn read(given: &str) -> Result<String, Failure> {
         && let Some(shipped) = shipped::find(given)
     {
         return Ok(shipped.text.to_owned());
+    }
+    if path.is_dir() {
+        return Err(Failure::input(format!(
+            "`{given}` is a folder, not a model file"
+        )));
     }
     match std::fs::read(path) {
         Ok(bytes) => match String::from_utf8(bytes) {

@@ -1,7 +1,7 @@
 //! Numbers on the command line: decimal numbers or expressions in the model's parameters.
 
 use crate::failure::Failure;
-use chatter::model::Model;
+use chatter::model::{Model, ModelError};
 use chatter::numerics::DoubleDouble;
 
 /// The text of a number.
@@ -20,21 +20,9 @@ impl Quantity {
     /// Its value at the model's parameters. `option` is where it was given.
     pub fn value(&self, model: &mut Model, option: &str) -> Result<DoubleDouble, Failure> {
         let text = self.0.as_str();
-        let expr = model.parse_expression(text).map_err(|error| {
-            let start = text
-                .get(..error.span.start)
-                .map_or(0, |before| before.chars().count());
-            let length = text
-                .get(error.span.clone())
-                .map_or(0, |part| part.chars().count());
-            let mut message = format!("{option}: {}\n  {text}\n  ", error.kind);
-            message.extend(core::iter::repeat_n(' ', start));
-            message.extend(core::iter::repeat_n('^', length.max(1)));
-            let failure = Failure::input(message);
-            match error.help() {
-                Some(help) => failure.help(help),
-                None => failure,
-            }
+        let parsed = model.parse_expression(text);
+        let expr = parsed.map_err(|error| {
+            ModelError::of_expression(option, text, error, &model.parameter_names())
         })?;
         if model.graph.depends_on_state(expr) {
             return Err(Failure::input(format!(
@@ -49,6 +37,42 @@ impl Quantity {
             Err(Failure::input(format!(
                 "{option}: `{text}` is {}; expected a finite number",
                 value.high()
+            )))
+        }
+    }
+}
+
+/// An interval of time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Window {
+    from: Quantity,
+    to: Quantity,
+}
+
+impl std::str::FromStr for Window {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (from, to) = text
+            .split_once(':')
+            .ok_or("expected FROM:TO, such as 10:20")?;
+        Ok(Self {
+            from: Quantity(from.to_owned()),
+            to: Quantity(to.to_owned()),
+        })
+    }
+}
+
+impl Window {
+    /// Its ends at the model's parameters. `option` is where it was given.
+    pub fn values(&self, model: &mut Model, option: &str) -> Result<(f64, f64), Failure> {
+        let from = self.from.value(model, option)?.high();
+        let to = self.to.value(model, option)?.high();
+        if from < to {
+            Ok((from, to))
+        } else {
+            Err(Failure::input(format!(
+                "{option}: {from}:{to} is no interval of time; expected the earlier time first"
             )))
         }
     }

@@ -1,6 +1,6 @@
 //! A simulation as text: what happened, in the order it happened.
 
-use super::{Subject, sentence};
+use super::Subject;
 use crate::numbers::{concise, fixed, full, significant};
 use crate::terminal::Style;
 use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation};
@@ -331,10 +331,6 @@ impl<'a, R: Real> Teller<'a, R> {
         if !named.is_empty() {
             text += &wrapped(named, "  ");
         }
-        if let Outcome::Failed(error) = &simulation.outcome {
-            let title = self.style.error("error:");
-            text += &format!("\n{title} {}\n", sentence(error, self.subject.model));
-        }
         text
     }
 
@@ -349,7 +345,7 @@ impl<'a, R: Real> Teller<'a, R> {
                 format!("stopped after {impacts}, --impacts allows more,")
             }
             Outcome::Event(target) => format!("stopped by the {target}"),
-            Outcome::Rest => "at rest for ever: stopped".to_owned(),
+            Outcome::Rest => "came to rest for ever".to_owned(),
             Outcome::Interrupted => "interrupted".to_owned(),
             Outcome::Failed(_) => "broken off".to_owned(),
         }

@@ -1,8 +1,9 @@
 //! Which rows a table has.
 
 use crate::failure::Failure;
-use crate::options::Quantity;
+use crate::options::{Count, Quantity};
 use chatter::analysis::simulate::Sampling;
+use chatter::expressions::nearest;
 use chatter::model::Model;
 
 /// Rows of a table.
@@ -32,12 +33,16 @@ impl std::str::FromStr for SampleOption {
         match text.split_once(':') {
             None if text == "events" => Ok(Self::Events),
             None if text == "dense" => Ok(Self::default()),
-            None => Ok(Self::Every(Quantity(text.to_owned()))),
+            None => match nearest(text, ["events", "dense"]) {
+                Some(meant) => Err(format!("did you mean `{meant}`?")),
+                None => Ok(Self::Every(Quantity(text.to_owned()))),
+            },
             Some(("dense", count)) => match count.parse() {
-                Ok(count) if count > 0 => Ok(Self::Dense(count)),
-                _ => Err(format!(
-                    "`{count}` is no count: expected a whole number from 1"
-                )),
+                Ok(Count(number)) => match u32::try_from(number) {
+                    Ok(number) => Ok(Self::Dense(number)),
+                    Err(_) => Err(format!("{number} samples a step are too many")),
+                },
+                Err(error) => Err(format!("`{count}` is no count: {error}")),
             },
             Some(_) => {
                 Err("expected `events`, `dense`, `dense:N` or an interval of time".to_owned())

@@ -63,10 +63,12 @@ impl Writer<'_> {
         }
         if self.format == Format::Csv {
             let digits = self.subject.digits.0;
-            let texts: Vec<String> = values
-                .iter()
-                .map(|&value| significant(value, digits))
-                .collect();
+            let text = |&value: &R| match value.is_finite() {
+                true => significant(value, digits),
+                // As the columns of doubles have it.
+                false => "nan".to_owned(),
+            };
+            let texts: Vec<String> = values.iter().map(text).collect();
             return table.column(name, texts);
         }
         let low: Vec<f64> = values

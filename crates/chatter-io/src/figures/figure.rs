@@ -160,6 +160,11 @@ impl Figure {
         Ok(svg::document(&self.scene(Resolution::EMBEDDED)?))
     }
 
+    /// The figure as SVG to stand inside a page of HTML.
+    pub fn inline_svg(&self) -> Result<String, FigureError> {
+        Ok(svg::element(&self.scene(Resolution::EMBEDDED)?, ""))
+    }
+
     /// The figure as PDF.
     pub fn pdf(&self) -> Result<Vec<u8>, FigureError> {
         Ok(pdf::document(&self.scene(Resolution::EMBEDDED)?))

@@ -8,6 +8,7 @@ mod draw;
 mod error;
 mod figure;
 mod fonts;
+pub(crate) mod html;
 mod label;
 mod layer;
 mod layout;

@@ -11,6 +11,12 @@ use crate::crc32::Crc32;
 
 /// The whole document.
 pub(super) fn document(scene: &Scene) -> String {
+    let prolog = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+    prolog.to_owned() + &element(scene, " xmlns=\"http://www.w3.org/2000/svg\"")
+}
+
+/// The element alone, with this text among its attributes. Inside HTML it needs no name space.
+pub(super) fn element(scene: &Scene, attributes: &str) -> String {
     let mut body = String::new();
     let mut definitions = Definitions::default();
     for item in &scene.items {
@@ -19,10 +25,9 @@ pub(super) fn document(scene: &Scene) -> String {
     let (w, h) = (number(scene.width), number(scene.height));
     let mm = |points: f64| number(points * 25.4 / 72.0);
     let mut out = String::with_capacity(body.len() + 4096);
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}mm\" \
-         height=\"{}mm\" viewBox=\"0 0 {w} {h}\">\n",
+        "<svg{attributes} width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {w} {h}\">",
         mm(scene.width),
         mm(scene.height)
     );

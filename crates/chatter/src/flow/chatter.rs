@@ -80,10 +80,14 @@ pub(crate) struct ChatterTracker<R> {
     stride: u32,
     until_sample: u32,
     samples: Vec<Sample<R>>,
+    /// Time of the first impact of the sequence.
+    began: R,
+    longest_tail: f64,
 }
 
 impl<R: Real> ChatterTracker<R> {
-    pub(crate) fn new() -> Self {
+    /// What is left of a sequence when it is completed is at most `longest_tail` times what came before.
+    pub(crate) fn new(longest_tail: f64) -> Self {
         Self {
             contact: None,
             restitution: f64::NAN,
@@ -91,7 +95,14 @@ impl<R: Real> ChatterTracker<R> {
             stride: 1,
             until_sample: 0,
             samples: Vec::new(),
+            began: R::ZERO,
+            longest_tail,
         }
+    }
+
+    /// Forgets everything but how long a tail may be.
+    pub(crate) fn restart(&mut self) {
+        *self = Self::new(self.longest_tail);
     }
 
     /// Another event came between: the sequence so far is no geometric one.
@@ -133,6 +144,7 @@ impl<R: Real> ChatterTracker<R> {
         if self.contact != Some(contact) {
             self.interrupt();
             self.contact = Some(contact);
+            self.began = time.0;
             self.until_sample = 0;
         }
         if self.until_sample > 0 {
@@ -150,7 +162,12 @@ impl<R: Real> ChatterTracker<R> {
             .zip(state.1.iter().copied())
             .collect();
         self.samples.push(Sample { time, state });
-        self.extrapolate()
+        let elapsed = time.0 - self.began;
+        let end = self.extrapolate()?;
+        if end.after > elapsed * R::splat(self.longest_tail) {
+            return None;
+        }
+        Some(end)
     }
 
     fn extrapolate(&self) -> Option<Accumulation<R>> {

@@ -18,12 +18,19 @@ const MAX_CONTACTS: usize = 6;
 pub struct Settings {
     /// Relative truncation error allowed a step; rounding level of the number type where that is larger.
     pub tolerance: f64,
+    /// A chatter sequence is completed by extrapolation once what is left of it is at most this share of the time that it
+    /// has taken so far, and its end is certain to rounding. Without a bound the second condition alone decides, after
+    /// the fewest impacts; a small share shows the sequence itself.
+    pub longest_tail: f64,
 }
 
 impl Default for Settings {
-    /// To rounding error.
+    /// To rounding error, with the fewest impacts.
     fn default() -> Self {
-        Self { tolerance: 0.0 }
+        Self {
+            tolerance: 0.0,
+            longest_tail: f64::INFINITY,
+        }
     }
 }
 
@@ -161,7 +168,7 @@ impl System {
     /// Scratch space for steps of this system.
     pub fn workspace<S: Scalar>(&self, settings: &Settings) -> Workspace<S> {
         let tapes = self.programs.iter().flatten().flat_map(Program::tapes);
-        Workspace::new(tapes, self.dimension, settings.tolerance)
+        Workspace::new(tapes, self.dimension, settings)
     }
 }
 

@@ -119,7 +119,7 @@ impl<R: Real> Trajectory<R> {
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
             horizon: R::splat(FOREVER),
-            tracker: ChatterTracker::new(),
+            tracker: ChatterTracker::new(work.longest_tail),
             sequence: 0,
             instant_impacts: 0,
             completion: None,
@@ -207,7 +207,7 @@ impl<R: Real> Trajectory<R> {
         self.reach[ORDER_CLASSES - 1] = R::splat(FIRST_UNIT);
         self.flight_time = R::splat(FOREVER);
         self.horizon = R::splat(FOREVER);
-        self.tracker = ChatterTracker::new();
+        self.tracker.restart();
         self.sequence = 0;
         self.instant_impacts = 0;
         self.completion = None;

@@ -1,9 +1,10 @@
 //! What can be wrong with a model.
 
-use super::draft::Place;
+use super::draft::{Place, SourceText};
 use crate::expressions::ParseError;
 use core::fmt;
 use core::ops::Range;
+use std::sync::Arc;
 
 /// Everything wrong with a model, in the order of the file.
 #[derive(Clone, Debug)]
@@ -47,6 +48,23 @@ impl ModelError {
     /// What is wrong.
     pub fn kind(&self) -> &ModelErrorKind {
         &self.kind
+    }
+
+    /// What is wrong with a text given by itself, such as an option: `name` is what messages call it, `known` are the
+    /// names it may use.
+    pub fn of_expression(name: &str, text: &str, error: ParseError, known: &[&str]) -> Self {
+        let place = Place::whole(name, text).inside(error.span.clone());
+        let known = known.iter().map(|&name| name.to_owned()).collect();
+        Self::new(ModelErrorKind::Expression { error, known }, &place)
+    }
+
+    /// The same, in a text that messages call `name`.
+    #[must_use]
+    pub fn with_source_name(mut self, name: &str) -> Self {
+        let text = self.place.source.text.clone();
+        let name = name.to_owned();
+        self.place.source = Arc::new(SourceText { name, text });
+        self
     }
 
     /// Name of the file, or of the expression that was given by itself.

@@ -27,6 +27,9 @@ use recorder::Recorder;
 /// The observer is asked every so many steps: often enough for a reaction within a millisecond, too rarely to cost.
 const STEPS_BETWEEN_REPORTS: u32 = 64;
 
+/// A chatter sequence is integrated until this share of its duration is left: no more than a line's width in a picture.
+const LONGEST_TAIL: f64 = 1e-3;
+
 /// How far a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
@@ -59,6 +62,7 @@ pub fn simulate<R: Real>(
     let system = System::new(model).map_err(SimulateError::System)?;
     let settings = Settings {
         tolerance: spec.tolerance,
+        longest_tail: LONGEST_TAIL,
     };
     let mut work = system.workspace::<R>(&settings);
     let parameters = model.parameter_values::<R>(&[]);
@@ -72,6 +76,7 @@ pub fn simulate<R: Real>(
         }
         .into());
     }
+    check_restitution(model, &parameters, &state, start)?;
     let mut trajectory = Trajectory::start(&system, &mut work, &parameters, start, &state)
         .map_err(SimulateError::Start)?;
     let mut recorder = Recorder::new(&spec.sampling, &trajectory);
@@ -116,6 +121,28 @@ pub fn simulate<R: Real>(
         }
     };
     Ok(recorder.finish(outcome, &trajectory))
+}
+
+/// A restitution that depends on parameters alone is wrong from the start, not only at the first impact.
+fn check_restitution<R: Real>(
+    model: &Model,
+    parameters: &[R],
+    state: &[R],
+    time: R,
+) -> Result<(), SimulateError> {
+    for (contact, described) in model.contacts.iter().enumerate() {
+        let restitution = described.restitution;
+        let value = (model.graph.evaluate(restitution, state, parameters)).to_f64();
+        if !model.graph.depends_on_state(restitution) && !(0.0..1.0).contains(&value) {
+            let time = time.to_f64();
+            return Err(SimulateError::Start(FlowError::Restitution {
+                time,
+                contact,
+                value,
+            }));
+        }
+    }
+    Ok(())
 }
 
 /// Why a simulation cannot begin.

@@ -16,6 +16,8 @@ pub(super) struct Recorder<R> {
     /// Time and closed contacts before the next step.
     before: (R, Closed),
     in_flight: bool,
+    /// Where the step just made began.
+    step_began: R,
     samplers: Vec<Sampler<R>>,
 }
 
@@ -29,6 +31,7 @@ impl<R: Real> Recorder<R> {
             start: (trajectory.time(), trajectory.state().to_vec()),
             before: (trajectory.time(), Closed::NONE),
             in_flight: false,
+            step_began: trajectory.time(),
             samplers: (sampling.iter())
                 .map(|&sampling| Sampler::new(sampling, trajectory))
                 .collect(),
@@ -40,6 +43,7 @@ impl<R: Real> Recorder<R> {
     /// Notes the step just made.
     pub(super) fn motion(&mut self, dense: &Dense<'_, R>, trajectory: &Trajectory<R>) {
         let (time, closed) = self.before;
+        self.step_began = time;
         if dense.step() > R::ZERO && closed == Closed::NONE && !self.in_flight {
             self.in_flight = true;
             self.counts.flights += 1;
@@ -149,17 +153,24 @@ impl<R: Real> Recorder<R> {
 
     pub(super) fn finish(self, outcome: Outcome, trajectory: &Trajectory<R>) -> Simulation<R> {
         let (start_time, start_state) = self.start;
+        // The step that showed the rest is no part of the run.
+        let time = match outcome {
+            Outcome::Rest => self.step_began,
+            _ => trajectory.time(),
+        };
         Simulation {
             outcome,
             start_time,
             start_state,
-            time: trajectory.time(),
+            time,
             state: trajectory.state().to_vec(),
             closed: trajectory.closed(),
             counts: self.counts,
             events: self.events,
             contact_phases: self.contact_phases,
-            samples: self.samplers.into_iter().map(Sampler::finish).collect(),
+            samples: (self.samplers.into_iter())
+                .map(|sampler| sampler.finish(time))
+                .collect(),
         }
     }
 }

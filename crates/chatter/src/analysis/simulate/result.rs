@@ -38,7 +38,7 @@ pub enum Outcome {
     ImpactBudget,
     /// An event that was waited for has happened.
     Event(EventTarget),
-    /// A contact is closed and nothing changes any more.
+    /// A contact is closed and nothing changes any more; the simulation ended when that began.
     Rest,
     /// The observer broke off.
     Interrupted,

@@ -43,6 +43,10 @@ impl<R: Real> Samples<R> {
     }
 }
 
+/// A step of high order may hold a whole turn of a spiral; a short one is little more than a parabola.
+const MOST_IN_STEP: f64 = 64.0;
+const FEWEST_IN_STEP: f64 = 4.0;
+
 /// Takes samples while a trajectory moves.
 pub(super) struct Sampler<R> {
     sampling: Sampling,
@@ -75,18 +79,12 @@ impl<R: Real> Sampler<R> {
     ) {
         match self.sampling {
             Sampling::Dense { per_step } => {
-                if dense.step() > R::ZERO {
-                    for k in 1..=per_step {
-                        let fraction = R::splat(f64::from(k)) / R::splat(f64::from(per_step));
-                        let time = if k == per_step {
-                            trajectory.time()
-                        } else {
-                            dense.step().mul_add(fraction, before)
-                        };
-                        self.samples
-                            .push(time, closed, |index| dense.state(index, fraction));
-                    }
-                }
+                self.fractions(dense, before, closed, trajectory, per_step);
+            }
+            Sampling::Smooth { resolution } => {
+                let intervals = (dense.step().to_f64() / resolution.high()).ceil();
+                let per_step = intervals.clamp(FEWEST_IN_STEP, MOST_IN_STEP) as u32;
+                self.fractions(dense, before, closed, trajectory, per_step);
             }
             Sampling::Every(interval) => {
                 let interval = R::from_double_double(interval);
@@ -107,16 +105,49 @@ impl<R: Real> Sampler<R> {
         }
     }
 
+    /// Samples the end of each of so many equal parts of the step.
+    fn fractions(
+        &mut self,
+        dense: &Dense<'_, R>,
+        before: R,
+        closed: Closed,
+        trajectory: &Trajectory<R>,
+        parts: u32,
+    ) {
+        if dense.step() > R::ZERO {
+            for k in 1..=parts {
+                let fraction = R::splat(f64::from(k)) / R::splat(f64::from(parts));
+                let time = if k == parts {
+                    trajectory.time()
+                } else {
+                    dense.step().mul_add(fraction, before)
+                };
+                self.samples
+                    .push(time, closed, |index| dense.state(index, fraction));
+            }
+        }
+    }
+
     /// Samples the state after an event.
     pub(super) fn event(&mut self, trajectory: &Trajectory<R>) {
-        if matches!(self.sampling, Sampling::Dense { .. }) {
+        if matches!(
+            self.sampling,
+            Sampling::Dense { .. } | Sampling::Smooth { .. }
+        ) {
             let state = trajectory.state();
             let (time, closed) = (trajectory.time(), trajectory.closed());
             self.samples.push(time, closed, |index| state[index]);
         }
     }
 
-    pub(super) fn finish(self) -> Samples<R> {
+    /// The samples up to the end of the run.
+    pub(super) fn finish(mut self, end: R) -> Samples<R> {
+        let kept = self.samples.times.partition_point(|&time| time <= end);
+        self.samples.times.truncate(kept);
+        self.samples.closed.truncate(kept);
+        for values in &mut self.samples.states {
+            values.truncate(kept);
+        }
         self.samples
     }
 }

@@ -49,7 +49,9 @@ impl Spec {
         for sampling in &self.sampling {
             match sampling {
                 Sampling::Dense { per_step: 0 } => return Err(SpecError::NoSamples),
-                Sampling::Every(step) if !(step.high() > 0.0 && step.high().is_finite()) => {
+                Sampling::Every(step) | Sampling::Smooth { resolution: step }
+                    if !(step.high() > 0.0 && step.high().is_finite()) =>
+                {
                     return Err(SpecError::SampleStep { value: step.high() });
                 }
                 _ => {}
@@ -193,6 +195,12 @@ pub enum Sampling {
     Dense {
         /// Samples in a step.
         per_step: u32,
+    },
+    /// As densely as a picture needs: many a step, but few in steps that are not much longer than `resolution`; and two at
+    /// each event.
+    Smooth {
+        /// Intervals shorter than this are not seen.
+        resolution: DoubleDouble,
     },
     /// At equal intervals of time from the start; an event that falls on such a time counts as not yet happened.
     Every(DoubleDouble),

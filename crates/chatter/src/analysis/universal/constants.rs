@@ -33,7 +33,7 @@ pub struct Constants<R> {
 
 /// ln(1 + x), to rounding relative to itself.
 pub(super) fn ln_1p(x: DoubleDouble) -> DoubleDouble {
-    const SERIES_BELOW: f64 = 0.1;
+    const SERIES_BELOW: f64 = 0.6;
     if x.abs() > DoubleDouble::from(SERIES_BELOW) {
         return (DoubleDouble::ONE + x).ln();
     }

@@ -1,0 +1,34 @@
+//! Whole numbers on the command line.
+
+use crate::numbers::Digits;
+
+/// A number of things, at least one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Count(pub u64);
+
+impl std::str::FromStr for Count {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim().parse() {
+            Ok(count) if count > 0 => Ok(Self(count)),
+            _ => Err("expected a whole number from 1".to_owned()),
+        }
+    }
+}
+
+/// How many digits are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Precision(pub Digits);
+
+impl std::str::FromStr for Precision {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let most = Digits::MOST.0;
+        match text.trim().parse() {
+            Ok(digits) if (1..=most).contains(&digits) => Ok(Self(Digits(digits))),
+            _ => Err(format!("expected a whole number from 1 to {most}")),
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! What a figure shows of a simulation, as plain numbers.
+
+use super::Subject;
+use chatter::analysis::simulate::{EventKind, Outcome, Samples, Simulation};
+use chatter::flow::Closed;
+use chatter::numerics::Real;
+
+/// After the last motion of a system that has come to rest, this part of the time before is shown.
+const REST_SHOWN: f64 = 0.12;
+
+/// The part of a simulation within a window of time.
+pub struct Shown {
+    /// First time shown.
+    pub from: f64,
+    /// Last time shown.
+    pub to: f64,
+    /// Times of the samples.
+    pub times: Vec<f64>,
+    /// For each state of the model its values.
+    pub states: Vec<Vec<f64>>,
+    /// Samples before which the state jumps.
+    pub jumps: Vec<usize>,
+    /// Times of impacts.
+    pub impacts: Vec<f64>,
+    /// Times and states of accumulations.
+    pub accumulations: Vec<(f64, Vec<f64>)>,
+    /// For each contact the intervals in which it is closed.
+    pub contact_phases: Vec<Vec<(f64, f64)>>,
+}
+
+impl Shown {
+    /// The part within `window`, or all of it up to the last motion.
+    pub fn new<R: Real>(
+        subject: &Subject,
+        simulation: &Simulation<R>,
+        samples: &Samples<R>,
+        window: Option<(f64, f64)>,
+    ) -> Self {
+        let doubles = |values: &[R]| {
+            values
+                .iter()
+                .map(|value| value.to_f64())
+                .collect::<Vec<f64>>()
+        };
+        let mut times = doubles(&samples.times);
+        let mut states: Vec<Vec<f64>> = samples.states.iter().map(|state| doubles(state)).collect();
+        let (start, end) = (simulation.start_time.to_f64(), simulation.time.to_f64());
+        let (mut from, mut to) = window.unwrap_or((start, end));
+        if let Some(rest) = rests_from(subject, simulation, &times, &states) {
+            if window.is_none() {
+                to = rest + REST_SHOWN * (rest - start);
+            }
+            if to > end {
+                times.push(to);
+                states
+                    .iter_mut()
+                    .for_each(|values| values.extend(values.last().copied()));
+            }
+        }
+        if to <= from {
+            (from, to) = (start - 0.5, start + 0.5);
+        }
+        // One sample on either side, so that curves reach the edges.
+        let first = times.partition_point(|&time| time < from).saturating_sub(1);
+        let last = (times.partition_point(|&time| time <= to) + 1).min(times.len());
+        let kept = first.min(last)..last;
+        times = times[kept.clone()].to_vec();
+        for values in &mut states {
+            *values = values[kept.clone()].to_vec();
+        }
+        let differs = |place: usize| {
+            states
+                .iter()
+                .any(|values| values[place] != values[place - 1])
+        };
+        let jumps = (1..times.len())
+            .filter(|&place| times[place] == times[place - 1] && differs(place))
+            .collect();
+        let events = |kind: EventKind| {
+            let events = simulation
+                .events
+                .iter()
+                .filter(move |event| event.kind() == kind);
+            let timed = events.map(|event| (event.time.to_f64(), &event.state));
+            timed.filter(|&(time, _)| (from..=to).contains(&time))
+        };
+        let phases = |contact| {
+            let phases = simulation.contact_phases.iter();
+            let phases = phases.filter(|phase| phase.contact == contact);
+            let ends =
+                phases.map(|phase| (phase.start.to_f64(), phase.end.map_or(to, Real::to_f64)));
+            ends.filter(|&(start, end)| start <= to && end >= from)
+                .collect()
+        };
+        Self {
+            from,
+            to,
+            impacts: events(EventKind::Impact).map(|(time, _)| time).collect(),
+            accumulations: (events(EventKind::Accumulation))
+                .map(|(time, state)| (time, doubles(state)))
+                .collect(),
+            contact_phases: (0..subject.model.contacts.len()).map(phases).collect(),
+            jumps,
+            times,
+            states,
+        }
+    }
+}
+
+/// When the state changed for the last time, if it ended in contact.
+fn rests_from<R: Real>(
+    subject: &Subject,
+    simulation: &Simulation<R>,
+    times: &[f64],
+    states: &[Vec<f64>],
+) -> Option<f64> {
+    if simulation.closed == Closed::NONE {
+        return None;
+    }
+    let last = times.len().checked_sub(1)?;
+    let rests = |place: usize| {
+        subject
+            .states()
+            .all(|index| states[index][place] == states[index][last])
+    };
+    let first = (0..=last).rev().take_while(|&place| rests(place)).last()?;
+    let known = first < last || simulation.outcome == Outcome::Rest;
+    (known && first > 0).then(|| times[first])
+}
