@@ -258,8 +258,10 @@ impl<S: Scalar> Expansion<S> {
                         self.auxiliaries[inverse] = S::splat(0.5) / root;
                         self.set(out, 0, root);
                     } else {
-                        let rest = self.self_convolution(out, 1, k);
-                        let value = (self.get(radicand, k) - rest) * self.auxiliaries[inverse];
+                        // The newest coefficient is in the pairs: nothing but they wait for it.
+                        let (pairs, middle) = self.self_pairs(out, 1, k);
+                        let rest = self.get(radicand, k) - middle;
+                        let value = pairs.mul_add(S::splat(-2.0), rest) * self.auxiliaries[inverse];
                         self.set(out, k, value);
                     }
                 }
@@ -337,25 +339,32 @@ impl<S: Scalar> Expansion<S> {
         }
     }
 
-    /// sum_{j=first..k-first} a_j a_{k-j}, each product once.
+    /// sum_{j=first..k-first} a_j a_{k-j}.
     #[inline(always)]
     fn self_convolution(&self, slot: usize, first: usize, k: usize) -> S {
+        let (pairs, middle) = self.self_pairs(slot, first, k);
+        pairs.mul_add(S::splat(2.0), middle)
+    }
+
+    /// That sum as its products of different coefficients, each once, and the square in the middle.
+    #[inline(always)]
+    fn self_pairs(&self, slot: usize, first: usize, k: usize) -> (S, S) {
         let half = k.div_ceil(2);
-        let doubled = if half > first {
-            let sum = convolve(
+        let pairs = if half > first {
+            convolve(
                 self.part(slot, first, half),
                 self.part(slot, k + 1 - half, k + 1 - first),
-            );
-            sum + sum
+            )
         } else {
             S::splat(0.0)
         };
-        if k.is_multiple_of(2) && k / 2 >= first {
+        let middle = if k.is_multiple_of(2) && k / 2 >= first {
             let middle = self.get(slot, k / 2);
-            middle.mul_add(middle, doubled)
+            middle * middle
         } else {
-            doubled
-        }
+            S::splat(0.0)
+        };
+        (pairs, middle)
     }
 
     /// A linear combination of order zero in about twice the working precision, remainders of its terms included, and

@@ -7,7 +7,7 @@
 use super::error::FlowError;
 use super::occurrence::Occurrence;
 use super::program::{Closed, IMPACT_SCALARS, Program, ProgramConstants};
-use super::step::{NO_EVENT, ORDER_CLASSES, Workspace};
+use super::step::{NO_EVENT, Workspace};
 use super::system::{Settings, System};
 use super::touching::Touching;
 use super::trajectory::{StepResult, Trajectory};
@@ -239,7 +239,14 @@ where
         });
         for lane in 0..count {
             let index = members[lane].0;
-            let outcome = self.digest(program, index, lane, certain.0[lane], remaining[lane]);
+            let outcome = self.digest(
+                program,
+                index,
+                lane,
+                class,
+                certain.0[lane],
+                remaining[lane],
+            );
             let told = match outcome {
                 Ok(None) => {
                     self.enqueue(index);
@@ -278,9 +285,6 @@ where
             for (wide, &value) in self.wide.low.iter_mut().zip(&trajectory.low) {
                 wide.0[lane] = value;
             }
-            for class in 0..ORDER_CLASSES {
-                self.wide.reach[class].0[lane] = trajectory.reach[class];
-            }
             self.wide.tau.0[lane] = tau;
             remaining[lane] = trajectory.remaining();
             let Some(own) = &trajectory.constants[phase] else {
@@ -312,6 +316,7 @@ where
         program: &Program,
         index: usize,
         lane: usize,
+        class: usize,
         certain: bool,
         remaining: f64,
     ) -> Result<Option<Occurrence<f64>>, FlowError> {
@@ -331,11 +336,11 @@ where
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
             at_horizon: event == NO_EVENT && StepResult::reaches(self.wide.step.0[lane], remaining),
-            reach: [0.0; ORDER_CLASSES],
+            reach: trajectory.reach,
             impact: [0.0; IMPACT_SCALARS],
             flight_time: self.wide.flight_time.0[lane],
         };
-        for class in 0..ORDER_CLASSES {
+        for class in 0..=class {
             result.reach[class] = self.wide.reach[class].0[lane];
         }
         for (scalar, wide) in result.impact.iter_mut().zip(&self.wide.impact) {
