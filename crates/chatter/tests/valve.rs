@@ -20,7 +20,10 @@ fn run<R: Real>(
 ) -> Run<R> {
     let model = Model::from_toml(VALVE, "valve").expect("a valid model");
     let system = System::new(&model).expect("a valid system");
-    let mut work = system.workspace::<R>(&Settings { tolerance });
+    let mut work = system.workspace::<R>(&Settings {
+        tolerance,
+        ..Settings::default()
+    });
     let rounded = model.parameter_values::<f64>(&[(0, q)]);
     let parameters: Vec<R> = rounded.iter().map(|&p| R::splat(p)).collect();
     let state = model.initial_state(&parameters);
