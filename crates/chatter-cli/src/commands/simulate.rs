@@ -111,11 +111,11 @@ const LONG_TIME: f64 = 1e6;
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Loaded { mut model, text } = arguments.model.load()?;
     arguments.initial.apply(&mut model)?;
-    let spec = specification(arguments, &mut model)?;
     let window = match &arguments.window {
         Some(window) => Some(window.values(&mut model, "--window")?),
         None => None,
     };
+    let spec = specification(arguments, &mut model, window)?;
     let digits = arguments
         .digits
         .map_or(Digits::DOUBLE, |precision| precision.0);
@@ -134,7 +134,11 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     }
 }
 
-fn specification(arguments: &Arguments, model: &mut Model) -> Result<Spec, Failure> {
+fn specification(
+    arguments: &Arguments,
+    model: &mut Model,
+    window: Option<(f64, f64)>,
+) -> Result<Spec, Failure> {
     let parameters = model.parameter_values::<DoubleDouble>(&[]);
     let initial = model.initial_state(&parameters);
     let start = model.time.map_or(DoubleDouble::ZERO, |time| initial[time]);
@@ -158,10 +162,12 @@ fn specification(arguments: &Arguments, model: &mut Model) -> Result<Spec, Failu
         sampling.extend(rows.sampling(model)?);
     }
     if arguments.plot.is_some() {
-        sampling.push(picture::sampling(match &arguments.until {
+        // A run without an end of its own may turn out shorter.
+        let duration = match &arguments.until {
             Some(_) => until - start,
             None => USUAL_TIME.into(),
-        }));
+        };
+        sampling.push(picture::sampling(duration, window));
     }
     Ok(Spec {
         impacts: arguments
@@ -204,11 +210,18 @@ fn follow<R: Real>(
             .map_err(|error| Failure::Output(error.to_string()))?;
         written.extend(files);
     }
+    let mut remarks = Vec::new();
     if let (Some(FigureFile(path)), Some(samples)) = (&arguments.plot, &drawn) {
-        picture::draw(subject, &simulation, samples, window)
-            .write(path)
-            .map_err(|error| Failure::Output(error.to_string()))?;
+        let picture = picture::draw(subject, &simulation, samples, window);
+        let outcome = picture.figure.write(path);
+        outcome.map_err(|error| Failure::Output(error.to_string()))?;
         written.push(path.clone());
+        if let Some(from) = picture.shortened_to {
+            remarks.push(format!(
+                "{} shows the end, from time {from:.6} on; --window FROM:TO shows another part",
+                path.display()
+            ));
+        }
     }
     let text = if arguments.json {
         document::document(subject, &simulation)
@@ -221,6 +234,9 @@ fn follow<R: Real>(
         let mut text = account::account(subject, &simulation, listing, Style::of_stdout());
         for path in &written {
             text += &format!("wrote {}\n", path.display());
+        }
+        for remark in &remarks {
+            text += &format!("{remark}\n");
         }
         text
     };

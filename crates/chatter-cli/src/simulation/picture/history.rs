@@ -10,7 +10,7 @@ const ROOM_ABOVE: f64 = 0.06;
 /// Height of a tick, as a part of the extent.
 const TICK: f64 = 0.045;
 /// More than these would merge into bars.
-const MOST_TICKS: usize = 1500;
+const MOST_TICKS: usize = 2000;
 const MOST_DISCS: usize = 150;
 const DISC: f64 = 3.2;
 

@@ -26,20 +26,29 @@ const PORTRAIT_HEIGHT: f64 = 1.6;
 const CURVE: f64 = 0.8;
 const JUMP: f64 = 0.4;
 
-/// What has to be sampled of a run that lasts so long.
-pub fn sampling(duration: DoubleDouble) -> Sampling {
+/// What has to be sampled of a run that lasts so long, to show this window of it.
+pub fn sampling(duration: DoubleDouble, window: Option<(f64, f64)>) -> Sampling {
     Sampling::Smooth {
         resolution: duration * DoubleDouble::from(RESOLUTION),
+        window: window.map(|(from, to)| (from.into(), to.into())),
     }
 }
 
-/// Draws the samples within `window`, all of them without one.
+/// A figure, and whether it leaves out the beginning.
+pub struct Picture {
+    /// The figure.
+    pub figure: Figure,
+    /// The first time shown, where that is not the start, and nobody asked for it.
+    pub shortened_to: Option<f64>,
+}
+
+/// Draws the samples within `window`; without one all that can be told apart, up to the end of the run.
 pub fn draw<R: Real>(
     subject: &Subject,
     simulation: &Simulation<R>,
     samples: &Samples<R>,
     window: Option<(f64, f64)>,
-) -> Figure {
+) -> Picture {
     let shown = Shown::new(subject, simulation, samples, window);
     let states: Vec<usize> = subject.states().collect();
     let mut figure = Figure::new();
@@ -60,7 +69,10 @@ pub fn draw<R: Real>(
         figure.width(NARROW)
     };
     let title = subject.model.title.as_deref().unwrap_or(subject.source);
-    figure.title(title).caption(caption(subject, title, &shown))
+    Picture {
+        figure: figure.title(title).caption(caption(subject, title, &shown)),
+        shortened_to: shown.shortened.then_some(shown.from),
+    }
 }
 
 fn caption(subject: &Subject, title: &str, shown: &Shown) -> String {

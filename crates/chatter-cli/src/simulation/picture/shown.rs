@@ -8,8 +8,14 @@ use chatter::numerics::Real;
 /// After the last motion of a system that has come to rest, this part of the time before is shown.
 const REST_SHOWN: f64 = 0.12;
 
+/// Impacts and contact phases that can be told apart in one picture.
+const MOST_IMPACTS: usize = 1500;
+const MOST_PHASES: usize = 30;
+
 /// The part of a simulation within a window of time.
 pub struct Shown {
+    /// Whether the beginning is left out though nobody said so.
+    pub shortened: bool,
     /// First time shown.
     pub from: f64,
     /// Last time shown.
@@ -29,7 +35,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// The part within `window`, or all of it up to the last motion.
+    /// The part within `window`; without one, the latest part that can be told apart, up to the last motion.
     pub fn new<R: Real>(
         subject: &Subject,
         simulation: &Simulation<R>,
@@ -46,9 +52,14 @@ impl Shown {
         let mut states: Vec<Vec<f64>> = samples.states.iter().map(|state| doubles(state)).collect();
         let (start, end) = (simulation.start_time.to_f64(), simulation.time.to_f64());
         let (mut from, mut to) = window.unwrap_or((start, end));
+        if window.is_none() {
+            let first_sample = times.first().copied();
+            from = first_readable(simulation).max(first_sample.unwrap_or(start));
+        }
+        let shortened = window.is_none() && from > start;
         if let Some(rest) = rests_from(subject, simulation, &times, &states) {
             if window.is_none() {
-                to = rest + REST_SHOWN * (rest - start);
+                to = rest + REST_SHOWN * (rest - from);
             }
             if to > end {
                 times.push(to);
@@ -93,6 +104,7 @@ impl Shown {
                 .collect()
         };
         Self {
+            shortened,
             from,
             to,
             impacts: events(EventKind::Impact).map(|(time, _)| time).collect(),
@@ -105,6 +117,18 @@ impl Shown {
             states,
         }
     }
+}
+
+/// From when on impacts and contact phases are few enough.
+fn first_readable<R: Real>(simulation: &Simulation<R>) -> f64 {
+    let impacts = simulation.events.iter().rev();
+    let impacts = impacts.filter(|event| event.kind() == EventKind::Impact);
+    let by_impacts = impacts.map(|event| event.time).nth(MOST_IMPACTS);
+    let phases = simulation.contact_phases.iter().rev();
+    let by_phases = phases.map(|phase| phase.start).nth(MOST_PHASES);
+    let starts = [by_impacts, by_phases].into_iter().flatten();
+    let start = simulation.start_time.to_f64();
+    starts.fold(start, |latest, time| latest.max(time.to_f64()))
 }
 
 /// When the state changed for the last time, if it ended in contact.

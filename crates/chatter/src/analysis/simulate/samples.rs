@@ -34,6 +34,15 @@ impl<R: Real> Samples<R> {
         }
     }
 
+    /// Drops the first `count` samples.
+    fn forget(&mut self, count: usize) {
+        self.times.drain(..count);
+        self.closed.drain(..count);
+        for values in &mut self.states {
+            values.drain(..count);
+        }
+    }
+
     fn push(&mut self, time: R, closed: Closed, state: impl Fn(usize) -> R) {
         self.times.push(time);
         self.closed.push(closed);
@@ -47,6 +56,9 @@ impl<R: Real> Samples<R> {
 const MOST_IN_STEP: f64 = 64.0;
 const FEWEST_IN_STEP: f64 = 4.0;
 
+/// A picture needs no more samples than this.
+const MOST_IN_PICTURE: usize = 500_000;
+
 /// Takes samples while a trajectory moves.
 pub(super) struct Sampler<R> {
     sampling: Sampling,
@@ -54,18 +66,30 @@ pub(super) struct Sampler<R> {
     start: R,
     /// How many samples at equal intervals have been taken.
     taken: u64,
+    /// Whether the latest step was not within the window of interest.
+    outside: bool,
 }
 
 impl<R: Real> Sampler<R> {
     pub(super) fn new(sampling: Sampling, trajectory: &Trajectory<R>) -> Self {
         let state = trajectory.state();
+        let start = trajectory.time();
+        let outside = match sampling {
+            Sampling::Smooth { window, .. } => {
+                window.is_some_and(|(from, _)| from > start.to_double_double())
+            }
+            Sampling::Dense { .. } | Sampling::Every(_) => false,
+        };
         let mut samples = Samples::new(state.len());
-        samples.push(trajectory.time(), trajectory.closed(), |index| state[index]);
+        if !outside {
+            samples.push(start, trajectory.closed(), |index| state[index]);
+        }
         Self {
             sampling,
             samples,
-            start: trajectory.time(),
+            start,
             taken: 1,
+            outside,
         }
     }
 
@@ -81,10 +105,24 @@ impl<R: Real> Sampler<R> {
             Sampling::Dense { per_step } => {
                 self.fractions(dense, before, closed, trajectory, per_step);
             }
-            Sampling::Smooth { resolution } => {
+            Sampling::Smooth { resolution, window } => {
+                let outside = window.is_some_and(|(from, to)| {
+                    trajectory.time().to_double_double() < from || before.to_double_double() > to
+                });
+                if outside {
+                    self.outside = true;
+                    return;
+                }
+                if core::mem::take(&mut self.outside) {
+                    let start = |index| dense.state(index, R::ZERO);
+                    self.samples.push(before, closed, start);
+                }
                 let intervals = (dense.step().to_f64() / resolution.high()).ceil();
                 let per_step = intervals.clamp(FEWEST_IN_STEP, MOST_IN_STEP) as u32;
                 self.fractions(dense, before, closed, trajectory, per_step);
+                if self.samples.len() > 2 * MOST_IN_PICTURE {
+                    self.samples.forget(self.samples.len() - MOST_IN_PICTURE);
+                }
             }
             Sampling::Every(interval) => {
                 let interval = R::from_double_double(interval);
@@ -130,10 +168,11 @@ impl<R: Real> Sampler<R> {
 
     /// Samples the state after an event.
     pub(super) fn event(&mut self, trajectory: &Trajectory<R>) {
-        if matches!(
-            self.sampling,
-            Sampling::Dense { .. } | Sampling::Smooth { .. }
-        ) {
+        let at_events = match self.sampling {
+            Sampling::Dense { .. } | Sampling::Smooth { .. } => true,
+            Sampling::Every(_) => false,
+        };
+        if at_events && !self.outside {
             let state = trajectory.state();
             let (time, closed) = (trajectory.time(), trajectory.closed());
             self.samples.push(time, closed, |index| state[index]);

@@ -49,9 +49,10 @@ impl Spec {
         for sampling in &self.sampling {
             match sampling {
                 Sampling::Dense { per_step: 0 } => return Err(SpecError::NoSamples),
-                Sampling::Every(step) | Sampling::Smooth { resolution: step }
-                    if !(step.high() > 0.0 && step.high().is_finite()) =>
-                {
+                Sampling::Every(step)
+                | Sampling::Smooth {
+                    resolution: step, ..
+                } if !(step.high() > 0.0 && step.high().is_finite()) => {
                     return Err(SpecError::SampleStep { value: step.high() });
                 }
                 _ => {}
@@ -197,10 +198,12 @@ pub enum Sampling {
         per_step: u32,
     },
     /// As densely as a picture needs: many a step, but few in steps that are not much longer than `resolution`; and two at
-    /// each event.
+    /// each event. Of a long run the latest half million samples at least are kept.
     Smooth {
         /// Intervals shorter than this are not seen.
         resolution: DoubleDouble,
+        /// Only steps that reach into this interval of time are sampled.
+        window: Option<(DoubleDouble, DoubleDouble)>,
     },
     /// At equal intervals of time from the start; an event that falls on such a time counts as not yet happened.
     Every(DoubleDouble),

@@ -497,3 +497,39 @@ fn a_specification_survives_storage() {
     let text = serde_json::to_string(&spec).unwrap();
     assert_eq!(serde_json::from_str::<Spec>(&text).unwrap(), spec);
 }
+
+/// Samples for a picture begin and end within a step of the window, and resolve even the shortest flights.
+#[test]
+fn samples_for_a_picture_cover_their_window() {
+    let valve = model(VALVE, &[("q", "0.0195")]);
+    let mut spec = Spec::until(40.0);
+    let resolution = DoubleDouble::from(1e-4);
+    let window = Some((DoubleDouble::from(10.0), DoubleDouble::from(12.0)));
+    spec.sampling = vec![
+        Sampling::Smooth { resolution, window },
+        Sampling::Smooth {
+            resolution,
+            window: None,
+        },
+    ];
+    let simulation = run::<f64>(&valve, &spec);
+    let within = &simulation.samples[0];
+    assert!(within.times.is_sorted());
+    let (first, last) = (within.times[0], within.times[within.len() - 1]);
+    assert!(
+        first > 9.0 && first <= 10.0 && (12.0..13.0).contains(&last),
+        "{first} {last}"
+    );
+    let all = &simulation.samples[1];
+    assert_eq!((all.times[0], all.times[all.len() - 1]), (0.0, 40.0));
+    let flights_from = |from: f64, to: f64| {
+        let times = all.times.iter();
+        times.filter(|&&time| time > from && time < to).count()
+    };
+    let impacts = impact_times(&simulation);
+    assert!(
+        impacts
+            .windows(2)
+            .all(|pair| flights_from(pair[0], pair[1]) >= 3)
+    );
+}
