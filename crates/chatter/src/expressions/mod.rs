@@ -4,6 +4,7 @@ mod call;
 mod derivative;
 mod display;
 mod eval;
+mod formula;
 mod fraction;
 mod graph;
 mod lexer;
@@ -22,6 +23,7 @@ mod tex_name;
 mod weighted;
 
 pub use display::Names;
+pub use formula::Formula;
 pub use graph::{Expr, Function, Graph, Node, Symbol};
 pub use lexer::is_name;
 pub use number::Number;

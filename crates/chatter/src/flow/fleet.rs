@@ -17,7 +17,7 @@ use crate::numerics::{LaneMask, Lanes, Scalar};
 /// What becomes of a trajectory after an occurrence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
-    /// It goes on, from wherever the visitor left it.
+    /// It goes on, from wherever the visitor left it: after an error it must have been replaced.
     Continue,
     /// It is finished.
     Retire,
@@ -255,9 +255,7 @@ where
                 Ok(Some(occurrence)) => Ok(occurrence),
                 Err(error) => Err(error),
             };
-            let failed = told.is_err();
-            if (self.visit)(index, &mut self.trajectories[index], told) == Next::Continue && !failed
-            {
+            if (self.visit)(index, &mut self.trajectories[index], told) == Next::Continue {
                 self.enqueue(index);
             }
         }

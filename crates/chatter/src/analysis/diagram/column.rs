@@ -1,0 +1,261 @@
+//! One orbit of a diagram while it is followed.
+
+use super::classify::Settled;
+use super::exponent::{Companion, Tangent, Trail};
+use super::observable::Scratch;
+use super::row::{Outcome, Row, Started};
+use super::spec::Exponent;
+use super::sweep::Sweep;
+use crate::analysis::map::{Arrival, Map, NoReturn, Origin, Passage};
+
+/// Counts returns, keeps samples, and draws the conclusions.
+#[derive(Debug)]
+pub(super) struct Column {
+    pub row: u64,
+    pub start: Started,
+    /// Returns until the next sample.
+    until_sample: u64,
+    /// Samples that have not been passed over yet.
+    transient: u64,
+    /// The way since the latest sample.
+    way: Option<Passage>,
+    samples: Vec<f64>,
+    ways: Vec<(u64, f64)>,
+    accumulations: Vec<bool>,
+    scale: f64,
+    end: Vec<f64>,
+    tangent: Option<Tangent>,
+    trail: Trail,
+    companion: Option<Companion>,
+    result: Option<Row>,
+}
+
+/// What an orbit needs next.
+pub(super) enum Need {
+    /// Its next point.
+    Next,
+    /// A second orbit, which starts here.
+    Companion(Origin),
+    /// Nothing: here is its result.
+    Done(Row),
+}
+
+impl Column {
+    pub(super) fn new(sweep: &Sweep, row: u64, start: Started) -> Self {
+        let spec = sweep.spec();
+        Self {
+            row,
+            start,
+            until_sample: spec.every,
+            transient: spec.transient,
+            way: None,
+            samples: Vec::new(),
+            ways: Vec::new(),
+            accumulations: Vec::new(),
+            scale: 0.0,
+            end: Vec::new(),
+            tangent: None,
+            trail: Trail::default(),
+            companion: None,
+            result: None,
+        }
+    }
+
+    /// Whether the orbit has come to any point yet.
+    pub(super) fn has_begun(&self, sweep: &Sweep) -> bool {
+        self.until_sample < sweep.spec().every
+            || self.transient < sweep.spec().transient
+            || !self.ways.is_empty()
+    }
+
+    /// Takes in that the orbit has come to a point, or to none.
+    #[inline]
+    pub(super) fn arrive(
+        &mut self,
+        map: &dyn Map,
+        sweep: &Sweep,
+        arrival: &Arrival<'_>,
+        scratch: &mut Scratch,
+    ) -> Need {
+        if self.companion.is_some() {
+            return self.accompany(sweep, arrival);
+        }
+        let passage = match &arrival.passage {
+            Ok(passage) => passage,
+            Err(reason) => return Need::Done(self.fail(sweep, reason)),
+        };
+        if let Some(tangent) = &mut self.tangent
+            && !tangent.step(map, arrival.parameters, arrival.point)
+        {
+            self.tangent = None;
+        }
+        let way = match &self.way {
+            Some(way) => way.then(passage),
+            None => *passage,
+        };
+        self.until_sample -= 1;
+        if self.until_sample > 0 {
+            self.way = Some(way);
+            return Need::Next;
+        }
+        let spec = sweep.spec();
+        self.way = None;
+        self.until_sample = spec.every;
+        if self.transient > 0 {
+            self.transient -= 1;
+            return Need::Next;
+        }
+        if self.ways.is_empty() {
+            self.reserve(map, sweep, arrival);
+        }
+        for observable in &sweep.observables {
+            let value = observable.value(arrival.point, &way, arrival.parameters, scratch);
+            self.samples.push(value);
+        }
+        self.ways.push((way.impacts, way.return_time));
+        self.accumulations.push(way.accumulations > 0);
+        if let Some(tangent) = &mut self.tangent {
+            tangent.sampled();
+        } else if spec.exponent == Exponent::Largest {
+            self.trail.push(arrival.point, &way);
+        }
+        if (self.ways.len() as u64) < spec.keep {
+            return Need::Next;
+        }
+        self.conclude(sweep, arrival)
+    }
+
+    /// The first sample is about to be kept.
+    fn reserve(&mut self, map: &dyn Map, sweep: &Sweep, arrival: &Arrival<'_>) {
+        let spec = sweep.spec();
+        let keep = spec.keep as usize;
+        self.samples.reserve(keep * sweep.observables.len());
+        self.ways.reserve(keep);
+        self.accumulations.reserve(keep);
+        if spec.exponent == Exponent::Largest
+            && map.jacobian(arrival.parameters, arrival.point).is_some()
+        {
+            self.tangent = Some(Tangent::new(arrival.point.len()));
+        }
+    }
+
+    fn settled<'a>(&'a self, sweep: &Sweep) -> Settled<'a> {
+        Settled {
+            samples: &self.samples,
+            observed: sweep.observables.len(),
+            ways: &self.ways,
+            scale: self.scale,
+        }
+    }
+
+    /// All samples are there.
+    fn conclude(&mut self, sweep: &Sweep, arrival: &Arrival<'_>) -> Need {
+        let spec = sweep.spec();
+        self.scale = arrival
+            .point
+            .iter()
+            .fold(0.0_f64, |most, x| most.max(x.abs()));
+        if sweep.carries() {
+            self.end = arrival.point.to_vec();
+        }
+        let period = self
+            .settled(sweep)
+            .period(spec.longest_period, spec.period_tolerance);
+        let recent = period.unwrap_or(self.ways.len());
+        let first = self.ways.len() - recent;
+        let chatters = self.accumulations[first..].contains(&true);
+        let outcome = match period {
+            _ if chatters => Outcome::CompleteChatter,
+            Some(_) => Outcome::Periodic,
+            None if self.settled(sweep).spreads() => Outcome::Chaotic,
+            None => Outcome::Unsettled,
+        };
+        let exponent = self.tangent.as_ref().map_or(f64::NAN, Tangent::exponent);
+        let mut row = self.take(sweep, outcome, exponent);
+        row.period = period.unwrap_or(0) as u64;
+        row.impacts_per_return = mean_impacts(&self.ways[first..], chatters);
+        if spec.exponent == Exponent::Skip || self.tangent.is_some() {
+            return Need::Done(weigh(row));
+        }
+        let mut companion = Companion::new(arrival.point.len());
+        let Some(origin) = companion.origin(&self.trail) else {
+            return Need::Done(row);
+        };
+        self.companion = Some(companion);
+        self.result = Some(row);
+        Need::Companion(origin)
+    }
+
+    /// Takes in an arrival of the second orbit.
+    fn accompany(&mut self, sweep: &Sweep, arrival: &Arrival<'_>) -> Need {
+        let (Some(companion), Some(row)) = (&mut self.companion, &mut self.result) else {
+            return Need::Next;
+        };
+        let origin = match &arrival.passage {
+            Ok(_) => {
+                self.until_sample -= 1;
+                if self.until_sample > 0 {
+                    return Need::Next;
+                }
+                companion.arrive(&self.trail, arrival.point);
+                companion.origin(&self.trail)
+            }
+            Err(_) if companion.other_side() => companion.origin(&self.trail),
+            Err(_) => None,
+        };
+        self.until_sample = sweep.spec().every;
+        if let Some(origin) = origin {
+            return Need::Companion(origin);
+        }
+        if arrival.passage.is_ok() {
+            row.exponent = companion.exponent();
+        }
+        let row = self.result.take();
+        self.companion = None;
+        self.trail.clear();
+        row.map_or(Need::Next, |row| Need::Done(weigh(row)))
+    }
+
+    /// The orbit has no next point.
+    fn fail(&mut self, sweep: &Sweep, reason: &NoReturn) -> Row {
+        let chatters = self.accumulations.contains(&true);
+        let impacts = mean_impacts(&self.ways, chatters);
+        let mut row = self.take(sweep, Outcome::from(reason), f64::NAN);
+        row.impacts_per_return = impacts;
+        row
+    }
+
+    fn take(&mut self, sweep: &Sweep, outcome: Outcome, exponent: f64) -> Row {
+        let samples = core::mem::take(&mut self.samples);
+        Row {
+            row: self.row,
+            start: self.start,
+            outcome,
+            period: 0,
+            impacts_per_return: f64::NAN,
+            exponent,
+            samples: if sweep.records() { samples } else { Vec::new() },
+            end: core::mem::take(&mut self.end),
+        }
+    }
+}
+
+/// An exponent says more about chaos than samples do.
+fn weigh(mut row: Row) -> Row {
+    if matches!(row.outcome, Outcome::Chaotic | Outcome::Unsettled) && !row.exponent.is_nan() {
+        row.outcome = if row.exponent > 0.0 {
+            Outcome::Chaotic
+        } else {
+            Outcome::Unsettled
+        };
+    }
+    row
+}
+
+fn mean_impacts(ways: &[(u64, f64)], chatters: bool) -> f64 {
+    if chatters {
+        return f64::INFINITY;
+    }
+    let sum: u64 = ways.iter().map(|way| way.0).sum();
+    sum as f64 / ways.len() as f64
+}

@@ -1,0 +1,175 @@
+//! The largest Lyapunov exponent of an orbit.
+
+use crate::analysis::map::{Map, Origin, Passage};
+
+/// Distance of the second orbit, relative to the point: a million times rounding error, and small against the windows of
+/// stability and the distance to the next graze, over which the map is far from linear.
+const DISPLACEMENT: f64 = 1e-10;
+
+/// This part of the steps, at the beginning, only turns the displacement into the direction that grows most.
+const TURNING: f64 = 0.1;
+
+/// Logarithms of growth, step by step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Growth(Vec<f64>);
+
+impl Growth {
+    pub(super) fn mean(&self) -> f64 {
+        let turning = (self.0.len() as f64 * TURNING) as usize;
+        let counted = &self.0[turning..];
+        counted.iter().sum::<f64>() / counted.len() as f64
+    }
+}
+
+/// A displacement that a map's Jacobian carries along.
+#[derive(Clone, Debug)]
+pub(super) struct Tangent {
+    direction: Vec<f64>,
+    growth: Growth,
+    /// Of the present step, if a sample has several returns.
+    pending: f64,
+}
+
+impl Tangent {
+    pub(super) fn new(dimension: usize) -> Self {
+        Self {
+            direction: even(dimension),
+            growth: Growth::default(),
+            pending: 0.0,
+        }
+    }
+
+    /// Takes the displacement over the map's next step from `point`. Says whether the map knows its Jacobian there.
+    pub(super) fn step(&mut self, map: &dyn Map, parameters: &[f64], point: &[f64]) -> bool {
+        let Some(jacobian) = map.jacobian(parameters, point) else {
+            return false;
+        };
+        let n = self.direction.len();
+        let image: Vec<f64> = (0..n)
+            .map(|i| {
+                let row = &jacobian[i * n..(i + 1) * n];
+                row.iter().zip(&self.direction).map(|(a, b)| a * b).sum()
+            })
+            .collect();
+        self.pending += turn(&mut self.direction, &image);
+        true
+    }
+
+    /// A sample is complete.
+    pub(super) fn sampled(&mut self) {
+        self.growth.0.push(self.pending);
+        self.pending = 0.0;
+    }
+
+    pub(super) fn exponent(&self) -> f64 {
+        self.growth.mean()
+    }
+}
+
+/// The samples of an orbit as points, for a second orbit to be compared with.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trail {
+    points: Vec<f64>,
+    phases: Vec<u32>,
+    dimension: usize,
+}
+
+impl Trail {
+    pub(super) fn push(&mut self, point: &[f64], passage: &Passage) {
+        self.dimension = point.len();
+        self.points.extend_from_slice(point);
+        self.phases.push(passage.phase);
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.points.clear();
+        self.phases.clear();
+    }
+
+    fn point(&self, index: usize) -> &[f64] {
+        &self.points[index * self.dimension..(index + 1) * self.dimension]
+    }
+}
+
+/// A second orbit that is brought near the first again after each sample.
+#[derive(Clone, Debug)]
+pub(super) struct Companion {
+    direction: Vec<f64>,
+    /// Sample of the first orbit beside which the second one started.
+    from: usize,
+    size: f64,
+    growth: Growth,
+}
+
+impl Companion {
+    pub(super) fn new(dimension: usize) -> Self {
+        Self {
+            direction: even(dimension),
+            from: 0,
+            size: 0.0,
+            growth: Growth::default(),
+        }
+    }
+
+    /// Where the second orbit starts next; none if the first one has no further sample.
+    pub(super) fn origin(&mut self, trail: &Trail) -> Option<Origin> {
+        if self.from + 1 >= trail.phases.len() {
+            return None;
+        }
+        let point = trail.point(self.from);
+        let length = norm(point);
+        let size = if length > 0.0 {
+            DISPLACEMENT * length
+        } else {
+            DISPLACEMENT
+        };
+        // The sign is kept where the other side was not admissible.
+        self.size = size.copysign(self.size);
+        let displaced = point.iter().zip(&self.direction);
+        Some(Origin::Beside {
+            point: displaced.map(|(x, d)| x + self.size * d).collect(),
+            phase: trail.phases[self.from],
+        })
+    }
+
+    /// The second orbit has come to a sample.
+    pub(super) fn arrive(&mut self, trail: &Trail, point: &[f64]) {
+        self.from += 1;
+        let image: Vec<f64> = point
+            .iter()
+            .zip(trail.point(self.from))
+            .map(|(x, y)| (x - y) / self.size)
+            .collect();
+        self.growth.0.push(turn(&mut self.direction, &image));
+    }
+
+    /// The second orbit cannot start, or has no next point: tries the other side, once.
+    pub(super) fn other_side(&mut self) -> bool {
+        let first_try = self.size > 0.0;
+        self.size = -1.0;
+        first_try
+    }
+
+    pub(super) fn exponent(&self) -> f64 {
+        self.growth.mean()
+    }
+}
+
+/// Makes `image` the direction; the logarithm of its length. A direction that vanishes is kept as it was.
+fn turn(direction: &mut [f64], image: &[f64]) -> f64 {
+    let length = norm(image);
+    if length > 0.0 && length.is_finite() {
+        for (d, x) in direction.iter_mut().zip(image) {
+            *d = x / length;
+        }
+    }
+    libm::log(length)
+}
+
+fn norm(vector: &[f64]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn even(dimension: usize) -> Vec<f64> {
+    vec![1.0 / (dimension as f64).sqrt(); dimension]
+}

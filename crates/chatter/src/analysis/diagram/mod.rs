@@ -1,0 +1,67 @@
+//! Orbit diagrams: what the orbits of a map settle to, for many parameter values.
+//!
+//! ```text
+//! Spec            which parameters are swept, what is kept of each orbit, where orbits start
+//!   Sweep         rows and pieces: a piece is a run of rows that have to be computed one after the other
+//!   run           workers of an Executor take pieces; each follows hundreds of orbits at once
+//!     Column      one orbit: transient, samples, exponent
+//!     classify    what it has settled to
+//!   Row           the result for one orbit, which says itself where it belongs
+//! ```
+//!
+//! Rows come in any order; each is the same to the bit whatever the number of threads, the width of the lanes or the
+//! company in which it was computed. So a diagram can be broken off and resumed, and its pieces can be computed anywhere.
+
+mod classify;
+mod column;
+mod error;
+mod executor;
+mod exponent;
+mod observable;
+mod random;
+mod row;
+mod run;
+mod spec;
+mod sweep;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::DiagramError;
+pub use executor::{Executor, Threads};
+pub use observable::Observable;
+pub use row::{Outcome, Row, RowError, Started};
+pub use run::{Ending, Standing, run};
+pub use spec::{Bounds, Exponent, Observed, Range, Record, Spacing, Spec, Start};
+pub use sweep::Sweep;
+
+use super::map::Map;
+use core::ops::ControlFlow;
+use core::sync::atomic::AtomicBool;
+
+/// Computes a whole diagram into memory: its rows in order.
+///
+/// # Errors
+/// The specification is wrong by itself or does not fit the map.
+pub fn diagram(
+    map: &dyn Map,
+    spec: &Spec,
+    executor: &dyn Executor,
+) -> Result<Vec<Row>, DiagramError> {
+    let sweep = Sweep::new(map, spec)?;
+    let mut rows = Vec::new();
+    let stop = AtomicBool::new(false);
+    run(
+        map,
+        &sweep,
+        &Standing::default(),
+        executor,
+        &stop,
+        &mut |row| {
+            rows.push(row);
+            ControlFlow::Continue(())
+        },
+    );
+    rows.sort_unstable_by_key(|row| row.row);
+    Ok(rows)
+}

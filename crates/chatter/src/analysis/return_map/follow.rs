@@ -1,0 +1,392 @@
+//! Orbits of a return map side by side in one fleet.
+
+use super::{Look, ReturnMap};
+use crate::analysis::map::{Arrival, Command, NoReturn, Origin, Passage, Start};
+use crate::analysis::simulate::EventKind;
+use crate::flow::{
+    Closed, FlowError, GuardKind, Next, Occurrence, Trajectory, Workspace, run_fleet,
+};
+
+/// Into so many parts is the time that a return may take divided, so that an orbit that never returns can be called off
+/// between them.
+const PATIENCE_PARTS: u64 = 64;
+
+/// A state counts as lying on a section if the surface function is this small against the state: it was stored.
+const ON_SECTION: f64 = 1e-12;
+
+pub(super) struct Follower<'m, 'v> {
+    map: &'m ReturnMap,
+    swept: &'m [usize],
+    visit: &'v mut dyn FnMut(Arrival<'_>) -> Command,
+    work: Workspace<f64>,
+    scratch: Vec<f64>,
+}
+
+/// What is known of one orbit beside its trajectory.
+struct Orbit {
+    orbit: usize,
+    parameters: Vec<f64>,
+    passage: Passage,
+    /// Time of the latest return.
+    since: f64,
+    /// Where the present flight began; NaN in a contact phase or where a start cut it.
+    takeoff: f64,
+    clock: Clock,
+}
+
+/// What the orbit's horizon means.
+enum Clock {
+    /// So many parts of the time that a return may take are over.
+    Patience(u64),
+    /// So many periods since the origin are over at the next look.
+    Strobe {
+        origin: f64,
+        period: f64,
+        count: u64,
+    },
+}
+
+impl<'m, 'v> Follower<'m, 'v> {
+    pub(super) fn new(
+        map: &'m ReturnMap,
+        swept: &'m [usize],
+        visit: &'v mut dyn FnMut(Arrival<'_>) -> Command,
+    ) -> Self {
+        Self {
+            work: map.system.workspace(&map.settings),
+            scratch: Vec::new(),
+            map,
+            swept,
+            visit,
+        }
+    }
+
+    pub(super) fn run(mut self, starts: &[Start]) {
+        let mut orbits = Vec::with_capacity(starts.len());
+        let mut trajectories = Vec::with_capacity(starts.len());
+        for (index, start) in starts.iter().enumerate() {
+            if let Some((orbit, trajectory)) = self.begin(index, start) {
+                orbits.push(orbit);
+                trajectories.push(trajectory);
+            }
+        }
+        let map = self.map;
+        let moving = map.moving(self.swept);
+        run_fleet(
+            &map.system,
+            &map.settings,
+            &moving,
+            &mut trajectories,
+            |place, trajectory, told| self.hear(&mut orbits[place], trajectory, told),
+        );
+    }
+
+    /// The first trajectory of an orbit; none if it is given up before it has started.
+    fn begin(&mut self, index: usize, start: &Start) -> Option<(Orbit, Trajectory<f64>)> {
+        let mut orbit = Orbit {
+            orbit: index,
+            parameters: self.parameters(&start.swept),
+            passage: Passage::default(),
+            since: 0.0,
+            takeoff: f64::NAN,
+            clock: Clock::Patience(0),
+        };
+        let mut start = start.clone();
+        // A trajectory needs a first state that is admissible; where none is, its orbit never enters the fleet.
+        loop {
+            let (time, point) = self.origin(&orbit, &start.origin);
+            let told = Trajectory::start(
+                &self.map.system,
+                &mut self.work,
+                &orbit.parameters,
+                time,
+                &point,
+            )
+            .and_then(|mut trajectory| {
+                self.place(&mut orbit, &mut trajectory, &start.origin)
+                    .map(|()| trajectory)
+            });
+            match told {
+                Ok(trajectory) => return Some((orbit, trajectory)),
+                Err(error) => match self.arrive(&orbit, &point, Err(failure(error))) {
+                    Command::Restart(next) => {
+                        orbit.parameters = self.parameters(&next.swept);
+                        start = next;
+                    }
+                    Command::Continue | Command::Retire => return None,
+                },
+            }
+        }
+    }
+
+    fn parameters(&self, swept: &[f64]) -> Vec<f64> {
+        let values: Vec<(usize, f64)> = self
+            .swept
+            .iter()
+            .copied()
+            .zip(swept.iter().copied())
+            .collect();
+        self.map.model.parameter_values(&values)
+    }
+
+    /// Time and state of an origin.
+    fn origin(&self, orbit: &Orbit, origin: &Origin) -> (f64, Vec<f64>) {
+        let model = &self.map.model;
+        let mut point = match origin {
+            Origin::Initial => model.initial_state(&orbit.parameters),
+            Origin::Point(point) | Origin::Image(point) | Origin::Beside { point, .. } => {
+                point.clone()
+            }
+        };
+        let Some(index) = model.time else {
+            return (0.0, point);
+        };
+        // A stroboscopic map starts at the phase at which it looks, whatever the period was before.
+        if let (Look::Stroboscopic { .. }, Origin::Image(_)) = (&self.map.look, origin) {
+            point[index] = model.initial_state(&orbit.parameters)[index];
+        }
+        (point[index], point)
+    }
+
+    /// Puts a trajectory at an origin, at the orbit's parameters, and sets the orbit's counters back.
+    fn place(
+        &mut self,
+        orbit: &mut Orbit,
+        trajectory: &mut Trajectory<f64>,
+        origin: &Origin,
+    ) -> Result<(), FlowError> {
+        let system = &self.map.system;
+        let (time, point) = self.origin(orbit, origin);
+        match origin {
+            // Stroboscopic points are displaced anywhere, so the phase follows from the state.
+            Origin::Beside { phase, .. } if !matches!(self.map.look, Look::Stroboscopic { .. }) => {
+                trajectory.restart_beside(system, &mut self.work, Closed(*phase), time, &point)?;
+                if let Some(kind) = self.map.look.surface() {
+                    trajectory.leave(system, kind);
+                }
+            }
+            _ => {
+                trajectory.restart(system, &mut self.work, time, &point)?;
+                if let (Origin::Image(_), Some(surface)) = (origin, self.map.look.section()) {
+                    let size = point.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                    let value = surface.evaluate(&point, &orbit.parameters, &mut self.scratch);
+                    if value.abs() <= ON_SECTION * size {
+                        trajectory.leave(system, GuardKind::Section(0));
+                    }
+                }
+            }
+        }
+        orbit.passage = Passage {
+            flight_time: f64::NAN,
+            ..Passage::default()
+        };
+        orbit.since = time;
+        orbit.takeoff = f64::NAN;
+        orbit.clock = match &self.map.look {
+            Look::Event { .. } => Clock::Patience(0),
+            Look::Stroboscopic { period } => Clock::Strobe {
+                origin: time,
+                period: period.evaluate(&[], &orbit.parameters, &mut self.scratch),
+                count: 0,
+            },
+        };
+        self.set_horizon(orbit, trajectory);
+        Ok(())
+    }
+
+    fn set_horizon(&self, orbit: &mut Orbit, trajectory: &mut Trajectory<f64>) {
+        let horizon = match &mut orbit.clock {
+            Clock::Patience(part) => {
+                let share = (*part + 1) as f64 / PATIENCE_PARTS as f64;
+                orbit.since + self.map.longest_return * share
+            }
+            Clock::Strobe {
+                origin,
+                period,
+                count,
+            } => {
+                *count += 1;
+                *origin + *period * *count as f64
+            }
+        };
+        trajectory.set_horizon(horizon);
+    }
+
+    /// Takes in what happened to a trajectory.
+    #[inline]
+    fn hear(
+        &mut self,
+        orbit: &mut Orbit,
+        trajectory: &mut Trajectory<f64>,
+        told: Result<Occurrence<f64>, FlowError>,
+    ) -> Next {
+        let occurrence = match told {
+            Ok(occurrence) => occurrence,
+            Err(error) => return self.report(orbit, trajectory, Err(failure(error))),
+        };
+        match occurrence {
+            Occurrence::Impact { contact, .. } => {
+                orbit.passage.impacts += 1;
+                orbit.passage.flight_time = trajectory.time() - orbit.takeoff;
+                orbit.takeoff = trajectory.time();
+                if self.map.look.sees(EventKind::Impact, contact) {
+                    return self.returned(orbit, trajectory);
+                }
+                if orbit.passage.impacts > self.map.most_impacts {
+                    let limit = self.map.most_impacts;
+                    return self.report(orbit, trajectory, Err(NoReturn::Impacts { limit }));
+                }
+            }
+            Occurrence::Section { section } => {
+                if self.map.look.sees(EventKind::Section, section) {
+                    return self.returned(orbit, trajectory);
+                }
+            }
+            Occurrence::Accumulation { contact, .. } => {
+                orbit.passage.accumulations += 1;
+                orbit.takeoff = f64::NAN;
+                if self.map.look.sees(EventKind::Accumulation, contact) {
+                    return self.returned(orbit, trajectory);
+                }
+            }
+            Occurrence::Capture { .. } => orbit.takeoff = f64::NAN,
+            Occurrence::Release { contact } => {
+                orbit.takeoff = trajectory.time();
+                if self.map.look.sees(EventKind::Release, contact) {
+                    return self.returned(orbit, trajectory);
+                }
+            }
+            Occurrence::Graze { contact, .. } => {
+                if self.map.look.sees(EventKind::Graze, contact) {
+                    return self.returned(orbit, trajectory);
+                }
+            }
+            Occurrence::Horizon => return self.on_time(orbit, trajectory),
+        }
+        Next::Continue
+    }
+
+    /// The orbit's horizon was reached.
+    fn on_time(&mut self, orbit: &mut Orbit, trajectory: &mut Trajectory<f64>) -> Next {
+        match &mut orbit.clock {
+            Clock::Strobe { .. } => self.returned(orbit, trajectory),
+            Clock::Patience(part) => {
+                *part += 1;
+                if *part >= PATIENCE_PARTS {
+                    let limit = self.map.longest_return;
+                    return self.report(orbit, trajectory, Err(NoReturn::Time { limit }));
+                }
+                self.set_horizon(orbit, trajectory);
+                Next::Continue
+            }
+        }
+    }
+
+    #[inline]
+    fn returned(&mut self, orbit: &mut Orbit, trajectory: &mut Trajectory<f64>) -> Next {
+        let time = trajectory.time();
+        let passage = Passage {
+            return_time: time - orbit.since,
+            phase: trajectory.closed().0,
+            ..orbit.passage
+        };
+        if let Clock::Patience(part) = &mut orbit.clock {
+            *part = 0;
+        }
+        orbit.since = time;
+        orbit.passage = Passage {
+            flight_time: f64::NAN,
+            ..Passage::default()
+        };
+        self.set_horizon(orbit, trajectory);
+        self.report(orbit, trajectory, Ok(passage))
+    }
+
+    fn report(
+        &mut self,
+        orbit: &mut Orbit,
+        trajectory: &mut Trajectory<f64>,
+        passage: Result<Passage, NoReturn>,
+    ) -> Next {
+        let mut failed = passage.is_err();
+        let mut command = self.arrive(orbit, trajectory.state(), passage);
+        loop {
+            let start = match command {
+                Command::Continue if !failed => return Next::Continue,
+                Command::Continue | Command::Retire => return Next::Retire,
+                Command::Restart(start) => start,
+            };
+            if !start
+                .swept
+                .iter()
+                .zip(self.swept)
+                .all(|(value, &index)| orbit.parameters[index].to_bits() == value.to_bits())
+            {
+                orbit.parameters = self.parameters(&start.swept);
+                trajectory.set_parameters(&self.map.system, &orbit.parameters);
+            }
+            match self.place(orbit, trajectory, &start.origin) {
+                Ok(()) => return Next::Continue,
+                Err(error) => {
+                    failed = true;
+                    let (_, point) = self.origin(orbit, &start.origin);
+                    command = self.arrive(orbit, &point, Err(failure(error)));
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn arrive(
+        &mut self,
+        orbit: &Orbit,
+        point: &[f64],
+        passage: Result<Passage, NoReturn>,
+    ) -> Command {
+        (self.visit)(Arrival {
+            orbit: orbit.orbit,
+            point,
+            parameters: &orbit.parameters,
+            passage,
+        })
+    }
+}
+
+impl Look {
+    /// Whether this is what is looked at.
+    #[inline]
+    fn sees(&self, what: EventKind, place: usize) -> bool {
+        match self {
+            Self::Event { kind, at, .. } => *kind == what && at.is_none_or(|at| at == place),
+            Self::Stroboscopic { .. } => false,
+        }
+    }
+
+    /// The surface that points of the map lie on, if there is just one.
+    fn surface(&self) -> Option<GuardKind> {
+        match self {
+            Self::Event {
+                kind: EventKind::Section,
+                at: Some(index),
+                ..
+            } => Some(GuardKind::Section(*index)),
+            Self::Event {
+                kind: EventKind::Impact,
+                at: Some(index),
+                ..
+            } => Some(GuardKind::Gap(*index)),
+            _ => None,
+        }
+    }
+
+    fn section(&self) -> Option<&crate::expressions::Formula<f64>> {
+        match self {
+            Self::Event { surface, .. } => surface.as_ref(),
+            Self::Stroboscopic { .. } => None,
+        }
+    }
+}
+
+fn failure(error: FlowError) -> NoReturn {
+    NoReturn::Failed(error)
+}

@@ -1,0 +1,252 @@
+//! The map of a flow from one look at it to the next: Poincaré, impact and stroboscopic maps.
+//!
+//! ```text
+//! ReturnSpec       at which events or times, how long a return may take
+//! ReturnMap        a Map: points are states of the model
+//!   follow         hundreds of orbits in one fleet, so that SIMD lanes stay full
+//! ```
+
+mod follow;
+mod spec;
+
+#[cfg(test)]
+mod tests;
+
+pub use spec::{ReturnMapError, ReturnSpec, Sampling};
+
+use crate::analysis::map::{Arrival, Command, Map, NoReturn, Origin, Passage, Scope, Start};
+use crate::analysis::simulate::EventKind;
+use crate::expressions::{Expr, Formula, Symbol, nearest};
+use crate::flow::{Settings, System};
+use crate::model::Model;
+use follow::Follower;
+
+/// A model looked at where a [`ReturnSpec`] says.
+#[derive(Clone, Debug)]
+pub struct ReturnMap {
+    model: Model,
+    system: System,
+    settings: Settings,
+    look: Look,
+    longest_return: f64,
+    most_impacts: u64,
+}
+
+/// Where the flow is looked at. Places are indices; the only section that the system has left is number 0.
+#[derive(Clone, Debug)]
+enum Look {
+    Event {
+        kind: EventKind,
+        at: Option<usize>,
+        /// The surface of a section.
+        surface: Option<Formula<f64>>,
+    },
+    Stroboscopic {
+        period: Formula<f64>,
+    },
+}
+
+impl ReturnMap {
+    /// Compiles a model for its return map.
+    ///
+    /// # Errors
+    /// The specification is wrong by itself or does not fit the model, or the model cannot be compiled.
+    pub fn new(model: &Model, spec: &ReturnSpec) -> Result<Self, ReturnMapError> {
+        if !(spec.longest_return > 0.0 && spec.longest_return.is_finite()) {
+            return Err(ReturnMapError::LongestReturn {
+                value: spec.longest_return,
+            });
+        }
+        if spec.most_impacts == 0 {
+            return Err(ReturnMapError::NoImpacts);
+        }
+        if !(0.0..1.0).contains(&spec.tolerance) {
+            return Err(ReturnMapError::Tolerance {
+                value: spec.tolerance,
+            });
+        }
+        let mut model = model.clone();
+        let mut sections = core::mem::take(&mut model.sections);
+        let look = match &spec.sampling {
+            Sampling::Event { kind, at } => {
+                let names: Vec<&str> = match kind {
+                    EventKind::Section => sections.iter().map(|s| &*s.name).collect(),
+                    _ => model.contacts.iter().map(|c| &*c.name).collect(),
+                };
+                let unknown = |name: &str| ReturnMapError::UnknownPlace {
+                    kind: *kind,
+                    name: name.to_owned(),
+                    known: names.iter().map(|&name| name.to_owned()).collect(),
+                };
+                let at = match at {
+                    Some(name) => Some(
+                        names
+                            .iter()
+                            .position(|known| known == name)
+                            .ok_or_else(|| unknown(name))?,
+                    ),
+                    None => None,
+                };
+                match (kind, at) {
+                    // Sections that are not looked at would only cost time.
+                    (EventKind::Section, Some(index)) => {
+                        let section = sections.swap_remove(index);
+                        let surface = Formula::new(&model.graph, section.surface);
+                        model.sections = vec![section];
+                        Look::Event {
+                            kind: *kind,
+                            at: Some(0),
+                            surface: Some(surface),
+                        }
+                    }
+                    (EventKind::Section, None) => {
+                        if sections.is_empty() {
+                            return Err(unknown(""));
+                        }
+                        model.sections = sections;
+                        Look::Event {
+                            kind: *kind,
+                            at: None,
+                            surface: None,
+                        }
+                    }
+                    (_, at) => Look::Event {
+                        kind: *kind,
+                        at,
+                        surface: None,
+                    },
+                }
+            }
+            Sampling::Stroboscopic { period } => {
+                let text = period.clone();
+                let expr = model
+                    .parse_expression(period)
+                    .map_err(|error| ReturnMapError::Period { text, error })?;
+                let formula = Formula::<f64>::new(&model.graph, expr);
+                let parameters = model.parameter_values(&[]);
+                let value = formula.evaluate(&[], &parameters, &mut Vec::new());
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(ReturnMapError::PeriodValue {
+                        text: period.clone(),
+                        value,
+                    });
+                }
+                Look::Stroboscopic { period: formula }
+            }
+        };
+        let system = System::new(&model).map_err(ReturnMapError::System)?;
+        Ok(Self {
+            model,
+            system,
+            settings: Settings {
+                tolerance: spec.tolerance,
+                ..Settings::default()
+            },
+            look,
+            longest_return: spec.longest_return,
+            most_impacts: spec.most_impacts,
+        })
+    }
+
+    /// The model, with the sections that are looked at.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The parameters at these positions and those defined through them.
+    fn moving(&self, swept: &[usize]) -> Vec<usize> {
+        let mut moving = swept.to_vec();
+        let parameters = &self.model.parameters;
+        loop {
+            let depends = |value: Expr| {
+                let symbols = self.model.graph.symbols(value);
+                moving
+                    .iter()
+                    .any(|&index| symbols.contains(&Symbol::Parameter(index)))
+            };
+            let found = (0..parameters.len())
+                .find(|index| !moving.contains(index) && depends(parameters[*index].value));
+            match found {
+                Some(index) => moving.push(index),
+                None => return moving,
+            }
+        }
+    }
+}
+
+impl ReturnMapError {
+    /// The name that is probably meant, where one is unknown.
+    pub fn suggestion(&self) -> Option<String> {
+        match self {
+            Self::UnknownPlace { name, known, .. } => {
+                nearest(name, known.iter().map(String::as_str))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Map for ReturnMap {
+    fn coordinates(&self) -> Vec<String> {
+        let states = self.model.states.iter();
+        states.map(|state| state.name.clone()).collect()
+    }
+
+    fn parameters(&self) -> Vec<String> {
+        let parameters = self.model.parameters.iter();
+        parameters.map(|parameter| parameter.name.clone()).collect()
+    }
+
+    fn parameter_values(&self, swept: &[(usize, f64)]) -> Vec<f64> {
+        self.model.parameter_values(swept)
+    }
+
+    fn initial_point(&self, parameters: &[f64]) -> Vec<f64> {
+        self.model.initial_state(parameters)
+    }
+
+    fn scope(&self) -> Scope {
+        let mut scope = Scope {
+            graph: self.model.graph.clone(),
+            names: Vec::new(),
+        };
+        for (index, name) in self.coordinates().into_iter().enumerate() {
+            let state = scope.graph.state(index);
+            scope.names.push((name, state));
+        }
+        for (index, name) in self.parameters().into_iter().enumerate() {
+            let parameter = scope.graph.parameter(index);
+            scope.names.push((name, parameter));
+        }
+        for definition in &self.model.definitions {
+            scope
+                .names
+                .push((definition.name.clone(), definition.value));
+        }
+        scope
+    }
+
+    fn next(&self, parameters: &[f64], point: &mut [f64]) -> Result<Passage, NoReturn> {
+        let every: Vec<usize> = (0..parameters.len()).collect();
+        let start = Start {
+            swept: parameters.to_vec(),
+            origin: Origin::Image(point.to_vec()),
+        };
+        let mut passage = Err(NoReturn::LeftDomain);
+        self.follow(&every, &[start], &mut |arrival: Arrival<'_>| {
+            point.copy_from_slice(arrival.point);
+            passage = arrival.passage;
+            Command::Retire
+        });
+        passage
+    }
+
+    fn follow(
+        &self,
+        swept: &[usize],
+        starts: &[Start],
+        visit: &mut dyn FnMut(Arrival<'_>) -> Command,
+    ) {
+        Follower::new(self, swept, visit).run(starts);
+    }
+}
