@@ -32,7 +32,7 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 
 /// Whether eight doubles fit a register of this processor.
 #[inline]
-pub fn has_avx512() -> bool {
+fn has_avx512() -> bool {
     #[cfg(target_arch = "x86_64")]
     {
         std::is_x86_feature_detected!("avx512f")
