@@ -72,7 +72,9 @@
 //!
 //! # Files
 //!
-//! Every file is written beside its place under a temporary name and then renamed ([`atomic_file`]): it appears whole or
+//! A long computation keeps its results in a [`journal`], which survives being killed.
+//!
+//! Every other file is written beside its place under a temporary name and then renamed ([`atomic_file`]): it appears whole or
 //! not at all. Errors ([`Error`]) name the path and the reason.
 
 pub mod atomic_file;
@@ -80,6 +82,7 @@ mod crc32;
 mod error;
 pub mod figures;
 mod format;
+pub mod journal;
 pub mod reports;
 pub mod tables;
 

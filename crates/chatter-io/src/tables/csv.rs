@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::table::{Table, Values};
+use super::error::TableError;
+use super::table::{Table, Values, check_name};
 use crate::atomic_file::AtomicFile;
 use crate::error::Error;
 
@@ -21,6 +22,72 @@ pub fn csv_text(table: &Table) -> Result<String, Error> {
     let mut bytes = Vec::new();
     write_rows(table, &mut bytes).expect("writing to memory does not fail");
     Ok(String::from_utf8(bytes).expect("made of text"))
+}
+
+/// Writes a table row by row, in flat memory; the file appears when [`CsvWriter::finish`] is called.
+pub struct CsvWriter {
+    file: AtomicFile,
+    columns: usize,
+}
+
+/// One value of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cell<'a> {
+    /// A number.
+    Float(f64),
+    /// An integer.
+    Integer(i64),
+    /// Text.
+    Text(&'a str),
+}
+
+impl CsvWriter {
+    /// Starts a table with these headings at `path`, whose folder must exist.
+    pub fn create(path: impl AsRef<Path>, headings: &[&str]) -> Result<Self, Error> {
+        let mut file = AtomicFile::create(path)?;
+        for (k, heading) in headings.iter().enumerate() {
+            check_name(heading)?;
+            separate(k, &mut file)
+                .and_then(|()| write_text(heading, &mut file))
+                .map_err(|e| file.write_error(e))?;
+        }
+        file.write_all(b"\r\n").map_err(|e| file.write_error(e))?;
+        Ok(CsvWriter {
+            file,
+            columns: headings.len(),
+        })
+    }
+
+    /// Appends a row, which must have a cell for each heading.
+    pub fn row(&mut self, cells: &[Cell<'_>]) -> Result<(), Error> {
+        if cells.len() != self.columns {
+            return Err(TableError::UnequalLengths {
+                table: self.file.target().display().to_string(),
+                first: ("heading".to_string(), self.columns),
+                other: ("row".to_string(), cells.len()),
+            }
+            .into());
+        }
+        let mut digits = ryu::Buffer::new();
+        let mut write = || -> io::Result<()> {
+            for (k, cell) in cells.iter().enumerate() {
+                separate(k, &mut self.file)?;
+                match cell {
+                    Cell::Float(x) => self.file.write_all(float(*x, &mut digits).as_bytes())?,
+                    Cell::Integer(n) => write!(self.file, "{n}")?,
+                    Cell::Text(text) => write_text(text, &mut self.file)?,
+                }
+            }
+            self.file.write_all(b"\r\n")
+        };
+        let written = write();
+        Ok(written.map_err(|e| self.file.write_error(e))?)
+    }
+
+    /// Puts the file in its place.
+    pub fn finish(self) -> Result<(), Error> {
+        Ok(self.file.commit()?)
+    }
 }
 
 fn write_rows(table: &Table, out: &mut impl Write) -> io::Result<()> {
@@ -114,6 +181,29 @@ mod tests {
         assert_eq!(
             csv_text(&table).unwrap(),
             "x,n,ok\r\n0.1,1,true\r\nnan,-2,false\r\n-inf,3,true\r\n1e300,-9223372036854775808,false\r\n"
+        );
+    }
+
+    #[test]
+    fn rows_come_to_the_same_file_as_a_table() {
+        let folder = crate::scratch::Scratch::new();
+        let path = folder.path("a.csv");
+        let mut writer = CsvWriter::create(&path, &["x", "n", "a, b"]).unwrap();
+        let values = [(0.1, 3, "é"), (f64::NAN, -4, "two, words"), (1e300, 0, "")];
+        for (x, n, text) in values {
+            let cells = [Cell::Float(x), Cell::Integer(n), Cell::Text(text)];
+            writer.row(&cells).unwrap();
+        }
+        assert!(writer.row(&[Cell::Integer(1)]).is_err());
+        assert!(!path.exists());
+        writer.finish().unwrap();
+        let table = Table::new("t")
+            .column("x", values.map(|v| v.0).to_vec())
+            .column("n", values.map(|v| i64::from(v.1)).to_vec())
+            .column("a, b", values.map(|v| v.2).to_vec());
+        assert_eq!(
+            std::fs::read_to_string(&path).unwrap(),
+            csv_text(&table).unwrap()
         );
     }
 

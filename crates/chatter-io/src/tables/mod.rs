@@ -7,7 +7,7 @@ mod npz_reader;
 mod npz_writer;
 mod table;
 
-pub use csv::{csv_text, write_csv};
+pub use csv::{Cell, CsvWriter, csv_text, write_csv};
 pub use error::TableError;
 pub use npy::{ArrayInfo, Element, Kind};
 pub use npz_reader::{FloatStream, NpzReader};

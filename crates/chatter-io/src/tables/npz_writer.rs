@@ -123,6 +123,19 @@ impl NpzWriter {
         self.put_texts(name, texts, &[texts.len()])
     }
 
+    /// Writes a one-dimensional array of `count` texts of at most `width` characters from an iterator, in flat memory.
+    ///
+    /// Longer texts are cut, as in NumPy.
+    pub fn stream_texts<S: AsRef<str>>(
+        &mut self,
+        name: &str,
+        width: usize,
+        count: usize,
+        texts: impl IntoIterator<Item = Result<S, Error>>,
+    ) -> Result<(), Error> {
+        self.put_cells(name, width, &[count], texts)
+    }
+
     /// Writes a column under its name.
     pub fn column(&mut self, column: &Column) -> Result<(), Error> {
         match &column.values {
@@ -139,27 +152,45 @@ impl NpzWriter {
         texts: &[S],
         shape: &[usize],
     ) -> Result<(), Error> {
+        let longest = texts.iter().map(|t| t.as_ref().chars().count()).max();
+        let cells = texts.iter().map(|text| Ok(text.as_ref()));
+        self.put_cells(name, longest.unwrap_or(0), shape, cells)
+    }
+
+    fn put_cells<S: AsRef<str>>(
+        &mut self,
+        name: &str,
+        width: usize,
+        shape: &[usize],
+        texts: impl IntoIterator<Item = Result<S, Error>>,
+    ) -> Result<(), Error> {
         // NumPy reads back a width of zero as one, so one is the least.
-        let width = texts
-            .iter()
-            .map(|t| t.as_ref().chars().count())
-            .max()
-            .unwrap_or(0)
-            .max(1);
+        let width = width.max(1);
         let offset = self.begin_entry(name)?;
         let mut sum = Crc32::default();
         let header = npy::header(Kind::Text { width }, shape);
         sum.update(&header);
         self.put(&header)?;
+        let expected = shape.iter().product();
+        let mut count = 0;
         let mut cell = Vec::with_capacity(4 * width);
         for text in texts {
             cell.clear();
-            for c in text.as_ref().chars() {
+            for c in text?.as_ref().chars().take(width) {
                 cell.extend_from_slice(&u32::from(c).to_le_bytes());
             }
             cell.resize(4 * width, 0);
             sum.update(&cell);
             self.put(&cell)?;
+            count += 1;
+        }
+        if count != expected {
+            return Err(TableError::UnequalLengths {
+                table: name.to_string(),
+                first: ("shape".to_string(), expected),
+                other: ("texts".to_string(), count),
+            }
+            .into());
         }
         self.end_entry(name, offset, sum)
     }
