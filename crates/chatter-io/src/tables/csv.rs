@@ -189,7 +189,11 @@ mod tests {
         let folder = crate::scratch::Scratch::new();
         let path = folder.path("a.csv");
         let mut writer = CsvWriter::create(&path, &["x", "n", "a, b"]).unwrap();
-        let values = [(0.1, 3, "é"), (f64::NAN, -4, "two, words"), (1e300, 0, "")];
+        let values = [
+            (0.1, 3_i64, "é"),
+            (f64::NAN, -4, "two, words"),
+            (1e300, 0, ""),
+        ];
         for (x, n, text) in values {
             let cells = [Cell::Float(x), Cell::Integer(n), Cell::Text(text)];
             writer.row(&cells).unwrap();
@@ -199,7 +203,7 @@ mod tests {
         writer.finish().unwrap();
         let table = Table::new("t")
             .column("x", values.map(|v| v.0).to_vec())
-            .column("n", values.map(|v| i64::from(v.1)).to_vec())
+            .column("n", values.map(|v| v.1).to_vec())
             .column("a, b", values.map(|v| v.2).to_vec());
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
