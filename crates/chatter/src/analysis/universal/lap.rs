@@ -77,7 +77,8 @@ fn derivative(series: &[DoubleDouble]) -> Vec<DoubleDouble> {
 }
 
 /// E, C and (s_1^2 - 1/9) / (t - t_pole) at the Chebyshev points of the lap's phase, in increasing order of t.
-fn samples(sequences: &Sequences, grid: &Grid) -> [Vec<DoubleDouble>; 3] {
+/// The last only where it is needed.
+fn samples(sequences: &Sequences, grid: &Grid, crowded: bool) -> [Vec<DoubleDouble>; 3] {
     let number = DoubleDouble::from;
     let (zero, one) = (DoubleDouble::ZERO, DoubleDouble::ONE);
     let c = &sequences.constants;
@@ -91,10 +92,12 @@ fn samples(sequences: &Sequences, grid: &Grid) -> [Vec<DoubleDouble>; 3] {
     let mut by_sigma: [Vec<DoubleDouble>; 3] = [const { Vec::new() }; 3];
     for sigma in grid.points(zero, begin) {
         let start = sequences.at(sigma);
-        let (from_graze, from_pole) = (
-            sequences.limits(start, graze),
-            sequences.limits(start, pole),
-        );
+        let from_graze = sequences.limits(start, graze);
+        let from_pole = if crowded {
+            sequences.limits(start, pole)
+        } else {
+            from_graze
+        };
         // t = (eta x_e - eta Q) / scale, and u = (3/8)(1 - sigma).
         let scale = from_graze.reference * c.one_minus_eta / number(super::GRAZE);
         let weight = from_graze.product / c.lambda;
@@ -129,8 +132,10 @@ impl<R: Real> Lap<R> {
         let (zero, one) = (DoubleDouble::ZERO, DoubleDouble::ONE);
         let c = &sequences.constants;
         let grid = Grid::new(SAMPLES);
+        let crowded = c.restitution.to_f64() < CROWDED_BELOW;
         // z runs against t, and so does the interval of the fit.
-        let fits = samples(sequences, &grid).map(|values| grid.interpolate(one, zero, &values));
+        let fits =
+            samples(sequences, &grid, crowded).map(|values| grid.interpolate(one, zero, &values));
         let cut = |tolerance: f64| {
             let tolerance = tolerance.max(SAMPLED);
             [0, 1, 2].map(|k: usize| fits[k].monomials(tolerance))
@@ -138,7 +143,6 @@ impl<R: Real> Lap<R> {
         let series = cut(R::ROUNDOFF * 0.25);
         // Differentiation multiplies what was cut by the square of the degree.
         let slopes = cut(R::ROUNDOFF * 1e-3).map(|series| derivative(&series));
-        let crowded = c.restitution.to_f64() < CROWDED_BELOW;
         let at_pole = sequences.limits(sequences.at_pole(), sequences.at(zero));
         let ratio = at_pole.own / at_pole.reference;
         let rounded = R::from_double_double(ratio);

@@ -13,6 +13,7 @@ mod doubling;
 mod error;
 mod evaluate;
 mod lap;
+mod map;
 #[cfg(test)]
 mod reference;
 mod scales;
@@ -25,3 +26,4 @@ pub use chatter_map::{ChatterMap, GRAZE};
 pub use constants::Constants;
 pub use error::UniversalError;
 pub use evaluate::{Evaluation, Universal};
+pub use map::UniversalMap;
