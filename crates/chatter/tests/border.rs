@@ -304,3 +304,187 @@ fn questions_without_an_answer_get_a_typed_one() {
         Err(BorderError::Section { .. })
     ));
 }
+
+fn counts(border: &Border<f64>, prediction: &Prediction, at: f64) -> Option<ImpactCounts> {
+    let passages = prediction.orbit(at, 600, 2000);
+    assert_eq!(border.value.value, prediction.border);
+    ImpactCounts::of(passages.iter().filter_map(|passage| passage.impacts))
+}
+
+/// The valve's passages have the predicted numbers of impacts with the exact coefficients, where the orbit is periodic and
+/// where it is chaotic. With the leading-order ones they have not: as the paper has them, q = 0.021 would be below the
+/// border.
+#[test]
+fn exact_prediction_has_the_impacts_of_the_simulation() {
+    let model = read(VALVE);
+    let spec = BorderSpec::new("q");
+    let border = valve_border::<f64>();
+    let exact = Prediction::exact(&border).unwrap();
+    let leading = Prediction::leading_order(&border).unwrap();
+    let simulator = Simulator::new(&model, &spec, &border).unwrap();
+    for (q, impacts) in [(0.02006, 53), (0.0201, 42), (0.0203, 34)] {
+        let simulated = simulator.orbit(q, 300, 200).unwrap();
+        let period = Settled::Periodic {
+            passages: 1,
+            impacts,
+        };
+        assert_eq!(simulated.settled, period, "{q}");
+        assert_eq!(exact.settled(q), period, "{q}");
+        assert_ne!(leading.settled(q), period, "{q}");
+        let predicted = exact.state(q, &exact.orbit(q, 1000, 1)[0]);
+        let there = &simulated.passages[0].state;
+        let moved = |state: &[f64]| state[1] - border.first_impact.state[1];
+        let off = (moved(&predicted) - moved(there)).abs();
+        // (26), (27): to first order in the distance from the border.
+        assert!(
+            off < 0.01 * moved(there).abs(),
+            "{q}: {predicted:?} {there:?}"
+        );
+    }
+    // One chaotic band: 36 more impacts after the first in each passage, as the paper counts.
+    let band = counts(&border, &exact, 0.02019).unwrap();
+    assert_eq!((band.least, band.most), (37, 37));
+    for (q, tolerance) in [(0.02019, 0.0), (0.0205, 0.15), (0.021, 0.3)] {
+        let simulated = simulator.orbit(q, 300, 2000).unwrap();
+        assert_eq!(simulated.settled, Settled::Unsettled);
+        let there = ImpactCounts::of(simulated.passages.iter().map(|p| p.impacts)).unwrap();
+        let here = counts(&border, &exact, q).unwrap();
+        assert!(
+            (here.mean - there.mean).abs() <= tolerance,
+            "{q}: {here:?} {there:?}"
+        );
+        let off = counts(&border, &leading, q).map(|c| (c.mean - there.mean).abs());
+        assert!(off.is_none_or(|off| off > 2.0), "{q}: {off:?}");
+    }
+    assert_eq!(
+        simulator.orbit(0.02, 10, 10).unwrap().settled,
+        Settled::Complete
+    );
+    assert_eq!(exact.settled(0.02), Settled::Complete);
+}
+
+/// The cascade of the forced oscillator over the stop's place: numbers of impacts and periods as predicted.
+#[test]
+fn the_forced_oscillator_follows_its_cascade() {
+    let model = read(OSCILLATOR);
+    let spec = BorderSpec::new("sigma");
+    let border = border_near::<f64>(&model, &spec, 0.1234).unwrap();
+    let prediction = Prediction::exact(&border).unwrap();
+    let simulator = Simulator::new(&model, &spec, &border).unwrap();
+    for (mu, passages, impacts) in [
+        (1e-6, 1, 50),
+        (1e-5, 1, 40),
+        (3e-5, 1, 35),
+        (1e-4, 1, 30),
+        (3e-4, 2, 50),
+    ] {
+        let sigma = prediction.parameter(mu);
+        let period = Settled::Periodic { passages, impacts };
+        assert_eq!(prediction.settled(sigma), period, "{mu}");
+        let simulated = simulator.orbit(sigma, 300, 200).unwrap();
+        assert_eq!(simulated.settled, period, "{mu}");
+    }
+    let below = prediction.parameter(-1e-4);
+    assert_eq!(
+        simulator.orbit(below, 10, 10).unwrap().settled,
+        Settled::Complete
+    );
+}
+
+/// The windows of the valve's n-impact orbits lie where they are predicted, the better the more impacts; and what Newton's
+/// method calls a period doubling is one in simulation.
+#[test]
+fn windows_of_the_valve_approach_the_prediction() {
+    let model = read(VALVE);
+    let spec = BorderSpec::new("q");
+    let border = valve_border::<f64>();
+    let prediction = Prediction::exact(&border).unwrap();
+    let simulator = Simulator::new(&model, &spec, &border).unwrap();
+    let windows = simulator.compare(&prediction, 21, 45).unwrap();
+    let mut before = Discrepancy {
+        fold: Some(0.02),
+        period_doubling: Some(0.02),
+        grazing: Some(0.02),
+    };
+    for window in &windows {
+        let now = window.discrepancy(border.value.value);
+        for (now, before) in [
+            (now.fold, before.fold),
+            (now.period_doubling, before.period_doubling),
+            (now.grazing, before.grazing),
+        ] {
+            assert!(
+                now.unwrap().abs() < 0.95 * before.unwrap().abs(),
+                "{window:?}"
+            );
+        }
+        before = now;
+    }
+    assert!(before.fold.unwrap().abs() < 4e-4);
+    let window = windows.iter().find(|w| w.predicted.lap == 31).unwrap();
+    let located = window.located.unwrap();
+    let doubling = located.period_doubling.unwrap();
+    for (q, passages, impacts) in [(doubling - 2e-8, 1, 32), (doubling + 2e-8, 2, 64)] {
+        let simulated = simulator.orbit(q, 6000, 200).unwrap();
+        assert_eq!(simulated.settled, Settled::Periodic { passages, impacts });
+    }
+}
+
+/// A forced system returns shifted by forcing periods, whichever parameter is varied, and negative K turns windows round.
+#[test]
+fn windows_of_the_forced_oscillator_approach_the_prediction() {
+    let model = read(OSCILLATOR);
+    for (parameter, near) in [("sigma", 0.1234), ("omega", 5.014)] {
+        let spec = BorderSpec::new(parameter);
+        let border = border_near::<f64>(&model, &spec, near).unwrap();
+        let prediction = Prediction::exact(&border).unwrap();
+        assert!(prediction.slope < 0.0);
+        let simulator = Simulator::new(&model, &spec, &border).unwrap();
+        let windows = simulator.compare(&prediction, 15, 41).unwrap();
+        let mut before = f64::INFINITY;
+        for window in windows {
+            let now = window.discrepancy(border.value.value);
+            let (fold, graze) = (now.fold.unwrap().abs(), now.grazing.unwrap().abs());
+            assert!(fold.max(graze) < 0.95 * before, "{window:?}");
+            before = fold.max(graze);
+        }
+        assert!(before < 1e-3);
+    }
+}
+
+/// On the paper's section y3 = 9.7 the predicted states are those of the flow, to first order.
+#[test]
+fn predicted_states_lie_on_sections_where_the_flow_crosses_them() {
+    use chatter::flow::{Occurrence, Settings, System, Trajectory};
+    let model = read(VALVE);
+    let spec = BorderSpec::new("q");
+    let border = valve_border::<f64>();
+    let prediction = Prediction::exact(&border).unwrap();
+    let states = section_states(&model, &spec, &border, "closing").unwrap();
+    assert!((states.origin[2] - 9.7).abs() < 1e-14);
+    assert!(states.by_upsilon[2].abs() < 1e-12 && states.by_parameter[2].abs() < 1e-12);
+    let system = System::new(&model).unwrap();
+    for (q, tolerance) in [(0.02006, 2e-4), (0.0203, 2e-2)] {
+        let parameters = model.parameter_values(&[(0, q)]);
+        let mut work = system.workspace::<f64>(&Settings::default());
+        let start = [0.0, 0.0, 10.0];
+        let mut trajectory =
+            Trajectory::start(&system, &mut work, &parameters, 0.0, &start).unwrap();
+        let mut crossings = 0;
+        while crossings < 2000 {
+            let next = trajectory.advance(&system, &mut work, 1e9).unwrap();
+            crossings += i32::from(matches!(next, Some(Occurrence::Section { .. })));
+        }
+        let predicted = states.at(prediction.orbit(q, 2000, 1)[0].z, q - prediction.border);
+        let there = trajectory.state().iter().zip(&states.origin);
+        for (predicted, (state, origin)) in predicted.iter().zip(there).take(2) {
+            let moved = state - origin;
+            let off = (predicted - state).abs();
+            assert!(off < tolerance * moved.abs(), "{q}: {off} of {moved}");
+        }
+    }
+    assert!(matches!(
+        section_states(&model, &spec, &border, "closed"),
+        Err(BorderError::UnknownSection { .. })
+    ));
+}

@@ -56,6 +56,18 @@ pub enum BorderError {
         /// Its level.
         level: f64,
     },
+    /// The model has no section of this name.
+    UnknownSection {
+        /// What was asked for.
+        name: String,
+        /// The nearest name that there is.
+        nearest: Option<String>,
+    },
+    /// The border orbit does not cross a section of the model before its first impact.
+    SectionNotCrossed {
+        /// Name of the section.
+        name: String,
+    },
     /// There is no border near the value asked for.
     NoBorder {
         /// Lower end of what was searched.
@@ -164,6 +176,13 @@ impl fmt::Display for BorderError {
             Self::Section { state, level } => write!(
                 out,
                 "the section {state} = {level} is not crossed between release and the first impact"
+            ),
+            Self::UnknownSection { name, nearest } => {
+                write!(out, "the model has no section `{name}`{}", suggest(nearest))
+            }
+            Self::SectionNotCrossed { name } => write!(
+                out,
+                "the border orbit does not cross the section `{name}` between release and its first impact"
             ),
             Self::NoBorder { low, high, breaks } => {
                 write!(out, "there is no border between {low} and {high}")?;

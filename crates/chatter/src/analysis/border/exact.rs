@@ -57,6 +57,17 @@ impl<R: Real> SectionChart<R> {
                     .unwrap_or(core::cmp::Ordering::Greater)
             })
             .unwrap_or(0);
+        Self::with_bound(problem, parameters, state, bound)
+    }
+
+    /// Leaves out a given state.
+    pub(crate) fn with_bound(
+        problem: &Problem,
+        parameters: &[R],
+        state: &[R],
+        bound: usize,
+    ) -> Self {
+        let [gap, _] = problem.release.gap_and_rate_slopes(state, parameters);
         let free: Vec<usize> = (0..STATES).filter(|&i| i != bound).collect();
         let bound_slopes = (free.iter().copied().chain([PARAMETER_COLUMN]))
             .map(|i| -gap[i] / gap[bound])
@@ -151,8 +162,11 @@ pub(crate) fn exact<R: Real>(
             covector[i].value.abs().to_f64() / size
         };
         let finest = if leverage(0) >= leverage(1) { 0 } else { 1 };
-        let state = &mut start[chart.free[finest]];
-        *state -= x / covector[finest].value;
+        let correction = x / covector[finest].value;
+        if !correction.is_finite() {
+            break;
+        }
+        start[chart.free[finest]] -= correction;
     }
     Ok(Exact {
         slope,

@@ -8,6 +8,10 @@
 //! root         the smooth equation X(p) = 0
 //! exact        (M5): K, M and what they are made of
 //! leading_order   the paper's A to F
+//! prediction   the one-dimensional map: impacts per passage, states after the first impact
+//! windows      fold, period doubling and graze of the n-impact orbit, predicted
+//! simulated    passages of the flow itself
+//! located      its windows, through the return map
 //! ```
 
 mod coordinate;
@@ -16,12 +20,18 @@ mod exact;
 mod extrapolate;
 mod leading_order;
 mod local;
+mod located;
 mod orbit;
+mod prediction;
 mod problem;
 mod release;
+mod return_map;
 mod root;
 mod search;
+mod section;
 mod sequence;
+mod simulated;
+mod windows;
 
 pub use coordinate::Extrapolation;
 pub use error::{BorderError, Break, BreakCause};
@@ -29,8 +39,14 @@ pub use exact::Exact;
 pub use extrapolate::Estimate;
 pub use leading_order::{LeadingOrder, ReleaseSection};
 pub use local::LocalCoordinate;
+pub use located::{Discrepancy, LocatedWindow, WindowComparison};
 pub use orbit::{
     Border, BorderSpec, Borders, FirstImpact, Search, border_near, borders_in, leading_order_at,
+    verdicts_in,
 };
+pub use prediction::{AffineStates, ImpactCounts, PredictedPassage, Prediction, Settled};
 pub use release::ReleasePoint;
+pub use section::section_states;
 pub use sequence::Verdict;
+pub use simulated::{Passage, Simulated, Simulator};
+pub use windows::{PredictedPoint, PredictedWindow};

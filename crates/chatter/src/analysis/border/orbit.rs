@@ -1,7 +1,7 @@
 //! A border orbit with its normal form, and the questions that find it.
 
 use super::coordinate::Extrapolation;
-use super::error::{BorderError, Break};
+use super::error::{BorderError, Break, BreakCause};
 use super::exact::{Exact, SectionChart, exact};
 use super::extrapolate::Estimate;
 use super::leading_order::{LeadingOrder, ReleaseSection, leading_order};
@@ -10,6 +10,7 @@ use super::problem::{Problem, STATES, exactly};
 use super::release::ReleasePoint;
 use super::root::Root;
 use super::search::Found;
+use super::sequence::Verdict;
 use crate::analysis::universal::Constants;
 use crate::model::Model;
 use crate::numerics::Real;
@@ -87,6 +88,8 @@ pub struct Border<R> {
     pub period: Estimate<R>,
     /// Number of the impact after which the chatter sequence begins, the first being 0.
     pub sequence_begins: usize,
+    /// Long flights in a period: the one after release, and one before each further excursion until chatter begins.
+    pub long_flights: usize,
     /// How many impacts were integrated one by one.
     pub impacts: usize,
     /// Indices of the two states that are coordinates on the contact surface at the first impact.
@@ -121,13 +124,40 @@ pub fn borders_in<R: Real>(
     }
     let problem = Problem::new(model, &spec.parameter, spec.coordinate)?;
     let samples = problem.scan(low, high, spec.samples.max(1))?;
-    let Found { roots, breaks } = problem.changes(&samples, spec.extrapolation)?;
-    let borders = roots
-        .into_iter()
-        .filter(|root| (low..=high).contains(&root.point.value))
-        .map(|root| complete(&problem, spec, &root))
-        .collect::<Result<Vec<Border<R>>, BorderError>>()?;
+    let Found { roots, mut breaks } = problem.changes(&samples, spec.extrapolation)?;
+    let mut borders = Vec::new();
+    for root in roots {
+        if !(low..=high).contains(&root.point.value) {
+            continue;
+        }
+        match complete(&problem, spec, &root) {
+            Ok(border) => borders.push(border),
+            Err(_) => breaks.push(Break {
+                value: root.point.value,
+                cause: BreakCause::Jump,
+            }),
+        }
+    }
+    breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
     Ok(Borders { borders, breaks })
+}
+
+/// The verdicts that [`borders_in`] starts from: at `spec.samples` + 1 parameter values from `low` to `high`.
+///
+/// # Errors
+/// As for [`borders_in`].
+pub fn verdicts_in(
+    model: &Model,
+    spec: &BorderSpec,
+    low: f64,
+    high: f64,
+) -> Result<Vec<(f64, Verdict)>, BorderError> {
+    if !(low < high && low.is_finite() && high.is_finite()) {
+        return Err(BorderError::Range { low, high });
+    }
+    let problem = Problem::new(model, &spec.parameter, spec.coordinate)?;
+    let samples = problem.scan(low, high, spec.samples.max(1))?;
+    Ok(samples.iter().map(|s| (s.value, s.verdict)).collect())
 }
 
 /// Searched distances from the value asked for, relative to it, each twice the one before.
@@ -253,6 +283,9 @@ fn complete<R: Real>(
         },
         period,
         sequence_begins: point.sequence.begins,
+        long_flights: (point.sequence.impacts.iter())
+            .filter(|impact| impact.arrives)
+            .count(),
         impacts: point.sequence.impacts.len(),
         exact: exact(problem, &point, &chart)?,
         leading_order: leading_order(problem, &point, &chart, spec.section.as_ref()),

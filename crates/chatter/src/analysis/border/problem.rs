@@ -22,7 +22,7 @@ pub(crate) struct Problem {
     pub model: Model,
     pub parameter: usize,
     pub release: ReleaseEquations,
-    plain: Follower,
+    pub plain: Follower,
     pub variational: Follower,
 }
 

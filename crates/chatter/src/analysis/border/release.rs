@@ -4,7 +4,7 @@ use crate::expressions::{Expr, Graph, Symbol};
 use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::linear::solve;
-use crate::numerics::{DoubleDouble, Real};
+use crate::numerics::{DoubleDouble, Real, Scalar};
 
 /// Newton's method gives up after so many steps.
 const NEWTON_STEPS: usize = 40;
@@ -17,6 +17,11 @@ const SEED_STEPS: usize = 4000;
 
 /// How many of its states serve as first guesses.
 const SEEDS: usize = 100;
+
+/// In a forced system the initial state at these later times serves too: whatever the period, some fall within one.
+const FIRST_SHIFT: f64 = 1.0 / 64.0;
+const LAST_SHIFT: f64 = 256.0;
+const SHIFT_GROWTH: f64 = 1.2;
 
 /// A horizon that no step reaches.
 const NO_HORIZON: f64 = 1e12;
@@ -109,6 +114,26 @@ impl ReleaseEquations {
         [0, 1].map(|row| self.values(&self.jacobian[row], state, parameters))
     }
 
+    /// Sets one state such that the gap is zero; false where Newton's method does not get there.
+    pub(crate) fn onto_surface(&self, state: &mut [f64], bound: usize, parameters: &[f64]) -> bool {
+        for _ in 0..NEWTON_STEPS {
+            let [gap, _] = self.gap_and_rate(state, parameters);
+            let slope = self
+                .graph
+                .evaluate(self.jacobian[0][bound], state, parameters);
+            let before = state[bound];
+            state[bound] -= gap / slope;
+            if !state[bound].is_finite() {
+                return false;
+            }
+            let moved = (state[bound] - before).abs();
+            if moved <= NEWTON_DONE * f64::ROUNDOFF * (before.abs() + 1.0) {
+                return true;
+            }
+        }
+        false
+    }
+
     /// Gap and rate.
     pub(crate) fn gap_and_rate<R: Real>(&self, state: &[R], parameters: &[R]) -> [R; 2] {
         [0, 1].map(|i| self.graph.evaluate(self.functions[i], state, parameters))
@@ -187,11 +212,42 @@ impl ReleaseEquations {
         if let Some(found) = self.solve(parameters, &initial) {
             return Some(found);
         }
-        let mut work = system.workspace::<f64>(&Settings::default());
-        let time = model.time.map_or(0.0, |index| initial[index]);
-        let mut trajectory =
-            Trajectory::start(system, &mut work, parameters, time, &initial).ok()?;
+        let start = model.time.map_or(0.0, |index| initial[index]);
+        let mut seeds = self.along_trajectory(system, parameters, &initial, start);
+        if let Some(index) = model.time {
+            let mut shift = FIRST_SHIFT;
+            while shift < LAST_SHIFT {
+                let mut later = initial.clone();
+                later[index] += shift;
+                seeds.push(later);
+                shift *= SHIFT_GROWTH;
+            }
+        }
+        let found = seeds
+            .iter()
+            .filter_map(|state| self.solve(parameters, state));
+        let lateness = |point: &ReleasePoint<f64>| match model.time {
+            Some(index) => (point.state[index] - start).abs(),
+            None => 0.0,
+        };
+        found.min_by(|a, b| lateness(a).total_cmp(&lateness(b)))
+    }
+
+    /// States along the trajectory from the initial state, the last one at a release if there is one; none if it cannot
+    /// start there.
+    fn along_trajectory(
+        &self,
+        system: &System,
+        parameters: &[f64],
+        initial: &[f64],
+        start: f64,
+    ) -> Vec<Vec<f64>> {
         let mut seeds = Vec::new();
+        let mut work = system.workspace::<f64>(&Settings::default());
+        let Ok(mut trajectory) = Trajectory::start(system, &mut work, parameters, start, initial)
+        else {
+            return seeds;
+        };
         for _ in 0..SEED_STEPS {
             match trajectory.advance(system, &mut work, NO_HORIZON) {
                 Ok(Some(Occurrence::Release { .. })) => {
@@ -203,14 +259,7 @@ impl ReleaseEquations {
                 Err(_) => break,
             }
         }
-        let found = seeds
-            .iter()
-            .filter_map(|state| self.solve(parameters, state));
-        let lateness = |point: &ReleasePoint<f64>| match model.time {
-            Some(index) => (point.state[index] - time).abs(),
-            None => 0.0,
-        };
-        found.min_by(|a, b| lateness(a).total_cmp(&lateness(b)))
+        seeds
     }
 
     /// A release point polished in another number type.

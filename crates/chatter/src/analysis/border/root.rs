@@ -18,6 +18,11 @@ const NEWTON_DONE: f64 = 2.0;
 /// not enough of the sequence is near it to tell.
 const SETTLED: f64 = 1e-9;
 
+/// At a root dX/dp is known at least to this part of itself, and the sequence comes at least this near to u*, relative
+/// to u*.
+const VAGUE: f64 = 0.1;
+const APART: f64 = 0.05;
+
 /// X and its derivative at a parameter value, with the sequence that they were taken from.
 #[derive(Clone, Debug)]
 pub(crate) struct Point<R> {
@@ -104,7 +109,10 @@ impl Problem {
                 let error = (point.x.error / point.slope.value.to_f64().abs())
                     .max(size.min(before))
                     .max(floor);
-                if error.is_nan() || error > SETTLED * value.abs().to_f64() {
+                let last = &point.sequence.impacts[point.end].local;
+                let vague = point.slope.error > VAGUE * point.slope.value.abs().to_f64();
+                let apart = point.limits.distance(last.u()) > APART;
+                if error.is_nan() || error > SETTLED * value.abs().to_f64() || vague || apart {
                     break;
                 }
                 return Ok(Root { point, error });

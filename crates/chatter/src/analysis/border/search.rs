@@ -112,7 +112,13 @@ impl Problem {
             for sample in [&left, &right] {
                 let within = (left.value - width, right.value + width);
                 if let Some(root) = self.root_from(sample, extrapolation, within) {
-                    found.roots.push(root);
+                    match grazing_start(&root) {
+                        Some(rate) => found.breaks.push(Break {
+                            value: root.point.value,
+                            cause: BreakCause::Graze { impact: 0, rate },
+                        }),
+                        None => found.roots.push(root),
+                    }
                     return Ok(());
                 }
             }
@@ -150,6 +156,15 @@ impl Problem {
         self.root(sample.value, &near, sequence.begins, extrapolation, within)
             .ok()
     }
+}
+
+/// The rate of the first impact of a border orbit if it is a graze: then the normal form has no finite slope.
+fn grazing_start(root: &Root<f64>) -> Option<f64> {
+    let rates = root.point.sequence.impacts.iter().map(|i| i.rate_before);
+    let largest = rates
+        .clone()
+        .fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    rates.take(1).find(|rate| rate.abs() <= GRAZE * largest)
 }
 
 /// What makes the verdict change where no root is.

@@ -6,7 +6,8 @@ use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::numerics::Real;
 
 /// A flight is local, one of a chatter sequence, if it starts with a < 0 and lasts at most this many nu / j. At the
-/// border of the last local flight, a graze, it lasts 3/2 of it to leading order (eq. (3) with s = 0).
+/// border of the last local flight, a graze, it lasts 3/2 of it to leading order (eq. (3) with s = 0). Where j < 0 it
+/// lasts at most 2 w / nu, and this many w / nu are allowed.
 const LOCAL_FLIGHT: f64 = 3.0;
 
 /// So many local flights one after the other are a chatter sequence.
@@ -16,7 +17,7 @@ const SEQUENCE: usize = 3;
 const STEPS_WITHOUT_IMPACT: usize = 2_000;
 
 /// More impacts than this are not followed: a sequence at restitution 0.99 has some two thousand.
-const MOST_IMPACTS: usize = 20_000;
+const MOST_IMPACTS: usize = 5_000;
 
 /// After so many long flights without a chatter sequence none is expected.
 const MOST_EXCURSIONS: usize = 40;
@@ -45,6 +46,8 @@ pub(crate) struct Impact<R> {
     pub state: Vec<R>,
     pub rate_before: R,
     pub local: Local<R>,
+    /// Whether the flight before it was a long one.
+    pub arrives: bool,
 }
 
 /// The impacts from a state on.
@@ -72,6 +75,10 @@ pub(crate) enum Until {
     Verdict,
     /// After so many impacts, or at the end of the first chatter sequence if that is earlier.
     Impacts(usize),
+    /// After so many impacts, whatever lies between them; complete chatter alone ends it earlier.
+    Count(usize),
+    /// After so many long flights, at the impact that ends the last of them; complete chatter alone ends it earlier.
+    Arrivals(usize),
 }
 
 impl Follower {
@@ -97,16 +104,16 @@ impl Follower {
         let mut limit: Option<R> = None;
         let mut quiet = 0;
         let mut excursions = 0;
+        let counting = matches!(until, Until::Count(_) | Until::Arrivals(_));
         while quiet < STEPS_WITHOUT_IMPACT
-            && sequence.impacts.len() < MOST_IMPACTS
-            && excursions < MOST_EXCURSIONS
+            && (counting || sequence.impacts.len() < MOST_IMPACTS && excursions < MOST_EXCURSIONS)
         {
             quiet += 1;
             let horizon = limit.unwrap_or(R::splat(NO_HORIZON));
             match trajectory.advance(system, &mut work, horizon)? {
                 Some(Occurrence::Impact { rate_before, .. }) => {
                     quiet = 0;
-                    if limit.is_none() && sequence.is_chatter() {
+                    if limit.is_none() && sequence.is_chatter() && !counting {
                         sequence.verdict = Verdict::Incomplete;
                         return Ok(sequence);
                     }
@@ -116,7 +123,8 @@ impl Follower {
                         trajectory.state(),
                         &trajectory.low,
                     );
-                    if limit.is_none() {
+                    let arrives = limit.is_none();
+                    if arrives {
                         sequence.begins = sequence.impacts.len();
                         excursions += 1;
                     }
@@ -126,8 +134,15 @@ impl Follower {
                         state: trajectory.state().to_vec(),
                         rate_before,
                         local,
+                        arrives,
                     });
-                    if until == Until::Impacts(sequence.impacts.len()) {
+                    let count = sequence.impacts.len();
+                    let done = match until {
+                        Until::Verdict => false,
+                        Until::Impacts(most) | Until::Count(most) => count == most,
+                        Until::Arrivals(most) => excursions == most,
+                    };
+                    if done {
                         sequence.verdict = Verdict::Stopped;
                         return Ok(sequence);
                     }
@@ -141,7 +156,7 @@ impl Follower {
                         break;
                     }
                     limit = None;
-                    if sequence.is_chatter() {
+                    if sequence.is_chatter() && !counting {
                         sequence.verdict = Verdict::Incomplete;
                         return Ok(sequence);
                     }
@@ -165,9 +180,10 @@ fn local_flight<R: Real>(local: &Local<R>) -> Option<R> {
     if local.acceleration >= R::ZERO {
         return None;
     }
-    Some(if local.jerk > R::ZERO {
-        local.nu() / local.jerk * R::splat(LOCAL_FLIGHT)
+    let scale = if local.jerk > R::ZERO {
+        local.nu() / local.jerk
     } else {
-        R::splat(NO_HORIZON)
-    })
+        local.rate / local.nu()
+    };
+    Some(scale * R::splat(LOCAL_FLIGHT))
 }

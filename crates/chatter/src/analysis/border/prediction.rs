@@ -1,0 +1,248 @@
+//! What the one-dimensional map says about the system near a border orbit.
+
+use super::error::BorderError;
+use super::orbit::Border;
+use crate::analysis::universal::Universal;
+use crate::numerics::Real;
+
+/// z -> Upsilon(K z + M (p - p*)), and the states after the first impact that go with z, (26) and (27).
+#[derive(Clone, Debug)]
+pub struct Prediction {
+    universal: Universal<f64>,
+    /// K.
+    pub slope: f64,
+    /// M.
+    pub unfolding_rate: f64,
+    /// p*.
+    pub border: f64,
+    /// States after the first impact: s_0* + by_upsilon z + by_parameter (p - p*).
+    pub states: AffineStates,
+}
+
+/// States that are affine in z and p - p*.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AffineStates {
+    /// At the border orbit.
+    pub origin: Vec<f64>,
+    /// What z = 1 adds: A B.
+    pub by_upsilon: Vec<f64>,
+    /// What p - p* = 1 adds: A E + F, or ds_0/dp.
+    pub by_parameter: Vec<f64>,
+}
+
+/// One predicted passage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PredictedPassage {
+    /// Upsilon of the passage before: what it adds to the first impact of this one.
+    pub z: f64,
+    /// X of the first impact.
+    pub x: f64,
+    /// Impacts until release in flight; `None` where chatter is complete.
+    pub impacts: Option<u64>,
+}
+
+/// Where an orbit settles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Settled {
+    /// It repeats after so many passages with so many impacts in all.
+    Periodic {
+        /// Passages in a period.
+        passages: usize,
+        /// Impacts in a period.
+        impacts: u64,
+    },
+    /// Each passage is a complete chatter sequence.
+    Complete,
+    /// It does not repeat within what was followed.
+    Unsettled,
+}
+
+/// Impacts per passage over a stretch of an orbit without complete chatter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpactCounts {
+    /// Fewest in a passage.
+    pub least: u64,
+    /// Most in a passage.
+    pub most: u64,
+    /// On average.
+    pub mean: f64,
+}
+
+impl ImpactCounts {
+    /// Of these passages; `None` without any.
+    pub fn of(impacts: impl IntoIterator<Item = u64>) -> Option<Self> {
+        let mut counts: Option<(u64, u64, u64, u64)> = None;
+        for n in impacts {
+            let (least, most, sum, passages) = counts.unwrap_or((n, n, 0, 0));
+            counts = Some((least.min(n), most.max(n), sum + n, passages + 1));
+        }
+        counts.map(|(least, most, sum, passages)| Self {
+            least,
+            most,
+            mean: sum as f64 / passages as f64,
+        })
+    }
+}
+
+/// Periods up to this are recognised.
+pub(crate) const LONGEST_PERIOD: usize = 64;
+
+/// Passages until an orbit is taken to have settled.
+const TRANSIENT: usize = 4000;
+
+/// Two passages are the same if they agree to this, relative to their size.
+const SAME: f64 = 1e-9;
+
+impl AffineStates {
+    /// The state for z at a distance p - p* from the border.
+    pub fn at(&self, z: f64, distance: f64) -> Vec<f64> {
+        (self.origin.iter())
+            .zip(self.by_upsilon.iter().zip(&self.by_parameter))
+            .map(|(&s, (&a, &b))| s + a * z + b * distance)
+            .collect()
+    }
+}
+
+fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
+    values.iter().map(|x| x.to_f64()).collect()
+}
+
+impl Prediction {
+    /// With the exact coefficients (M5).
+    ///
+    /// # Errors
+    /// The restitution is not between 0 and 1.
+    pub fn exact<R: Real>(border: &Border<R>) -> Result<Self, BorderError> {
+        let exact = &border.exact;
+        Ok(Self {
+            universal: universal(border)?,
+            slope: exact.slope.value.to_f64(),
+            unfolding_rate: exact.unfolding_rate.value.to_f64(),
+            border: border.value.value.to_f64(),
+            states: AffineStates {
+                origin: to_f64(&border.first_impact.state),
+                by_upsilon: to_f64(&exact.first_impact_by_upsilon),
+                by_parameter: to_f64(&exact.first_impact_by_parameter),
+            },
+        })
+    }
+
+    /// With the paper's leading-order coefficients. States have the section coordinates' components only; the third
+    /// stays at its value on the border orbit.
+    ///
+    /// # Errors
+    /// The restitution is not between 0 and 1, or there are no such coefficients.
+    pub fn leading_order<R: Real>(border: &Border<R>) -> Result<Self, BorderError> {
+        let form = border.leading_order.as_ref().map_err(Clone::clone)?;
+        let mut by_upsilon = vec![0.0; border.first_impact.state.len()];
+        let mut by_parameter = by_upsilon.clone();
+        for (row, &i) in border.section.iter().enumerate() {
+            let along = |v: [R; 2]| form.a[row][0] * v[0] + form.a[row][1] * v[1];
+            by_upsilon[i] = along(form.b).to_f64();
+            by_parameter[i] = (along(form.e) + form.f[row]).to_f64();
+        }
+        Ok(Self {
+            universal: universal(border)?,
+            slope: form.slope.to_f64(),
+            unfolding_rate: form.unfolding_rate.to_f64(),
+            border: border.value.value.to_f64(),
+            states: AffineStates {
+                origin: to_f64(&border.first_impact.state),
+                by_upsilon,
+                by_parameter,
+            },
+        })
+    }
+
+    /// Upsilon and its constants.
+    pub fn universal(&self) -> &Universal<f64> {
+        &self.universal
+    }
+
+    /// mu = M (p - p*).
+    pub fn mu(&self, parameter: f64) -> f64 {
+        self.unfolding_rate * (parameter - self.border)
+    }
+
+    /// p = p* + mu / M.
+    pub fn parameter(&self, mu: f64) -> f64 {
+        self.border + mu / self.unfolding_rate
+    }
+
+    /// The passage that follows one with this z.
+    pub fn passage(&self, mu: f64, z: f64) -> PredictedPassage {
+        let x = self.slope.mul_add(z, mu);
+        let at = self.universal.at(x);
+        // Lap n has n impacts after the first; above x_e laps are negative, and one impact is left at least.
+        let impacts = (x > 0.0).then(|| (at.lap + 1.0).max(1.0) as u64);
+        PredictedPassage { z, x, impacts }
+    }
+
+    /// The z of the next passage.
+    pub fn next(&self, mu: f64, z: f64) -> f64 {
+        self.universal.value(self.slope.mul_add(z, mu))
+    }
+
+    /// `keep` passages after `transient` others, from the border orbit's own z = 0.
+    pub fn orbit(&self, parameter: f64, transient: usize, keep: usize) -> Vec<PredictedPassage> {
+        let mu = self.mu(parameter);
+        let mut z = 0.0;
+        for _ in 0..transient {
+            z = self.next(mu, z);
+        }
+        (0..keep)
+            .map(|_| {
+                let passage = self.passage(mu, z);
+                z = self.next(mu, z);
+                passage
+            })
+            .collect()
+    }
+
+    /// The state after the first impact of a passage.
+    pub fn state(&self, parameter: f64, passage: &PredictedPassage) -> Vec<f64> {
+        self.states.at(passage.z, parameter - self.border)
+    }
+
+    /// Where orbits settle: how many passages and impacts a period has.
+    pub fn settled(&self, parameter: f64) -> Settled {
+        let passages = self.orbit(parameter, TRANSIENT, 2 * LONGEST_PERIOD);
+        if passages.iter().all(|passage| passage.impacts.is_none()) {
+            return Settled::Complete;
+        }
+        let scale = passages.iter().fold(0.0_f64, |most, p| most.max(p.x.abs()));
+        let same = |a: &PredictedPassage, b: &PredictedPassage| {
+            a.impacts == b.impacts && (a.x - b.x).abs() <= SAME * scale
+        };
+        settle(&passages, same, |passage| passage.impacts)
+    }
+}
+
+/// The shortest period of a list of passages.
+pub(crate) fn settle<P>(
+    passages: &[P],
+    same: impl Fn(&P, &P) -> bool,
+    impacts: impl Fn(&P) -> Option<u64>,
+) -> Settled {
+    for period in 1..=LONGEST_PERIOD.min(passages.len() / 2) {
+        let repeats = (passages.iter().zip(&passages[period..])).all(|(a, b)| same(a, b));
+        if repeats {
+            return match passages[..period].iter().map(&impacts).sum() {
+                Some(impacts) => Settled::Periodic {
+                    passages: period,
+                    impacts,
+                },
+                None => Settled::Complete,
+            };
+        }
+    }
+    Settled::Unsettled
+}
+
+fn universal<R: Real>(border: &Border<R>) -> Result<Universal<f64>, BorderError> {
+    let value = border.constants.restitution.to_f64();
+    Universal::new(value).map_err(|_| BorderError::Restitution {
+        value,
+        at: border.value.value.to_f64(),
+    })
+}

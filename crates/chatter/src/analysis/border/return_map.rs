@@ -1,0 +1,330 @@
+//! The same window in the system itself: the return map from first impact to first impact, by Newton's method.
+//!
+//! The orbit with N impacts is followed as a curve over the rate w after its last impact. Over w everything is smooth,
+//! the graze w = 0 included, where over the parameter it is a root: a multiplier m goes to infinity like 1 / w.
+
+use super::error::BorderError;
+use super::exact::SectionChart;
+use super::extrapolate::Estimate;
+use super::located::LocatedWindow;
+use super::problem::with_identity;
+use super::sequence::Until;
+use super::simulated::Simulator;
+use crate::numerics::DoubleDouble;
+use crate::numerics::linear::solve;
+
+/// What the map found for one loop.
+struct Loop {
+    image: [f64; 2],
+    /// Derivatives by the two coordinates and the parameter.
+    slopes: [[f64; 3]; 2],
+    rate: f64,
+    rate_slopes: [f64; 3],
+}
+
+impl Loop {
+    /// Derivatives of image - point, and one more row.
+    fn fixed_point_rows(&self, last: Vec<f64>) -> Vec<Vec<f64>> {
+        let mut rows: Vec<Vec<f64>> = self.slopes.iter().map(|s| s.to_vec()).collect();
+        rows[0][0] -= 1.0;
+        rows[1][1] -= 1.0;
+        rows.push(last);
+        rows
+    }
+}
+
+/// A fixed point of the return map.
+#[derive(Clone, Copy)]
+pub(super) struct FixedPoint {
+    /// Two coordinates and the parameter.
+    at: [f64; 3],
+    rate: f64,
+    multiplier: f64,
+    /// d at / d rate.
+    direction: [f64; 3],
+}
+
+const NEWTON_STEPS: usize = 40;
+/// A Newton step is halved so often while it leaves the orbits with this number of impacts.
+const STEP_HALVINGS: usize = 12;
+/// A correction is none below this, relative to the distance from the border orbit.
+const NEWTON_DONE: f64 = 1e-11;
+/// Rates towards the graze: each half of the one before.
+const GRAZE_POINTS: usize = 9;
+/// How many of the last of them are extrapolated.
+const GRAZE_ORDER: usize = 5;
+/// Away from the graze the rate grows by this factor a step, so many times at most.
+const GROWTH: f64 = 1.15;
+const GROWTH_STEPS: usize = 40;
+const SECANT_STEPS: usize = 60;
+/// A multiplier is met to this.
+const MULTIPLIER_DONE: f64 = 1e-9;
+
+/// The return map of the system near its border orbit.
+pub(super) struct ReturnMap<'a> {
+    pub simulator: &'a Simulator,
+    pub border: f64,
+    pub origin: Vec<f64>,
+    pub free: [usize; 2],
+    pub bound: usize,
+    /// Length of the border orbit, for the return of a forced system.
+    pub period: f64,
+    pub impacts: usize,
+}
+
+impl ReturnMap<'_> {
+    /// The length of a loop in forcing time, and its derivative by the parameter; zero without forcing.
+    fn turn(&self, parameter: f64) -> Result<(f64, f64), BorderError> {
+        let problem = &self.simulator.problem;
+        let Some(time) = problem.model.time else {
+            return Ok((0.0, 0.0));
+        };
+        let mut after = self.simulator.release.clone();
+        after[time] += DoubleDouble::from(self.period);
+        let first = problem.release_point(parameter, Some(&self.simulator.release))?;
+        let next = problem.release_point(parameter, Some(&after))?;
+        Ok((
+            next.state[time] - first.state[time],
+            next.slope[time] - first.slope[time],
+        ))
+    }
+
+    /// One loop from a first impact to the next; `None` if it has another number of impacts.
+    fn follow(&self, at: [f64; 3]) -> Result<Option<Loop>, BorderError> {
+        let problem = &self.simulator.problem;
+        let parameters = problem.parameters(at[2]);
+        let mut state = self.origin.clone();
+        state[self.free[0]] = at[0];
+        state[self.free[1]] = at[1];
+        if !problem
+            .release
+            .onto_surface(&mut state, self.bound, &parameters)
+        {
+            return Ok(None);
+        }
+        let chart = SectionChart::with_bound(problem, &parameters, &state, self.bound);
+        let start = with_identity(&state);
+        let count = self.impacts;
+        let sequence = problem
+            .variational
+            .follow(&parameters, &start, Until::Count(count));
+        let Ok(sequence) = sequence else {
+            return Ok(None);
+        };
+        let impacts = &sequence.impacts;
+        let arrivals = impacts.iter().skip(1).filter(|i| i.arrives).count();
+        if impacts.len() != count
+            || count < 2
+            || !impacts[count - 1].arrives
+            || arrivals != self.simulator.long_flights
+        {
+            return Ok(None);
+        }
+        let (last, next) = (&impacts[count - 2].local, &impacts[count - 1].local);
+        let turn = self.turn(at[2])?;
+        let time = problem.model.time;
+        let weights: Vec<Vec<f64>> = (0..3).map(|along| chart.weights(along)).collect();
+        let component = |i: usize| {
+            let state = impacts[count - 1].state[i];
+            if Some(i) == time {
+                state - turn.0
+            } else {
+                state
+            }
+        };
+        let slope = |i: usize, along: usize| {
+            let sum: f64 = (next.slopes.iter().zip(&weights[along]))
+                .map(|(slope, weight)| slope.state[i] * weight)
+                .sum();
+            if Some(i) == time && along == 2 {
+                sum - turn.1
+            } else {
+                sum
+            }
+        };
+        let row = |i: usize| [slope(i, 0), slope(i, 1), slope(i, 2)];
+        let rate_slope = |along: usize| {
+            (last.slopes.iter().zip(&weights[along]))
+                .map(|(slope, weight)| slope.rate * weight)
+                .sum()
+        };
+        Ok(Some(Loop {
+            image: [component(self.free[0]), component(self.free[1])],
+            slopes: [row(self.free[0]), row(self.free[1])],
+            rate: last.rate,
+            rate_slopes: [rate_slope(0), rate_slope(1), rate_slope(2)],
+        }))
+    }
+
+    /// The fixed point at this rate after the last impact, or at the guess's own parameter if none is given.
+    pub fn solve(
+        &self,
+        guess: [f64; 3],
+        rate: Option<f64>,
+    ) -> Result<Option<FixedPoint>, BorderError> {
+        let mut at = guess;
+        let Some(mut found) = self.follow(at)? else {
+            return Ok(None);
+        };
+        let mut before = f64::INFINITY;
+        for _ in 0..NEWTON_STEPS {
+            let last = match rate {
+                Some(rate) => (found.rate_slopes.to_vec(), rate - found.rate),
+                None => (vec![0.0, 0.0, 1.0], guess[2] - at[2]),
+            };
+            let right = [at[0] - found.image[0], at[1] - found.image[1], last.1];
+            let Some(step) = solve(&found.fixed_point_rows(last.0), &right) else {
+                return Ok(None);
+            };
+            let scale = [0, 1].map(|i| (at[i] - self.origin[self.free[i]]).abs());
+            let size = (step[0].abs() / scale[0])
+                .max(step[1].abs() / scale[1])
+                .max(step[2].abs() / (at[2] - self.border).abs());
+            let mut part = 1.0;
+            let mut moved = None;
+            for _ in 0..STEP_HALVINGS {
+                let trial = [0, 1, 2].map(|i| at[i] + part * step[i]);
+                if let Some(good) = self.follow(trial)? {
+                    moved = Some((trial, good));
+                    break;
+                }
+                part *= 0.5;
+            }
+            let Some((there, good)) = moved else {
+                return Ok(None);
+            };
+            (at, found) = (there, good);
+            if size <= NEWTON_DONE || (size < NEWTON_DONE.sqrt() && size >= before) {
+                let [[a, b, _], [c, d, _]] = found.slopes;
+                let (half, determinant) = (0.5 * (a + d), a * d - b * c);
+                let root = (half * half - determinant).max(0.0).sqrt();
+                let multiplier = if half >= 0.0 {
+                    half + root
+                } else {
+                    half - root
+                };
+                let Some(direction) = solve(
+                    &found.fixed_point_rows(found.rate_slopes.to_vec()),
+                    &[0.0, 0.0, 1.0],
+                ) else {
+                    return Ok(None);
+                };
+                return Ok(Some(FixedPoint {
+                    at,
+                    rate: found.rate,
+                    multiplier,
+                    direction: [direction[0], direction[1], direction[2]],
+                }));
+            }
+            before = size;
+        }
+        Ok(None)
+    }
+
+    /// The fixed point at another rate, from a neighbour.
+    fn at_rate(&self, from: &FixedPoint, rate: f64) -> Result<Option<FixedPoint>, BorderError> {
+        let step = rate - from.rate;
+        let guess = [0, 1, 2].map(|i| from.at[i] + from.direction[i] * step);
+        if let Some(found) = self.solve(guess, Some(rate))? {
+            return Ok(Some(found));
+        }
+        self.solve(from.at, Some(rate))
+    }
+
+    pub fn window(&self, middle: FixedPoint) -> Result<LocatedWindow, BorderError> {
+        let mut towards = vec![middle];
+        for _ in 0..GRAZE_POINTS {
+            let last = towards[towards.len() - 1];
+            match self.at_rate(&last, last.rate * 0.5)? {
+                Some(next) => towards.push(next),
+                None => break,
+            }
+        }
+        let mut away = vec![middle];
+        let wanted = -towards[towards.len() - 1].multiplier.signum();
+        for _ in 0..GROWTH_STEPS {
+            let last = away[away.len() - 1];
+            if last.multiplier * wanted > 1.0 {
+                break;
+            }
+            match self.at_rate(&last, last.rate * GROWTH)? {
+                Some(next) => away.push(next),
+                None => break,
+            }
+        }
+        let meet = |multiplier: f64| -> Result<Option<f64>, BorderError> {
+            for branch in [&towards, &away] {
+                let crossed = |pair: &&[FixedPoint]| {
+                    (pair[0].multiplier - multiplier) * (pair[1].multiplier - multiplier) <= 0.0
+                };
+                if let Some(pair) = branch.windows(2).find(crossed) {
+                    return self.meet(pair[0], pair[1], multiplier);
+                }
+            }
+            Ok(None)
+        };
+        Ok(LocatedWindow {
+            fold: meet(1.0)?,
+            period_doubling: meet(-1.0)?,
+            grazing: graze(&towards),
+        })
+    }
+
+    /// The parameter between two fixed points where the multiplier takes a value: safeguarded secant in the rate on
+    /// w (m - multiplier), which has no pole at the graze.
+    fn meet(
+        &self,
+        mut low: FixedPoint,
+        mut high: FixedPoint,
+        multiplier: f64,
+    ) -> Result<Option<f64>, BorderError> {
+        let value = |point: &FixedPoint| point.rate * (point.multiplier - multiplier);
+        let (mut at_low, mut at_high) = (value(&low), value(&high));
+        let mut latest = low;
+        for _ in 0..SECANT_STEPS {
+            if (latest.multiplier - multiplier).abs() <= MULTIPLIER_DONE {
+                return Ok(Some(latest.at[2]));
+            }
+            let part = at_low / (at_low - at_high);
+            let rate = low.rate + (high.rate - low.rate) * part;
+            let near = if part < 0.5 { low } else { high };
+            let Some(point) = self.at_rate(&near, rate)? else {
+                return Ok(None);
+            };
+            latest = point;
+            let there = value(&point);
+            if there * at_low > 0.0 {
+                (low, at_low) = (point, there);
+                at_high *= 0.5;
+            } else {
+                (high, at_high) = (point, there);
+                at_low *= 0.5;
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The parameter at rate zero: a power series in the rate, of which each halving removes one more term.
+fn graze(points: &[FixedPoint]) -> Option<Estimate<f64>> {
+    if points.len() <= GRAZE_ORDER {
+        return None;
+    }
+    let mut column: Vec<f64> = points[points.len() - GRAZE_ORDER - 1..]
+        .iter()
+        .map(|point| point.at[2])
+        .collect();
+    let mut power = 1.0;
+    let mut before = column[column.len() - 1];
+    while column.len() > 1 {
+        before = column[column.len() - 1];
+        power *= 2.0;
+        column = (column.windows(2))
+            .map(|pair| pair[1] + (pair[1] - pair[0]) / (power - 1.0))
+            .collect();
+    }
+    Some(Estimate {
+        value: column[0],
+        error: (column[0] - before).abs(),
+    })
+}

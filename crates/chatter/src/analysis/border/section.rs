@@ -1,0 +1,106 @@
+//! States on a section of the flight after release, predicted by the one-dimensional map.
+
+use super::error::BorderError;
+use super::orbit::{Border, BorderSpec};
+use super::prediction::AffineStates;
+use super::problem::{PARAMETER_COLUMN, Problem, STATES, with_identity};
+use crate::expressions::{Expr, Symbol, nearest};
+use crate::flow::{Column, Occurrence, Settings, System, Trajectory};
+use crate::model::Model;
+use crate::numerics::{DoubleDouble, Real};
+
+/// The states where orbits near the border cross a section of the model for the first time after release, with the exact
+/// coefficients: what (27) becomes on the section of an orbit diagram, such as y3 = 9.7 for the valve. `z` is that of
+/// the passage that the crossing begins.
+///
+/// # Errors
+/// There is no such section, or the border orbit does not cross it before its first impact.
+pub fn section_states<R: Real>(
+    model: &Model,
+    spec: &BorderSpec,
+    border: &Border<R>,
+    section: &str,
+) -> Result<AffineStates, BorderError> {
+    let not_crossed = || BorderError::SectionNotCrossed {
+        name: section.to_owned(),
+    };
+    let Some(chosen) = model.section(section) else {
+        let names = model.sections.iter().map(|s| &*s.name);
+        return Err(BorderError::UnknownSection {
+            name: section.to_owned(),
+            nearest: nearest(section, names),
+        });
+    };
+    let surface = chosen.surface;
+    let problem = Problem::new(model, &spec.parameter, spec.coordinate)?;
+    let mut model = model.clone();
+    model.sections.retain(|s| s.name == section);
+    let columns: Vec<Column> = (0..STATES)
+        .map(|_| Column::State)
+        .chain([Column::Parameter(problem.parameter)])
+        .collect();
+    let system = System::with_columns(&model, &columns)?;
+    // The coefficients are wanted to plot by: the border is needed more finely than they are.
+    let value: DoubleDouble = border.value.value.to_double_double();
+    let parameters = problem.parameters(value);
+    let near: Vec<DoubleDouble> = (border.release.state.iter())
+        .map(|x| x.to_double_double())
+        .collect();
+    let release = problem.release_point(value, Some(&near))?;
+    let start = with_identity(&release.state);
+    let time = model.time.map_or(DoubleDouble::ZERO, |index| start[index]);
+    let until = time + border.first_impact.time.to_double_double();
+    let mut work = system.workspace::<DoubleDouble>(&Settings::default());
+    let mut trajectory = Trajectory::start(&system, &mut work, &parameters, time, &start)?;
+    loop {
+        match trajectory.advance(&system, &mut work, until)? {
+            Some(Occurrence::Section { .. }) => break,
+            Some(Occurrence::Impact { .. } | Occurrence::Horizon) => return Err(not_crossed()),
+            _ => {}
+        }
+    }
+    let state = trajectory.state();
+    let here = &state[..STATES];
+    let mut graph = model.graph.clone();
+    let rates = model.parameter_rates(&mut graph, problem.parameter);
+    let symbols: Vec<Symbol> = (0..STATES).map(Symbol::State).collect();
+    let mut slopes = graph.gradient(surface, &symbols);
+    slopes.push(
+        graph.directional_derivatives(&[surface], &|symbol| match symbol {
+            Symbol::Parameter(i) => rates.get(i).copied(),
+            Symbol::State(_) => None,
+        })[0],
+    );
+    let evaluate = |exprs: &[Expr]| -> Vec<DoubleDouble> {
+        exprs
+            .iter()
+            .map(|&expr| graph.evaluate(expr, here, &parameters))
+            .collect()
+    };
+    let (slopes, field) = (evaluate(&slopes), evaluate(&model.field()));
+    let dot = |a: &[DoubleDouble], b: &[DoubleDouble]| {
+        (a.iter().zip(b)).fold(DoubleDouble::ZERO, |sum, (&a, &b)| sum + a * b)
+    };
+    let speed = dot(&slopes[..STATES], &field);
+    let along = |weights: &[DoubleDouble], by_parameter: DoubleDouble| -> Vec<f64> {
+        let moved: Vec<DoubleDouble> = (0..STATES)
+            .map(|i| {
+                (weights.iter().chain([&by_parameter]).enumerate())
+                    .map(|(column, &weight)| system.column(state, column)[i] * weight)
+                    .fold(DoubleDouble::ZERO, |sum, part| sum + part)
+            })
+            .collect();
+        let drift = dot(&slopes[..STATES], &moved) + slopes[PARAMETER_COLUMN] * by_parameter;
+        (moved.iter().zip(&field))
+            .map(|(&moved, &field)| (moved - field * drift / speed).to_f64())
+            .collect()
+    };
+    let amplitude = border.exact.amplitude.value.to_double_double();
+    let scale = amplitude * amplitude / release.jerk;
+    let offset: Vec<DoubleDouble> = release.jump.iter().map(|&w| w * scale).collect();
+    Ok(AffineStates {
+        origin: here.iter().map(|x| x.to_f64()).collect(),
+        by_upsilon: along(&offset, DoubleDouble::ZERO),
+        by_parameter: along(&release.slope, DoubleDouble::ONE),
+    })
+}

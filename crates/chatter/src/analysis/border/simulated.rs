@@ -1,0 +1,114 @@
+//! The system itself near a border orbit, passage by passage, beside the prediction.
+
+use super::error::BorderError;
+use super::orbit::{Border, BorderSpec};
+use super::prediction::{Settled, settle};
+use super::problem::{Problem, exactly};
+use super::sequence::{Until, Verdict};
+use crate::model::Model;
+use crate::numerics::{DoubleDouble, Real};
+
+/// Passages of the flow through the neighbourhood of release.
+#[derive(Clone, Debug)]
+pub struct Simulator {
+    pub(super) problem: Problem,
+    pub(super) long_flights: usize,
+    pub(super) release: Vec<DoubleDouble>,
+    /// Length of the border orbit.
+    pub(super) period: f64,
+}
+
+/// One passage: a chatter sequence between two long flights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Passage {
+    /// State after its first impact.
+    pub state: Vec<f64>,
+    /// Impacts.
+    pub impacts: u64,
+}
+
+/// A simulated orbit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulated {
+    /// Passages after the transient.
+    pub passages: Vec<Passage>,
+    /// Where it settles.
+    pub settled: Settled,
+}
+
+/// Two passages are the same if their states agree to this, relative to their size.
+const SAME: f64 = 1e-9;
+
+impl Simulator {
+    /// For the system that a border was found in.
+    ///
+    /// # Errors
+    /// As for [`borders_in`](super::borders_in).
+    pub fn new<R: Real>(
+        model: &Model,
+        spec: &BorderSpec,
+        border: &Border<R>,
+    ) -> Result<Self, BorderError> {
+        Ok(Self {
+            problem: Problem::new(model, &spec.parameter, spec.coordinate)?,
+            long_flights: border.long_flights,
+            release: exactly(&border.release.state),
+            period: border.period.value.to_f64(),
+        })
+    }
+
+    /// Follows the flow from release at a parameter value: `keep` passages after `transient` others.
+    ///
+    /// # Errors
+    /// The trajectory cannot go on.
+    pub fn orbit(
+        &self,
+        parameter: f64,
+        transient: usize,
+        keep: usize,
+    ) -> Result<Simulated, BorderError> {
+        let release = self.problem.release_point(parameter, Some(&self.release))?;
+        let parameters = self.problem.parameters(parameter);
+        let arrivals = (transient + keep) * self.long_flights + 1;
+        let follower = &self.problem.plain;
+        let sequence = follower.follow(&parameters, &release.state, Until::Arrivals(arrivals))?;
+        if sequence.verdict == Verdict::Complete {
+            return Ok(Simulated {
+                passages: Vec::new(),
+                settled: Settled::Complete,
+            });
+        }
+        let mut passages: Vec<Passage> = Vec::new();
+        let mut arrivals = 0;
+        for impact in &sequence.impacts {
+            if impact.arrives {
+                if arrivals % self.long_flights == 0 {
+                    passages.push(Passage {
+                        state: impact.state.clone(),
+                        impacts: 0,
+                    });
+                }
+                arrivals += 1;
+            }
+            if let Some(passage) = passages.last_mut() {
+                passage.impacts += 1;
+            }
+        }
+        // The last one goes on.
+        passages.pop();
+        passages.drain(..transient.min(passages.len()));
+        passages.truncate(keep);
+        let time = self.problem.model.time;
+        let scale: Vec<f64> = (0..release.slope.len())
+            .map(|i| (passages.iter()).fold(0.0_f64, |most, p| most.max(p.state[i].abs())))
+            .collect();
+        let same = |a: &Passage, b: &Passage| {
+            a.impacts == b.impacts
+                && (0..scale.len())
+                    .filter(|&i| Some(i) != time)
+                    .all(|i| (a.state[i] - b.state[i]).abs() <= SAME * scale[i])
+        };
+        let settled = settle(&passages, same, |passage| Some(passage.impacts));
+        Ok(Simulated { passages, settled })
+    }
+}
