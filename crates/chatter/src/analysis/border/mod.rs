@@ -41,7 +41,7 @@ pub use leading_order::{LeadingOrder, ReleaseSection};
 pub use local::LocalCoordinate;
 pub use located::{Discrepancy, LocatedWindow, WindowComparison};
 pub use orbit::{
-    Border, BorderSpec, Borders, FirstImpact, Search, border_near, borders_in, leading_order_at,
+    Border, BorderSpec, Borders, FirstImpact, border_near, borders_in, leading_order_at,
     verdicts_in,
 };
 pub use prediction::{AffineStates, ImpactCounts, PredictedPassage, Prediction, Settled};

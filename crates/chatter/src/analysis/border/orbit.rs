@@ -15,20 +15,6 @@ use crate::analysis::universal::Constants;
 use crate::model::Model;
 use crate::numerics::Real;
 
-/// Where to look for borders.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Search {
-    /// The border nearest to a parameter value, within a factor of two of it.
-    Near(f64),
-    /// All borders from a lower to an upper value.
-    Range {
-        /// Lower end.
-        low: f64,
-        /// Upper end.
-        high: f64,
-    },
-}
-
 /// How borders are looked for and normal forms computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BorderSpec {
