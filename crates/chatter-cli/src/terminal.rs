@@ -1,12 +1,15 @@
 //! What a terminal adds: colour, progress, Ctrl-C. A pipe sees none of it.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// A run shorter than this shows no progress.
 const QUIET_FOR: Duration = Duration::from_millis(700);
+
+/// Time between two frames of the bar.
+const BETWEEN_FRAMES: Duration = Duration::from_millis(100);
 
 /// Steps of the progress bar.
 const BAR_LENGTH: u64 = 1000;
@@ -107,6 +110,7 @@ pub fn interrupted() -> bool {
 /// A bar on the error stream for runs that last, if that is a terminal.
 pub struct Progress {
     began: Instant,
+    shown: Instant,
     bar: Option<ProgressBar>,
     wanted: bool,
 }
@@ -114,8 +118,10 @@ pub struct Progress {
 impl Progress {
     /// Shows nothing yet.
     pub fn new() -> Self {
+        let now = Instant::now();
         Self {
-            began: Instant::now(),
+            began: now,
+            shown: now,
             bar: None,
             wanted: std::io::stderr().is_terminal(),
         }
@@ -123,23 +129,33 @@ impl Progress {
 
     /// Shows that this part of the work is done.
     pub fn show(&mut self, done: f64, message: impl FnOnce() -> String) {
-        if !self.wanted || (self.bar.is_none() && self.began.elapsed() < QUIET_FOR) {
+        let waiting = if self.bar.is_none() {
+            QUIET_FOR
+        } else {
+            BETWEEN_FRAMES
+        };
+        if !self.wanted || self.shown.elapsed() < waiting {
             return;
         }
+        self.shown = Instant::now();
         let bar = self.bar.get_or_insert_with(|| {
             let bar = ProgressBar::with_draw_target(Some(BAR_LENGTH), ProgressDrawTarget::stderr());
-            if let Ok(style) =
-                ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}  {eta} left")
-            {
+            if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
                 bar.set_style(style);
             }
-            bar.with_elapsed(QUIET_FOR)
+            bar
         });
-        let position = (done.clamp(0.0, 1.0) * BAR_LENGTH as f64) as u64;
-        if position != bar.position() {
-            bar.set_message(message());
-            bar.set_position(position);
-        }
+        let done = done.clamp(0.0, 1.0);
+        let left = self.began.elapsed().as_secs_f64() * (1.0 - done) / done;
+        let left = match left {
+            left if left.is_finite() => format!(
+                ", {} left",
+                HumanDuration(Duration::from_secs_f64(left.min(1e9)))
+            ),
+            _ => String::new(),
+        };
+        bar.set_position((done * BAR_LENGTH as f64) as u64);
+        bar.set_message(format!("{}{left}", message()));
     }
 
     /// Takes the bar away.

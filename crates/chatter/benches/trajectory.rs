@@ -3,7 +3,7 @@
 
 use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;
-use chatter::numerics::{DoubleDouble, Real, Scalar};
+use chatter::numerics::{DoubleDouble, Real};
 use divan::counter::ItemsCount;
 
 const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");

@@ -49,7 +49,10 @@ pub struct Trajectory<R> {
     pub(crate) flight_time: R,
     horizon: R,
     tracker: ChatterTracker<R>,
+    /// How many impacts the sequence has so far: each slower than the one before, at one contact.
     sequence: u64,
+    /// Contact and incoming rate of the latest impact.
+    latest_impact: Option<(usize, R)>,
     instant_impacts: usize,
     /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
     completion: Option<(usize, Accumulation<R>)>,
@@ -121,6 +124,7 @@ impl<R: Real> Trajectory<R> {
             horizon: R::splat(FOREVER),
             tracker: ChatterTracker::new(work.longest_tail),
             sequence: 0,
+            latest_impact: None,
             instant_impacts: 0,
             completion: None,
             pending: None,
@@ -209,6 +213,7 @@ impl<R: Real> Trajectory<R> {
         self.horizon = R::splat(FOREVER);
         self.tracker.restart();
         self.sequence = 0;
+        self.latest_impact = None;
         self.instant_impacts = 0;
         self.completion = None;
         self.pending = None;
@@ -503,6 +508,11 @@ impl<R: Real> Trajectory<R> {
                 value: (-rate_after / rate_before).to_f64(),
             });
         }
+        let continues = |(before, rate)| before == contact && rate_before > rate;
+        if !self.latest_impact.is_some_and(continues) {
+            self.sequence = 0;
+        }
+        self.latest_impact = Some((contact, rate_before));
         self.sequence += 1;
         let occurrence = Occurrence::Impact {
             contact,
@@ -595,6 +605,7 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<(), FlowError> {
         self.tracker.interrupt();
         self.sequence = 0;
+        self.latest_impact = None;
         self.flight_time = R::splat(FOREVER);
         let at_rest = self.at_rest(system, work, contact)?;
         // Columns stay as they are if the contact lifts off at once: nothing holds it.

@@ -4,6 +4,32 @@
 //! Spec        how long, what stops it, what is sampled
 //! simulate -> Simulation    events, contact phases, counts, samples, outcome
 //! ```
+//!
+//! ```
+//! use chatter::analysis::simulate::{Spec, simulate};
+//! use chatter::model::Model;
+//! use std::ops::ControlFlow;
+//!
+//! let text = "
+//! [flight]
+//! y = 'v'
+//! v = -9.81
+//!
+//! [[contact]]
+//! gap = 'y'
+//! impulse = { v = 1 }
+//! restitution = 0.5
+//!
+//! [initial]
+//! y = 1
+//! v = 0
+//! ";
+//! let model = Model::from_toml(text, "ball")?;
+//! let run = simulate::<f64>(&model, &Spec::until(10.0), &mut |_| ControlFlow::Continue(()))?;
+//! assert_eq!(run.counts.accumulations, 1);
+//! assert!(run.contact_phases[0].start < 1.355);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod recorder;
 mod result;

@@ -1,11 +1,14 @@
 //! A simulation as text: what happened, in the order it happened.
 
+mod lines;
+
 use super::Subject;
-use crate::numbers::{concise, fixed, full, significant};
+use crate::numbers::{concise, fixed, full};
 use crate::terminal::Style;
-use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation};
+use chatter::analysis::simulate::{Outcome, Simulation};
 use chatter::flow::Closed;
 use chatter::numerics::Real;
+use lines::Line;
 
 /// How much of what happened is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,8 +23,6 @@ pub enum Listing {
 const TIME_DIGITS: u32 = 12;
 /// Digits of rates and durations in the list.
 const DETAIL_DIGITS: u32 = 6;
-/// Digits of an estimated error.
-const ERROR_DIGITS: u32 = 2;
 /// A summary has at most so many lines: what a reader takes in. The middle is left out.
 const MOST_LINES: usize = 40;
 /// Longest line of the parameters.
@@ -41,14 +42,6 @@ pub fn account<R: Real>(
     text.push('\n');
     text += &teller.ending();
     text
-}
-
-/// One line of the list.
-struct Line<R> {
-    time: R,
-    what: String,
-    place: String,
-    detail: String,
 }
 
 struct Teller<'a, R> {
@@ -180,120 +173,10 @@ impl<'a, R: Real> Teller<'a, R> {
         concise(value, self.detail_digits)
     }
 
-    fn start_line(&self) -> Line<R> {
-        let at_start = self.simulation.contact_phases.iter();
-        let closed = at_start.take_while(|phase| phase.start == self.simulation.start_time);
-        let closed = closed.fold(Closed::NONE, |closed, phase| closed.with(phase.contact));
-        Line {
-            time: self.simulation.start_time,
-            what: "start".to_owned(),
-            place: String::new(),
-            detail: self.phase(closed),
-        }
-    }
-
     fn phase(&self, closed: Closed) -> String {
         match &self.subject.contact_names(closed)[..] {
             [] => "in flight".to_owned(),
             names => format!("in contact with {}", names.join(" and ")),
-        }
-    }
-
-    fn every_event(&self) -> Vec<Line<R>> {
-        let events = self.simulation.events.iter();
-        core::iter::once(self.start_line())
-            .chain(events.map(|event| self.line(event)))
-            .collect()
-    }
-
-    fn line(&self, event: &Event<R>) -> Line<R> {
-        let detail = match event.detail {
-            EventDetail::Impact {
-                rate_before,
-                rate_after,
-                closes,
-                ..
-            } => {
-                let rates = format!(
-                    "rate {} -> {}",
-                    self.detail(rate_before),
-                    self.detail(rate_after)
-                );
-                if closes {
-                    format!("{rates}, closes")
-                } else {
-                    rates
-                }
-            }
-            EventDetail::Accumulation { impacts, error, .. } => format!(
-                "after {}, time known to {}",
-                counted(impacts, "impact"),
-                significant(error, ERROR_DIGITS)
-            ),
-            EventDetail::Release { contact } => self.time_in_contact(contact, event.time),
-            EventDetail::Graze { rate, .. } => format!("rate {}", self.detail(rate)),
-            EventDetail::Section { .. } => String::new(),
-        };
-        Line {
-            time: event.time,
-            what: event.kind().name().to_owned(),
-            place: self.subject.place(&event.detail).to_owned(),
-            detail,
-        }
-    }
-
-    fn time_in_contact(&self, contact: usize, end: R) -> String {
-        let ended = |phase: &&_| {
-            let phase: &chatter::analysis::simulate::ContactPhase<R> = phase;
-            phase.contact == contact && phase.end == Some(end)
-        };
-        match self.simulation.contact_phases.iter().find(ended) {
-            Some(phase) => format!("after {} in contact", self.detail(end - phase.start)),
-            None => String::new(),
-        }
-    }
-
-    /// Impacts of one contact with ever smaller rates are one line.
-    fn summary(&self) -> Vec<Line<R>> {
-        let mut lines = vec![self.start_line()];
-        let mut events = self.simulation.events.iter().peekable();
-        while let Some(event) = events.next() {
-            let Some((place, mut rate)) = incoming(event) else {
-                lines.push(self.line(event));
-                continue;
-            };
-            let (mut last, mut count) = (event, 1);
-            while let Some((next_place, next_rate)) =
-                events.peek().and_then(|event| incoming(event))
-            {
-                if next_place != place || next_rate.abs() > rate.abs() {
-                    break;
-                }
-                rate = next_rate;
-                count += 1;
-                last = events.next().unwrap_or(last);
-            }
-            lines.push(if count == 1 {
-                self.line(event)
-            } else {
-                self.sequence(event, last, count)
-            });
-        }
-        lines
-    }
-
-    fn sequence(&self, first: &Event<R>, last: &Event<R>, count: u64) -> Line<R> {
-        let rate = |event| incoming(event).map_or(R::ZERO, |(_, rate)| rate);
-        Line {
-            time: first.time,
-            what: counted(count, "impact"),
-            place: self.subject.place(&first.detail).to_owned(),
-            detail: format!(
-                "until {}, rates {} to {}",
-                self.time(last.time),
-                self.detail(rate(first)),
-                self.detail(rate(last))
-            ),
         }
     }
 
@@ -349,18 +232,6 @@ impl<'a, R: Real> Teller<'a, R> {
             Outcome::Interrupted => "interrupted".to_owned(),
             Outcome::Failed(_) => "broken off".to_owned(),
         }
-    }
-}
-
-/// Contact and incoming rate of an impact.
-fn incoming<R: Real>(event: &Event<R>) -> Option<(usize, R)> {
-    match event.detail {
-        EventDetail::Impact {
-            contact,
-            rate_before,
-            ..
-        } => Some((contact, rate_before)),
-        _ => None,
     }
 }
 
