@@ -7,8 +7,8 @@ use super::error::UniversalError;
 use super::lap::Lap;
 use super::scales::{Scales, lift};
 use super::sequence::Sequences;
-use crate::numerics::Real;
 use crate::numerics::dispatch::{Kernel, dispatch};
+use crate::numerics::{DoubleDouble, Real};
 
 /// The universal function Upsilon for one restitution.
 ///
@@ -19,8 +19,16 @@ use crate::numerics::dispatch::{Kernel, dispatch};
 pub struct Universal<R> {
     constants: Constants<R>,
     lap_end: R,
-    lap: Lap<R>,
+    exact: Exact,
+    pub(super) lap: Lap<R>,
     scales: Scales<R>,
+}
+
+/// What the atlas computes with, whatever the number type.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exact {
+    pub constants: Constants<DoubleDouble>,
+    pub lap_end: DoubleDouble,
 }
 
 /// Upsilon at a point, with its derivative and the impact that decides it.
@@ -50,6 +58,10 @@ impl<R: Real> Universal<R> {
         Ok(Self {
             constants,
             lap_end: R::from_double_double(lap_end),
+            exact: Exact {
+                constants: exact,
+                lap_end,
+            },
             lap: Lap::new(&sequences),
             scales: Scales::new(&exact, lap_end),
         })
@@ -68,6 +80,10 @@ impl<R: Real> Universal<R> {
     /// x_e = Q(3/8): the end of lap 0.
     pub fn lap_end(&self) -> R {
         self.lap_end
+    }
+
+    pub(super) fn exact(&self) -> &Exact {
+        &self.exact
     }
 
     /// The values of Q on lap 0: from eta x_e (excluded) to x_e.
@@ -152,5 +168,17 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
     /// Upsilon(x), its derivative, n and u_1.
     pub fn at(&self, x: R) -> Evaluation<R> {
         dispatch(At(self, x))
+    }
+
+    /// Upsilon''(x), to about half the digits: for Newton's method. NaN outside x > 0.
+    pub fn curvature(&self, x: R) -> R {
+        if !(x >= R::splat(f64::MIN_POSITIVE) && x.is_finite()) {
+            return R::splat(f64::NAN);
+        }
+        let placed = self.scales.place(x, &self.lap.mark);
+        let by_phase = self.lap.curvature(placed.phase, placed.from_mark);
+        let rest = self.constants.one_minus_eta;
+        // d phase / dx = -(eta^-n / x_e) / (1 - eta), and x eta^-n / x_e = 1 - (1 - eta) phase.
+        by_phase * self.scales.slope(&placed) * (rest * placed.phase - R::ONE) / (rest * x)
     }
 }

@@ -36,6 +36,8 @@ pub(super) struct Lap<R> {
     series: Rows<R>,
     /// Their derivatives by z.
     slopes: Rows<R>,
+    /// Their second derivatives by z.
+    curvatures: Rows<R>,
     /// (s_1^2 - 1/9) / (t - t_pole), in both halves of its rows; empty for restitutions that do not need it.
     pole: Vec<[R; 2]>,
     /// The pole of g, u_1 = 1/3.
@@ -143,12 +145,14 @@ impl<R: Real> Lap<R> {
         let series = cut(R::ROUNDOFF * 0.25);
         // Differentiation multiplies what was cut by the square of the degree.
         let slopes = cut(R::ROUNDOFF * 1e-3).map(|series| derivative(&series));
+        let curvatures = cut(R::ROUNDOFF * 1e-6).map(|series| derivative(&derivative(&series)));
         let at_pole = sequences.limits(sequences.at_pole(), sequences.at(zero));
         let ratio = at_pole.own / at_pole.reference;
         let rounded = R::from_double_double(ratio);
         Self {
             series: rows(&[&series[0], &series[1]]),
             slopes: rows(&[&slopes[0], &slopes[1]]),
+            curvatures: rows(&[&curvatures[0], &curvatures[1]]),
             pole: if crowded {
                 rows(&[&series[2]])
             } else {
@@ -231,5 +235,45 @@ impl<R: Real> Lap<R> {
             value: e * shape,
             slope: e * shape_slope * root_slope - (e_z + e_z) * shape,
         }
+    }
+
+    /// Second derivative by the phase of Upsilon / lambda^2n: what Newton's method needs, not part of any result.
+    pub(super) fn curvature(&self, phase: R, from_pole: R) -> R
+    where
+        R: Argument<Real = R>,
+    {
+        let number = R::splat;
+        let z = R::ONE - (phase + phase);
+        let z2 = z * z;
+        let (e, c) = Self::two_series(&self.series, z, z2);
+        let (e_z, c_z) = Self::two_series(&self.slopes, z, z2);
+        let (e_zz, c_zz) = Self::two_series(&self.curvatures, z, z2);
+        let (s, twice_h) = self.roots(phase, from_pole, z, z2, c);
+        let (e_t, c_t) = (number(-2.0) * e_z, number(-2.0) * c_z);
+        let (e_tt, c_tt) = (number(4.0) * e_zz, number(4.0) * c_zz);
+        let square_t = c + phase * c_t;
+        let square_tt = c_t + c_t + phase * c_tt;
+        let s_t = square_t / (s + s);
+        let s_tt = (square_tt * number(0.5) - s_t * s_t) / s;
+        let shape_s = self.three_quarters_r * (R::ONE - (s + s)) - number(0.75) * twice_h;
+        let shape_ss = -(self.three_quarters_r + self.three_quarters_r + number(2.25));
+        e_tt * self.shape(s, twice_h)
+            + number(2.0) * e_t * shape_s * s_t
+            + e * (shape_ss * s_t * s_t + shape_s * s_tt)
+    }
+
+    /// Upsilon / lambda^2n at the graze, and the coefficient of the square root of the phase there.
+    pub(super) fn at_graze(&self) -> (R, R)
+    where
+        R: Argument<Real = R>,
+    {
+        let (e, c) = Self::two_series(&self.series, R::ONE, R::ONE);
+        let rising = self.three_quarters_r + R::splat(0.75);
+        (e * R::splat(-0.125), e * rising * c.sqrt())
+    }
+
+    /// Distance of a phase from that of the pole.
+    pub(super) fn distance_from_pole(&self, phase: R) -> R {
+        (phase - R::ONE) + self.mark.before_begin
     }
 }

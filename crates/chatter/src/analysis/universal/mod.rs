@@ -16,10 +16,13 @@ mod lap;
 mod map;
 #[cfg(test)]
 mod reference;
+mod root;
 mod scales;
+mod scaling;
 mod sequence;
 #[cfg(test)]
 mod tests;
+mod windows;
 
 pub use argument::Argument;
 pub use chatter_map::{ChatterMap, GRAZE};
@@ -27,3 +30,5 @@ pub use constants::Constants;
 pub use error::UniversalError;
 pub use evaluate::{Evaluation, Universal};
 pub use map::UniversalMap;
+pub use scaling::Scaling;
+pub use windows::{Located, Window};
