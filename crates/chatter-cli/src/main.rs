@@ -1,6 +1,7 @@
 //! The `chatter` command.
 
 mod commands;
+mod diagram;
 mod failure;
 mod named;
 mod numbers;
@@ -18,6 +19,7 @@ EXAMPLES
   chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg
   chatter simulate my_model.toml --json
   chatter check my_model.toml
+  chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:4000 --section closing --observe y2 --plot fig5.png
 
 Each command has a --help of its own. Exit codes: 0 done, 1 the computation could not be finished, 2 wrong input,
 130 broken off by Ctrl-C.";

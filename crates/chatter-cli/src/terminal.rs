@@ -66,6 +66,11 @@ pub fn complain(message: &str) {
     eprintln!("{title} {message}");
 }
 
+/// Tells the user what goes on beside the result.
+pub fn remark(message: &str) {
+    eprintln!("{message}");
+}
+
 /// Whether errors may be coloured.
 pub fn colors_on_stderr() -> bool {
     wants_color(std::io::stderr().is_terminal())
@@ -100,6 +105,11 @@ pub fn catch_interrupts() {
     });
     // Without a handler Ctrl-C ends the program as usual: nothing is lost but what was computed.
     drop(installed);
+}
+
+/// Set once Ctrl-C is pressed.
+pub fn interrupt_flag() -> &'static AtomicBool {
+    &INTERRUPTED
 }
 
 /// Whether Ctrl-C was pressed.

@@ -1,7 +1,9 @@
 //! The commands, one file each.
 
 mod check;
+mod diagram;
 mod models;
+mod plot;
 mod simulate;
 
 use crate::failure::Failure;
@@ -11,6 +13,8 @@ use clap::Subcommand;
 #[derive(Subcommand, Debug)]
 pub enum Command {
     Simulate(Box<simulate::Arguments>),
+    Diagram(Box<diagram::Arguments>),
+    Plot(plot::Arguments),
     Check(check::Arguments),
     Models(models::Arguments),
 }
@@ -20,6 +24,8 @@ impl Command {
     pub fn run(&self) -> Result<u8, Failure> {
         match self {
             Self::Simulate(arguments) => simulate::run(arguments),
+            Self::Diagram(arguments) => diagram::run(arguments),
+            Self::Plot(arguments) => plot::run(arguments),
             Self::Check(arguments) => check::run(arguments),
             Self::Models(arguments) => models::run(arguments),
         }

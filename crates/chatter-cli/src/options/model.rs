@@ -14,6 +14,13 @@ pub struct Assignment {
     text: String,
 }
 
+impl Assignment {
+    /// Name and expression.
+    pub fn pair(&self) -> (String, String) {
+        (self.name.clone(), self.text.clone())
+    }
+}
+
 impl std::str::FromStr for Assignment {
     type Err = String;
 

@@ -95,7 +95,8 @@ fn caption(subject: &Subject, title: &str, shown: &Shown) -> String {
     )
 }
 
-fn axis_of(name: &str, label: Option<&Label>) -> Axis {
+/// The axis of a quantity: what its label says, else its name.
+pub fn axis_of(name: &str, label: Option<&Label>) -> Axis {
     let text = label.and_then(|label| label.text.clone());
     let axis = Axis::new(text.unwrap_or_else(|| variable(name)));
     match label.and_then(|label| label.unit.clone()) {

@@ -28,12 +28,16 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// Notes a row that is there. Those of a piece must come in the order in which they were computed.
-    pub fn note(&mut self, sweep: &Sweep, row: &Row) {
+    /// Notes a row that is there. Those of a piece come in the order in which they were computed; a row that does not
+    /// belong to the sweep, or is out of order, is not noted, and will be computed again.
+    pub fn note(&mut self, sweep: &Sweep, row: &Row) -> bool {
+        if row.row >= sweep.rows() {
+            return false;
+        }
         let piece = sweep.piece_of(row.row);
         let begun = self.begun.entry(piece).or_default();
-        if row.row != sweep.row(piece, begun.0) {
-            return;
+        if begun.0 >= sweep.piece_rows(piece) || row.row != sweep.row(piece, begun.0) {
+            return false;
         }
         begun.0 += 1;
         self.rows += 1;
@@ -42,6 +46,7 @@ impl Standing {
         } else {
             Vec::new()
         };
+        true
     }
 
     /// How many rows are there.

@@ -248,7 +248,9 @@ fn a_broken_off_run_goes_on_to_the_same_bits() {
             },
         );
         assert!(ending == Ending::Stopped || rows.len() == 3000);
-        rows.iter().for_each(|row| standing.note(&sweep, row));
+        assert!(rows.iter().all(|row| standing.note(&sweep, row)));
+        // A row twice, or of another diagram, is not taken for one that is there.
+        assert!(rows.iter().all(|row| !standing.note(&sweep, row)));
         assert_eq!(standing.rows(), rows.len() as u64);
         let stop = AtomicBool::new(false);
         let ending = run(

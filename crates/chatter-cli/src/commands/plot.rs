@@ -1,0 +1,87 @@
+//! `chatter plot`: a figure of a result that was computed before.
+
+use crate::diagram::{Show, Stored, View, Zoom, picture};
+use crate::failure::{self, Failure};
+use crate::options::{FigureFile, ShearOption, SpanOption};
+use crate::terminal;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+EXAMPLES
+  chatter plot fig5.npz --zoom q=0.0203:0.0206 --out fig6.pdf
+  chatter plot fig5.npz --zoom q=0.0203:0.0206 --zoom y2=-0.006:-0.003 --out detail.png
+  chatter plot fig5.npz --shear auto --out sheared.svg
+  chatter plot map.npz --show impacts --out impacts.png";
+
+/// Draw an orbit diagram that was written to an NPZ file
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The NPZ file
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+
+    /// The figure, .png, .svg or .pdf
+    #[arg(long, value_name = "FILE")]
+    out: FigureFile,
+
+    /// Show a part of an axis only: of a swept parameter or of an observed quantity (sheared, if it is)
+    #[arg(long, value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    zoom: Vec<SpanOption>,
+
+    /// Show this observed quantity only
+    #[arg(long, value_name = "NAME")]
+    observe: Vec<String>,
+
+    /// Subtract a multiple of the parameter from the vertical axis: this slope, or `auto` for the one that makes the
+    /// diagram level
+    #[arg(long, value_name = "SLOPE", allow_hyphen_values = true)]
+    shear: Option<ShearOption>,
+
+    /// What a map over two parameters shows [default: period]
+    #[arg(long, value_name = "WHAT")]
+    show: Option<ShowOption>,
+}
+
+/// What a map over two parameters shows.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ShowOption {
+    Period,
+    Impacts,
+    Exponent,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let mut stored = Stored::open(&arguments.file)?;
+    let job = stored.job.clone();
+    let ready = job.prepare(&stored.model_text)?;
+    let mut model = ready.model.clone();
+    let mut zooms = Vec::new();
+    for span in &arguments.zoom {
+        let (from, to) = span.ends(&mut model, "--zoom")?;
+        let name = span.name.clone();
+        zooms.push(Zoom { name, from, to });
+    }
+    let view = View {
+        zooms,
+        shear: arguments.shear.map(|shear| shear.0),
+        observe: arguments.observe.clone(),
+        show: match arguments.show {
+            None | Some(ShowOption::Period) => Show::Period,
+            Some(ShowOption::Impacts) => Show::Impacts,
+            Some(ShowOption::Exponent) => Show::Exponent,
+        },
+    };
+    let drawn = picture::draw(&job, &ready.model, &ready.sweep, &mut stored, &view)?;
+    let path = &arguments.out.0;
+    let outcome = drawn.figure.write(path);
+    outcome.map_err(|error| Failure::Output(error.to_string()))?;
+    let mut text = format!("wrote {}\n", path.display());
+    if drawn.slanted {
+        text += picture::SLANTED;
+    }
+    terminal::print(&text).map_err(Failure::Output)?;
+    Ok(failure::SUCCESS)
+}

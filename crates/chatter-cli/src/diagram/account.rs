@@ -1,0 +1,69 @@
+//! A diagram in a few lines.
+
+use super::job::Job;
+use crate::terminal::Style;
+use chatter::analysis::diagram::{Outcome, Start, Sweep};
+use chatter::analysis::return_map::Sampling;
+use chatter::analysis::simulate::EventKind;
+use chatter::model::Model;
+use std::collections::BTreeMap;
+
+/// What was computed and what it came to.
+pub fn account(
+    job: &Job,
+    model: &Model,
+    sweep: &Sweep,
+    counts: &BTreeMap<Outcome, u64>,
+    style: Style,
+) -> String {
+    let title = model.title.as_deref().unwrap_or(&job.model);
+    let spec = &job.diagram;
+    let mut text = format!("{}\n", style.title(title));
+    for range in &spec.sweeps {
+        text += &format!(
+            "  {} from {} to {}, {} values\n",
+            range.parameter, range.from, range.to, range.count
+        );
+    }
+    let start = match &spec.start {
+        Start::Fresh => "each from the initial state".to_owned(),
+        Start::CarryUp => format!("states carried upwards in {} chunks", sweep.pieces()),
+        Start::CarryDown => format!("states carried downwards in {} chunks", sweep.pieces()),
+        Start::Random { count, seed, .. } => {
+            format!("{count} random starts each (seed {seed})")
+        }
+    };
+    text += &format!(
+        "  {} samples after {} at {}, {start}\n",
+        spec.keep,
+        spec.transient,
+        look(&job.returns.sampling, spec.every)
+    );
+    let parts: Vec<String> = counts
+        .iter()
+        .map(|(outcome, count)| format!("{count} {}", outcome.name().replace('_', " ")))
+        .collect();
+    text += &format!("  {}\n", parts.join(", "));
+    text
+}
+
+fn look(sampling: &Sampling, every: u64) -> String {
+    let what = match sampling {
+        Sampling::Event { kind, at } => {
+            let event = match kind {
+                EventKind::Section => "crossing of a section".to_owned(),
+                _ => kind.to_string(),
+            };
+            match (kind, at) {
+                (_, None) => event,
+                (EventKind::Section, Some(at)) => format!("crossing of section `{at}`"),
+                (_, Some(at)) => format!("{event} at {at}"),
+            }
+        }
+        Sampling::Stroboscopic { period } => format!("period of {period}"),
+    };
+    match every {
+        1 => format!("each {what}"),
+        _ => format!("every {every}th {what}"),
+    }
+}

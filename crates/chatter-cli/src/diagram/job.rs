@@ -1,0 +1,113 @@
+//! What is to be computed, and what is to be written: all that a run needs to go on where another was broken off.
+
+use super::picture::Shear;
+use crate::failure::Failure;
+use chatter::analysis::diagram::{DiagramError, Spec, Sweep};
+use chatter::analysis::return_map::{ReturnMap, ReturnMapError, ReturnSpec};
+use chatter::model::{Model, ModelError};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A diagram. Equal jobs have equal results, to the bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// Version of this program.
+    pub version: String,
+    /// The model as the user named it.
+    pub model: String,
+    /// Parameters set by the user: name and expression.
+    pub set: Vec<(String, String)>,
+    /// Initial values set by the user: name and expression.
+    pub initial: Vec<(String, String)>,
+    /// The map.
+    pub returns: ReturnSpec,
+    /// The diagram.
+    pub diagram: Spec,
+}
+
+/// A job and what becomes of its result.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Order {
+    /// What is computed.
+    pub job: Job,
+    /// Text of the model's file.
+    pub model_text: String,
+    /// The table to be written.
+    pub out: Option<PathBuf>,
+    /// The figure to be drawn.
+    pub plot: Option<PathBuf>,
+    /// How the vertical axis of the figure is sheared.
+    pub shear: Option<Shear>,
+}
+
+/// A job made ready.
+pub struct Ready {
+    /// The model, with everything set into it.
+    pub model: Model,
+    /// Its map.
+    pub map: ReturnMap,
+    /// The diagram's rows.
+    pub sweep: Sweep,
+}
+
+impl Job {
+    /// Reads the model and checks everything.
+    pub fn prepare(&self, model_text: &str) -> Result<Ready, Failure> {
+        let model = self.model(model_text)?;
+        let map = ReturnMap::new(&model, &self.returns).map_err(|error| look_failure(&error))?;
+        let sweep =
+            Sweep::new(&map, &self.diagram).map_err(|error| self.refused(&error, &model))?;
+        Ok(Ready { model, map, sweep })
+    }
+
+    /// The model, with everything set into it.
+    pub fn model(&self, text: &str) -> Result<Model, Failure> {
+        let mut model = Model::from_toml(text, &self.model)?;
+        for (name, text) in &self.set {
+            let from_option = |error: ModelError| error.with_source_name(&format!("--set {name}"));
+            model.set_parameter(name, text).map_err(from_option)?;
+        }
+        for (name, text) in &self.initial {
+            let from_option =
+                |error: ModelError| error.with_source_name(&format!("--initial {name}"));
+            model.set_initial(name, text).map_err(from_option)?;
+        }
+        Ok(model)
+    }
+
+    fn refused(&self, error: &DiagramError, model: &Model) -> Failure {
+        match error {
+            DiagramError::Observable { text, error } => {
+                let mut known = model.state_names();
+                known.extend(model.parameter_names());
+                known.extend(chatter::analysis::map::Passage::NAMES);
+                ModelError::of_expression("--observe", text, error.clone(), &known).into()
+            }
+            _ => Failure::input(error).did_you_mean(error.suggestion()),
+        }
+    }
+
+    /// What another job differs in, in words.
+    pub fn difference(&self, other: &Self) -> &'static str {
+        if self.version != other.version {
+            "another version of chatter"
+        } else if (&self.set, &self.initial) != (&other.set, &other.initial) {
+            "other parameters or initial values"
+        } else if self.returns != other.returns {
+            "another section or other limits"
+        } else if self.diagram.sweeps != other.diagram.sweeps {
+            "another sweep"
+        } else {
+            "other options"
+        }
+    }
+}
+
+fn look_failure(error: &ReturnMapError) -> Failure {
+    match error {
+        ReturnMapError::Period { text, error } => {
+            ModelError::of_expression("--period", text, error.clone(), &[]).into()
+        }
+        _ => Failure::input(error).did_you_mean(error.suggestion()),
+    }
+}

@@ -1,0 +1,15 @@
+//! Orbit diagrams as files: what is wanted, the journal that holds what is there already, tables, pictures.
+
+pub mod account;
+pub mod job;
+pub mod picture;
+mod source;
+mod store;
+mod stored;
+pub mod table;
+
+pub use job::{Job, Order};
+pub use picture::{Shear, Show, View, Zoom};
+pub use source::Class;
+pub use store::{Store, journal_of};
+pub use stored::Stored;

@@ -1,0 +1,137 @@
+//! The journal of a diagram: its rows, in the order in which they were done.
+
+use super::job::Order;
+use super::source::{Class, Source};
+use crate::failure::Failure;
+use chatter::analysis::diagram::{Outcome, Row, Standing, Sweep};
+use chatter_io::journal::{Journal, JournalError, Place};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The journal beside a file that is to be written.
+pub fn journal_of(output: &Path) -> PathBuf {
+    let mut name = output.file_name().unwrap_or_default().to_os_string();
+    name.push(".journal");
+    output.with_file_name(name)
+}
+
+/// An open journal and where its rows stand in it. Memory holds eight bytes a row.
+pub struct Store {
+    journal: Journal,
+    sweep: Sweep,
+    places: Vec<Option<Place>>,
+    counts: BTreeMap<Outcome, u64>,
+    bytes: Vec<u8>,
+}
+
+impl Store {
+    /// Starts a journal.
+    pub fn create(path: &Path, order: &Order, sweep: &Sweep) -> Result<Self, Failure> {
+        let header =
+            serde_json::to_vec(order).map_err(|error| Failure::input(error.to_string()))?;
+        let journal = Journal::create(path, &header).map_err(output)?;
+        Ok(Self::new(journal, sweep))
+    }
+
+    fn new(journal: Journal, sweep: &Sweep) -> Self {
+        Self {
+            journal,
+            places: vec![None; sweep.rows() as usize],
+            sweep: sweep.clone(),
+            counts: BTreeMap::new(),
+            bytes: Vec::new(),
+        }
+    }
+
+    /// Opens a journal and reads what it is about; its rows only once the sweep is known.
+    pub fn order_of(path: &Path) -> Result<Order, Failure> {
+        let (_, header) = Journal::open(path, |_, _| {}).map_err(input)?;
+        serde_json::from_slice(&header).map_err(|error| {
+            Failure::input(format!(
+                "`{}` is not a journal of an orbit diagram of this version of chatter: {error}",
+                path.display()
+            ))
+        })
+    }
+
+    /// Opens a journal whose order is known, and notes the rows that are there.
+    pub fn open(path: &Path, sweep: &Sweep) -> Result<(Self, Standing), Failure> {
+        let mut standing = Standing::default();
+        let mut places = vec![None; sweep.rows() as usize];
+        let mut counts = BTreeMap::new();
+        let (journal, _) = Journal::open(path, |place, bytes| {
+            // Rows that another program wrote are made again.
+            if let Ok(row) = Row::from_bytes(bytes)
+                && standing.note(sweep, &row)
+            {
+                places[row.row as usize] = Some(place);
+                *counts.entry(row.outcome).or_default() += 1;
+            }
+        })
+        .map_err(input)?;
+        let mut store = Self::new(journal, sweep);
+        (store.places, store.counts) = (places, counts);
+        Ok((store, standing))
+    }
+
+    /// Keeps a row.
+    pub fn append(&mut self, row: &Row) -> Result<(), JournalError> {
+        let place = self.journal.append(&row.to_bytes())?;
+        self.places[row.row as usize] = Some(place);
+        *self.counts.entry(row.outcome).or_default() += 1;
+        Ok(())
+    }
+
+    /// How many rows settled to what.
+    pub fn counts(&self) -> &BTreeMap<Outcome, u64> {
+        &self.counts
+    }
+
+    /// Reads a row again.
+    pub fn row(&mut self, row: u64) -> Result<Row, Failure> {
+        let missing = || Failure::Output(format!("row {row} of the diagram is missing"));
+        let place = self.places[row as usize].ok_or_else(missing)?;
+        self.journal.read(place, &mut self.bytes).map_err(output)?;
+        Row::from_bytes(&self.bytes).map_err(|error| Failure::Output(error.to_string()))
+    }
+
+    /// Deletes the journal.
+    pub fn remove(self) -> Result<(), Failure> {
+        self.journal.remove().map_err(output)
+    }
+}
+
+impl Source for Store {
+    fn samples(&mut self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Failure> {
+        let observed = self.sweep.spec().observe.len();
+        for row in 0..self.sweep.rows() {
+            let row = self.row(row)?;
+            for sample in row.samples.chunks_exact(observed) {
+                visit(row.row, sample);
+            }
+        }
+        Ok(())
+    }
+
+    fn classes(&mut self, visit: &mut dyn FnMut(u64, &Class)) -> Result<(), Failure> {
+        for row in 0..self.sweep.rows() {
+            let row = self.row(row)?;
+            let class = Class {
+                outcome: row.outcome,
+                period: row.period,
+                impacts_per_return: row.impacts_per_return,
+                exponent: row.exponent,
+            };
+            visit(row.row, &class);
+        }
+        Ok(())
+    }
+}
+
+fn input(error: JournalError) -> Failure {
+    Failure::input(error)
+}
+
+fn output(error: JournalError) -> Failure {
+    Failure::Output(error.to_string())
+}

@@ -1,0 +1,99 @@
+//! A diagram read back from the NPZ file that it was written to.
+
+use super::job::Job;
+use super::source::{Class, Source};
+use super::table::{MODEL, SPECIFICATION};
+use crate::failure::Failure;
+use chatter::analysis::diagram::{Outcome, Sweep};
+use chatter_io::tables::NpzReader;
+use std::path::Path;
+
+/// An open file.
+pub struct Stored {
+    file: NpzReader,
+    /// What it holds.
+    pub job: Job,
+    /// Text of the model's file.
+    pub model_text: String,
+}
+
+impl Stored {
+    /// Opens a file.
+    pub fn open(path: &Path) -> Result<Self, Failure> {
+        let file = NpzReader::open(path).map_err(Failure::input)?;
+        let foreign = |why: String| {
+            Failure::input(format!(
+                "`{}` holds no orbit diagram: {why}",
+                path.display()
+            ))
+            .help("`chatter diagram … --out FILE.npz` writes one")
+        };
+        let text = |name: &str| file.text(name).map_err(|error| foreign(error.to_string()));
+        let job = serde_json::from_str(&text(SPECIFICATION)?)
+            .map_err(|error| foreign(format!("its specification is another: {error}")))?;
+        let model_text = text(MODEL)?;
+        Ok(Self {
+            file,
+            job,
+            model_text,
+        })
+    }
+
+    fn numbers(
+        &self,
+        name: &str,
+    ) -> Result<impl Iterator<Item = Result<f64, Failure>> + use<>, Failure> {
+        let stream = self.file.stream_floats(name).map_err(Failure::input)?;
+        Ok(stream.map(|number| number.map_err(Failure::input)))
+    }
+}
+
+/// The next of a stream that must be as long as another.
+fn following(stream: &mut impl Iterator<Item = Result<f64, Failure>>) -> Result<f64, Failure> {
+    let short = || Failure::input("the table's columns differ in length");
+    stream.next().ok_or_else(short)?
+}
+
+impl Source for Stored {
+    fn samples(&mut self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Failure> {
+        let columns = self.numbers(Sweep::COLUMN_NAME)?;
+        let mut streams = Vec::new();
+        for observed in &self.job.diagram.observe {
+            streams.push(self.numbers(&observed.name)?);
+        }
+        let mut sample = vec![0.0; streams.len()];
+        for column in columns {
+            for (value, stream) in sample.iter_mut().zip(&mut streams) {
+                *value = following(stream)?;
+            }
+            visit(column? as u64, &sample);
+        }
+        Ok(())
+    }
+
+    fn classes(&mut self, visit: &mut dyn FnMut(u64, &Class)) -> Result<(), Failure> {
+        let [outcome, period, impacts, exponent, _] = Sweep::CLASS_NAMES;
+        let outcomes = self.file.texts(outcome).map_err(Failure::input)?;
+        let mut periods = self.numbers(period)?;
+        let mut impacts = self.numbers(impacts)?;
+        let mut exponents = match self.file.contains(exponent) {
+            true => Some(self.numbers(exponent)?),
+            false => None,
+        };
+        for (row, name) in (0..).zip(outcomes) {
+            let outcome = Outcome::ALL.into_iter().find(|known| known.name() == name);
+            let unknown = || Failure::input(format!("`{name}` is no known outcome"));
+            let class = Class {
+                outcome: outcome.ok_or_else(unknown)?,
+                period: following(&mut periods)? as u64,
+                impacts_per_return: following(&mut impacts)?,
+                exponent: match &mut exponents {
+                    Some(stream) => following(stream)?,
+                    None => f64::NAN,
+                },
+            };
+            visit(row, &class);
+        }
+        Ok(())
+    }
+}

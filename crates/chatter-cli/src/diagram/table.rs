@@ -1,0 +1,235 @@
+//! A diagram as tables: one with a row for each orbit, one with a row for each sample.
+
+use super::job::Order;
+use super::store::Store;
+use crate::failure::Failure;
+use crate::named::Named;
+use chatter::analysis::diagram::{Exponent, Record, Row, Sweep};
+use chatter::model::Model;
+use chatter_io::Format;
+use chatter_io::tables::{Cell, CsvWriter, Dataset, NpzWriter, Table};
+use std::path::{Path, PathBuf};
+
+/// Name of the text that holds the job.
+pub const SPECIFICATION: &str = "specification";
+/// Name of the text that holds the model's file.
+pub const MODEL: &str = "model";
+const PARAMETERS: &str = "parameters";
+const VERSION: &str = "version";
+
+/// Longest name of an outcome or of a way to start.
+const WORD: usize = 16;
+
+/// Whether names of columns can stand beside each other in one file.
+pub fn check_names(sweep: &Sweep) -> Result<(), Failure> {
+    let mut table = Table::new("diagram");
+    let names = columns(sweep).into_iter().chain(samples(sweep));
+    for name in names.chain([SPECIFICATION, MODEL, PARAMETERS, VERSION].map(str::to_owned)) {
+        table = table.column(name, Vec::<f64>::new());
+    }
+    table.check().map_err(|error| {
+        Failure::input(error).help("give the observed quantity another name: --observe NAME=EXPR")
+    })
+}
+
+/// Headings of the table of orbits.
+fn columns(sweep: &Sweep) -> Vec<String> {
+    let spec = sweep.spec();
+    let swept = spec.sweeps.iter().map(|range| range.parameter.clone());
+    let [outcome, period, impacts, exponent, start] = Sweep::CLASS_NAMES.map(str::to_owned);
+    let mut names: Vec<String> = swept.chain([outcome, period, impacts]).collect();
+    if spec.exponent == Exponent::Largest {
+        names.push(exponent);
+    }
+    names.push(start);
+    names
+}
+
+/// Headings of the table of samples; none if samples are not kept.
+fn samples(sweep: &Sweep) -> Vec<String> {
+    let spec = sweep.spec();
+    if spec.record == Record::Classes {
+        return Vec::new();
+    }
+    let observed = spec.observe.iter().map(|observed| observed.name.clone());
+    [Sweep::COLUMN_NAME.to_owned()]
+        .into_iter()
+        .chain(observed)
+        .collect()
+}
+
+/// Writes the tables of a finished diagram; gives the files written.
+pub fn write(
+    order: &Order,
+    model: &Model,
+    sweep: &Sweep,
+    store: &mut Store,
+    path: &Path,
+) -> Result<Vec<PathBuf>, Failure> {
+    let parameters = Named::new(model.parameter_names(), model.parameter_values::<f64>(&[]));
+    let texts = [
+        (SPECIFICATION, json(&order.job)?),
+        (MODEL, order.model_text.clone()),
+        (PARAMETERS, json(&parameters)?),
+        (VERSION, order.job.version.clone()),
+    ];
+    match Format::of_table(path).map_err(Failure::input)? {
+        Format::Npz => write_npz(sweep, store, path, &texts),
+        _ => write_csv(sweep, store, path, &texts),
+    }
+}
+
+fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string(value).map_err(|error| Failure::Output(error.to_string()))
+}
+
+fn output(error: impl ToString) -> Failure {
+    Failure::Output(error.to_string())
+}
+
+fn write_npz(
+    sweep: &Sweep,
+    store: &mut Store,
+    path: &Path,
+    texts: &[(&str, String)],
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut writer = NpzWriter::create(path).map_err(output)?;
+    let rows = sweep.rows();
+    for (place, range) in sweep.spec().sweeps.iter().enumerate() {
+        let values = (0..rows).map(|row| sweep.values(row)[place]);
+        writer.stream(&range.parameter, values).map_err(output)?;
+    }
+    let [outcome, period, impacts, exponent, start] = Sweep::CLASS_NAMES;
+    words(&mut writer, outcome, store, rows, |row| row.outcome.name())?;
+    numbers(&mut writer, period, store, rows, |row| row.period as i64)?;
+    numbers(&mut writer, impacts, store, rows, |row| {
+        row.impacts_per_return
+    })?;
+    if sweep.spec().exponent == Exponent::Largest {
+        numbers(&mut writer, exponent, store, rows, |row| row.exponent)?;
+    }
+    words(&mut writer, start, store, rows, |row| row.start.name())?;
+    if sweep.spec().record == Record::Samples {
+        let observed = sweep.spec().observe.len();
+        let mut array = writer.begin::<i64>(Sweep::COLUMN_NAME).map_err(output)?;
+        for row in 0..rows {
+            let count = store.row(row)?.samples.len() / observed;
+            let repeated = std::iter::repeat_n(row as i64, count);
+            array.extend(repeated).map_err(output)?;
+        }
+        array.finish().map_err(output)?;
+        for (place, quantity) in sweep.spec().observe.iter().enumerate() {
+            let mut array = writer.begin::<f64>(&quantity.name).map_err(output)?;
+            for row in 0..rows {
+                let row = store.row(row)?;
+                let values = row.samples.iter().skip(place).step_by(observed);
+                array.extend(values.copied()).map_err(output)?;
+            }
+            array.finish().map_err(output)?;
+        }
+    }
+    for (name, text) in texts {
+        writer.text(name, text).map_err(output)?;
+    }
+    writer.finish().map_err(output)?;
+    Ok(vec![path.to_path_buf()])
+}
+
+fn words(
+    writer: &mut NpzWriter,
+    name: &str,
+    store: &mut Store,
+    rows: u64,
+    word: fn(&Row) -> &'static str,
+) -> Result<(), Failure> {
+    let mut failure = None;
+    let texts = (0..rows).map(|row| match store.row(row) {
+        Ok(row) => Ok(word(&row)),
+        Err(error) => {
+            failure = Some(error);
+            Ok("")
+        }
+    });
+    let written = writer.stream_texts(name, WORD, rows as usize, texts);
+    match failure {
+        Some(failure) => Err(failure),
+        None => written.map_err(output),
+    }
+}
+
+fn numbers<T: chatter_io::tables::Element>(
+    writer: &mut NpzWriter,
+    name: &str,
+    store: &mut Store,
+    rows: u64,
+    number: fn(&Row) -> T,
+) -> Result<(), Failure> {
+    let mut array = writer.begin::<T>(name).map_err(output)?;
+    for row in 0..rows {
+        array.push(number(&store.row(row)?)).map_err(output)?;
+    }
+    array.finish().map_err(output)
+}
+
+/// Files are named as by [`Dataset::write`].
+fn write_csv(
+    sweep: &Sweep,
+    store: &mut Store,
+    path: &Path,
+    texts: &[(&str, String)],
+) -> Result<Vec<PathBuf>, Failure> {
+    let spec = sweep.spec();
+    let with_samples = spec.record == Record::Samples;
+    let file = |table: &str| path.with_extension(format!("{table}.csv"));
+    let orbits = if with_samples {
+        file("columns")
+    } else {
+        path.to_path_buf()
+    };
+    let headings = columns(sweep);
+    let mut writer = csv(&orbits, &headings)?;
+    for row in 0..sweep.rows() {
+        let row = store.row(row)?;
+        let mut cells: Vec<Cell> = sweep.values(row.row).into_iter().map(Cell::Float).collect();
+        cells.push(Cell::Text(row.outcome.name()));
+        cells.push(Cell::Integer(row.period as i64));
+        cells.push(Cell::Float(row.impacts_per_return));
+        if spec.exponent == Exponent::Largest {
+            cells.push(Cell::Float(row.exponent));
+        }
+        cells.push(Cell::Text(row.start.name()));
+        writer.row(&cells).map_err(output)?;
+    }
+    writer.finish().map_err(output)?;
+    let mut written = vec![orbits];
+    if with_samples {
+        let path = file("samples");
+        let mut writer = csv(&path, &samples(sweep))?;
+        for row in 0..sweep.rows() {
+            let row = store.row(row)?;
+            for sample in row.samples.chunks_exact(spec.observe.len()) {
+                let column = Cell::Integer(row.row as i64);
+                let values = sample.iter().copied().map(Cell::Float);
+                let cells: Vec<Cell> = [column].into_iter().chain(values).collect();
+                writer.row(&cells).map_err(output)?;
+            }
+        }
+        writer.finish().map_err(output)?;
+        written.push(path);
+    }
+    let (names, texts): (Vec<String>, Vec<String>) = texts
+        .iter()
+        .map(|(name, text)| ((*name).to_owned(), text.clone()))
+        .unzip();
+    let about = Table::new("metadata")
+        .column("name", names)
+        .column("text", texts);
+    let path = file("metadata");
+    written.extend(Dataset::new().table(about).write(&path).map_err(output)?);
+    Ok(written)
+}
+
+fn csv(path: &Path, headings: &[String]) -> Result<CsvWriter, Failure> {
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    CsvWriter::create(path, &headings).map_err(output)
+}

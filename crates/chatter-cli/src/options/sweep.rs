@@ -1,0 +1,95 @@
+//! Ranges of a parameter, a quantity or a coordinate.
+
+use super::Quantity;
+use crate::failure::Failure;
+use chatter::analysis::diagram::{Range, Spacing};
+use chatter::model::Model;
+
+/// `NAME=FROM:TO:COUNT`, with `:log` for equal ratios.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SweepOption {
+    name: String,
+    from: Quantity,
+    to: Quantity,
+    count: u64,
+    spacing: Spacing,
+}
+
+impl std::str::FromStr for SweepOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const EXPECTED: &str = "expected NAME=FROM:TO:COUNT, such as q=0.0201:0.0235:4000";
+        let (name, range) = text.split_once('=').ok_or(EXPECTED)?;
+        let parts: Vec<&str> = range.split(':').collect();
+        let (&[from, to, count], spacing) = (match &parts[..] {
+            [ends @ .., "log"] => (ends, Spacing::Logarithmic),
+            ends => (ends, Spacing::Linear),
+        }) else {
+            return Err(EXPECTED.to_owned());
+        };
+        let count = count
+            .trim()
+            .parse()
+            .map_err(|_| format!("`{count}` is no number of values: {EXPECTED}"))?;
+        Ok(Self {
+            name: name.trim().to_owned(),
+            from: Quantity(from.to_owned()),
+            to: Quantity(to.to_owned()),
+            count,
+            spacing,
+        })
+    }
+}
+
+impl SweepOption {
+    /// The range, its ends evaluated at the model's parameters.
+    pub fn range(&self, model: &mut Model) -> Result<Range, Failure> {
+        if model.parameter_index(&self.name).is_none() && model.state_index(&self.name).is_some() {
+            return Err(Failure::input(format!(
+                "`{}` is a state, not a parameter: it cannot be swept",
+                self.name
+            )));
+        }
+        Ok(Range {
+            parameter: self.name.clone(),
+            from: self.from.value(model, "--sweep")?.high(),
+            to: self.to.value(model, "--sweep")?.high(),
+            count: self.count,
+            spacing: self.spacing,
+        })
+    }
+}
+
+/// `NAME=FROM:TO`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SpanOption {
+    /// What it is a range of.
+    pub name: String,
+    from: Quantity,
+    to: Quantity,
+}
+
+impl std::str::FromStr for SpanOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const EXPECTED: &str = "expected NAME=FROM:TO, such as q=0.0203:0.0206";
+        let (name, range) = text.split_once('=').ok_or(EXPECTED)?;
+        let (from, to) = range.split_once(':').ok_or(EXPECTED)?;
+        Ok(Self {
+            name: name.trim().to_owned(),
+            from: Quantity(from.to_owned()),
+            to: Quantity(to.to_owned()),
+        })
+    }
+}
+
+impl SpanOption {
+    /// Its ends, evaluated at the model's parameters.
+    pub fn ends(&self, model: &mut Model, option: &str) -> Result<(f64, f64), Failure> {
+        let from = self.from.value(model, option)?.high();
+        let to = self.to.value(model, option)?.high();
+        Ok((from, to))
+    }
+}

@@ -1,0 +1,428 @@
+//! Orbit diagrams as a user computes them: tables, resumption after kill and Ctrl-C, pictures, wrong input.
+
+use chatter_io::tables::NpzReader;
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A folder of its own for each test, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("chatter-{test}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.file(name)).unwrap()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).unwrap();
+        let name = |entry: std::io::Result<std::fs::DirEntry>| {
+            entry.unwrap().file_name().into_string().unwrap()
+        };
+        let mut names: Vec<String> = entries.map(name).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
+    command.args(arguments);
+    command
+}
+
+fn chatter(arguments: &[&str]) -> Output {
+    command(arguments).output().unwrap()
+}
+
+fn succeeds(arguments: &[&str]) -> String {
+    let output = chatter(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn fails(arguments: &[&str]) -> String {
+    let output = chatter(arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    assert!(output.stdout.is_empty());
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// The diagram of the issue, with fewer values.
+fn valve<'a>(sweep: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
+    let mut arguments = vec![
+        "diagram",
+        "pressure_relief_valve",
+        "--sweep",
+        sweep,
+        "--section",
+        "closing",
+        "--observe",
+        "y2",
+        "--start",
+        "carry",
+    ];
+    arguments.extend(rest);
+    arguments
+}
+
+/// Long enough to be broken off.
+fn long(out: &str) -> Vec<&str> {
+    let rest = [
+        "--transient",
+        "400",
+        "--keep",
+        "200",
+        "--threads",
+        "2",
+        "--out",
+    ];
+    let mut arguments = valve("q=0.0201:0.0225:800", &rest);
+    arguments.push(out);
+    arguments
+}
+
+fn begin(arguments: &[&str]) -> Child {
+    let mut command = command(arguments);
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+/// Waits until so much is in the journal.
+fn wait_for(journal: &str, bytes: u64) {
+    let began = Instant::now();
+    while std::fs::metadata(journal).map_or(0, |file| file.len()) < bytes {
+        assert!(began.elapsed() < Duration::from_secs(120), "{journal}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn a_killed_sweep_goes_on_to_the_same_file() {
+    let folder = Folder::new("kill");
+    let (whole, killed) = (folder.file("whole.npz"), folder.file("killed.npz"));
+    succeeds(&long(&whole));
+    let journal = format!("{killed}.journal");
+    // Twice, so that what was resumed is itself broken off.
+    for (bytes, arguments) in [
+        (20_000, long(&killed)),
+        (400_000, vec!["diagram", "--resume", &killed]),
+    ] {
+        let mut child = begin(&arguments);
+        wait_for(&journal, bytes);
+        // SIGKILL, on Unix.
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(!std::fs::exists(&killed).unwrap());
+    }
+    // A record that was being written.
+    let mut bytes = std::fs::read(&journal).unwrap();
+    bytes.truncate(bytes.len() - 7);
+    std::fs::write(&journal, bytes).unwrap();
+    // Another number of threads makes no difference.
+    let said = chatter(&["diagram", "--resume", &killed, "--threads", "1"]);
+    assert_eq!(said.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&said.stderr).contains("orbits are done"));
+    assert!(folder.bytes("whole.npz") == folder.bytes("killed.npz"));
+    assert_eq!(folder.names(), ["killed.npz", "whole.npz"]);
+    assert!(succeeds(&["diagram", "--resume", &killed]).contains("nothing to resume"));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_stops_at_once_and_keeps_what_is_done() {
+    let folder = Folder::new("interrupt");
+    let (whole, stopped) = (folder.file("whole.csv"), folder.file("stopped.csv"));
+    let mut child = begin(&long(&stopped));
+    wait_for(&format!("{stopped}.journal"), 40_000);
+    let began = Instant::now();
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let status = child.wait().unwrap();
+    // A second on a machine with nothing else to do.
+    assert!(
+        began.elapsed() < Duration::from_secs(4),
+        "{:?}",
+        began.elapsed()
+    );
+    assert_eq!(status.code(), Some(130));
+    let mut said = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut said).unwrap();
+    assert!(
+        said.contains("go on with: chatter diagram --resume"),
+        "{said}"
+    );
+    // The same command goes on as well.
+    succeeds(&long(&stopped));
+    succeeds(&long(&whole));
+    for table in ["columns", "samples", "metadata"] {
+        let of = |name: &str| folder.bytes(&format!("{name}.{table}.csv"));
+        assert!(of("whole") == of("stopped"), "{table}");
+    }
+}
+
+#[test]
+fn a_foreign_journal_is_refused() {
+    let folder = Folder::new("foreign");
+    let out = folder.file("a.npz");
+    let mut child = begin(&long(&out));
+    wait_for(&format!("{out}.journal"), 5_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let rest = ["--transient", "400", "--keep", "100", "--out", &out];
+    let said = fails(&valve("q=0.0201:0.0225:800", &rest));
+    assert!(
+        said.contains("an unfinished diagram with other options"),
+        "{said}"
+    );
+    let said = fails(&valve("q=0.0201:0.0225:801", &rest));
+    assert!(said.contains("with another sweep"), "{said}");
+    let mut other = long(&out);
+    other.extend(["--set", "kappa=1.3"]);
+    assert!(fails(&other).contains("with other parameters"));
+    other[1] = "bouncing_ball";
+    std::fs::write(format!("{out}.journal"), "something else").unwrap();
+    assert!(fails(&long(&out)).contains("is not a journal of chatter"));
+    assert!(fails(&["diagram", "--resume", &out]).contains("is not a journal"));
+}
+
+#[test]
+fn tables_have_the_names_of_the_issue_and_the_same_numbers() {
+    let folder = Folder::new("tables");
+    let (npz, csv) = (folder.file("a.npz"), folder.file("a.csv"));
+    let rest = [
+        "--transient",
+        "30",
+        "--keep",
+        "20",
+        "--observe",
+        "n=impacts",
+        "--exponent",
+        "--out",
+    ];
+    let with = |out: &str| {
+        let mut arguments = valve("q=0.0203:0.0206:7", &rest).join(" ");
+        arguments += &format!(" {out}");
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        succeeds(&arguments)
+    };
+    let said = with(&npz);
+    assert!(said.contains("q from 0.0203 to 0.0206, 7 values"), "{said}");
+    with(&csv);
+    let file = NpzReader::open(&npz).unwrap();
+    let names: Vec<&str> = file.arrays().map(|array| array.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "q",
+            "outcome",
+            "period",
+            "impacts_per_return",
+            "exponent",
+            "start",
+            "column",
+            "y2",
+            "n",
+            "specification",
+            "model",
+            "parameters",
+            "version"
+        ]
+    );
+    assert_eq!(file.floats("q").unwrap()[6], 0.0206);
+    assert_eq!(file.integers("column").unwrap().len(), 140);
+    let (y2, n) = (file.floats("y2").unwrap(), file.floats("n").unwrap());
+    assert!(
+        n.iter()
+            .all(|&n| (25.0..40.0).contains(&n) && n.fract() == 0.0)
+    );
+    assert!(file.text("model").unwrap().contains("Dankowicz"));
+    let job: serde_json::Value =
+        serde_json::from_str(&file.text("specification").unwrap()).unwrap();
+    assert_eq!(job["diagram"]["period_tolerance"], 1e-8);
+    assert_eq!(job["returns"]["tolerance"], 0.0);
+    let samples = std::fs::read_to_string(folder.file("a.samples.csv")).unwrap();
+    let mut lines = samples.lines();
+    assert_eq!(lines.next(), Some("column,y2,n"));
+    for ((line, y2), n) in lines.by_ref().zip(&y2).zip(&n) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!((cells[1], cells[2]), (*y2, *n));
+    }
+    let columns = std::fs::read_to_string(folder.file("a.columns.csv")).unwrap();
+    assert!(columns.starts_with("q,outcome,period,impacts_per_return,exponent,start\r\n0.0203,"));
+    assert_eq!(columns.lines().count(), 8);
+}
+
+#[test]
+fn pictures_are_drawn_at_once_and_later() {
+    let folder = Folder::new("pictures");
+    let (npz, png) = (folder.file("a.npz"), folder.file("a.png"));
+    let rest = [
+        "--transient",
+        "50",
+        "--keep",
+        "40",
+        "--observe",
+        "impacts",
+        "--out",
+        &npz,
+        "--plot",
+        &png,
+        "--shear",
+        "auto",
+    ];
+    succeeds(&valve("q=0.0203:0.0206:40", &rest));
+    // From the file as from the journal.
+    let later = folder.file("later.png");
+    succeeds(&["plot", &npz, "--out", &later, "--shear", "auto"]);
+    assert!(folder.bytes("a.png") == folder.bytes("later.png"));
+    let (svg, pdf) = (folder.file("a.svg"), folder.file("a.pdf"));
+    let zoom = ["--zoom", "q=0.0203:0.0204", "--observe", "y2"];
+    let mut plot = vec!["plot", &npz, "--out", &svg];
+    plot.extend(zoom);
+    assert!(succeeds(&plot).contains("--shear auto"));
+    let text = String::from_utf8(folder.bytes("a.svg")).unwrap();
+    // Vector axes, and the density as an embedded picture.
+    assert!(text.contains("data:image/png;base64") && text.contains("<path"));
+    plot[3] = &pdf;
+    succeeds(&plot);
+    assert!(folder.bytes("a.pdf").starts_with(b"%PDF"));
+    let wrong = |more: &[&str]| {
+        let mut plot = vec!["plot", &npz, "--out", &png];
+        plot.extend(more);
+        fails(&plot)
+    };
+    assert!(wrong(&["--zoom", "q=1:2"]).contains("no value of `q` from 1 to 2"));
+    assert!(wrong(&["--zoom", "q=0.0204:0.0203"]).contains("shows nothing"));
+    assert!(wrong(&["--zoom", "p=0:1"]).contains("there is `q`, `y2`, `impacts`"));
+    assert!(wrong(&["--observe", "y3"]).contains("is not observed"));
+    assert!(fails(&["plot", &png, "--out", &pdf]).contains("is not a readable NPZ file"));
+}
+
+#[test]
+fn maps_over_two_parameters_are_tables_and_pictures() {
+    let folder = Folder::new("maps");
+    let (npz, png) = (folder.file("a.npz"), folder.file("a.png"));
+    let rest = [
+        "--sweep",
+        "r=0.5:0.81:4",
+        "--transient",
+        "10",
+        "--keep",
+        "10",
+        "--exponent",
+        "--out",
+        &npz,
+        "--plot",
+        &png,
+    ];
+    succeeds(&valve("q=0.0202:0.0206:5", &rest));
+    let file = NpzReader::open(&npz).unwrap();
+    assert!(!file.contains("column") && !file.contains("y2"));
+    let (q, r) = (file.floats("q").unwrap(), file.floats("r").unwrap());
+    assert_eq!((q.len(), q[5], r[4], r[5]), (20, q[0], 0.5, r[9]));
+    let outcomes = file.texts("outcome").unwrap();
+    assert!(
+        outcomes[..15]
+            .iter()
+            .all(|outcome| outcome == "complete_chatter")
+    );
+    for show in ["period", "impacts", "exponent"] {
+        succeeds(&["plot", &npz, "--show", show, "--out", &png]);
+    }
+}
+
+#[test]
+fn wrong_input_is_told_before_anything_is_computed() {
+    let folder = Folder::new("wrong");
+    let out = folder.file("a.npz");
+    let with = |change: &[&str]| {
+        let mut arguments = vec!["diagram", "pressure_relief_valve", "--out", &out];
+        arguments.extend(change);
+        fails(&arguments)
+    };
+    let sweep = ["--sweep", "q=0.0201:0.0203:9"];
+    let and = |more: &[&str]| with(&[&sweep[..], more].concat());
+    let observed = |more: &[&str]| and(&[&["--observe", "y2"], more].concat());
+    assert!(observed(&["--section", "closingg"]).contains("did you mean `closing`?"));
+    assert!(observed(&["--at", "impact:seet"]).contains("did you mean `seat`?"));
+    assert!(observed(&["--at", "impct"]).contains("did you mean `impact`?"));
+    assert!(observed(&["--period", "2*pi/omega"]).contains("unknown name `omega`"));
+    assert!(observed(&["--period", "-q"]).contains("expected a positive number"));
+    assert!(and(&["--observe", "y2 + yy3"]).contains("did you mean `y3`?"));
+    assert!(and(&["--observe", "q"]).contains("would be called `q`"));
+    assert!(and(&["--observe", "y1/y2"]).contains("--observe NAME=EXPR"));
+    assert!(and(&["--observe", "model=y1"]).contains("`model`"));
+    assert!(observed(&["--keep", "0"]).contains("expected a whole number from 1"));
+    assert!(observed(&["--start", "cary"]).contains("did you mean `carry`?"));
+    assert!(observed(&["--start", "random:3"]).contains("--box"));
+    assert!(observed(&["--start", "random:3", "--box", "z=0:1"]).contains("no state `z`"));
+    assert!(observed(&["--box", "y1=0:1"]).contains("there are none"));
+    assert!(observed(&["--shear", "auto"]).contains("--plot"));
+    let range = |range: &str| with(&["--observe", "y2", "--sweep", range]);
+    assert!(range("p=0:1:3").contains("no parameter `p`"));
+    assert!(range("y1=0:1:3").contains("is a state"));
+    assert!(range("q=0.03:0.02:3").contains("is reversed"));
+    assert!(range("q=0.02:0.02:3").contains("is empty"));
+    assert!(range("q=0.02:0.03:0").contains("has no values"));
+    assert!(range("q=0.02:0.03").contains("expected NAME=FROM:TO:COUNT"));
+    assert!(range("q=-1:0.03:3:log").contains("by ratios"));
+    assert!(range("q=0.02:zz:3").contains("unknown name `zz`"));
+    let nowhere = fails(&[
+        "diagram",
+        "pressure_relief_valve",
+        "--observe",
+        "y2",
+        "--sweep",
+        sweep[1],
+    ]);
+    assert!(nowhere.contains("goes nowhere"));
+    let missing = folder.file("no/a.npz");
+    let arguments = [
+        "diagram",
+        "pressure_relief_valve",
+        "--observe",
+        "y2",
+        "--sweep",
+        sweep[1],
+    ];
+    let said = fails(&[&arguments[..], &["--out", &missing]].concat());
+    assert!(said.contains("does not exist"), "{said}");
+    let said = fails(&[&arguments[..], &["--out", "a.xyz"]].concat());
+    assert!(said.contains("xyz"), "{said}");
+    assert!(fails(&["diagram", "--resume", &out]).contains("nothing to resume"));
+    let said = fails(&[
+        "diagram",
+        "cam_follower",
+        "--observe",
+        "y",
+        "--sweep",
+        "speed=500:600:9",
+        "--out",
+        &out,
+    ]);
+    assert!(said.contains("it has `bottom`, `top`"), "{said}");
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
