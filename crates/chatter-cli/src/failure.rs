@@ -27,8 +27,17 @@ pub enum Failure {
         /// What to do about it.
         help: Option<String>,
     },
+    /// What was asked for is in order, but there is no answer, or none was found.
+    Unfinished {
+        /// Why.
+        message: String,
+        /// What to do about it.
+        help: Option<String>,
+    },
     /// A result could not be written.
     Output(String),
+    /// Ctrl-C, before there was anything to show.
+    Interrupted,
 }
 
 impl Failure {
@@ -74,15 +83,17 @@ impl Failure {
         let text = match self {
             Self::Model(errors) => errors.render(palette),
             Self::ModelPart(error) => error.render(palette),
-            Self::Input { message, help } => match help {
+            Self::Input { message, help } | Self::Unfinished { message, help } => match help {
                 Some(help) => format!("{}\n  help: {help}", titled(message)),
                 None => titled(message),
             },
             Self::Output(message) => titled(message),
+            Self::Interrupted => titled("broken off"),
         };
         eprintln!("{text}");
         match self {
-            Self::Output(_) => UNFINISHED.into(),
+            Self::Output(_) | Self::Unfinished { .. } => UNFINISHED.into(),
+            Self::Interrupted => INTERRUPTED.into(),
             _ => BAD_INPUT.into(),
         }
     }

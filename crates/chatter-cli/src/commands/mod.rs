@@ -1,10 +1,13 @@
 //! The commands, one file each.
 
+pub mod border;
 mod check;
 mod diagram;
 mod models;
 mod plot;
+mod reproduce;
 mod simulate;
+mod universal;
 
 use crate::failure::Failure;
 use clap::Subcommand;
@@ -16,6 +19,9 @@ pub enum Command {
     Diagram(Box<diagram::Arguments>),
     Plot(plot::Arguments),
     Check(check::Arguments),
+    Border(Box<border::Arguments>),
+    Universal(Box<universal::Arguments>),
+    Reproduce(reproduce::Arguments),
     Models(models::Arguments),
 }
 
@@ -27,6 +33,9 @@ impl Command {
             Self::Diagram(arguments) => diagram::run(arguments),
             Self::Plot(arguments) => plot::run(arguments),
             Self::Check(arguments) => check::run(arguments),
+            Self::Border(arguments) => border::run(arguments),
+            Self::Reproduce(arguments) => reproduce::run(arguments),
+            Self::Universal(arguments) => universal::run(arguments),
             Self::Models(arguments) => models::run(arguments),
         }
     }

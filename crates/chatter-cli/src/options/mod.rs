@@ -1,17 +1,23 @@
 //! Options that several commands have in common, each read in one place.
 
 mod count;
+mod counts;
+mod decimal;
 mod event;
 mod files;
 mod model;
 mod orbit;
 mod quantity;
+mod section;
 mod sweep;
 
 pub use count::{Count, Precision};
+pub use counts::Counts;
+pub use decimal::Decimal;
 pub use event::StopOption;
 pub use files::{FigureFile, TableFile};
 pub use model::{Assignment, Initial, Loaded, ModelOptions};
 pub use orbit::{AtOption, ObserveOption, ShearOption, StartOption};
 pub use quantity::{Quantity, Window};
+pub use section::SectionOption;
 pub use sweep::{SpanOption, SweepOption};

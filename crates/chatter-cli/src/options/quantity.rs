@@ -42,7 +42,7 @@ impl Quantity {
     }
 }
 
-/// An interval of time.
+/// An interval, of time or of a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Window {
     from: Quantity,
@@ -66,8 +66,7 @@ impl std::str::FromStr for Window {
 impl Window {
     /// Its ends at the model's parameters. `option` is where it was given.
     pub fn values(&self, model: &mut Model, option: &str) -> Result<(f64, f64), Failure> {
-        let from = self.from.value(model, option)?.high();
-        let to = self.to.value(model, option)?.high();
+        let (from, to) = self.ends(model, option)?;
         if from < to {
             Ok((from, to))
         } else {
@@ -75,5 +74,11 @@ impl Window {
                 "{option}: {from}:{to} is no interval of time; expected the earlier time first"
             )))
         }
+    }
+
+    /// Its ends at the model's parameters, in whatever order they were given.
+    pub fn ends(&self, model: &mut Model, option: &str) -> Result<(f64, f64), Failure> {
+        let from = self.from.value(model, option)?.high();
+        Ok((from, self.to.value(model, option)?.high()))
     }
 }

@@ -1,6 +1,6 @@
 //! Ranges of a parameter, a quantity or a coordinate.
 
-use super::Quantity;
+use super::{Decimal, Quantity};
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Range, Spacing};
 use chatter::model::Model;
@@ -43,6 +43,21 @@ impl std::str::FromStr for SweepOption {
 }
 
 impl SweepOption {
+    /// The range where there is no model: its ends are numbers.
+    pub fn plain(&self) -> Result<Range, Failure> {
+        let end = |text: &Quantity| {
+            let number = text.0.parse().map(Decimal::to_f64);
+            number.map_err(|message: String| Failure::input(format!("--sweep: {message}")))
+        };
+        Ok(Range {
+            parameter: self.name.clone(),
+            from: end(&self.from)?,
+            to: end(&self.to)?,
+            count: self.count,
+            spacing: self.spacing,
+        })
+    }
+
     /// The range, its ends evaluated at the model's parameters.
     pub fn range(&self, model: &mut Model) -> Result<Range, Failure> {
         if model.parameter_index(&self.name).is_none() && model.state_index(&self.name).is_some() {

@@ -160,9 +160,9 @@ impl Figure {
         Ok(svg::document(&self.scene(Resolution::EMBEDDED)?))
     }
 
-    /// The figure as SVG to stand inside a page of HTML.
-    pub fn inline_svg(&self) -> Result<String, FigureError> {
-        Ok(svg::element(&self.scene(Resolution::EMBEDDED)?, ""))
+    /// The figure as SVG to stand inside a page of HTML, with pictures in the given resolution.
+    pub fn inline_svg(&self, pictures: Resolution) -> Result<String, FigureError> {
+        Ok(svg::element(&self.scene(pictures)?, ""))
     }
 
     /// The figure as PDF.

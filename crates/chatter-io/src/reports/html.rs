@@ -2,6 +2,7 @@
 
 use super::error::{ReportError, ReportPart};
 use super::report::{Align, Block, Grid, Picture, Report};
+use crate::figures::Resolution;
 use crate::figures::html::{escaped, markup};
 use std::fmt::Write;
 
@@ -127,7 +128,7 @@ fn table(grid: &Grid, part: ReportPart, out: &mut String) -> Result<(), ReportEr
 fn figure(picture: &Picture, part: ReportPart, out: &mut String) -> Result<(), ReportError> {
     let svg = picture
         .figure
-        .inline_svg()
+        .inline_svg(Resolution::PRINT)
         .map_err(|error| ReportError::Figure { part, error })?;
     let _ = write!(
         out,

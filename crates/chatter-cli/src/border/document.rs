@@ -1,0 +1,140 @@
+//! Border orbits as one JSON document.
+
+use super::{Answer, Subject};
+use crate::json::{Json, Object};
+use crate::universal::window_list;
+use chatter::analysis::border::{Border, Estimate, LeadingOrder};
+use chatter::analysis::universal::Argument;
+use chatter::numerics::Real;
+
+/// The whole answer.
+pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer<R>) -> String {
+    let model = Object::new(subject.digits)
+        .with("source", subject.source)
+        .with(
+            "title",
+            subject
+                .model
+                .title
+                .as_deref()
+                .map_or(Json::Null, Json::from),
+        );
+    let parameters = subject.model.parameter_values::<R>(&[]);
+    let about = |object: Object| {
+        object
+            .with("model", model)
+            .named("parameters", &subject.model.parameter_names(), &parameters)
+            .with("version", env!("CARGO_PKG_VERSION"))
+    };
+    let object = match answer {
+        Answer::One(border) => about(one(subject, border)),
+        Answer::All { found, low, high } => {
+            let borders = found.borders.iter();
+            let borders: Vec<Json> = borders.map(|border| one(subject, border).into()).collect();
+            let breaks = found.breaks.iter().map(|place| {
+                Object::new(subject.digits)
+                    .number("value", place.value)
+                    .with("message", place.to_string())
+                    .into()
+            });
+            about(
+                Object::new(subject.digits)
+                    .with("borders", borders)
+                    .with("breaks", breaks.collect::<Vec<Json>>())
+                    .with("range", vec![Json::Number(*low), Json::Number(*high)]),
+            )
+        }
+    };
+    object.document()
+}
+
+fn one<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> Object {
+    let states = subject.model.state_names();
+    let section: Vec<Json> = border
+        .section
+        .iter()
+        .map(|&index| states[index].into())
+        .collect();
+    let constants = &border.constants;
+    let object = Object::new(subject.digits)
+        .with("parameter", border.parameter.as_str())
+        .number("value", border.value.value)
+        .with("error", border.value.error)
+        .number("restitution", constants.restitution)
+        .number("chatter_fixed_point", constants.chatter_fixed_point)
+        .number("lambda", constants.lambda)
+        .number("eta", constants.eta)
+        .number("exponent", constants.exponent)
+        .named("release", &states, &border.release.state)
+        .named("first_impact", &states, &border.first_impact.state)
+        .number("first_impact_time", border.first_impact.time)
+        .number("first_impact_rate_before", border.first_impact.rate_before)
+        .number("period", border.period.value)
+        .with("period_error", border.period.error)
+        .with("impacts", border.impacts as i64)
+        .with("section", section)
+        .with("exact", exact(subject, border));
+    let object = match &border.leading_order {
+        Ok(form) => object.with("leading_order", leading_order(subject, form)),
+        Err(error) => object
+            .with("leading_order", Json::Null)
+            .with("leading_order_error", error.to_string()),
+    };
+    object.with("windows", windows(subject, border))
+}
+
+fn exact<R: Real>(subject: &Subject, border: &Border<R>) -> Object {
+    let exact = &border.exact;
+    let values = |estimates: &[Estimate<R>]| {
+        estimates
+            .iter()
+            .map(|estimate| estimate.value)
+            .collect::<Vec<R>>()
+    };
+    let errors = exact
+        .covector
+        .iter()
+        .map(|estimate| Json::Number(estimate.error));
+    Object::new(subject.digits)
+        .number("slope", exact.slope.value)
+        .number("unfolding_rate", exact.unfolding_rate.value)
+        .with("slope_error", exact.slope.error)
+        .with("unfolding_rate_error", exact.unfolding_rate.error)
+        .number("amplitude", exact.amplitude.value)
+        .with("amplitude_error", exact.amplitude.error)
+        .numbers("covector", &values(&exact.covector))
+        .with("covector_error", errors.collect::<Vec<Json>>())
+        .number("covector_parameter", exact.covector_parameter.value)
+        .with("covector_parameter_error", exact.covector_parameter.error)
+        .numbers("offset", &exact.offset)
+        .numbers("first_impact_by_upsilon", &exact.first_impact_by_upsilon)
+        .numbers(
+            "first_impact_by_parameter",
+            &exact.first_impact_by_parameter,
+        )
+}
+
+fn leading_order<R: Real>(subject: &Subject, form: &LeadingOrder<R>) -> Object {
+    let section = Object::new(subject.digits)
+        .with("state", form.section.state.as_str())
+        .with("level", form.section.level);
+    Object::new(subject.digits)
+        .rows("A", &form.a)
+        .numbers("B", &form.b)
+        .numbers("C", &form.c)
+        .number("D", form.d)
+        .numbers("E", &form.e)
+        .numbers("F", &form.f)
+        .number("slope", form.slope)
+        .number("unfolding_rate", form.unfolding_rate)
+        .with("section", section)
+        .numbers("crossing", &form.crossing)
+}
+
+/// Predicted windows, in the parameter.
+fn windows<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> Json {
+    match super::prediction(subject, border) {
+        Some(windows) => window_list(&windows, subject.digits),
+        None => Json::Null,
+    }
+}

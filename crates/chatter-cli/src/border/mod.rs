@@ -1,0 +1,55 @@
+//! How border orbits are told: as text, as a JSON document.
+
+mod account;
+mod document;
+
+pub use account::account;
+pub use document::document;
+
+use crate::numbers::Digits;
+use crate::options::Counts;
+use crate::universal::Window;
+use chatter::analysis::border::{Border, Borders};
+use chatter::analysis::universal::{Argument, Universal};
+use chatter::model::Model;
+use chatter::numerics::Real;
+
+/// What was asked.
+pub struct Subject<'a> {
+    /// The model, with everything set into it.
+    pub model: &'a Model,
+    /// The model as the user named it.
+    pub source: &'a str,
+    /// How many digits the user wants.
+    pub digits: Digits,
+    /// Which windows are predicted.
+    pub windows: Counts,
+}
+
+/// What was found.
+pub enum Answer<R> {
+    /// The border near a value.
+    One(Box<Border<R>>),
+    /// Those of a range.
+    All {
+        /// Borders, and places that are none.
+        found: Borders<R>,
+        /// Lower end of the range.
+        low: f64,
+        /// Its upper end.
+        high: f64,
+    },
+}
+
+/// The windows asked for, in the parameter: p = p* + mu / M.
+fn prediction<R: Real + Argument<Real = R>>(
+    subject: &Subject,
+    border: &Border<R>,
+) -> Option<Vec<Window<R>>> {
+    let exact = &border.exact;
+    let universal = Universal::new(border.constants.restitution).ok()?;
+    let windows = Window::list(&universal, exact.slope.value, subject.windows).ok()?;
+    let by_parameter = |mu: R| border.value.value + mu / exact.unfolding_rate.value;
+    let windows = windows.into_iter();
+    Some(windows.map(|window| window.map(by_parameter)).collect())
+}

@@ -1,0 +1,170 @@
+//! `chatter border`: border orbits and their normal form.
+
+use crate::border::{Answer, Subject, account, document};
+use crate::failure::{self, Failure};
+use crate::numbers::Digits;
+use crate::options::{
+    Count, Counts, Loaded, ModelOptions, Precision, Quantity, SectionOption, Window,
+};
+use crate::terminal::{self, Style};
+use chatter::analysis::border::{BorderError, BorderSpec, border_near, borders_in};
+use chatter::analysis::universal::Argument;
+use chatter::numerics::{DoubleDouble, Real};
+use clap::{ArgGroup, Args};
+
+const EXAMPLES: &str = "\
+EXAMPLES
+  chatter border pressure_relief_valve --parameter q --near 0.02
+  chatter border pressure_relief_valve --parameter q --near 0.048 --set kappa=1 --json
+  chatter border pressure_relief_valve --parameter q --near 0.02 --digits 30
+  chatter border pressure_relief_valve --parameter q --near 0.02 --section y3=10.05 --windows 20:60
+  chatter border impact_oscillator --parameter sigma --range -0.9:0.95
+
+A border orbit is released from contact, chatters, and its infinitely many impacts end exactly at the release point: it
+separates orbits with complete chatter from those whose chatter ends in flight. Near its parameter value p* the dynamics
+are those of z -> Upsilon(K z + mu), mu = M (p - p*); `chatter universal` has more on that map.
+
+JSON
+  One document: parameter, value, error, restitution, chatter_fixed_point, lambda, eta, exponent, release and
+  first_impact (states by name), first_impact_time, period, impacts, section (the coordinates that covector and A to F
+  refer to), exact {slope, unfolding_rate, slope_error, unfolding_rate_error, amplitude, covector, covector_parameter, …},
+  leading_order {A, B, C, D, E, F, slope, unfolding_rate, section, crossing}, windows. With --range: borders, a list of
+  such objects, and breaks, where complete chatter ends without a border. With more than 17 digits each number has a twin
+  in decimals as text, under its name with `_digits` at the end.";
+
+/// Find border orbits, where complete chatter ends exactly at release, and the one-dimensional map around them
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES, group = ArgGroup::new("where").required(true))]
+pub struct Arguments {
+    #[command(flatten)]
+    model: ModelOptions,
+
+    /// The parameter that is varied
+    #[arg(long, value_name = "NAME")]
+    parameter: String,
+
+    /// Find the border nearest to this value, between half of it and twice as much
+    #[arg(
+        long,
+        value_name = "VALUE",
+        group = "where",
+        allow_hyphen_values = true
+    )]
+    near: Option<Quantity>,
+
+    /// Find all borders of a range
+    #[arg(
+        long,
+        value_name = "LOW:HIGH",
+        group = "where",
+        allow_hyphen_values = true
+    )]
+    range: Option<Window>,
+
+    /// Parts of the range that are told apart: two borders within one part are missed
+    #[arg(long, value_name = "N", requires = "range", allow_hyphen_values = true)]
+    samples: Option<Count>,
+
+    /// The section where the leading-order coefficients are taken, between release and first impact [default: one
+    /// percent from release]
+    #[arg(long, value_name = "STATE=LEVEL")]
+    section: Option<SectionOption>,
+
+    /// Predict the windows of these n; an orbit of window n has n + 1 impacts a period
+    #[arg(
+        long,
+        value_name = "FIRST:LAST",
+        default_value = "10:40",
+        allow_hyphen_values = true
+    )]
+    windows: Counts,
+
+    /// Digits of the numbers in the output, up to 30; above 17 the whole computation is done with more digits
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    digits: Option<Precision>,
+
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let Loaded { mut model, .. } = arguments.model.load()?;
+    let digits = arguments
+        .digits
+        .map_or(Digits::DOUBLE, |precision| precision.0);
+    let mut spec = BorderSpec::new(&arguments.parameter);
+    if let Some(samples) = arguments.samples {
+        spec.samples = usize::try_from(samples.0).unwrap_or(usize::MAX);
+    }
+    if let Some(section) = &arguments.section {
+        spec.section = Some(section.section(&mut model)?);
+    }
+    let place = match (&arguments.near, &arguments.range) {
+        (Some(near), _) => Place::Near(near.value(&mut model, "--near")?.to_f64()),
+        (None, Some(range)) => {
+            let (low, high) = range.ends(&mut model, "--range")?;
+            Place::Range { low, high }
+        }
+        (None, None) => return Err(Failure::input("expected --near or --range")),
+    };
+    let subject = Subject {
+        model: &model,
+        source: &arguments.model.model,
+        digits,
+        windows: arguments.windows,
+    };
+    let text = if digits.fit_double() {
+        answer::<f64>(&subject, &spec, place, arguments.json)?
+    } else {
+        answer::<DoubleDouble>(&subject, &spec, place, arguments.json)?
+    };
+    terminal::print(&text).map_err(Failure::Output)?;
+    Ok(failure::SUCCESS)
+}
+
+/// Where borders are looked for.
+#[derive(Clone, Copy)]
+enum Place {
+    Near(f64),
+    Range { low: f64, high: f64 },
+}
+
+fn answer<R: Real + Argument<Real = R>>(
+    subject: &Subject,
+    spec: &BorderSpec,
+    place: Place,
+    json: bool,
+) -> Result<String, Failure> {
+    let answer = match place {
+        Place::Near(value) => {
+            let border = border_near::<R>(subject.model, spec, value).map_err(refused)?;
+            Answer::One(Box::new(border))
+        }
+        Place::Range { low, high } => {
+            let found = borders_in::<R>(subject.model, spec, low, high).map_err(refused)?;
+            Answer::All { found, low, high }
+        }
+    };
+    Ok(if json {
+        document(subject, &answer)
+    } else {
+        account(subject, &answer, Style::of_stdout())
+    })
+}
+
+/// A question that does not fit the model is wrong input; one without answer is an answer of its own kind.
+pub fn refused(error: BorderError) -> Failure {
+    match error {
+        BorderError::NoBorder { .. } => Failure::Unfinished {
+            message: error.to_string(),
+            help: Some("look elsewhere with another --near, or over a --range".to_owned()),
+        },
+        BorderError::NotConverged { .. } | BorderError::Flow(_) => Failure::Unfinished {
+            message: error.to_string(),
+            help: None,
+        },
+        error => Failure::input(error),
+    }
+}

@@ -1,0 +1,327 @@
+//! `chatter universal`: the universal map of chatter near a border orbit.
+
+use crate::failure::{self, Failure};
+use crate::numbers::Digits;
+use crate::options::{Counts, Decimal, FigureFile, Precision, SweepOption, TableFile};
+use crate::terminal::{self, Style};
+use crate::universal::{Findings, Window, account, document, picture, window_table};
+use chatter::analysis::diagram::{self, DiagramError, Exponent, Row, Spec, Start, Sweep, Threads};
+use chatter::analysis::universal::{Argument, Universal, UniversalError, UniversalMap};
+use chatter::numerics::{DoubleDouble, Real};
+use chatter_io::figures::{Figure, Panel, Sharing};
+use chatter_io::tables::{Dataset, Table};
+use clap::Args;
+
+const EXAMPLES: &str = "\
+EXAMPLES
+  chatter universal --restitution 0.8
+  chatter universal --restitution 0.8 --digits 30
+  chatter universal --restitution 0.8 --at 0.05,1e-3,2e-5 --json
+  chatter universal --restitution 0.8 --slope 1 --windows 0:60 --out windows.csv
+  chatter universal --restitution 0.8 --slope 1 --sweep mu=0:0.05:4000 --plot fig3.png
+  chatter universal --restitution 0.8 --slope 1 --sweep mu=0.01:0.05:2000 --windows 0:20 --lyapunov --plot atlas.svg
+  chatter universal --restitution 0.8 --slope 1 --cobweb mu=0.02 --plot cobweb.svg
+  chatter universal --restitution 0.8 --plot fig2.svg
+
+The map is z -> Upsilon(K z + mu); mu and K of a model come from `chatter border`. Its parameters are called mu and slope.
+
+JSON
+  One document: restitution, chatter_fixed_point (u*), lambda, eta, exponent, lap_end (x_e), lap_begin (eta x_e); with
+  --at values, a list of {x, upsilon, derivative, n, u1}; with --windows slope and windows, a list of {n, fold,
+  period_doubling, superstable, grazing} in mu, null where there is none; with --sweep slope and columns, a list of {mu,
+  outcome, period, exponent}. With more than 17 digits each number has a twin in decimals as text, under its name with
+  `_digits` at the end. Infinite derivatives (at a lap's end) are null.";
+
+/// Evaluate the universal map of chatter: constants, Upsilon, windows, orbit diagrams
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Coefficient of restitution, between 0 and 1
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    restitution: Decimal,
+
+    /// Evaluate Upsilon at these x
+    #[arg(
+        long,
+        value_name = "X,X,…",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    at: Vec<Decimal>,
+
+    /// Slope K of the map
+    #[arg(
+        long,
+        value_name = "K",
+        default_value = "1",
+        allow_hyphen_values = true
+    )]
+    slope: Decimal,
+
+    /// List fold, period doubling, superstable and grazing mu of the fixed points for these n
+    #[arg(long, value_name = "FIRST:LAST", allow_hyphen_values = true)]
+    windows: Option<Counts>,
+
+    /// Compute an orbit diagram over mu (or slope)
+    #[arg(long, value_name = "NAME=LOW:HIGH:COUNT", allow_hyphen_values = true)]
+    sweep: Option<SweepOption>,
+
+    /// Offset mu of the map where it is not swept
+    #[arg(
+        long,
+        value_name = "MU",
+        default_value = "0",
+        allow_hyphen_values = true
+    )]
+    mu: Decimal,
+
+    /// Iterates that are passed over for each value of a sweep
+    #[arg(long, value_name = "N", default_value_t = 500, requires = "sweep")]
+    transient: u64,
+
+    /// Iterates that are kept for each value of a sweep
+    #[arg(long, value_name = "N", default_value_t = 500, requires = "sweep")]
+    keep: u64,
+
+    /// Compute Lyapunov exponents too
+    #[arg(long, requires = "sweep")]
+    lyapunov: bool,
+
+    /// Draw the map, the diagonal and an orbit between them for this mu
+    #[arg(
+        long,
+        value_name = "mu=MU",
+        requires = "plot",
+        allow_hyphen_values = true
+    )]
+    cobweb: Option<CobwebOption>,
+
+    /// Write windows, values or the samples of the sweep as a table, .csv or .npz
+    #[arg(long, value_name = "FILE")]
+    out: Option<TableFile>,
+
+    /// Draw the orbit diagram (with --windows over it), the cobweb, or Upsilon: .svg, .png or .pdf
+    #[arg(long, value_name = "FILE")]
+    plot: Option<FigureFile>,
+
+    /// Digits of the numbers in the output, up to 30; above 17 the computation is done with more digits
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    digits: Option<Precision>,
+
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// `mu=VALUE`.
+#[derive(Clone, Copy, Debug)]
+pub struct CobwebOption(Decimal);
+
+impl std::str::FromStr for CobwebOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('=') {
+            Some((name, value)) if name.trim() == "mu" => value.parse().map(Self),
+            _ => Err("expected mu=VALUE, such as mu=0.02".to_owned()),
+        }
+    }
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let digits = arguments
+        .digits
+        .map_or(Digits::DOUBLE, |precision| precision.0);
+    let text = if digits.fit_double() {
+        find::<f64>(arguments, digits)?
+    } else {
+        find::<DoubleDouble>(arguments, digits)?
+    };
+    terminal::print(&text).map_err(Failure::Output)?;
+    Ok(failure::SUCCESS)
+}
+
+fn find<R: Real + Argument<Real = R>>(
+    arguments: &Arguments,
+    digits: Digits,
+) -> Result<String, Failure> {
+    let universal = Universal::<R>::new(arguments.restitution.get()).map_err(refused)?;
+    let slope: R = arguments.slope.get();
+    let double = Universal::<f64>::new(arguments.restitution.to_f64()).map_err(refused)?;
+    let map = UniversalMap::new(
+        double.clone(),
+        arguments.slope.to_f64(),
+        arguments.mu.to_f64(),
+    )
+    .map_err(refused)?;
+
+    let diagram = match &arguments.sweep {
+        Some(option) => {
+            let spec = specification(arguments, option)?;
+            let sweep = Sweep::new(&map, &spec).map_err(|error| unswept(&error))?;
+            let rows = diagram::diagram(&map, &spec, &Threads::available())
+                .map_err(|error| unswept(&error))?;
+            Some((sweep, rows))
+        }
+        None => None,
+    };
+    let values: Vec<(R, _)> = (arguments.at.iter())
+        .map(|x| (x.get(), universal.at(x.get())))
+        .collect();
+    let windows = match arguments.windows {
+        Some(counts) => Some(Window::list(&universal, slope, counts).map_err(refused)?),
+        None => None,
+    };
+    let findings = Findings {
+        universal: &universal,
+        slope,
+        values: (!values.is_empty()).then_some(values),
+        windows,
+        diagram: diagram
+            .as_ref()
+            .map(|(sweep, rows)| (sweep, rows.as_slice())),
+        digits,
+    };
+    let mut written = Vec::new();
+    if let Some(TableFile(path)) = &arguments.out {
+        let data = Dataset::new().table(table(&findings)?);
+        written.extend(
+            data.write(path)
+                .map_err(|error| Failure::Output(error.to_string()))?,
+        );
+    }
+    if let Some(FigureFile(path)) = &arguments.plot {
+        let figure = figure(arguments, &findings, &double, &map)?;
+        figure
+            .write(path)
+            .map_err(|error| Failure::Output(error.to_string()))?;
+        written.push(path.clone());
+    }
+    if arguments.json {
+        return Ok(document(&findings));
+    }
+    let mut text = account(&findings, Style::of_stdout());
+    for path in &written {
+        text += &format!("wrote {}\n", path.display());
+    }
+    Ok(text)
+}
+
+fn specification(arguments: &Arguments, sweep: &SweepOption) -> Result<Spec, Failure> {
+    Ok(Spec {
+        start: Start::CarryUp,
+        exponent: if arguments.lyapunov {
+            Exponent::Largest
+        } else {
+            Exponent::Skip
+        },
+        ..Spec::new(sweep.plain()?, "z", arguments.transient, arguments.keep)
+    })
+}
+
+/// What `--out` holds: the last thing asked for.
+fn table<R: Real>(findings: &Findings<R>) -> Result<Table, Failure> {
+    if let Some((sweep, rows)) = &findings.diagram {
+        return Ok(samples(sweep, rows));
+    }
+    if let Some(windows) = &findings.windows {
+        return Ok(window_table(windows));
+    }
+    let Some(values) = &findings.values else {
+        return Err(
+            Failure::input("--out has nothing to write").help("ask for --at, --windows or --sweep")
+        );
+    };
+    let column = |part: &dyn Fn(usize) -> R| {
+        let places = 0..values.len();
+        places
+            .map(|place| part(place).to_f64())
+            .collect::<Vec<f64>>()
+    };
+    Ok(Table::new("values")
+        .column("x", column(&|k| values[k].0))
+        .column("upsilon", column(&|k| values[k].1.value))
+        .column("derivative", column(&|k| values[k].1.derivative))
+        .column("n", column(&|k| values[k].1.lap))
+        .column("u1", column(&|k| values[k].1.u1)))
+}
+
+fn samples(sweep: &Sweep, rows: &[Row]) -> Table {
+    let (mut parameter, mut z) = (Vec::new(), Vec::new());
+    for row in rows {
+        let value = sweep.values(row.row)[0];
+        parameter.extend(core::iter::repeat_n(value, row.samples.len()));
+        z.extend_from_slice(&row.samples);
+    }
+    let name = sweep.spec().sweeps[0].parameter.clone();
+    Table::new("samples").column(name, parameter).column("z", z)
+}
+
+/// Widths of a figure, in millimetres.
+const WIDE: f64 = 178.0;
+const NARROW: f64 = 110.0;
+
+fn figure<R: Real>(
+    arguments: &Arguments,
+    findings: &Findings<R>,
+    universal: &Universal<f64>,
+    map: &UniversalMap<f64>,
+) -> Result<Figure, Failure> {
+    let made = format!("Made by chatter {}.", env!("CARGO_PKG_VERSION"));
+    let about = format!("r = {}", arguments.restitution.to_f64());
+    let map_about = format!("{about}, K = {}", map.slope());
+    if let Some(CobwebOption(mu)) = arguments.cobweb {
+        let map =
+            UniversalMap::new(universal.clone(), map.slope(), mu.to_f64()).map_err(refused)?;
+        let caption = format!(
+            "Cobweb of z -> Upsilon(K z + mu), {map_about}, mu = {}.",
+            mu.to_f64()
+        );
+        let figure = Figure::from(picture::cobweb_panel(&map))
+            .width(NARROW)
+            .height(NARROW);
+        return Ok(figure.title("Cobweb").caption(format!("{caption} {made}")));
+    }
+    let Some((sweep, rows)) = &findings.diagram else {
+        let [lap, whole] = picture::upsilon_panels(universal);
+        let figure = Figure::new().panel(lap).panel(whole).columns(2).width(WIDE);
+        let caption =
+            format!("The universal function Upsilon, {about}: one lap over Q, all over x.");
+        return Ok(figure.title("Upsilon").caption(format!("{caption} {made}")));
+    };
+    let range = &sweep.spec().sweeps[0];
+    let label = match range.parameter.as_str() {
+        "mu" => "$\\mu$",
+        _ => "$K$",
+    };
+    let mut panel: Panel = picture::orbit_panel(sweep, rows, label, "$z$");
+    if let (Some(counts), "mu") = (arguments.windows, range.parameter.as_str()) {
+        let windows = Window::list(universal, map.slope(), counts).map_err(refused)?;
+        picture::window_layers(&mut panel, &windows, (range.from, range.to));
+    }
+    let mut figure = Figure::from(panel).width(WIDE);
+    if arguments.lyapunov {
+        let exponents = picture::exponent_panel(sweep, rows, label);
+        figure = figure
+            .panel(exponents)
+            .sharing(Sharing::Horizontal)
+            .row_heights(&[2.0, 1.0]);
+    }
+    let caption = format!(
+        "Orbits of z -> Upsilon(K z + mu), {map_about}: {} iterates after {} for each of {} values, the last one carried \
+         on.",
+        arguments.keep, arguments.transient, range.count
+    );
+    Ok(figure
+        .title("Orbit diagram")
+        .caption(format!("{caption} {made}")))
+}
+
+fn refused(error: UniversalError) -> Failure {
+    Failure::input(error)
+}
+
+fn unswept(error: &DiagramError) -> Failure {
+    Failure::input(error).did_you_mean(error.suggestion())
+}

@@ -1,0 +1,77 @@
+//! The paper, computed again: Dankowicz & Fotsch 2017, its numbers, figures, and its theory against simulation.
+
+mod cascade;
+mod numbers;
+mod restitution;
+mod theory;
+mod valve;
+
+pub use cascade::{fig2, fig3, fig4};
+pub use numbers::{account as numbers_account, report as numbers_report};
+pub use restitution::report as restitution_report;
+pub use theory::report as theory_report;
+pub use valve::{Valve, fig5, fig6};
+
+use crate::failure::Failure;
+use crate::terminal;
+use chatter::analysis::diagram::{Ending, Row, Spec, Standing, Sweep, Threads, run};
+use chatter::analysis::map::Map;
+use chatter_io::figures::Figure;
+use chatter_io::reports::Picture;
+use core::ops::ControlFlow;
+use core::sync::atomic::AtomicBool;
+
+/// A figure with its number in the paper, or none.
+pub struct Plate {
+    /// Name of its files.
+    pub name: &'static str,
+    /// What it is called in the report.
+    pub label: &'static str,
+    /// What it shows and how it was made, with markup.
+    pub caption: String,
+    /// The figure.
+    pub figure: Figure,
+}
+
+impl Plate {
+    /// For the report.
+    pub fn picture(&self) -> Picture {
+        Picture::new(self.label, &self.caption, self.figure.clone())
+    }
+}
+
+/// Width of a figure, in millimetres.
+pub const WIDTH: f64 = 178.0;
+
+/// Rows of a diagram in their order. `show` hears what part is done; Ctrl-C ends the program.
+pub fn sweep(
+    map: &dyn Map,
+    spec: &Spec,
+    show: &mut (dyn FnMut(f64) + Send),
+) -> Result<(Sweep, Vec<Row>), Failure> {
+    let sweep = Sweep::new(map, spec).map_err(Failure::input)?;
+    let mut rows = Vec::new();
+    let total = sweep.rows() as f64;
+    let stop = AtomicBool::new(false);
+    let ending = run(
+        map,
+        &sweep,
+        &Standing::default(),
+        &Threads::available(),
+        &stop,
+        &mut |row| {
+            rows.push(row);
+            show(rows.len() as f64 / total);
+            if terminal::interrupted() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        },
+    );
+    if ending == Ending::Stopped {
+        return Err(Failure::Interrupted);
+    }
+    rows.sort_unstable_by_key(|row| row.row);
+    Ok((sweep, rows))
+}

@@ -1,0 +1,247 @@
+//! Theory against simulation: numbers of impacts, and windows over n.
+
+use super::{Plate, Valve, WIDTH, sweep};
+use crate::commands::border::refused;
+use crate::failure::Failure;
+use crate::numbers::concise;
+use chatter::analysis::border::{PredictedPoint, PredictedWindow, Prediction, Simulator};
+use chatter::analysis::diagram::{Range, Row, Spec};
+use chatter::analysis::map::Map;
+use chatter::analysis::universal::UniversalMap;
+use chatter_io::figures::{Axis, Color, Figure, Legend, Line, Marker, Markers, Panel};
+use chatter_io::reports::{Column, Grid, Report};
+
+/// Flow rates at which impacts are counted.
+const RATES: [f64; 4] = [0.020_19, 0.0203, 0.0205, 0.021];
+/// Returns passed over and counted there.
+const TRANSIENT: u64 = 1000;
+const COUNTED: u64 = 500;
+/// Windows that are compared: first and last n.
+const WINDOWS: (u32, u32) = (19, 44);
+
+/// What orbits settle to: returns a period (0 for none), impacts a return.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Settled {
+    period: u64,
+    impacts: f64,
+}
+
+impl Settled {
+    fn text(self) -> String {
+        match self.period {
+            _ if self.impacts.is_infinite() => "complete chatter".to_owned(),
+            0 => format!("{} (chaos)", concise(self.impacts, 4)),
+            1 => format!("{}", self.impacts),
+            period => format!("{} (period {period})", concise(self.impacts, 4)),
+        }
+    }
+}
+
+fn settle(map: &dyn Map, parameter: &str, value: f64, observe: &str) -> Result<Row, Failure> {
+    let range = Range::linear(parameter, value, value, 1);
+    let spec = Spec::new(range, observe, TRANSIENT, COUNTED);
+    let (_, mut rows) = sweep(map, &spec, &mut |_| {})?;
+    rows.pop()
+        .ok_or_else(|| Failure::input("a sweep without values"))
+}
+
+fn simulated(valve: &Valve, q: f64) -> Result<Settled, Failure> {
+    let row = settle(&valve.map, "q", q, "y2")?;
+    Ok(Settled {
+        period: row.period,
+        impacts: row.impacts_per_return,
+    })
+}
+
+/// n + 1 impacts for an x = K z + mu on lap n: the first impact and n more.
+fn predicted(map: &UniversalMap<f64>) -> Result<Settled, Failure> {
+    let row = settle(map, "mu", map.offset(), "z")?;
+    let recent = match row.period {
+        0 => row.samples.len(),
+        period => period as usize,
+    };
+    let last = &row.samples[row.samples.len() - recent..];
+    let impacts = last.iter().map(|z| {
+        let x = map.slope() * z + map.offset();
+        map.universal().at(x).lap + 1.0
+    });
+    Ok(Settled {
+        period: row.period,
+        impacts: impacts.sum::<f64>() / recent as f64,
+    })
+}
+
+/// A window of the valve, in q, as Newton's method finds it and as it is predicted twice.
+struct Compared {
+    n: u32,
+    simulated: Values,
+    exact: Values,
+    leading_order: Values,
+}
+
+/// Fold, period doubling and graze.
+type Values = [Option<f64>; 3];
+
+/// What is compared.
+const KINDS: [(&str, Color); 3] = [
+    ("fold", Color::GREEN),
+    ("period doubling", Color::VERMILION),
+    ("graze", Color::BLUE),
+];
+
+fn predicted_values(window: &PredictedWindow) -> Values {
+    let parameter = |point: PredictedPoint| point.parameter;
+    [
+        window.fold.map(parameter),
+        window.period_doubling.map(parameter),
+        Some(window.grazing.parameter),
+    ]
+}
+
+fn compare(valve: &Valve) -> Result<Vec<Compared>, Failure> {
+    let simulator = Simulator::new(&valve.model, &valve.spec, &valve.border).map_err(refused)?;
+    let exact = Prediction::exact(&valve.border).map_err(refused)?;
+    let leading_order = Prediction::leading_order(&valve.border).map_err(refused)?;
+    let (first, last) = WINDOWS;
+    let windows = simulator.compare(&exact, first, last).map_err(refused)?;
+    let compared = windows.into_iter().map(|window| {
+        let n = window.predicted.lap;
+        let found = window.located.unwrap_or_default();
+        Compared {
+            n,
+            simulated: [
+                found.fold,
+                found.period_doubling,
+                found.grazing.map(|graze| graze.value),
+            ],
+            exact: predicted_values(&window.predicted),
+            leading_order: predicted_values(&leading_order.window(n)),
+        }
+    });
+    Ok(compared.collect())
+}
+
+/// Adds tables and figure to the report; gives the figure.
+pub fn report(
+    valve: &Valve,
+    report: &mut Report,
+    show: &mut (dyn FnMut(f64) + Send),
+) -> Result<Plate, Failure> {
+    report.add(impacts_table(valve)?);
+    report.paragraph(
+        "With the exact coefficients the map predicts the number of impacts that simulation has; with the coefficients of \
+         leading order it does not. They take $C$ and $D$ from $u = \\beta q y_2 / (\\delta - y_3)^2$ at the first impact, \
+         where $\\delta - y_3 = 0.55$ is not small, and so they depend on which impact is called the first and on the \
+         section $y_3 = 10.1$; the exact ones depend on neither.",
+    );
+    let compared = compare(valve)?;
+    show(1.0);
+    let plate = discrepancy(valve, &compared);
+    report.add(windows_table(valve, &compared));
+    report.add(plate.picture());
+    Ok(plate)
+}
+
+fn impacts_table(valve: &Valve) -> Result<Grid, Failure> {
+    let mut grid = Grid::new(
+        "Table 2",
+        format!(
+            "Impacts from release to release, over {COUNTED} returns after {TRANSIENT}: simulated, and predicted by \
+             $z \\to \\Upsilon(K z + M (q - q^*))$ with exact and with leading-order coefficients."
+        ),
+        [
+            Column::numbers("$q$"),
+            Column::numbers("simulated"),
+            Column::numbers("exact"),
+            Column::numbers("leading order"),
+        ],
+    );
+    for q in RATES {
+        grid.add([
+            format!("{q}"),
+            simulated(valve, q)?.text(),
+            predicted(&valve.exact_at(q)?)?.text(),
+            predicted(&valve.leading_order_at(q)?)?.text(),
+        ]);
+    }
+    Ok(grid)
+}
+
+/// By how much a prediction misses the distance from the border.
+fn off(valve: &Valve, predicted: Option<f64>, simulated: Option<f64>) -> Option<f64> {
+    let simulated = simulated?;
+    Some((predicted? - simulated) / (simulated - valve.border.value.value))
+}
+
+fn windows_table(valve: &Valve, compared: &[Compared]) -> Grid {
+    let mut columns = vec![Column::numbers("$n$")];
+    for (name, _) in KINDS {
+        columns.push(Column::numbers(format!("{name}: simulated")));
+        columns.push(Column::numbers("exact"));
+        columns.push(Column::numbers("leading order"));
+    }
+    let mut grid = Grid::new(
+        "Table 3",
+        "Windows of the orbits with one passage and $n + 1$ impacts a period: $q$ at which the valve's own orbits, by \
+         Newton's method on the return map from first impact to first impact, have multiplier 1 and −1, and at which their \
+         last impact grazes; and by how much of $q - q^*$ the predictions miss it.",
+        columns,
+    );
+    for window in compared {
+        let mut cells = vec![window.n.to_string()];
+        for kind in 0..KINDS.len() {
+            let missing = || "–".to_owned();
+            let simulated = window.simulated[kind];
+            let percent = |predicted| {
+                off(valve, predicted, simulated)
+                    .map_or_else(missing, |off| format!("{:+.3} \\%", 100.0 * off))
+            };
+            cells.push(simulated.map_or_else(missing, |q| format!("{q:.10}")));
+            cells.push(percent(window.exact[kind]));
+            cells.push(percent(window.leading_order[kind]));
+        }
+        grid.add(cells);
+    }
+    grid
+}
+
+fn discrepancy(valve: &Valve, compared: &[Compared]) -> Plate {
+    type Part = fn(&Compared, usize) -> Option<f64>;
+    let panel = |part: Part, named: bool| {
+        let mut panel = Panel::new(
+            Axis::new("$n$"),
+            Axis::new("miss, part of $q - q^*$").logarithmic(),
+        );
+        for (kind, (name, color)) in KINDS.into_iter().enumerate() {
+            let (n, miss): (Vec<f64>, Vec<f64>) = (compared.iter())
+                .filter_map(|window| {
+                    let miss = off(valve, part(window, kind), window.simulated[kind])?;
+                    Some((f64::from(window.n), miss.abs()))
+                })
+                .unzip();
+            panel.add(Line::new(n.clone(), miss.clone()).color(color).width(0.5));
+            let discs = Markers::new(n, miss)
+                .marker(Marker::Disc)
+                .size(3.0)
+                .color(color);
+            panel.add(if named { discs.label(name) } else { discs });
+        }
+        panel.legend(if named { Legend::Auto } else { Legend::Hidden })
+    };
+    Plate {
+        name: "theory",
+        label: "Fig. B",
+        caption: "By how much the predicted windows of Table 3 miss those of the valve, as a part of their distance from \
+                  the border: with exact coefficients, (a), and with those of leading order, (b). The exact map is the \
+                  first term of an expansion, and its miss shrinks by a nearly constant factor, somewhat below \
+                  $\\lambda$, from $n$ to $n + 1$; the miss of \
+                  the leading order tends to a constant."
+            .to_owned(),
+        figure: Figure::new()
+            .panel(panel(|window, kind| window.exact[kind], true))
+            .panel(panel(|window, kind| window.leading_order[kind], false))
+            .columns(2)
+            .width(WIDTH)
+            .title("Theory against simulation"),
+    }
+}

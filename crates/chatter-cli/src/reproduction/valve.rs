@@ -1,0 +1,314 @@
+//! Figs. 5 and 6: the valve itself, beside and under the prediction of the one-dimensional map.
+
+use super::{Plate, WIDTH, sweep};
+use crate::commands::border::refused;
+use crate::failure::Failure;
+use crate::shipped;
+use chatter::analysis::border::{Border, BorderSpec, LeadingOrder, border_near, leading_order_at};
+use chatter::analysis::diagram::{Range, Row, Spec, Start, Sweep};
+use chatter::analysis::map::Map;
+use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
+use chatter::analysis::universal::{Universal, UniversalMap};
+use chatter::model::Model;
+use chatter_io::figures::{Axis, Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
+
+/// Where the paper says that the border is.
+const NEAR: f64 = 0.02;
+/// q* as it is printed.
+const PRINTED: f64 = 0.020_056;
+/// The model and its section y3 = 9.7.
+const MODEL: &str = "pressure_relief_valve";
+const SECTION: &str = "closing";
+
+/// Fig. 5: from n = 40 or so, whose windows are as wide as a few values of q, to chaos at n = 25.
+const WHOLE: (f64, f64) = (0.02012, 0.0212);
+/// Fig. 6: one period-doubling sequence, with the end of the chaos of the next larger n at its left.
+const ENLARGED: (f64, f64) = (0.02033, 0.020_52);
+/// Values of q in either figure.
+const COLUMNS: u64 = 1500;
+const ENLARGED_COLUMNS: u64 = 1200;
+/// Returns passed over and kept for each: chaotic orbits need no more, and they cost forty impacts each.
+const TRANSIENT: u64 = 150;
+const KEPT: u64 = 200;
+
+/// The valve and its border.
+pub struct Valve {
+    /// The model.
+    pub model: Model,
+    /// How it was looked for.
+    pub spec: BorderSpec,
+    /// The border orbit.
+    pub border: Border<f64>,
+    /// The paper's coefficients at our border.
+    pub leading_order: LeadingOrder<f64>,
+    /// The same at q = 0.020056.
+    pub at_printed: LeadingOrder<f64>,
+    /// Upsilon for its restitution.
+    pub universal: Universal<f64>,
+    /// From one crossing of y3 = 9.7 to the next.
+    pub map: ReturnMap,
+    /// y2 on that section.
+    pub projection: Projection,
+}
+
+/// y1 and y2 on the section y3 = 9.7 to first order: (27) with the flight on to that section.
+#[derive(Clone, Copy, Debug)]
+pub struct Projection {
+    /// On the border orbit.
+    pub value: [f64; 2],
+    /// By q, Upsilon being zero.
+    pub by_parameter: [f64; 2],
+    /// By Upsilon.
+    pub by_upsilon: [f64; 2],
+}
+
+impl Valve {
+    /// Finds the border and its normal forms.
+    pub fn new() -> Result<Self, Failure> {
+        let text = shipped::find(MODEL)
+            .map(|shipped| shipped.text)
+            .unwrap_or_default();
+        let model = Model::from_toml(text, MODEL)?;
+        let spec = BorderSpec::new("q");
+        let border = border_near::<f64>(&model, &spec, NEAR).map_err(refused)?;
+        let leading_order = border.leading_order.clone().map_err(refused)?;
+        let at_printed = leading_order_at(&model, &spec, PRINTED).map_err(refused)?;
+        let universal = Universal::new(border.constants.restitution).map_err(Failure::input)?;
+        let map = ReturnMap::new(&model, &ReturnSpec::section(SECTION)).map_err(Failure::input)?;
+        let projection = Projection::new(&model, &map, &border)?;
+        Ok(Self {
+            model,
+            spec,
+            border,
+            leading_order,
+            at_printed,
+            universal,
+            map,
+            projection,
+        })
+    }
+
+    /// y1 and y2 on the section, on the orbit from release: Upsilon is zero there. Its bend in q is of second order, but
+    /// within a few windows larger than they are.
+    pub fn released(&self, q: f64) -> Result<[f64; 2], Failure> {
+        landing(&self.model, &self.map, q, self.border.release.state.clone())
+    }
+
+    /// The one-dimensional map with the exact coefficients, at q.
+    pub fn exact_at(&self, q: f64) -> Result<UniversalMap<f64>, Failure> {
+        let exact = &self.border.exact;
+        self.map_with(exact.slope.value, exact.unfolding_rate.value, q)
+    }
+
+    /// The one-dimensional map with the paper's coefficients, at q.
+    pub fn leading_order_at(&self, q: f64) -> Result<UniversalMap<f64>, Failure> {
+        let form = &self.leading_order;
+        self.map_with(form.slope, form.unfolding_rate, q)
+    }
+
+    fn map_with(&self, slope: f64, rate: f64, q: f64) -> Result<UniversalMap<f64>, Failure> {
+        let mu = rate * (q - self.border.value.value);
+        UniversalMap::new(self.universal.clone(), slope, mu).map_err(Failure::input)
+    }
+}
+
+impl Projection {
+    /// By differences of the flight from release: good to the pixel, and for a first guess.
+    fn new(model: &Model, map: &ReturnMap, border: &Border<f64>) -> Result<Self, Failure> {
+        /// Steps of q and of Upsilon: a thousandth of what the figures show.
+        const STEP: f64 = 1e-6;
+        let offset = &border.exact.offset;
+        let at = |q: f64, upsilon: f64| -> Result<[f64; 2], Failure> {
+            let start = border.release.state.iter().zip(offset);
+            let start = start
+                .map(|(x, by_upsilon)| x + upsilon * by_upsilon)
+                .collect();
+            landing(model, map, q, start)
+        };
+        let q = border.value.value;
+        let value = at(q, 0.0)?;
+        let (before, after) = (at(q - STEP, 0.0)?, at(q + STEP, 0.0)?);
+        let (near, far) = (at(q, STEP)?, at(q, 2.0 * STEP)?);
+        let each = |part: &dyn Fn(usize) -> f64| [part(0) / (2.0 * STEP), part(1) / (2.0 * STEP)];
+        Ok(Self {
+            value,
+            by_parameter: each(&|k| after[k] - before[k]),
+            // To one side: a negative Upsilon from release is a flight into the seat.
+            by_upsilon: each(&|k| 4.0 * near[k] - 3.0 * value[k] - far[k]),
+        })
+    }
+}
+
+/// y1 and y2 where an orbit that starts at `point` comes to the section.
+fn landing(
+    model: &Model,
+    map: &ReturnMap,
+    q: f64,
+    mut point: Vec<f64>,
+) -> Result<[f64; 2], Failure> {
+    let parameter = model.parameter_index("q").unwrap_or(0);
+    let parameters = map.parameter_values(&[(parameter, q)]);
+    map.next(&parameters, &mut point).map_err(Failure::input)?;
+    Ok([point[0], point[1]])
+}
+
+struct Window {
+    range: (f64, f64),
+    columns: u64,
+}
+
+/// Points, their colour and their name.
+type Layer<'a> = (&'a [(f64, f64)], Color, &'a str);
+
+/// Simulated and predicted orbits over the same q, y2 sheared alike.
+fn panels(
+    valve: &Valve,
+    window: &Window,
+    show: &mut (dyn FnMut(f64) + Send),
+) -> Result<[Panel; 2], Failure> {
+    let (from, to) = window.range;
+    let spec = |range: Range, observe: &str| Spec {
+        start: Start::CarryUp,
+        ..Spec::new(range, observe, TRANSIENT, KEPT)
+    };
+    let range = Range::linear("q", from, to, window.columns);
+    let (simulated, rows) = sweep(&valve.map, &spec(range, "y2"), show)?;
+
+    let exact = &valve.border.exact;
+    let (border, rate) = (valve.border.value.value, exact.unfolding_rate.value);
+    let range = Range::linear(
+        "mu",
+        rate * (from - border),
+        rate * (to - border),
+        window.columns,
+    );
+    let map = valve.exact_at(border)?;
+    let (predicted, predicted_rows) = sweep(&map, &spec(range, "z"), &mut |_| {})?;
+
+    let p = valve.projection;
+    let sheared: Vec<(f64, f64)> = samples(&simulated, &rows)
+        .map(|(q, y2)| (q, y2 - p.value[1] - p.by_parameter[1] * (q - border)))
+        .collect();
+    // What is left of q when the shear is taken away: the bend of the orbit with Upsilon = 0.
+    let mut straightened = Vec::new();
+    for row in &rows {
+        let q = simulated.values(row.row)[0];
+        let zero = valve.released(q)?[1];
+        straightened.extend(row.samples.iter().map(|y2| (q, y2 - zero)));
+    }
+    let predicted: Vec<(f64, f64)> = samples(&predicted, &predicted_rows)
+        .map(|(mu, z)| (border + mu / rate, p.by_upsilon[1] * z))
+        .collect();
+
+    let panel = |label: &str, layers: Vec<Layer<'_>>| {
+        let all = layers.iter().flat_map(|layer| layer.0);
+        let (low, high) = all.fold(
+            (f64::INFINITY, f64::NEG_INFINITY),
+            |(low, high), &(_, y)| (low.min(y), high.max(y)),
+        );
+        const ROOM: f64 = 0.04;
+        let y = (low - ROOM * (high - low), high + ROOM * (high - low));
+        let mut panel = Panel::new(
+            Axis::new("flow rate $q$").range(from, to),
+            Axis::new(label).range(y.0, y.1),
+        );
+        let several = layers.len() > 1;
+        for (points, color, name) in layers {
+            let mut density = Density::new((from, to), y)
+                .normalisation(Normalisation::Column)
+                .color(color)
+                .label(name);
+            points.iter().for_each(|&(x, y)| density.add(x, y));
+            panel.add(density);
+        }
+        panel.legend(if several {
+            Legend::Above
+        } else {
+            Legend::Hidden
+        })
+    };
+    Ok([
+        panel(
+            "$y_2 - y_2^* - c (q - q^*)$",
+            vec![(&sheared, Color::NIGHT, "simulated")],
+        ),
+        panel(
+            "$y_2 - y_2^0(q)$",
+            vec![
+                (&straightened, Color::NIGHT, "simulated"),
+                (&predicted, Color::VERMILION, "predicted"),
+            ],
+        ),
+    ])
+}
+
+fn samples<'a>(sweep: &'a Sweep, rows: &'a [Row]) -> impl Iterator<Item = (f64, f64)> + 'a {
+    rows.iter().flat_map(|row| {
+        let value = sweep.values(row.row)[0];
+        row.samples.iter().map(move |&sample| (value, sample))
+    })
+}
+
+fn how(valve: &Valve, columns: u64) -> String {
+    let p = valve.projection;
+    format!(
+        "{columns} values of $q$, {KEPT} returns to the section $y_3 = 9.7$ (falling) after {TRANSIENT} for each, the last \
+         state carried on to the next value. In (a) the vertical axis is sheared, as in the paper: $c = {:.5}$ is the \
+         slope of $y_2$ over $q$ where $\\Upsilon$ is zero. In (b) $y_2^0(q)$, on the orbit from release at that $q$, is \
+         subtracted, and the prediction lies over the simulation: orbits of $z \\to \\Upsilon(K z + M (q - q^*))$ with the \
+         exact $K = {:.6}$ and $M = {:.8}$, drawn as $y_2 = {:.5} z$. Nothing is fitted.",
+        p.by_parameter[1],
+        valve.border.exact.slope.value,
+        valve.border.exact.unfolding_rate.value,
+        p.by_upsilon[1]
+    )
+}
+
+/// The cascade of the valve.
+pub fn fig5(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, Failure> {
+    let window = Window {
+        range: WHOLE,
+        columns: COLUMNS,
+    };
+    let [simulated, both] = panels(valve, &window, show)?;
+    Ok(Plate {
+        name: "fig5",
+        label: "Fig. 5",
+        caption: format!(
+            "Orbits of the valve near its border $q^* = {:.9}$, (a): {} ",
+            valve.border.value.value,
+            how(valve, COLUMNS)
+        ),
+        figure: Figure::new()
+            .panel(simulated)
+            .panel(both)
+            .sharing(Sharing::Horizontal)
+            .width(WIDTH)
+            .height(WIDTH)
+            .title("Fig. 5: orbits of the pressure relief valve"),
+    })
+}
+
+/// An enlargement of Fig. 5.
+pub fn fig6(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, Failure> {
+    let window = Window {
+        range: ENLARGED,
+        columns: ENLARGED_COLUMNS,
+    };
+    let [simulated, both] = panels(valve, &window, show)?;
+    Ok(Plate {
+        name: "fig6",
+        label: "Fig. 6",
+        caption: format!(
+            "Enlargement of Fig. 5, to be compared with Fig. 4: {}",
+            how(valve, ENLARGED_COLUMNS)
+        ),
+        figure: Figure::new()
+            .panel(simulated)
+            .panel(both)
+            .sharing(Sharing::Horizontal)
+            .width(WIDTH)
+            .height(WIDTH)
+            .title("Fig. 6: enlargement of Fig. 5"),
+    })
+}

@@ -1,0 +1,59 @@
+//! The universal map as one JSON document.
+
+use super::{Findings, window_list};
+use crate::json::{Json, Object};
+use chatter::analysis::diagram::{Row, Sweep};
+use chatter::numerics::Real;
+
+/// The whole document.
+pub fn document<R: Real>(findings: &Findings<R>) -> String {
+    let digits = findings.digits;
+    let constants = findings.universal.constants();
+    let (begin, end) = findings.universal.window();
+    let mut object = Object::new(digits)
+        .number("restitution", constants.restitution)
+        .number("chatter_fixed_point", constants.chatter_fixed_point)
+        .number("lambda", constants.lambda)
+        .number("eta", constants.eta)
+        .number("exponent", constants.exponent)
+        .number("lap_end", end)
+        .number("lap_begin", begin);
+    if let Some(values) = &findings.values {
+        let values = values.iter().map(|&(x, at)| {
+            let n = match at.lap.to_f64() {
+                lap if lap.is_finite() => Json::Integer(lap as i64),
+                // Upsilon is zero for x <= 0, where the impacts never end.
+                _ => Json::Null,
+            };
+            Object::new(digits)
+                .number("x", x)
+                .number("upsilon", at.value)
+                .number("derivative", at.derivative)
+                .with("n", n)
+                .number("u1", at.u1)
+                .into()
+        });
+        object = object.with("values", values.collect::<Vec<Json>>());
+    }
+    if findings.windows.is_some() || findings.diagram.is_some() {
+        object = object.number("slope", findings.slope);
+    }
+    if let Some(windows) = &findings.windows {
+        object = object.with("windows", window_list(windows, digits));
+    }
+    if let Some((sweep, rows)) = &findings.diagram {
+        let columns = rows.iter().map(|row| column(findings, sweep, row).into());
+        object = object.with("columns", columns.collect::<Vec<Json>>());
+    }
+    object.with("version", env!("CARGO_PKG_VERSION")).document()
+}
+
+fn column<R: Real>(findings: &Findings<R>, sweep: &Sweep, row: &Row) -> Object {
+    let parameter = &sweep.spec().sweeps[0].parameter;
+    let value = sweep.values(row.row)[0];
+    Object::new(findings.digits)
+        .with(parameter, value)
+        .with("outcome", row.outcome.name())
+        .with("period", row.period as i64)
+        .with("exponent", row.exponent)
+}
