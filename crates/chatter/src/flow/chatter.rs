@@ -71,6 +71,15 @@ pub(crate) struct LocalPoint<R> {
     pub restitution: R,
 }
 
+/// When and how precisely a chatter sequence is completed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Tail {
+    /// See [`Settings::longest_tail`](super::Settings::longest_tail).
+    pub longest: f64,
+    /// Relative error of a step: roundoff, or the tolerance where that is larger.
+    pub precision: f64,
+}
+
 /// Watches one trajectory's impacts for a sequence that can be completed.
 #[derive(Clone, Debug)]
 pub(crate) struct ChatterTracker<R> {
@@ -82,12 +91,12 @@ pub(crate) struct ChatterTracker<R> {
     samples: Vec<Sample<R>>,
     /// Time of the first impact of the sequence.
     began: R,
-    longest_tail: f64,
+    tail: Tail,
 }
 
 impl<R: Real> ChatterTracker<R> {
-    /// What is left of a sequence when it is completed is at most `longest_tail` times what came before.
-    pub(crate) fn new(longest_tail: f64) -> Self {
+    /// A tracker that has seen nothing.
+    pub(crate) fn new(tail: Tail) -> Self {
         Self {
             contact: None,
             restitution: f64::NAN,
@@ -96,13 +105,13 @@ impl<R: Real> ChatterTracker<R> {
             until_sample: 0,
             samples: Vec::new(),
             began: R::ZERO,
-            longest_tail,
+            tail,
         }
     }
 
-    /// Forgets everything but how long a tail may be.
+    /// Forgets all that it saw.
     pub(crate) fn restart(&mut self) {
-        *self = Self::new(self.longest_tail);
+        *self = Self::new(self.tail);
     }
 
     /// Another event came between: the sequence so far is no geometric one.
@@ -164,7 +173,7 @@ impl<R: Real> ChatterTracker<R> {
         self.samples.push(Sample { time, state });
         let elapsed = time.0 - self.began;
         let end = self.extrapolate()?;
-        if end.after > elapsed * R::splat(self.longest_tail) {
+        if end.after > elapsed * R::splat(self.tail.longest) {
             return None;
         }
         Some(end)
@@ -216,7 +225,7 @@ impl<R: Real> ChatterTracker<R> {
         let distance = column[0];
         let error = (distance - before).abs();
         let scale = extent.max(now.0.abs() * R::splat(1.0 / EXTENT_SHARE));
-        (error <= R::splat(AGREEMENT_ROUNDOFFS * R::ROUNDOFF) * scale)
+        (error <= R::splat(AGREEMENT_ROUNDOFFS * self.tail.precision) * scale)
             .then_some(Limit { distance, error })
     }
 }

@@ -1,5 +1,6 @@
 //! What runs in one phase: the field that holds while a given set of contacts is closed, and its guards.
 
+use super::touching::Touching;
 use crate::expressions::{Expr, Graph, Operand, Symbol, Tape};
 use crate::model::{Direction, Mechanics, Section};
 use crate::numerics::Real;
@@ -55,6 +56,13 @@ pub struct Guard {
     /// Which zeros count, after a rising section's sign was turned.
     pub crossing: Crossing,
     pub(crate) series: Operand,
+}
+
+impl Guard {
+    /// Whether this is the reaction of a contact that stays closed without a force, and so no guard.
+    pub(crate) fn is_balanced(&self, roots: u8) -> bool {
+        roots == Touching::BALANCED && matches!(self.kind, GuardKind::Reaction(_))
+    }
 }
 
 /// What an impact at one contact does, as a tape of order zero on the state before it.

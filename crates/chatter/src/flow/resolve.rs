@@ -67,6 +67,9 @@ pub(crate) fn resolve<R: Real>(
     let mut touched = None;
     let whole = work.scaled_step;
     for (index, guard) in program.guards.iter().enumerate() {
+        if guard.is_balanced(touching.get(index)) {
+            continue;
+        }
         let one_sided = !matches!(guard.kind, GuardKind::Section(_));
         let Some(p) = work.guard_series(guard.series, touching.get(index)) else {
             continue;

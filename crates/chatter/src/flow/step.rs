@@ -4,6 +4,7 @@
 //! here (a near graze, several candidate roots, a field that is not finite) is reported as such and settled by
 //! [`resolve`](super::resolve) for that trajectory alone, so a lane's result does not depend on its neighbours.
 
+use super::chatter::Tail;
 use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
 use super::touching::Touching;
@@ -31,6 +32,9 @@ const TRUNCATION_SHARE: f64 = 0.25;
 /// Newton's method stops once a correction is this small relative to the root: the next would be its square.
 const NEWTON_DONE: f64 = 1e-8;
 const NEWTON_STEPS: usize = 6;
+
+/// A restitution computed from rates may leave [0, 1] by this much.
+const RESTITUTION_SLACK: f64 = 1e-12;
 
 /// Longer than any time of interest, yet finite, so that products with zero stay zero.
 pub(crate) const FOREVER: f64 = 1e30;
@@ -69,8 +73,8 @@ pub struct Workspace<S> {
     pub(crate) flight_time: S,
     /// Base-two logarithm of the relative tolerance.
     log_tolerance: f64,
-    /// See [`Settings::longest_tail`].
-    pub(crate) longest_tail: f64,
+    /// When and how precisely chatter sequences are completed.
+    pub(crate) tail: Tail,
     noise: f64,
 }
 
@@ -108,7 +112,10 @@ impl<S: Scalar> Workspace<S> {
             flight_time: zero,
             log_tolerance: libm::log2(tolerance * TRUNCATION_SHARE),
             noise: NOISE_ROUNDOFFS * tolerance,
-            longest_tail: settings.longest_tail,
+            tail: Tail {
+                longest: settings.longest_tail,
+                precision: tolerance,
+            },
         }
     }
 
@@ -259,14 +266,25 @@ impl<S: Scalar> Workspace<S> {
         for (i, scalar) in self.impact.iter_mut().enumerate() {
             *scalar = S::select(here, self.outputs[i], *scalar);
         }
+        // An impact that no restitution in [0, 1) explains is reported, and leaves the state as it was before.
+        let legal = here & legal_rates(self.impact[0], self.impact[1]);
         for (&i, &value) in impact.changed.iter().zip(&self.outputs[IMPACT_SCALARS..]) {
-            self.state[i] = S::select(here, value, self.state[i]);
-            self.low[i] = S::select(here, S::splat(0.0), self.low[i]);
+            self.state[i] = S::select(legal, value, self.state[i]);
+            self.low[i] = S::select(legal, S::splat(0.0), self.low[i]);
         }
         let [_, rate, acceleration, jerk, _] = self.impact;
         let time = flight_time(rate, acceleration, jerk);
         self.flight_time = S::select(here, time, self.flight_time);
     }
+}
+
+/// Whether the rate after an impact is one that a restitution in [0, 1) gives, up to rounding.
+#[inline(always)]
+pub(crate) fn legal_rates<S: Scalar>(before: S, after: S) -> S::Mask {
+    let slack = before.abs() * S::splat(RESTITUTION_SLACK);
+    let separating = (-slack).at_most(after) & after.at_most(slack - before);
+    // An incoming rate that rounding has taken away: there is nothing to reverse.
+    S::splat(0.0).at_most(before) | separating
 }
 
 /// Time to the next impact to leading order, eq. (3); [`FOREVER`] where there is none.

@@ -9,6 +9,9 @@ impl Touching {
     /// Every guard is away from zero.
     pub const NONE: Self = Self(0);
 
+    /// In place of a number, for the reaction of a closed contact: it vanishes as long as nothing else happens.
+    pub const BALANCED: u8 = 3;
+
     /// How many guards can be told apart.
     pub const GUARDS: usize = 32;
 

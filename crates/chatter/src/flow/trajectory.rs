@@ -9,9 +9,10 @@ use super::error::FlowError;
 use super::occurrence::Occurrence;
 use super::program::{Closed, GuardKind, LOCAL_SCALARS, Program, ProgramConstants};
 use super::resolve::{Resolution, resolve};
-use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
+use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace, legal_rates};
 use super::system::System;
 use super::touching::Touching;
+use crate::expressions::Operand;
 use crate::numerics::Real;
 use crate::numerics::dispatch::{Kernel, dispatch};
 use crate::numerics::two_sum;
@@ -23,8 +24,8 @@ const REST: f64 = 1e-13;
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
 const REACH_USED: f64 = 0.95;
 
-/// A restitution computed from rates may leave [0, 1] by this much.
-const RESTITUTION_SLACK: f64 = 1e-12;
+/// Rounding errors of the flights of a sequence add up like the steps of a random walk of this many roundoffs each.
+const WALK_ROUNDOFFS: f64 = 4.0;
 
 /// First guess of the unit of time, before anything is known; a step finds its own size from there.
 const FIRST_UNIT: f64 = 0.125;
@@ -122,7 +123,7 @@ impl<R: Real> Trajectory<R> {
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
             horizon: R::splat(FOREVER),
-            tracker: ChatterTracker::new(work.longest_tail),
+            tracker: ChatterTracker::new(work.tail),
             sequence: 0,
             latest_impact: None,
             instant_impacts: 0,
@@ -397,9 +398,17 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.advance_time(result.step);
         self.reach = result.reach;
+        let balanced = self.balanced(program);
         self.touching = Touching::NONE;
         if result.step > R::ZERO {
             self.instant_impacts = 0;
+        }
+        let undisturbed = match result.event {
+            Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
+            None => true,
+        };
+        if undisturbed {
+            self.touching = balanced;
         }
         if let Some(index) = result.touched {
             self.touching.set(index, 2);
@@ -443,6 +452,20 @@ impl<R: Real> Trajectory<R> {
                 self.after_impact(system, work, contact, &result.impact)
             }
         }
+    }
+
+    /// The closed contacts whose reaction vanishes for good.
+    fn balanced(&self, program: &Program) -> Touching {
+        let mut balanced = Touching::NONE;
+        if self.closed == Closed::NONE {
+            return balanced;
+        }
+        for (index, guard) in program.guards.iter().enumerate() {
+            if guard.is_balanced(self.touching.get(index)) {
+                balanced.set(index, Touching::BALANCED);
+            }
+        }
+        balanced
     }
 
     fn advance_time(&mut self, step: R) {
@@ -499,9 +522,7 @@ impl<R: Real> Trajectory<R> {
                 count: self.instant_impacts,
             });
         }
-        let slack = -rate_before * R::splat(RESTITUTION_SLACK);
-        let legal = rate_after >= -slack && rate_after <= slack - rate_before;
-        if rate_before < R::ZERO && !legal {
+        if !legal_rates(rate_before, rate_after) {
             return Err(FlowError::Restitution {
                 time: self.time.to_f64(),
                 contact,
@@ -569,13 +590,16 @@ impl<R: Real> Trajectory<R> {
         }
         self.advance_time(end.after);
         let impacts = self.sequence;
+        let walk = libm::sqrt(impacts as f64) * R::ROUNDOFF * WALK_ROUNDOFFS;
+        let relative = walk.max(work.tail.precision);
+        let error = relative.mul_add(self.time.to_f64().abs(), end.error);
         self.rest(system, work, contact)?;
         // The accumulation says more than the capture that ends it.
         self.pending = None;
         Ok(Occurrence::Accumulation {
             contact,
             impacts,
-            error: end.error,
+            error,
         })
     }
 
@@ -631,10 +655,48 @@ impl<R: Real> Trajectory<R> {
             self.touch(system, GuardKind::Reaction(contact), 1);
             return Ok(());
         }
-        Err(FlowError::UndecidedRelease {
-            time: self.time.to_f64(),
-            contact,
-        })
+        if !self.is_balanced(system, work, contact)? {
+            return Err(FlowError::UndecidedRelease {
+                time: self.time.to_f64(),
+                contact,
+            });
+        }
+        self.take(coordinates..at_rest.len(), &at_rest);
+        self.close(system, work, contact)?;
+        self.touch(system, GuardKind::Reaction(contact), Touching::BALANCED);
+        Ok(())
+    }
+
+    /// Whether the gap of a contact at rest stays zero by itself: the field does not move it to any order that is
+    /// computed, as in an equilibrium without contact force.
+    fn is_balanced(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<bool, FlowError> {
+        let program = self.program(system)?;
+        let phase = self.closed.0 as usize;
+        let guard = program
+            .guards
+            .iter()
+            .find(|guard| guard.kind == GuardKind::Gap(contact));
+        let (Some(constants), Some(Operand::Series(slot))) =
+            (&self.constants[phase], guard.map(|guard| guard.series))
+        else {
+            return Ok(false);
+        };
+        let order = R::ORDERS[0];
+        work.point.run(
+            &program.tape,
+            &constants.tape,
+            &self.state,
+            &self.low,
+            R::ONE,
+            order,
+        );
+        let level = self.rest_level();
+        Ok(work.point.series(slot).iter().all(|c| c.abs() <= level))
     }
 
     /// Replaces a range of states; one that does not change keeps its rounding remainder.
@@ -720,8 +782,11 @@ impl<R: Real> Trajectory<R> {
         for (index, guard) in program.guards.iter().enumerate() {
             let same =
                 old.and_then(|old| old.guards.iter().position(|other| other.kind == guard.kind));
-            self.touching
-                .set(index, same.map_or(0, |place| before.get(place)));
+            let roots = same.map_or(0, |place| before.get(place));
+            // A balance holds in one phase.
+            if !guard.is_balanced(roots) {
+                self.touching.set(index, roots);
+            }
         }
         Ok(())
     }

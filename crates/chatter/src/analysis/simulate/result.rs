@@ -121,7 +121,8 @@ pub enum EventDetail<R> {
         contact: usize,
         /// How many impacts of the sequence were integrated one by one.
         impacts: u64,
-        /// Estimated error of its time.
+        /// Estimated error of its time: of the completion, and of rounding (or the tolerance) in the impacts before it, but
+        /// not of the state that the sequence began from.
         error: f64,
     },
     /// The contact force vanished and the contact opens.

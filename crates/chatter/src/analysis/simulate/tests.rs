@@ -4,6 +4,8 @@ use super::*;
 use crate::flow::Closed;
 use crate::numerics::{DoubleDouble, Scalar};
 
+mod edges;
+
 const BALL: &str = "
 [parameters]
 g = 9.81
@@ -434,29 +436,6 @@ fn every_stop_stops() {
     .unwrap();
     assert_eq!(broken.outcome, Outcome::Interrupted);
     assert!(broken.counts.impacts > 0);
-}
-
-#[test]
-fn what_was_computed_before_a_domain_error_is_kept() {
-    let text = "
-[flight]
-x = 'v'
-v = '-1 - sqrt(1.5 - t)'
-[[contact]]
-gap = 'x'
-impulse = { v = 1 }
-restitution = 0.9
-[initial]
-x = 1
-v = 0
-";
-    let simulation = run::<f64>(&model(text, &[]), &Spec::until(10.0));
-    let Outcome::Failed(FlowError::LeftDomain { time, .. }) = simulation.outcome else {
-        panic!("{:?}", simulation.outcome)
-    };
-    assert!((time - 1.5).abs() < 1e-3, "{time}");
-    assert!(simulation.counts.impacts > 0);
-    assert_eq!(simulation.outcome.name(), "left_domain");
 }
 
 #[test]
