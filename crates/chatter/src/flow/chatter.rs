@@ -5,6 +5,7 @@
 //! So Richardson's extrapolation with these ratios gains an order from each further impact. Samples are taken every few
 //! impacts, such that the first ratio is about one half: then rounding errors grow tenfold at most, for any r.
 
+use super::border_value::border_value;
 use crate::numerics::Real;
 
 /// Chatter is completed only where u lies below this fraction of the border value u*: no question is left there.
@@ -21,23 +22,6 @@ const MAX_SAMPLES: usize = 14;
 
 /// Extrapolations agree to this many roundoffs of the sequence's remaining extent: about what the weights amplify.
 const AGREEMENT_ROUNDOFFS: f64 = 32.0;
-
-/// The border value u* of u = j w / nu^2: the fixed point of eq. (5), from (M6).
-pub(crate) fn border_value(restitution: f64) -> f64 {
-    // The root s* in (1/3, 1) of a cubic that is convex there and positive at 1: Newton descends to it.
-    let c = 8.0f64.mul_add(restitution, 5.0);
-    let mut s = 1.0_f64;
-    for _ in 0..60 {
-        let value = ((9.0 * s + 3.0) * s - c) * s + 1.0;
-        let slope = (27.0 * s + 6.0) * s - c;
-        let next = s - value / slope;
-        if next.is_nan() || next >= s {
-            break;
-        }
-        s = next;
-    }
-    0.375 * (1.0 - s * s)
-}
 
 /// A quantity that changes by less than this part of itself in the remaining sequence need only be right to half a
 /// roundoff of itself.
@@ -234,20 +218,4 @@ impl<R: Real> ChatterTracker<R> {
 struct Limit<R> {
     distance: R,
     error: R,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn border_value_is_the_fixed_point() {
-        assert!((border_value(0.8) - 0.060_023_838_139_44).abs() < 1e-14);
-        for r in [1e-9, 0.1, 0.5, 0.99, 1.0 - 1e-9] {
-            let u = border_value(r);
-            let s = (1.0 - 8.0 * u / 3.0).sqrt();
-            let g = 3.0 * r * s * (1.0 - s) / ((1.0 - 3.0 * s) * (1.0 - 3.0 * s));
-            assert!((g - u).abs() < 1e-6 * u, "{r}: {u} {g}");
-        }
-    }
 }

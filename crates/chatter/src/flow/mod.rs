@@ -9,6 +9,7 @@
 //!            chatter   the end of an infinite impact sequence, extrapolated
 //! ```
 
+pub(crate) mod border_value;
 mod chatter;
 mod error;
 mod fleet;

@@ -102,9 +102,7 @@ impl Simulator {
         predicted: &PredictedWindow,
         shift: f64,
     ) -> Result<Option<LocatedWindow>, BorderError> {
-        let Some(start) = predicted.superstable else {
-            return Ok(None);
-        };
+        let start = predicted.superstable;
         let distance = (start.parameter - prediction.border) * (1.0 + shift);
         let parameter = prediction.border + distance;
         let state = prediction.states.at(start.z, distance);

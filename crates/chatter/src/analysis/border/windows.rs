@@ -1,6 +1,7 @@
 //! Where the n-impact orbit is predicted to be born, to double its period and to graze.
 
 use super::prediction::Prediction;
+use crate::analysis::universal::Located;
 
 /// A fixed point of the predicted map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,64 +25,29 @@ pub struct PredictedWindow {
     /// Multiplier 1; none beyond some n, where orbits are born at the graze of others.
     pub fold: Option<PredictedPoint>,
     /// Multiplier 0.
-    pub superstable: Option<PredictedPoint>,
+    pub superstable: PredictedPoint,
     /// Multiplier -1.
     pub period_doubling: Option<PredictedPoint>,
     /// Where the last impact grazes.
     pub grazing: PredictedPoint,
 }
 
-/// A lap begins behind its left end, which belongs to the next: so near to it, in the root of the distance.
-const BEGINNING: f64 = 1.0 - 1e-12;
-
-/// Halvings that exhaust the digits of a double.
-const HALVINGS: usize = 120;
-
 impl Prediction {
-    /// The window of the orbit with n + 1 impacts, n the lap.
+    /// The window of the orbit with n + 1 impacts, n the lap: that of the universal map's atlas, in the parameter.
     pub fn window(&self, lap: u32) -> PredictedWindow {
-        let constants = self.universal().constants();
-        let end = self.universal().lap_end() * libm::exp(constants.ln_eta * f64::from(lap));
-        let width = end * constants.one_minus_eta;
-        // The slope of Upsilon falls from the lap's beginning to minus infinity at its end, like the root of the distance.
-        let place = |y: f64| end - width * y * y;
-        let with_multiplier = |multiplier: f64| {
-            let wanted = multiplier / self.slope;
-            let beyond = |y: f64| self.universal().at(place(y)).derivative - wanted;
-            let (mut low, mut high) = (0.0_f64, BEGINNING);
-            if beyond(high) < 0.0 {
-                return None;
-            }
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (low + high);
-                if middle <= low || middle >= high {
-                    break;
-                }
-                if beyond(middle) < 0.0 {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            Some(self.fixed_point(place(high)))
+        let window = self.universal().window_of(self.slope, i64::from(lap));
+        let point = |located: Located<f64>| PredictedPoint {
+            parameter: self.parameter(located.mu),
+            mu: located.mu,
+            x: located.x,
+            z: located.z,
         };
         PredictedWindow {
             lap,
-            fold: with_multiplier(1.0),
-            superstable: with_multiplier(0.0),
-            period_doubling: with_multiplier(-1.0),
-            grazing: self.fixed_point(end),
-        }
-    }
-
-    fn fixed_point(&self, x: f64) -> PredictedPoint {
-        let z = self.universal().value(x);
-        let mu = (-self.slope).mul_add(z, x);
-        PredictedPoint {
-            parameter: self.parameter(mu),
-            mu,
-            x,
-            z,
+            fold: window.fold.map(point),
+            superstable: point(window.superstable),
+            period_doubling: window.period_doubling.map(point),
+            grazing: point(window.grazing),
         }
     }
 }
@@ -103,7 +69,7 @@ mod tests {
             let window = prediction.window(lap);
             let points = [
                 (window.fold.unwrap(), 1.0),
-                (window.superstable.unwrap(), 0.0),
+                (window.superstable, 0.0),
                 (window.period_doubling.unwrap(), -1.0),
             ];
             for (point, multiplier) in points {

@@ -1,6 +1,7 @@
 //! Constants of the chatter map: its fixed point, the multipliers there, and the exponent of Upsilon.
 
 use super::error::UniversalError;
+use crate::flow::border_value::{fixed_point, multiplier};
 use crate::numerics::{DoubleDouble, Real, Scalar};
 
 /// What the restitution alone determines in closed form (MATH.md 2, (M6)).
@@ -51,55 +52,11 @@ pub(super) fn ln_1p(x: DoubleDouble) -> DoubleDouble {
     sum + sum
 }
 
-/// lambda and 1 - lambda: the positive root of lambda^2 (2 + lambda) = r (1 + 2 lambda), which is the cubic for s* of
-/// MATH.md 2 under s* = (1 + 2 lambda) / 3.
-fn lambda(r: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
-    let number = DoubleDouble::from;
-    let one = DoubleDouble::ONE;
-    // Newton doubles the digits of a double-precision root once or twice; the rest is margin.
-    const DOUBLE_STEPS: usize = 40;
-    const REFINING_STEPS: usize = 3;
-    if r.to_f64() <= 0.5 {
-        // In lambda / sqrt(r), of order one however small r is.
-        let root = r.sqrt();
-        let rough = root.to_f64();
-        let mut scaled = 1.0;
-        for _ in 0..DOUBLE_STEPS {
-            scaled = ((1.0 + 2.0 * rough * scaled) / (2.0 + rough * scaled)).sqrt();
-        }
-        let mut scaled = number(scaled);
-        for _ in 0..REFINING_STEPS {
-            let value = scaled * scaled * (number(2.0) + root * scaled)
-                - (one + number(2.0) * root * scaled);
-            let slope = scaled * (number(4.0) + number(3.0) * root * scaled) - number(2.0) * root;
-            scaled -= value / slope;
-        }
-        let lambda = scaled * root;
-        (lambda, one - lambda)
-    } else {
-        // In d = 1 - lambda, from d (5 - 5 d + d^2) = (1 - r) (3 - 2 d).
-        let rest = one - r;
-        let rough = rest.to_f64();
-        let mut d = 0.6 * rough;
-        for _ in 0..DOUBLE_STEPS {
-            d = rough * (3.0 - 2.0 * d) / (5.0 - 5.0 * d + d * d);
-        }
-        let mut d = number(d);
-        for _ in 0..REFINING_STEPS {
-            let value = d * (number(5.0) - number(5.0) * d + d * d)
-                - rest * (number(3.0) - number(2.0) * d);
-            let slope = number(5.0) - number(10.0) * d + number(3.0) * d * d + number(2.0) * rest;
-            d -= value / slope;
-        }
-        (one - d, d)
-    }
-}
-
 impl Constants<DoubleDouble> {
     fn in_double_double(r: DoubleDouble) -> Self {
         let number = DoubleDouble::from;
         let one = DoubleDouble::ONE;
-        let (lambda, one_minus_lambda) = lambda(r);
+        let (lambda, one_minus_lambda) = multiplier(r);
         // (M6): eta = lambda q^2 with q = (1 + 2 lambda) / (2 + lambda) = 1 - (1 - lambda) / (2 + lambda).
         let shortfall = one_minus_lambda / (number(2.0) + lambda);
         let quotient = (one + number(2.0) * lambda) / (number(2.0) + lambda);
@@ -111,7 +68,7 @@ impl Constants<DoubleDouble> {
         let ln_eta = ln_lambda + number(2.0) * ln_1p(-shortfall);
         Self {
             restitution: r,
-            chatter_fixed_point: one_minus_lambda * (number(2.0) + lambda) / number(6.0),
+            chatter_fixed_point: fixed_point((lambda, one_minus_lambda)),
             flight_root: (one + number(2.0) * lambda) / number(3.0),
             lambda,
             eta: lambda * quotient * quotient,

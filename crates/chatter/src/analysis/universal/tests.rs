@@ -34,13 +34,16 @@ fn values_agree_with_the_plain_limits() {
         let double = Universal::new(r).unwrap();
         let fine = Universal::new(D::from(r)).unwrap();
         assert!(off(double.lap_end().into(), exact(lap_end)) < 2e-16);
-        assert!(off(fine.lap_end(), exact(lap_end)) < 3e-31);
+        assert!(off(fine.lap_end(), exact(lap_end)) < 5e-31);
         for &(x, n, u1, value, derivative) in points {
             let (a, b) = (double.at(x), fine.at(D::from(x)));
             assert_eq!(a.lap, n as f64);
             assert_eq!(b.lap, D::from(n as f64));
             let (u1, value, derivative) = (exact(u1), exact(value), exact(derivative));
-            assert!(off(a.u1.into(), u1) < 4e-16 && off(b.u1, u1) < 2e-29);
+            // Powers of lambda and eta lose as many digits as their logarithm has.
+            let logarithm = 10.0 + (n as f64 * double.constants().ln_eta).abs();
+            assert!(off(a.u1.into(), u1) < 4e-16, "{r} {x}");
+            assert!(off(b.u1, u1) < 1e-30 * logarithm, "{r} {x}");
             assert!(off(a.derivative.into(), derivative) < 1e-14, "{r} {x}");
             // The references are differences, good to 20 digits.
             assert!(off(b.derivative, derivative) < 1e-20, "{r} {x}");
@@ -49,11 +52,9 @@ fn values_agree_with_the_plain_limits() {
             }
             let room = cancellation(r, u1.to_f64());
             assert!(off(a.value.into(), value) < 2e-15 * room, "{r} {x}");
-            // Double-double takes its argument as rounded to 32 digits, and steep graphs show it,
+            // Double-double takes its argument as rounded to 32 digits, and steep graphs show it.
             let steep = (D::from(x) * derivative / value).to_f64().abs();
-            // and powers of lambda and eta lose as many digits as their logarithm has.
-            let logarithm = (n as f64 * double.constants().ln_eta).abs();
-            let digits = 3e-31 * (10.0 + logarithm) * (room + steep);
+            let digits = 3e-31 * logarithm * (room + steep);
             assert!(
                 off(b.value, value) < digits,
                 "{r} {x} {}",

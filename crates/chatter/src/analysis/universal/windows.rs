@@ -60,7 +60,8 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
         Ok(laps.map(|lap| self.window_of(slope, lap)).collect())
     }
 
-    fn window_of(&self, slope: R, lap: i64) -> Window<R> {
+    /// The fixed points on one lap. Where K is zero or no number there are no events but the graze.
+    pub(crate) fn window_of(&self, slope: R, lap: i64) -> Window<R> {
         let on_lap = OnLap::new(self, slope, lap);
         let multiplier = |value: f64| on_lap.with_multiplier(R::splat(value));
         // The derivative takes every value from minus infinity to a positive one, so zero always.
