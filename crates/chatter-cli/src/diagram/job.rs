@@ -57,6 +57,7 @@ impl Job {
         let map = ReturnMap::new(&model, &self.returns).map_err(|error| look_failure(&error))?;
         let sweep =
             Sweep::new(&map, &self.diagram).map_err(|error| self.refused(&error, &model))?;
+        check_restitution(&model, &sweep)?;
         Ok(Ready { model, map, sweep })
     }
 
@@ -101,6 +102,40 @@ impl Job {
             "other options"
         }
     }
+}
+
+/// A restitution that depends on parameters alone is wrong from the start, at the corners of the sweep if anywhere.
+fn check_restitution(model: &Model, sweep: &Sweep) -> Result<(), Failure> {
+    let ranges = &sweep.spec().sweeps;
+    for corner in 0..1_u32 << ranges.len() {
+        let mut overrides = Vec::new();
+        let mut told = Vec::new();
+        for (place, range) in ranges.iter().enumerate() {
+            let upper = corner >> place & 1 == 1;
+            let value = if upper { range.to } else { range.from };
+            overrides.extend(
+                model
+                    .parameter_index(&range.parameter)
+                    .map(|index| (index, value)),
+            );
+            told.push(format!("{} = {value}", range.parameter));
+        }
+        let parameters: Vec<f64> = model.parameter_values(&overrides);
+        let state = model.initial_state(&parameters);
+        for contact in &model.contacts {
+            let value: f64 = model
+                .graph
+                .evaluate(contact.restitution, &state, &parameters);
+            if !model.graph.depends_on_state(contact.restitution) && !(0.0..1.0).contains(&value) {
+                return Err(Failure::input(format!(
+                    "at {} contact `{}` has restitution {value}, outside 0 <= r < 1",
+                    told.join(", "),
+                    contact.name
+                )));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn look_failure(error: &ReturnMapError) -> Failure {

@@ -15,7 +15,22 @@ pub fn journal_of(output: &Path) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// An open journal and where its rows stand in it. Memory holds eight bytes a row.
+/// More orbits than this, 16 bytes each for where they stand in the journal, are a slip of the keyboard.
+const MOST_ROWS: u64 = 100_000_000;
+
+/// Whether a diagram is small enough to be kept.
+pub fn check_size(sweep: &Sweep) -> Result<(), Failure> {
+    if sweep.rows() <= MOST_ROWS {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "the diagram has {} orbits: expected {MOST_ROWS} at most",
+        sweep.rows()
+    ))
+    .help("sweep parts of the range into files of their own"))
+}
+
+/// An open journal and where its rows stand in it. Memory holds 16 bytes a row.
 pub struct Store {
     journal: Journal,
     sweep: Sweep,

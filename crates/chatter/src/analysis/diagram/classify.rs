@@ -66,31 +66,50 @@ impl Settled<'_> {
     /// Whether samples that are neighbours move apart, in the mean of the logarithm: the sign of the largest exponent,
     /// told from the samples alone (after Wolf et al. 1985, Determining Lyapunov exponents from a time series).
     pub fn spreads(&self) -> bool {
-        // The quantity that varies most relative to its size tells neighbours best.
-        let spread = |k: usize| {
-            let (low, high) = self
-                .quantity(k)
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                    (low.min(x), high.max(x))
-                });
-            (high - low) / (low.abs().max(high.abs()) + f64::MIN_POSITIVE)
-        };
-        let widest = (0..self.observed).max_by(|&a, &b| spread(a).total_cmp(&spread(b)));
-        let values: Vec<f64> = self.quantity(widest.unwrap_or(0)).collect();
+        let quantities = (0..self.observed).map(|k| self.neighbours(k));
+        // Counts and other quantities of few values tell hardly any samples apart; of the others the one that varies most
+        // relative to its size tells neighbours best.
+        let clearest = quantities
+            .max_by(|a, b| (a.pairs.cmp(&b.pairs)).then(a.variation.total_cmp(&b.variation)));
+        clearest.is_some_and(|told| told.pairs >= LEAST_PAIRS && told.growth > 0.0)
+    }
+
+    /// Samples that are neighbours by one observed quantity, and where they are a sample later.
+    fn neighbours(&self, quantity: usize) -> Neighbours {
+        let values: Vec<f64> = self.quantity(quantity).collect();
         let mut order: Vec<usize> = (0..values.len().saturating_sub(1)).collect();
         order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let (mut sum, mut pairs) = (0.0, 0_u32);
+        let (mut growth, mut pairs) = (0.0, 0);
         for pair in order.windows(2) {
             let (a, b) = (pair[0], pair[1]);
             let before = (values[a] - values[b]).abs();
             let after = (values[a + 1] - values[b + 1]).abs();
             if before > 0.0 && after > 0.0 && (before + after).is_finite() {
-                sum += libm::log(after / before);
+                growth += libm::log(after / before);
                 pairs += 1;
             }
         }
-        pairs >= LEAST_PAIRS && sum > 0.0
+        let extent = (f64::INFINITY, f64::NEG_INFINITY);
+        let extent = values
+            .iter()
+            .fold(extent, |(low, high), &x| (low.min(x), high.max(x)));
+        let size = extent.0.abs().max(extent.1.abs()) + f64::MIN_POSITIVE;
+        Neighbours {
+            pairs,
+            growth,
+            variation: (extent.1 - extent.0) / size,
+        }
     }
+}
+
+/// What samples that are neighbours by one quantity do.
+struct Neighbours {
+    /// How many pairs can be told apart, before and after.
+    pairs: u32,
+    /// The logarithms of the growth of their distances, summed.
+    growth: f64,
+    /// How much the quantity varies, relative to its size.
+    variation: f64,
 }
 
 #[cfg(test)]
@@ -166,6 +185,23 @@ mod tests {
             times[place].1 = 1.0 + 1e-6;
         }
         assert_eq!(settled(&times), Some(3));
+    }
+
+    #[test]
+    fn counts_beside_a_state_do_not_hide_chaos() {
+        let states = logistic(3.9, 100, 200);
+        let samples: Vec<f64> = states
+            .iter()
+            .flat_map(|&x| [x, f64::from(x > 0.5)])
+            .collect();
+        let ways = vec![(1, 1.0); states.len()];
+        let settled = Settled {
+            samples: &samples,
+            observed: 2,
+            ways: &ways,
+            scale: 1.0,
+        };
+        assert!(settled.spreads());
     }
 
     #[test]

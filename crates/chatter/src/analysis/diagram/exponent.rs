@@ -6,6 +6,10 @@ use crate::analysis::map::{Map, Origin, Passage};
 /// stability and the distance to the next graze, over which the map is far from linear.
 const DISPLACEMENT: f64 = 1e-10;
 
+/// Two orbits that are this close, relative to the point, differ by rounding errors alone: they have become one, and the
+/// exponent is minus infinity. So it is where orbits come to rest on the way, by complete chatter, and forget how.
+const ONE_ORBIT: f64 = 8.0 * f64::EPSILON;
+
 /// This part of the steps, at the beginning, only turns the displacement into the direction that grows most.
 const TURNING: f64 = 0.1;
 
@@ -135,12 +139,15 @@ impl Companion {
     /// The second orbit has come to a sample.
     pub(super) fn arrive(&mut self, trail: &Trail, point: &[f64]) {
         self.from += 1;
-        let image: Vec<f64> = point
-            .iter()
-            .zip(trail.point(self.from))
-            .map(|(x, y)| (x - y) / self.size)
-            .collect();
-        self.growth.0.push(turn(&mut self.direction, &image));
+        let reached = trail.point(self.from);
+        let distance: Vec<f64> = point.iter().zip(reached).map(|(x, y)| x - y).collect();
+        let growth = if norm(&distance) <= ONE_ORBIT * norm(reached) {
+            f64::NEG_INFINITY
+        } else {
+            let image: Vec<f64> = distance.iter().map(|d| d / self.size).collect();
+            turn(&mut self.direction, &image)
+        };
+        self.growth.0.push(growth);
     }
 
     /// The second orbit cannot start, or has no next point: tries the other side, once.

@@ -18,8 +18,8 @@ pub struct Row {
     /// Mean number of impacts from sample to sample, over the period where there is one. Infinite where infinite impact
     /// sequences are among them; NaN where no sample was kept.
     pub impacts_per_return: f64,
-    /// Largest Lyapunov exponent: mean growth, as a logarithm, of a small distance from sample to sample. NaN where it
-    /// was not asked for or not found.
+    /// Largest Lyapunov exponent: mean growth, as a logarithm, of a small distance from sample to sample.
+    /// Minus infinity where orbits become one, as by coming to rest on the way. NaN where it was not asked for or not found.
     pub exponent: f64,
     /// The samples kept, one after the other, each with all observed quantities.
     pub samples: Vec<f64>,

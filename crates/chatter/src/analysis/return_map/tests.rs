@@ -406,6 +406,18 @@ fn exponents_of_stable_orbits_are_their_multipliers() {
 }
 
 #[test]
+fn orbits_that_come_to_rest_on_the_way_forget_where_they_came_from() {
+    let (_, map) = valve();
+    let mut spec = sweep(0.0190, 0.0200, 12, 20, 40);
+    spec.exponent = Exponent::Largest;
+    let rows = diagram(&map, &spec, &Threads::new(1)).unwrap();
+    for row in &rows {
+        assert_eq!(row.outcome, Outcome::CompleteChatter);
+        assert_eq!(row.exponent, f64::NEG_INFINITY, "row {}", row.row);
+    }
+}
+
+#[test]
 fn wrong_looks_are_refused() {
     let (model, _) = valve();
     let error = |change: &dyn Fn(&mut ReturnSpec)| {

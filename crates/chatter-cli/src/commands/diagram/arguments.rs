@@ -1,0 +1,198 @@
+//! The options of `chatter diagram`.
+
+use crate::options::{
+    Assignment, AtOption, Count, FigureFile, Initial, ObserveOption, Quantity, ShearOption,
+    SpanOption, StartOption, SweepOption, TableFile,
+};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+EXAMPLES
+  chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:4000 --section closing --observe y2 \\
+      --transient 300 --keep 200 --start carry --out fig5.npz --plot fig5.png
+  chatter diagram --resume fig5.npz
+  chatter diagram impact_oscillator --sweep omega=2.5:3.5:2000 --period '2*pi/omega' --observe v --plot strobe.pdf
+  chatter diagram bouncing_ball_on_table --sweep Gamma=1.2:4:1000 --at impact --observe v --start random:5 \\
+      --box v=0:1 --out ball.csv
+  chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:400 --sweep r=0.7:0.9:300 --observe y2 \\
+      --out map.npz --plot map.png
+
+TABLE
+  For each parameter value (and random start): the swept parameters, outcome (periodic, chaotic, unsettled,
+  complete_chatter, left_domain, no_return, no_start, undetermined), period, impacts_per_return, with --exponent the
+  largest Lyapunov exponent per sample, start (fresh, carried, random). For each sample: column (which row of the first
+  table, from 0) and each observed quantity. NPZ holds all in one file: numpy.load('fig5.npz')['y2'].
+
+JOURNAL
+  What is done is kept in FILE.journal beside the output until all is done; Ctrl-C or a crash loses at most what was in
+  flight. The result of a resumed run is the same to the bit.";
+
+/// Sweep a parameter and sample what orbits settle to: periodic windows, chaos, chatter
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Model file, or the name of a shipped model (`chatter models` lists them)
+    #[arg(value_name = "MODEL", required_unless_present = "resume")]
+    pub model: Option<String>,
+
+    /// Go on with the diagram that was to be written to this file
+    #[arg(long, value_name = "FILE", conflicts_with_all = Self::SETTLED)]
+    pub resume: Option<PathBuf>,
+
+    /// Give a parameter another value: a number or an expression in other parameters
+    #[arg(long = "set", value_name = "NAME=EXPR")]
+    pub set: Vec<Assignment>,
+
+    #[command(flatten)]
+    pub initial: Initial,
+
+    /// Sweep a parameter over equally spaced values, both ends included; `:log` after COUNT spaces them by equal ratios.
+    /// Given twice, a map over both parameters
+    #[arg(
+        long,
+        value_name = "NAME=FROM:TO:COUNT",
+        required_unless_present = "resume"
+    )]
+    pub sweep: Vec<SweepOption>,
+
+    /// Sample at the crossings of this section in its direction. Without it, --at and --period: the model's only section
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["at", "period"])]
+    pub section: Option<String>,
+
+    /// Sample at each event: KIND is impact, accumulation, release, graze or section, NAME the contact or section
+    #[arg(long, value_name = "KIND[:NAME]", conflicts_with = "period")]
+    pub at: Option<AtOption>,
+
+    /// Sample stroboscopically, with this period: a number or an expression in parameters
+    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
+    pub period: Option<String>,
+
+    /// Sample at every N-th of these [default: 1]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub every: Option<Count>,
+
+    /// What is sampled, an expression in states, parameters and what happened since the sample before: impacts,
+    /// accumulations, return_time, flight_time (of the last flight). Can be given several times
+    #[arg(
+        long,
+        value_name = "[NAME=]EXPR",
+        required_unless_present = "resume",
+        allow_hyphen_values = true
+    )]
+    pub observe: Vec<ObserveOption>,
+
+    /// Samples passed over before any is kept [default: 300]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub transient: Option<u64>,
+
+    /// Samples kept for each orbit [default: 200]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub keep: Option<Count>,
+
+    /// Where orbits start: `fresh` at the initial state, `carry` where the orbit at the next lower parameter value
+    /// ended, `carry-down` at the next higher, `random:COUNT` at so many random points of --box [default: fresh]
+    #[arg(long, value_name = "START")]
+    pub start: Option<StartOption>,
+
+    /// Carry the state through so many values, then start afresh; such chunks are computed side by side
+    /// [default: a 256th of the values, from 4 to 64]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub chunk: Option<Count>,
+
+    /// Draw this state at random between two bounds; other states start at their initial values
+    #[arg(long = "box", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
+    pub bounds: Vec<SpanOption>,
+
+    /// Another seed, other random starts [default: 0]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub seed: Option<u64>,
+
+    /// Look for periods up to this one [default: 64]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub longest_period: Option<Count>,
+
+    /// Samples a period apart may differ by this much of the largest [default: 1e-8]
+    #[arg(long, value_name = "X", allow_hyphen_values = true)]
+    pub period_tolerance: Option<Quantity>,
+
+    /// Compute the largest Lyapunov exponent too
+    #[arg(long)]
+    pub exponent: bool,
+
+    /// Keep `samples`, or only the `classes` of orbits [default: samples, with two sweeps classes]
+    #[arg(long, value_name = "WHAT")]
+    pub record: Option<RecordOption>,
+
+    /// Give up a return that takes longer than this time [default: 10000]
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    pub longest_return: Option<Quantity>,
+
+    /// Give up a return that takes more impacts than this [default: 100000]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub most_impacts: Option<Count>,
+
+    /// Relative error allowed in one step; rounding error without it
+    #[arg(long, value_name = "X", allow_hyphen_values = true)]
+    pub tolerance: Option<Quantity>,
+
+    /// Write the tables, .npz or .csv
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<TableFile>,
+
+    /// Draw the diagram, .png, .svg or .pdf
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<FigureFile>,
+
+    /// Subtract a multiple of the parameter from the vertical axis of the figure: this slope, or `auto` for the one that
+    /// makes the diagram level
+    #[arg(
+        long,
+        value_name = "SLOPE",
+        requires = "plot",
+        allow_hyphen_values = true
+    )]
+    pub shear: Option<ShearOption>,
+
+    /// How many threads compute [default: as many as the machine runs at once]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub threads: Option<Count>,
+}
+
+impl Arguments {
+    /// What a diagram that is resumed has been told already: everything but the number of threads.
+    const SETTLED: [&'static str; 25] = [
+        "model",
+        "set",
+        "initial",
+        "sweep",
+        "section",
+        "at",
+        "period",
+        "every",
+        "observe",
+        "transient",
+        "keep",
+        "start",
+        "chunk",
+        "bounds",
+        "seed",
+        "longest_period",
+        "period_tolerance",
+        "exponent",
+        "record",
+        "longest_return",
+        "most_impacts",
+        "tolerance",
+        "out",
+        "plot",
+        "shear",
+    ];
+}
+
+/// What is kept of orbits.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum RecordOption {
+    Samples,
+    Classes,
+}

@@ -1,0 +1,146 @@
+//! Computes what is missing of a diagram, then writes everything.
+
+use crate::diagram::{Order, Show, Store, View, account, check_size, picture, table};
+use crate::failure::{self, Failure};
+use crate::terminal::{self, Progress, Style};
+use chatter::analysis::diagram::{
+    Ending, Executor, Record, Standing, Sweep, Threads, run as compute,
+};
+use chatter::analysis::return_map::ReturnMap;
+use core::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+/// Computes what is missing, then writes everything.
+pub fn produce(order: &Order, journal: &Path, threads: Threads) -> Result<u8, Failure> {
+    let job = &order.job;
+    let ready = job.prepare(&order.model_text)?;
+    check_size(&ready.sweep)?;
+    if order.out.is_some() {
+        table::check_names(&ready.sweep)?;
+    }
+    if order.plot.is_some()
+        && ready.sweep.spec().sweeps.len() == 1
+        && job.diagram.record == Record::Classes
+    {
+        return Err(Failure::input("a diagram without samples cannot be drawn")
+            .help("leave out --record classes, or --plot"));
+    }
+    let (mut store, standing) = open(order, journal, &ready.sweep)?;
+    let ending = fill(&ready.map, &ready.sweep, &mut store, &standing, threads)?;
+    if ending == Ending::Stopped {
+        let done: u64 = store.counts().values().sum();
+        let target = order.out.as_ref().or(order.plot.as_ref());
+        terminal::remark(&format!(
+            "stopped with {done} of {} orbits done; go on with: chatter diagram --resume {}",
+            ready.sweep.rows(),
+            target.map_or_else(String::new, |path| path.display().to_string())
+        ));
+        return Ok(failure::INTERRUPTED);
+    }
+    let mut written = Vec::new();
+    let mut slanted = false;
+    if let Some(path) = &order.out {
+        written.extend(table::write(
+            order,
+            &ready.model,
+            &ready.sweep,
+            &mut store,
+            path,
+        )?);
+    }
+    if let Some(path) = &order.plot {
+        let view = View {
+            shear: order.shear,
+            show: Show::Period,
+            ..View::default()
+        };
+        let picture = picture::draw(job, &ready.model, &ready.sweep, &mut store, &view)?;
+        let outcome = picture.figure.write(path);
+        outcome.map_err(|error| Failure::Output(error.to_string()))?;
+        written.push(path.clone());
+        slanted = picture.slanted;
+    }
+    let style = Style::of_stdout();
+    let mut text = account::account(job, &ready.model, &ready.sweep, store.counts(), style);
+    store.remove()?;
+    for path in &written {
+        text += &format!("wrote {}\n", path.display());
+    }
+    if slanted {
+        text += picture::SLANTED;
+    }
+    terminal::print(&text).map_err(Failure::Output)?;
+    Ok(failure::SUCCESS)
+}
+
+/// The journal: the one that is there if it is about the same diagram, else a new one.
+fn open(order: &Order, journal: &Path, sweep: &Sweep) -> Result<(Store, Standing), Failure> {
+    if !journal.exists() {
+        return Ok((Store::create(journal, order, sweep)?, Standing::default()));
+    }
+    let found = Store::order_of(journal)?;
+    let same_model = found.model_text == order.model_text && found.job.model == order.job.model;
+    if found.job != order.job || !same_model {
+        let difference = if same_model {
+            found.job.difference(&order.job)
+        } else {
+            "another model"
+        };
+        return Err(Failure::input(format!(
+            "`{}` holds an unfinished diagram with {difference}",
+            journal.display()
+        ))
+        .help("finish it with --resume, delete it, or write this diagram to another file"));
+    }
+    let (store, standing) = Store::open(journal, sweep)?;
+    terminal::remark(&format!(
+        "going on from `{}`: {} of {} orbits are done",
+        journal.display(),
+        standing.rows(),
+        sweep.rows()
+    ));
+    Ok((store, standing))
+}
+
+fn fill(
+    map: &ReturnMap,
+    sweep: &Sweep,
+    store: &mut Store,
+    standing: &Standing,
+    threads: Threads,
+) -> Result<Ending, Failure> {
+    terminal::catch_interrupts();
+    let mut progress = Progress::new();
+    let began = Instant::now();
+    let spec = sweep.spec();
+    let returns = (spec.transient + spec.keep) * spec.every;
+    let mut broken = None;
+    let executor: &dyn Executor = &threads;
+    let mut done = standing.rows();
+    let ending = compute(
+        map,
+        sweep,
+        standing,
+        executor,
+        terminal::interrupt_flag(),
+        &mut |row| {
+            if let Err(error) = store.append(&row) {
+                broken = Some(Failure::Output(error.to_string()));
+                return ControlFlow::Break(());
+            }
+            done += 1;
+            progress.show(done as f64 / sweep.rows() as f64, || {
+                let rate =
+                    ((done - standing.rows()) * returns) as f64 / began.elapsed().as_secs_f64();
+                format!("{done} of {} orbits, {rate:.0} returns/s", sweep.rows())
+            });
+            ControlFlow::Continue(())
+        },
+    );
+    progress.finish();
+    match broken {
+        Some(failure) => Err(failure),
+        None => Ok(ending),
+    }
+}

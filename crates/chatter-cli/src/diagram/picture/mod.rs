@@ -1,0 +1,226 @@
+//! A diagram as a figure: densities of samples over one parameter, maps over two.
+
+mod cells;
+mod densities;
+mod line_fit;
+mod window;
+
+pub use densities::densities;
+
+use super::job::Job;
+use super::source::Source;
+use crate::failure::Failure;
+use crate::simulation::picture::axis_of;
+use chatter::analysis::diagram::{Exponent, Record, Sweep};
+use chatter::analysis::map::Passage;
+use chatter::model::Model;
+use chatter_io::figures::{Axis, Figure, Sharing};
+use serde::{Deserialize, Serialize};
+
+/// Width of the figure, and height of a panel, in millimetres.
+const WIDTH: f64 = 178.0;
+const PANEL_HEIGHT: f64 = 105.0;
+
+/// An affine change of the vertical axis that makes a slanted diagram level: a multiple of the parameter is subtracted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shear {
+    /// The slope of the line that fits the samples best.
+    Fitted,
+    /// This slope.
+    Slope(f64),
+}
+
+/// A part of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zoom {
+    /// The swept parameter or observed quantity.
+    pub name: String,
+    /// From where.
+    pub from: f64,
+    /// To where.
+    pub to: f64,
+}
+
+/// What a map over two parameters shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Show {
+    /// Periods, chaos, complete chatter, and what else orbits settle to.
+    #[default]
+    Period,
+    /// Mean number of impacts from sample to sample.
+    Impacts,
+    /// The largest Lyapunov exponent.
+    Exponent,
+}
+
+/// How a diagram is looked at.
+#[derive(Clone, Debug, Default)]
+pub struct View {
+    /// Parts of axes.
+    pub zooms: Vec<Zoom>,
+    /// Shear of the vertical axis.
+    pub shear: Option<Shear>,
+    /// Observed quantities to be shown; all if there are none.
+    pub observe: Vec<String>,
+    /// What a map over two parameters shows.
+    pub show: Show,
+}
+
+impl View {
+    fn zoom(&self, name: &str) -> Option<(f64, f64)> {
+        let mut named = self.zooms.iter().filter(|zoom| zoom.name == name);
+        named.next().map(|zoom| (zoom.from, zoom.to))
+    }
+}
+
+/// A figure and what to say about it.
+pub struct Picture {
+    /// The figure.
+    pub figure: Figure,
+    /// Whether the samples form a narrow slanted band, of which a shear would show more.
+    pub slanted: bool,
+}
+
+/// What to say of such a figure.
+pub const SLANTED: &str = "the samples lie in a narrow slanted band; --shear auto levels it\n";
+
+/// Draws a finished diagram.
+pub fn draw(
+    job: &Job,
+    model: &Model,
+    sweep: &Sweep,
+    source: &mut dyn Source,
+    view: &View,
+) -> Result<Picture, Failure> {
+    check(sweep, view)?;
+    let axis = |name: &str| axis(model, name);
+    let (figure, slanted) = match &sweep.spec().sweeps[..] {
+        [range] => {
+            let drawn = densities(sweep, range, &axis, source, view)?;
+            let mut figure = Figure::new()
+                .width(WIDTH)
+                .height(PANEL_HEIGHT * drawn.panels.len() as f64)
+                .sharing(Sharing::Horizontal);
+            for panel in drawn.panels {
+                figure = figure.panel(panel);
+            }
+            (figure, drawn.slanted)
+        }
+        [first, second, ..] => {
+            let panel = cells::panel(sweep, [first, second], &axis, source, view)?;
+            let figure = Figure::from(panel).width(WIDTH).height(PANEL_HEIGHT * 1.1);
+            (figure, false)
+        }
+        [] => (Figure::new(), false),
+    };
+    let title = model.title.as_deref().unwrap_or(&job.model);
+    Ok(Picture {
+        figure: figure
+            .title(format!("Orbit diagram: {title}"))
+            .caption(caption(job, title)),
+        slanted,
+    })
+}
+
+fn check(sweep: &Sweep, view: &View) -> Result<(), Failure> {
+    let spec = sweep.spec();
+    let swept: Vec<&str> = spec.sweeps.iter().map(|range| &*range.parameter).collect();
+    let observed: Vec<&str> = spec.observe.iter().map(|one| &*one.name).collect();
+    for name in &view.observe {
+        known(name, &observed, "observed")?;
+    }
+    let axes: Vec<&str> = match swept.len() {
+        1 => swept.iter().chain(&observed).copied().collect(),
+        _ => swept,
+    };
+    for zoom in &view.zooms {
+        known(&zoom.name, &axes, "on an axis")?;
+        let ordered = zoom.from < zoom.to && zoom.from.is_finite() && zoom.to.is_finite();
+        if !ordered {
+            return Err(Failure::input(format!(
+                "--zoom {}={}:{} shows nothing: expected two finite numbers, the smaller first",
+                zoom.name, zoom.from, zoom.to
+            )));
+        }
+    }
+    let over = match spec.sweeps.len() {
+        1 => "one parameter",
+        _ => "two parameters",
+    };
+    let useless = [
+        (
+            spec.sweeps.len() == 1 && view.show != Show::Period,
+            "--show",
+        ),
+        (spec.sweeps.len() > 1 && view.shear.is_some(), "--shear"),
+        (
+            spec.sweeps.len() > 1 && !view.observe.is_empty(),
+            "--observe",
+        ),
+    ];
+    if let Some((_, option)) = useless.iter().find(|(useless, _)| *useless) {
+        return Err(Failure::input(format!(
+            "{option} changes nothing in a diagram over {over}: leave it out"
+        )));
+    }
+    if view.show == Show::Exponent && spec.exponent == Exponent::Skip {
+        return Err(
+            Failure::input("the diagram has no exponents").help("compute it with --exponent")
+        );
+    }
+    if spec.sweeps.len() == 1 && spec.record == Record::Classes {
+        return Err(Failure::input(
+            "the diagram has no samples to be drawn: it was computed with --record classes",
+        ));
+    }
+    Ok(())
+}
+
+fn known(name: &str, known: &[&str], what: &str) -> Result<(), Failure> {
+    if known.contains(&name) {
+        return Ok(());
+    }
+    let list = known.join("`, `");
+    Err(
+        Failure::input(format!("`{name}` is not {what}: there is `{list}`"))
+            .did_you_mean(chatter::expressions::nearest(name, known.iter().copied())),
+    )
+}
+
+/// Label and unit of a parameter or of an observed quantity.
+fn axis(model: &Model, name: &str) -> Axis {
+    let parameters = model.parameters.iter();
+    let states = model.states.iter();
+    let labels = parameters
+        .map(|parameter| (&parameter.name, &parameter.label))
+        .chain(states.map(|state| (&state.name, &state.label)));
+    let mut same = labels.filter(|(known, _)| *known == name);
+    match same.next() {
+        Some((_, label)) => axis_of(name, label.as_ref()),
+        None if Passage::NAMES.contains(&name) => Axis::new(name.replace('_', " ")),
+        None => axis_of(name, None),
+    }
+}
+
+fn caption(job: &Job, title: &str) -> String {
+    let spec = &job.diagram;
+    let sweeps: Vec<String> = spec
+        .sweeps
+        .iter()
+        .map(|range| {
+            format!(
+                "{} values of {} from {} to {}",
+                range.count, range.parameter, range.from, range.to
+            )
+        })
+        .collect();
+    format!(
+        "{title} ({}): {}, {} samples each after {}. Made by chatter {}.",
+        job.model,
+        sweeps.join(", "),
+        spec.keep,
+        spec.transient,
+        job.version
+    )
+}
