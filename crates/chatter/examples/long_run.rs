@@ -140,9 +140,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let begin = |core| scope.spawn(move || watch(map, flights, at_impacts, (core, cores)));
             let workers: Vec<_> = (0..cores).map(begin).collect();
             let parts = workers.into_iter().map(|worker| worker.join());
-            parts.fold(Ok(Seen::NOTHING), |sum, part| {
-                Ok::<_, String>(sum?.and(part.map_err(|_| "a worker panicked")?))
-            })
+            parts
+                .map(|part| part.map_err(|_| "a worker panicked"))
+                .try_fold(Seen::NOTHING, |sum, part| part.map(|part| sum.and(part)))
         })?;
         println!(
             "{name}: {} flights and {} looks in {:.0} s; {} wrong; least gap {:e}",

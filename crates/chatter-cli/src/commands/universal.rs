@@ -1,16 +1,19 @@
 //! `chatter universal`: the universal map of chatter near a border orbit.
 
+use crate::diagram::{InMemory, table as orbit_table};
 use crate::failure::{self, Failure};
+use crate::named::Named;
 use crate::numbers::Digits;
 use crate::options::{Counts, Decimal, FigureFile, Precision, SweepOption, TableFile};
 use crate::terminal::{self, Style};
 use crate::universal::{Findings, Window, account, document, picture, window_table};
-use chatter::analysis::diagram::{self, DiagramError, Exponent, Row, Spec, Start, Sweep, Threads};
+use chatter::analysis::diagram::{self, DiagramError, Exponent, Spec, Start, Sweep, Threads};
 use chatter::analysis::universal::{Argument, Universal, UniversalError, UniversalMap};
 use chatter::numerics::{DoubleDouble, Real};
-use chatter_io::figures::{Figure, Panel, Sharing};
+use chatter_io::figures::{Figure, Sharing};
 use chatter_io::tables::{Dataset, Table};
 use clap::Args;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -185,11 +188,7 @@ fn find<R: Real + Argument<Real = R>>(
     };
     let mut written = Vec::new();
     if let Some(TableFile(path)) = &arguments.out {
-        let data = Dataset::new().table(table(&findings)?);
-        written.extend(
-            data.write(path)
-                .map_err(|error| Failure::Output(error.to_string()))?,
-        );
+        written.extend(write_table(&findings, &map, arguments, path)?);
     }
     if let Some(FigureFile(path)) = &arguments.plot {
         let figure = figure(arguments, &findings, &double, &map)?;
@@ -220,11 +219,37 @@ fn specification(arguments: &Arguments, sweep: &SweepOption) -> Result<Spec, Fai
     })
 }
 
-/// What `--out` holds: the last thing asked for.
+/// Writes what `--out` holds: the last thing asked for.
+fn write_table<R: Real>(
+    findings: &Findings<R>,
+    map: &UniversalMap<f64>,
+    arguments: &Arguments,
+    path: &Path,
+) -> Result<Vec<PathBuf>, Failure> {
+    let Some((sweep, rows)) = findings.diagram else {
+        let data = Dataset::new().table(table(findings)?);
+        return data
+            .write(path)
+            .map_err(|error| Failure::Output(error.to_string()));
+    };
+    let parameters = Named::new(
+        ["restitution", "slope", "mu"],
+        [
+            arguments.restitution.to_f64(),
+            map.slope(),
+            arguments.mu.to_f64(),
+        ],
+    );
+    let texts = [
+        (orbit_table::SPECIFICATION, orbit_table::json(sweep.spec())?),
+        (orbit_table::MODEL, "z -> Upsilon(K z + mu)".to_owned()),
+        (orbit_table::PARAMETERS, orbit_table::json(&parameters)?),
+        (orbit_table::VERSION, env!("CARGO_PKG_VERSION").to_owned()),
+    ];
+    orbit_table::write(&mut InMemory { sweep, rows }, &texts, path)
+}
+
 fn table<R: Real>(findings: &Findings<R>) -> Result<Table, Failure> {
-    if let Some((sweep, rows)) = &findings.diagram {
-        return Ok(samples(sweep, rows));
-    }
     if let Some(windows) = &findings.windows {
         return Ok(window_table(windows));
     }
@@ -245,17 +270,6 @@ fn table<R: Real>(findings: &Findings<R>) -> Result<Table, Failure> {
         .column("derivative", column(&|k| values[k].1.derivative))
         .column("n", column(&|k| values[k].1.lap))
         .column("u1", column(&|k| values[k].1.u1)))
-}
-
-fn samples(sweep: &Sweep, rows: &[Row]) -> Table {
-    let (mut parameter, mut z) = (Vec::new(), Vec::new());
-    for row in rows {
-        let value = sweep.values(row.row)[0];
-        parameter.extend(core::iter::repeat_n(value, row.samples.len()));
-        z.extend_from_slice(&row.samples);
-    }
-    let name = sweep.spec().sweeps[0].parameter.clone();
-    Table::new("samples").column(name, parameter).column("z", z)
 }
 
 /// Widths of a figure, in millimetres.
@@ -291,18 +305,14 @@ fn figure<R: Real>(
         return Ok(figure.title("Upsilon").caption(format!("{caption} {made}")));
     };
     let range = &sweep.spec().sweeps[0];
-    let label = match range.parameter.as_str() {
-        "mu" => "$\\mu$",
-        _ => "$K$",
-    };
-    let mut panel: Panel = picture::orbit_panel(sweep, rows, label, "$z$");
+    let mut panel = picture::orbit_panel(sweep, rows)?;
     if let (Some(counts), "mu") = (arguments.windows, range.parameter.as_str()) {
         let windows = Window::list(universal, map.slope(), counts).map_err(refused)?;
         picture::window_layers(&mut panel, &windows, (range.from, range.to));
     }
     let mut figure = Figure::from(panel).width(WIDE);
     if arguments.lyapunov {
-        let exponents = picture::exponent_panel(sweep, rows, label);
+        let exponents = picture::exponent_panel(sweep, rows);
         figure = figure
             .panel(exponents)
             .sharing(Sharing::Horizontal)

@@ -3,13 +3,13 @@
 pub mod account;
 pub mod job;
 pub mod picture;
-pub mod source;
+mod source;
 mod store;
 mod stored;
 pub mod table;
 
 pub use job::{Job, Order};
 pub use picture::{Shear, Show, View, Zoom};
-pub use source::{Class, Source};
+pub use source::{Class, InMemory, Source};
 pub use store::{Store, check_size, journal_of};
 pub use stored::Stored;

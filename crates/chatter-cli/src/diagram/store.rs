@@ -1,7 +1,7 @@
 //! The journal of a diagram: its rows, in the order in which they were done.
 
 use super::job::Order;
-use super::source::{Class, Source};
+use super::source::Rows;
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Outcome, Row, Standing, Sweep};
 use chatter_io::journal::{Journal, JournalError, Place};
@@ -102,44 +102,22 @@ impl Store {
         &self.counts
     }
 
-    /// Reads a row again.
-    pub fn row(&mut self, row: u64) -> Result<Row, Failure> {
-        let missing = || Failure::Output(format!("row {row} of the diagram is missing"));
-        let place = self.places[row as usize].ok_or_else(missing)?;
-        self.journal.read(place, &mut self.bytes).map_err(output)?;
-        Row::from_bytes(&self.bytes).map_err(|error| Failure::Output(error.to_string()))
-    }
-
     /// Deletes the journal.
     pub fn remove(self) -> Result<(), Failure> {
         self.journal.remove().map_err(output)
     }
 }
 
-impl Source for Store {
-    fn samples(&mut self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Failure> {
-        let observed = self.sweep.spec().observe.len();
-        for row in 0..self.sweep.rows() {
-            let row = self.row(row)?;
-            for sample in row.samples.chunks_exact(observed) {
-                visit(row.row, sample);
-            }
-        }
-        Ok(())
+impl Rows for Store {
+    fn sweep(&self) -> &Sweep {
+        &self.sweep
     }
 
-    fn classes(&mut self, visit: &mut dyn FnMut(u64, &Class)) -> Result<(), Failure> {
-        for row in 0..self.sweep.rows() {
-            let row = self.row(row)?;
-            let class = Class {
-                outcome: row.outcome,
-                period: row.period,
-                impacts_per_return: row.impacts_per_return,
-                exponent: row.exponent,
-            };
-            visit(row.row, &class);
-        }
-        Ok(())
+    fn row(&mut self, row: u64) -> Result<Row, Failure> {
+        let missing = || Failure::Output(format!("row {row} of the diagram is missing"));
+        let place = self.places[row as usize].ok_or_else(missing)?;
+        self.journal.read(place, &mut self.bytes).map_err(output)?;
+        Row::from_bytes(&self.bytes).map_err(|error| Failure::Output(error.to_string()))
     }
 }
 

@@ -1,7 +1,7 @@
 //! A diagram as tables: one with a row for each orbit, one with a row for each sample.
 
 use super::job::Order;
-use super::store::Store;
+use super::source::Rows;
 use crate::failure::Failure;
 use crate::named::Named;
 use chatter::analysis::diagram::{Exponent, Record, Row, Sweep};
@@ -14,8 +14,10 @@ use std::path::{Path, PathBuf};
 pub const SPECIFICATION: &str = "specification";
 /// Name of the text that holds the model's file.
 pub const MODEL: &str = "model";
-const PARAMETERS: &str = "parameters";
-const VERSION: &str = "version";
+/// Name of the text that holds the parameters that are not swept.
+pub const PARAMETERS: &str = "parameters";
+/// Name of the text that holds this program's version.
+pub const VERSION: &str = "version";
 
 /// Longest name of an outcome or of a way to start.
 const WORD: usize = 16;
@@ -58,28 +60,31 @@ fn samples(sweep: &Sweep) -> Vec<String> {
         .collect()
 }
 
-/// Writes the tables of a finished diagram; gives the files written.
+/// Writes the tables of a finished diagram, with texts that say where they come from; gives the files written.
 pub fn write(
-    order: &Order,
-    model: &Model,
-    sweep: &Sweep,
-    store: &mut Store,
+    rows: &mut dyn Rows,
+    texts: &[(&str, String)],
     path: &Path,
 ) -> Result<Vec<PathBuf>, Failure> {
+    match Format::of_table(path).map_err(Failure::input)? {
+        Format::Npz => write_npz(rows, path, texts),
+        _ => write_csv(rows, path, texts),
+    }
+}
+
+/// Where the diagram of a model comes from: enough to compute it again.
+pub fn provenance(order: &Order, model: &Model) -> Result<[(&'static str, String); 4], Failure> {
     let parameters = Named::new(model.parameter_names(), model.parameter_values::<f64>(&[]));
-    let texts = [
+    Ok([
         (SPECIFICATION, json(&order.job)?),
         (MODEL, order.model_text.clone()),
         (PARAMETERS, json(&parameters)?),
         (VERSION, order.job.version.clone()),
-    ];
-    match Format::of_table(path).map_err(Failure::input)? {
-        Format::Npz => write_npz(sweep, store, path, &texts),
-        _ => write_csv(sweep, store, path, &texts),
-    }
+    ])
 }
 
-fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
+/// A value as a document.
+pub fn json(value: &impl serde::Serialize) -> Result<String, Failure> {
     serde_json::to_string(value).map_err(|error| Failure::Output(error.to_string()))
 }
 
@@ -88,12 +93,12 @@ fn output(error: impl ToString) -> Failure {
 }
 
 fn write_npz(
-    sweep: &Sweep,
-    store: &mut Store,
+    store: &mut dyn Rows,
     path: &Path,
     texts: &[(&str, String)],
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut writer = NpzWriter::create(path).map_err(output)?;
+    let sweep = &store.sweep().clone();
     let rows = sweep.rows();
     for (place, range) in sweep.spec().sweeps.iter().enumerate() {
         let values = (0..rows).map(|row| sweep.values(row)[place]);
@@ -138,7 +143,7 @@ fn write_npz(
 fn words(
     writer: &mut NpzWriter,
     name: &str,
-    store: &mut Store,
+    store: &mut dyn Rows,
     rows: u64,
     word: fn(&Row) -> &'static str,
 ) -> Result<(), Failure> {
@@ -160,7 +165,7 @@ fn words(
 fn numbers<T: chatter_io::tables::Element>(
     writer: &mut NpzWriter,
     name: &str,
-    store: &mut Store,
+    store: &mut dyn Rows,
     rows: u64,
     number: fn(&Row) -> T,
 ) -> Result<(), Failure> {
@@ -173,11 +178,11 @@ fn numbers<T: chatter_io::tables::Element>(
 
 /// Files are named as by [`Dataset::write`].
 fn write_csv(
-    sweep: &Sweep,
-    store: &mut Store,
+    store: &mut dyn Rows,
     path: &Path,
     texts: &[(&str, String)],
 ) -> Result<Vec<PathBuf>, Failure> {
+    let sweep = &store.sweep().clone();
     let spec = sweep.spec();
     let with_samples = spec.record == Record::Samples;
     let file = |table: &str| path.with_extension(format!("{table}.csv"));

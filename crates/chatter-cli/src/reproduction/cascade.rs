@@ -58,7 +58,7 @@ fn panel(
         )
     };
     let (sweep, rows) = sweep(map, &spec, show)?;
-    Ok(picture::orbit_panel(&sweep, &rows, "$\\mu$", "$z$"))
+    picture::orbit_panel(&sweep, &rows)
 }
 
 fn map(universal: &Universal<f64>) -> Result<UniversalMap<f64>, Failure> {

@@ -1,9 +1,12 @@
 //! The universal map in pictures: Upsilon, orbit diagrams, windows over them, exponents, cobwebs.
 
 use super::Window;
+use crate::diagram::picture::densities;
+use crate::diagram::{InMemory, View};
+use crate::failure::Failure;
 use chatter::analysis::diagram::{Row, Sweep};
 use chatter::analysis::universal::{Universal, UniversalMap};
-use chatter_io::figures::{Axis, Color, Dash, Density, Legend, Line, Normalisation, Panel, Rule};
+use chatter_io::figures::{Axis, Color, Dash, Legend, Line, Panel, Rule};
 
 /// Points of a curve on one lap: straight lines between them look smooth.
 const LAP_POINTS: i32 = 400;
@@ -62,31 +65,29 @@ fn lap_curve(universal: &Universal<f64>, n: i32) -> (Vec<f64>, Vec<f64>) {
         .unzip()
 }
 
-/// The samples of an orbit diagram, as shades.
-pub fn orbit_density(sweep: &Sweep, rows: &[Row]) -> Option<Density> {
-    let points = || {
-        rows.iter().flat_map(|row| {
-            let value = sweep.values(row.row)[0];
-            row.samples.iter().map(move |&sample| (value, sample))
-        })
-    };
-    points().next()?;
-    Some(Density::of(points).normalisation(Normalisation::Column))
+/// An orbit diagram over mu or the slope, drawn as those of flows are.
+pub fn orbit_panel(sweep: &Sweep, rows: &[Row]) -> Result<Panel, Failure> {
+    let axis = |name: &str| Axis::new(label(name));
+    let source = &mut InMemory { sweep, rows };
+    let range = &sweep.spec().sweeps[0];
+    let drawn = densities(sweep, range, &axis, source, &View::default())?;
+    let none = || Panel::new(axis(&range.parameter), axis("z"));
+    Ok(drawn.panels.into_iter().next().unwrap_or_else(none))
 }
 
-/// An orbit diagram.
-pub fn orbit_panel(sweep: &Sweep, rows: &[Row], x: &str, y: &str) -> Panel {
-    let range = &sweep.spec().sweeps[0];
-    let mut panel = Panel::new(Axis::new(x).range(range.from, range.to), Axis::new(y));
-    if let Some(density) = orbit_density(sweep, rows) {
-        panel.add(density);
+/// What figures call parameters and the coordinate of the map.
+pub fn label(name: &str) -> &'static str {
+    match name {
+        "mu" => "$\\mu$",
+        "slope" => "$K$",
+        _ => "$z$",
     }
-    panel
 }
 
 /// Exponents over the parameter.
-pub fn exponent_panel(sweep: &Sweep, rows: &[Row], x: &str) -> Panel {
+pub fn exponent_panel(sweep: &Sweep, rows: &[Row]) -> Panel {
     let range = &sweep.spec().sweeps[0];
+    let x = label(&range.parameter);
     let values = rows.iter().map(|row| sweep.values(row.row)[0]).collect();
     let exponents = rows.iter().map(|row| row.exponent).collect();
     Panel::new(

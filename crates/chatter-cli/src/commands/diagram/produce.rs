@@ -41,13 +41,8 @@ pub fn produce(order: &Order, journal: &Path, threads: Threads) -> Result<u8, Fa
     let mut written = Vec::new();
     let mut slanted = false;
     if let Some(path) = &order.out {
-        written.extend(table::write(
-            order,
-            &ready.model,
-            &ready.sweep,
-            &mut store,
-            path,
-        )?);
+        let texts = table::provenance(order, &ready.model)?;
+        written.extend(table::write(&mut store, &texts, path)?);
     }
     if let Some(path) = &order.plot {
         let view = View {

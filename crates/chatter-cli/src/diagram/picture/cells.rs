@@ -5,7 +5,7 @@ use super::{Show, View};
 use crate::diagram::{Class, Source};
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Outcome, Range, Sweep};
-use chatter_io::figures::{Axis, Category, CategoryMap, Color, Colormap, HeatMap, Panel};
+use chatter_io::figures::{Axis, Category, CategoryMap, Color, Colormap, HeatMap, Legend, Panel};
 
 /// Periods that have a colour of their own.
 const PERIODS: [(u64, &str, Color); 6] = [
@@ -123,7 +123,9 @@ fn numbers(
         return panel;
     }
     let categories = vec![Category::new(name, INFINITE)];
-    panel.with(CategoryMap::new(grid.0, grid.1, cells, categories))
+    panel
+        .with(CategoryMap::new(grid.0, grid.1, cells, categories))
+        .legend(Legend::Above)
 }
 
 /// What orbits settle to, in colours.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The valve's trajectory by Chatter, heyoka and SciPy in one run.
 
-    python3 benches/peers/run.py
+    python3 benches/peers/trajectory.py
 
 Makes a virtual environment beside this file, installs heyoka and SciPy into it from PyPI, builds Chatter, and follows the
 same trajectory (q = 0.0203, from rest at release) with each, in turn, several times. Prints the best microseconds per impact
@@ -9,28 +9,13 @@ of each, and how far its time and state after 100 impacts are from Chatter's in 
 """
 
 import json
-import os
 import subprocess
-import sys
 import time
-from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-VENV = HERE / ".venv"
+from environment import ROOT, enter_environment
 
 Q, KAPPA, DELTA, BETA, RESTITUTION = 0.0203, 1.25, 10.0, 20.0, 0.8
 COMPARED = 100
-
-
-def enter_environment():
-    """Runs this script again inside its own environment."""
-    python = VENV / "bin" / "python"
-    if not python.exists():
-        subprocess.run([sys.executable, "-m", "venv", VENV], check=True)
-        subprocess.run([python, "-m", "pip", "install", "-q", "heyoka", "numpy", "scipy"], check=True)
-    if Path(sys.prefix) != VENV:
-        os.execv(python, [str(python), *sys.argv])
 
 
 def chatter(impacts):
