@@ -35,6 +35,12 @@ pub trait Map: Sync {
     /// There is no next point; `point` is then unspecified.
     fn next(&self, parameters: &[f64], point: &mut [f64]) -> Result<Passage, NoReturn>;
 
+    /// Positions of the coordinates in which neighbouring points differ: all of them, unless one only tells the time of a
+    /// map that looks at fixed times.
+    fn directions(&self) -> Vec<usize> {
+        (0..self.coordinates().len()).collect()
+    }
+
     /// The derivative of the next point with respect to the point, row by row, if the map knows it.
     fn jacobian(&self, _parameters: &[f64], _point: &[f64]) -> Option<Vec<f64>> {
         None

@@ -122,7 +122,7 @@ impl Column {
         if (self.ways.len() as u64) < spec.keep {
             return Need::Next;
         }
-        self.conclude(sweep, arrival)
+        self.conclude(map, sweep, arrival)
     }
 
     /// The first sample is about to be kept.
@@ -149,7 +149,7 @@ impl Column {
     }
 
     /// All samples are there.
-    fn conclude(&mut self, sweep: &Sweep, arrival: &Arrival<'_>) -> Need {
+    fn conclude(&mut self, map: &dyn Map, sweep: &Sweep, arrival: &Arrival<'_>) -> Need {
         let spec = sweep.spec();
         self.scale = arrival
             .point
@@ -177,7 +177,7 @@ impl Column {
         if spec.exponent == Exponent::Skip || self.tangent.is_some() {
             return Need::Done(weigh(row));
         }
-        let mut companion = Companion::new(arrival.point.len());
+        let mut companion = Companion::new(map.directions(), arrival.point.len());
         let Some(origin) = companion.origin(&self.trail) else {
             return Need::Done(row);
         };

@@ -37,7 +37,7 @@ pub(super) struct Tangent {
 impl Tangent {
     pub(super) fn new(dimension: usize) -> Self {
         Self {
-            direction: even(dimension),
+            direction: even(&(0..dimension).collect::<Vec<_>>(), dimension),
             growth: Growth::default(),
             pending: 0.0,
         }
@@ -98,6 +98,8 @@ impl Trail {
 /// A second orbit that is brought near the first again after each sample.
 #[derive(Clone, Debug)]
 pub(super) struct Companion {
+    /// The coordinates in which it differs.
+    directions: Vec<usize>,
     direction: Vec<f64>,
     /// Sample of the first orbit beside which the second one started.
     from: usize,
@@ -106,9 +108,10 @@ pub(super) struct Companion {
 }
 
 impl Companion {
-    pub(super) fn new(dimension: usize) -> Self {
+    pub(super) fn new(directions: Vec<usize>, dimension: usize) -> Self {
         Self {
-            direction: even(dimension),
+            direction: even(&directions, dimension),
+            directions,
             from: 0,
             size: 0.0,
             growth: Growth::default(),
@@ -121,7 +124,7 @@ impl Companion {
             return None;
         }
         let point = trail.point(self.from);
-        let length = norm(point);
+        let length = self.length(point);
         let size = if length > 0.0 {
             DISPLACEMENT * length
         } else {
@@ -136,12 +139,20 @@ impl Companion {
         })
     }
 
+    fn length(&self, point: &[f64]) -> f64 {
+        let squares = self.directions.iter().map(|&k| point[k] * point[k]);
+        squares.sum::<f64>().sqrt()
+    }
+
     /// The second orbit has come to a sample.
     pub(super) fn arrive(&mut self, trail: &Trail, point: &[f64]) {
         self.from += 1;
         let reached = trail.point(self.from);
-        let distance: Vec<f64> = point.iter().zip(reached).map(|(x, y)| x - y).collect();
-        let growth = if norm(&distance) <= ONE_ORBIT * norm(reached) {
+        let mut distance = vec![0.0; point.len()];
+        for &k in &self.directions {
+            distance[k] = point[k] - reached[k];
+        }
+        let growth = if norm(&distance) <= ONE_ORBIT * self.length(reached) {
             f64::NEG_INFINITY
         } else {
             let image: Vec<f64> = distance.iter().map(|d| d / self.size).collect();
@@ -177,6 +188,10 @@ fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn even(dimension: usize) -> Vec<f64> {
-    vec![1.0 / (dimension as f64).sqrt(); dimension]
+fn even(directions: &[usize], dimension: usize) -> Vec<f64> {
+    let mut direction = vec![0.0; dimension];
+    for &k in directions {
+        direction[k] = 1.0 / (directions.len() as f64).sqrt();
+    }
+    direction
 }

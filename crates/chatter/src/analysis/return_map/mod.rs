@@ -205,6 +205,15 @@ impl Map for ReturnMap {
         self.model.initial_state(parameters)
     }
 
+    fn directions(&self) -> Vec<usize> {
+        let clock = match self.look {
+            Look::Stroboscopic { .. } => self.model.time,
+            Look::Event { .. } => None,
+        };
+        let coordinates = 0..self.model.states.len();
+        coordinates.filter(|&index| Some(index) != clock).collect()
+    }
+
     fn scope(&self) -> Scope {
         let mut scope = Scope {
             graph: self.model.graph.clone(),

@@ -406,6 +406,31 @@ fn exponents_of_stable_orbits_are_their_multipliers() {
 }
 
 #[test]
+fn the_clock_of_a_stroboscopic_map_is_no_direction() {
+    // Budd & Dux's (1, 1) orbit: one impact a period. The determinant of its map is r^2 (two flights of a free oscillator keep
+    // areas, an impact takes r^2 of them), and both multipliers lie on the circle of radius r where they are complex.
+    let model = shipped("impact_oscillator");
+    let strobe = ReturnSpec::new(Sampling::Stroboscopic {
+        period: "2*pi/omega".to_owned(),
+    });
+    let map = ReturnMap::new(&model, &strobe).unwrap();
+    let mut spec = Spec::new(Range::linear("omega", 2.2, 2.4, 5), "v", 400, 400);
+    spec.exponent = Exponent::Largest;
+    let rows = diagram(&map, &spec, &Threads::new(1)).unwrap();
+    for row in &rows {
+        assert_eq!((row.outcome, row.period), (Outcome::Periodic, 1));
+        assert_eq!(row.impacts_per_return, 1.0);
+        let expected = libm::log(0.8);
+        assert!(
+            (row.exponent - expected).abs() < 0.02,
+            "row {}: {} for {expected}",
+            row.row,
+            row.exponent
+        );
+    }
+}
+
+#[test]
 fn orbits_that_come_to_rest_on_the_way_forget_where_they_came_from() {
     let (_, map) = valve();
     let mut spec = sweep(0.0190, 0.0200, 12, 20, 40);
