@@ -352,6 +352,47 @@ fn maps_over_two_parameters_are_tables_and_pictures() {
     for show in ["period", "impacts", "exponent"] {
         succeeds(&["plot", &npz, "--show", show, "--out", &png]);
     }
+    std::fs::remove_file(&png).unwrap();
+    let useless = |more: &[&str]| fails(&[&["plot", &npz, "--out", &png], more].concat());
+    assert!(useless(&["--shear", "auto"]).contains("--shear changes nothing"));
+    assert!(useless(&["--observe", "y2"]).contains("--observe"));
+    assert!(!std::fs::exists(&png).unwrap());
+}
+
+#[test]
+fn diagrams_of_the_universal_map_are_diagrams_like_others() {
+    let folder = Folder::new("universal");
+    let (npz, csv, png) = (
+        folder.file("a.npz"),
+        folder.file("a.csv"),
+        folder.file("a.png"),
+    );
+    let sweep = "mu=0.004:0.006:40";
+    for out in [&npz, &csv] {
+        succeeds(&[
+            "universal",
+            "--restitution",
+            "0.8",
+            "--sweep",
+            sweep,
+            "--keep",
+            "60",
+            "--out",
+            out,
+        ]);
+    }
+    let file = NpzReader::open(&npz).unwrap();
+    assert_eq!(file.floats("mu").unwrap().len(), 40);
+    assert_eq!(file.texts("outcome").unwrap().len(), 40);
+    assert_eq!(file.integers("column").unwrap().len(), 2400);
+    assert!(file.text("model").unwrap().contains("Upsilon"));
+    let columns = std::fs::read_to_string(folder.file("a.columns.csv")).unwrap();
+    assert!(columns.starts_with("mu,outcome,period,impacts_per_return,start\r\n0.004,"));
+    succeeds(&["plot", &npz, "--zoom", "mu=0.0045:0.005", "--out", &png]);
+    let wrong = |more: &[&str]| fails(&[&["plot", &npz, "--out", &png], more].concat());
+    assert!(wrong(&["--zoom", "mu=0:y"]).contains("`y` is no number"));
+    assert!(wrong(&["--zoom", "z=8:9"]).contains("no sample of `z` from 8 to 9"));
+    assert!(wrong(&["--show", "impacts"]).contains("--show changes nothing"));
 }
 
 #[test]
@@ -412,6 +453,10 @@ fn wrong_input_is_told_before_anything_is_computed() {
     assert!(said.contains("does not exist"), "{said}");
     let said = fails(&[&arguments[..], &["--out", "a.xyz"]].concat());
     assert!(said.contains("xyz"), "{said}");
+    assert!(observed(&["--chunk", "4"]).contains("none is carried"));
+    assert!(observed(&["--set", "q=0.02"]).contains("both set and swept"));
+    assert!(range("r=0.5:1.1:3").contains("restitution 1.1"));
+    assert!(range("q=0.02:0.03:999999999999").contains("expected 100000000 at most"));
     assert!(fails(&["diagram", "--resume", &out]).contains("nothing to resume"));
     let said = fails(&[
         "diagram",

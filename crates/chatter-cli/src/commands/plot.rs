@@ -1,9 +1,12 @@
 //! `chatter plot`: a figure of a result that was computed before.
 
-use crate::diagram::{Show, Stored, View, Zoom, picture};
+use crate::diagram::picture::{self, Words};
+use crate::diagram::{Show, Stored, Subject, View, Zoom};
 use crate::failure::{self, Failure};
 use crate::options::{FigureFile, ShearOption, SpanOption};
 use crate::terminal;
+use crate::universal;
+use chatter_io::figures::Axis;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -55,17 +58,8 @@ enum ShowOption {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let mut stored = Stored::open(&arguments.file)?;
-    let job = stored.job.clone();
-    let ready = job.prepare(&stored.model_text)?;
-    let mut model = ready.model.clone();
-    let mut zooms = Vec::new();
-    for span in &arguments.zoom {
-        let (from, to) = span.ends(&mut model, "--zoom")?;
-        let name = span.name.clone();
-        zooms.push(Zoom { name, from, to });
-    }
-    let view = View {
-        zooms,
+    let mut view = View {
+        zooms: Vec::new(),
         shear: arguments.shear.map(|shear| shear.0),
         observe: arguments.observe.clone(),
         show: match arguments.show {
@@ -74,7 +68,40 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             Some(ShowOption::Exponent) => Show::Exponent,
         },
     };
-    let drawn = picture::draw(&job, &ready.model, &ready.sweep, &mut stored, &view)?;
+    let zoom = |span: &SpanOption, (from, to)| Zoom {
+        name: span.name.clone(),
+        from,
+        to,
+    };
+    let drawn = match stored.subject.clone() {
+        Subject::Flow(job) => {
+            let mut ready = job.prepare(&stored.model_text)?;
+            for span in &arguments.zoom {
+                view.zooms
+                    .push(zoom(span, span.ends(&mut ready.model, "--zoom")?));
+            }
+            let words = Words {
+                title: job.title(&ready.model),
+                origin: &job.model,
+                version: &job.version,
+                axis: &|name| picture::axis(&ready.model, name),
+            };
+            picture::draw(&words, &ready.sweep, &mut stored, &view)?
+        }
+        Subject::Universal(job) => {
+            let (_, sweep) = job.prepare()?;
+            for span in &arguments.zoom {
+                view.zooms.push(zoom(span, span.plain_ends("--zoom")?));
+            }
+            let words = Words {
+                title: &job.title(),
+                origin: &stored.model_text.clone(),
+                version: &job.version,
+                axis: &|name| Axis::new(universal::picture::label(name)),
+            };
+            picture::draw(&words, &sweep, &mut stored, &view)?
+        }
+    };
     let path = &arguments.out.0;
     let outcome = drawn.figure.write(path);
     outcome.map_err(|error| Failure::Output(error.to_string()))?;

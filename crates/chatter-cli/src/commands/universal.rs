@@ -6,8 +6,8 @@ use crate::named::Named;
 use crate::numbers::Digits;
 use crate::options::{Counts, Decimal, FigureFile, Precision, SweepOption, TableFile};
 use crate::terminal::{self, Style};
-use crate::universal::{Findings, Window, account, document, picture, window_table};
-use chatter::analysis::diagram::{self, DiagramError, Exponent, Spec, Start, Sweep, Threads};
+use crate::universal::{Findings, UniversalJob, Window, account, document, picture, window_table};
+use chatter::analysis::diagram::{self, Exponent, Spec, Start, Threads};
 use chatter::analysis::universal::{Argument, Universal, UniversalError, UniversalMap};
 use chatter::numerics::{DoubleDouble, Real};
 use chatter_io::figures::{Figure, Sharing};
@@ -161,11 +161,17 @@ fn find<R: Real + Argument<Real = R>>(
 
     let diagram = match &arguments.sweep {
         Some(option) => {
-            let spec = specification(arguments, option)?;
-            let sweep = Sweep::new(&map, &spec).map_err(|error| unswept(&error))?;
-            let rows = diagram::diagram(&map, &spec, &Threads::available())
-                .map_err(|error| unswept(&error))?;
-            Some((sweep, rows))
+            let job = UniversalJob {
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                restitution: arguments.restitution.to_f64(),
+                slope: arguments.slope.to_f64(),
+                mu: arguments.mu.to_f64(),
+                diagram: specification(arguments, option)?,
+            };
+            let (map, sweep) = job.prepare()?;
+            let rows = diagram::diagram(&map, &job.diagram, &Threads::available())
+                .map_err(Failure::input)?;
+            Some((job, sweep, rows))
         }
         None => None,
     };
@@ -183,12 +189,16 @@ fn find<R: Real + Argument<Real = R>>(
         windows,
         diagram: diagram
             .as_ref()
-            .map(|(sweep, rows)| (sweep, rows.as_slice())),
+            .map(|(_, sweep, rows)| (sweep, rows.as_slice())),
         digits,
     };
     let mut written = Vec::new();
     if let Some(TableFile(path)) = &arguments.out {
-        written.extend(write_table(&findings, &map, arguments, path)?);
+        written.extend(write_table(
+            &findings,
+            diagram.as_ref().map(|found| &found.0),
+            path,
+        )?);
     }
     if let Some(FigureFile(path)) = &arguments.plot {
         let figure = figure(arguments, &findings, &double, &map)?;
@@ -222,11 +232,10 @@ fn specification(arguments: &Arguments, sweep: &SweepOption) -> Result<Spec, Fai
 /// Writes what `--out` holds: the last thing asked for.
 fn write_table<R: Real>(
     findings: &Findings<R>,
-    map: &UniversalMap<f64>,
-    arguments: &Arguments,
+    job: Option<&UniversalJob>,
     path: &Path,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let Some((sweep, rows)) = findings.diagram else {
+    let (Some((sweep, rows)), Some(job)) = (findings.diagram, job) else {
         let data = Dataset::new().table(table(findings)?);
         return data
             .write(path)
@@ -234,17 +243,13 @@ fn write_table<R: Real>(
     };
     let parameters = Named::new(
         ["restitution", "slope", "mu"],
-        [
-            arguments.restitution.to_f64(),
-            map.slope(),
-            arguments.mu.to_f64(),
-        ],
+        [job.restitution, job.slope, job.mu],
     );
     let texts = [
-        (orbit_table::SPECIFICATION, orbit_table::json(sweep.spec())?),
+        (orbit_table::SPECIFICATION, orbit_table::json(job)?),
         (orbit_table::MODEL, "z -> Upsilon(K z + mu)".to_owned()),
         (orbit_table::PARAMETERS, orbit_table::json(&parameters)?),
-        (orbit_table::VERSION, env!("CARGO_PKG_VERSION").to_owned()),
+        (orbit_table::VERSION, job.version.clone()),
     ];
     orbit_table::write(&mut InMemory { sweep, rows }, &texts, path)
 }
@@ -330,8 +335,4 @@ fn figure<R: Real>(
 
 fn refused(error: UniversalError) -> Failure {
     Failure::input(error)
-}
-
-fn unswept(error: &DiagramError) -> Failure {
-    Failure::input(error).did_you_mean(error.suggestion())
 }

@@ -64,6 +64,29 @@ fn look(sampling: &Sampling, every: u64) -> String {
     };
     match every {
         1 => format!("each {what}"),
-        _ => format!("every {every}th {what}"),
+        _ => format!("every {} {what}", ordinal(every)),
+    }
+}
+
+fn ordinal(number: u64) -> String {
+    let ending = match (number % 10, number % 100) {
+        (_, 11..=13) => "th",
+        (1, _) => "st",
+        (2, _) => "nd",
+        (3, _) => "rd",
+        _ => "th",
+    };
+    format!("{number}{ending}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ordinal;
+
+    #[test]
+    fn ordinals_end_as_they_should() {
+        let all = [1, 2, 3, 4, 11, 12, 13, 21, 22, 112].map(ordinal);
+        let expected = "1st 2nd 3rd 4th 11th 12th 13th 21st 22nd 112th";
+        assert_eq!(all.join(" "), expected);
     }
 }

@@ -76,6 +76,11 @@ impl Job {
         Ok(model)
     }
 
+    /// What the model is called.
+    pub fn title<'a>(&'a self, model: &'a Model) -> &'a str {
+        model.title.as_deref().unwrap_or(&self.model)
+    }
+
     fn refused(&self, error: &DiagramError, model: &Model) -> Failure {
         match error {
             DiagramError::Observable { text, error } => {

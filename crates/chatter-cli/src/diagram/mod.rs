@@ -12,4 +12,4 @@ pub use job::{Job, Order};
 pub use picture::{Shear, Show, View, Zoom};
 pub use source::{Class, InMemory, Source};
 pub use store::{Store, check_size, journal_of};
-pub use stored::Stored;
+pub use stored::{Stored, Subject};

@@ -4,15 +4,36 @@ use super::job::Job;
 use super::source::{Class, Source};
 use super::table::{MODEL, SPECIFICATION};
 use crate::failure::Failure;
-use chatter::analysis::diagram::{Outcome, Sweep};
+use crate::universal::UniversalJob;
+use chatter::analysis::diagram::{Outcome, Spec, Sweep};
 use chatter_io::tables::NpzReader;
+use serde::Deserialize;
 use std::path::Path;
+
+/// What there are diagrams of.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum Subject {
+    /// The return map of a model.
+    Flow(Job),
+    /// The universal map.
+    Universal(UniversalJob),
+}
+
+impl Subject {
+    fn spec(&self) -> &Spec {
+        match self {
+            Self::Flow(job) => &job.diagram,
+            Self::Universal(job) => &job.diagram,
+        }
+    }
+}
 
 /// An open file.
 pub struct Stored {
     file: NpzReader,
     /// What it holds.
-    pub job: Job,
+    pub subject: Subject,
     /// Text of the model's file.
     pub model_text: String,
 }
@@ -29,12 +50,12 @@ impl Stored {
             .help("`chatter diagram … --out FILE.npz` writes one")
         };
         let text = |name: &str| file.text(name).map_err(|error| foreign(error.to_string()));
-        let job = serde_json::from_str(&text(SPECIFICATION)?)
+        let subject = serde_json::from_str(&text(SPECIFICATION)?)
             .map_err(|error| foreign(format!("its specification is another: {error}")))?;
         let model_text = text(MODEL)?;
         Ok(Self {
             file,
-            job,
+            subject,
             model_text,
         })
     }
@@ -58,7 +79,7 @@ impl Source for Stored {
     fn samples(&mut self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Failure> {
         let columns = self.numbers(Sweep::COLUMN_NAME)?;
         let mut streams = Vec::new();
-        for observed in &self.job.diagram.observe {
+        for observed in &self.subject.spec().observe {
             streams.push(self.numbers(&observed.name)?);
         }
         let mut sample = vec![0.0; streams.len()];

@@ -45,14 +45,10 @@ impl std::str::FromStr for SweepOption {
 impl SweepOption {
     /// The range where there is no model: its ends are numbers.
     pub fn plain(&self) -> Result<Range, Failure> {
-        let end = |text: &Quantity| {
-            let number = text.0.parse().map(Decimal::to_f64);
-            number.map_err(|message: String| Failure::input(format!("--sweep: {message}")))
-        };
         Ok(Range {
             parameter: self.name.clone(),
-            from: end(&self.from)?,
-            to: end(&self.to)?,
+            from: plain(&self.from, "--sweep")?,
+            to: plain(&self.to, "--sweep")?,
             count: self.count,
             spacing: self.spacing,
         })
@@ -74,6 +70,12 @@ impl SweepOption {
             spacing: self.spacing,
         })
     }
+}
+
+/// A number where there is no model.
+fn plain(text: &Quantity, option: &str) -> Result<f64, Failure> {
+    let number = text.0.parse().map(Decimal::to_f64);
+    number.map_err(|message: String| Failure::input(format!("{option}: {message}")))
 }
 
 /// `NAME=FROM:TO`.
@@ -101,6 +103,11 @@ impl std::str::FromStr for SpanOption {
 }
 
 impl SpanOption {
+    /// Its ends where there is no model: numbers.
+    pub fn plain_ends(&self, option: &str) -> Result<(f64, f64), Failure> {
+        Ok((plain(&self.from, option)?, plain(&self.to, option)?))
+    }
+
     /// Its ends, evaluated at the model's parameters.
     pub fn ends(&self, model: &mut Model, option: &str) -> Result<(f64, f64), Failure> {
         let from = self.from.value(model, option)?.high();

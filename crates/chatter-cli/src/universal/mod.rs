@@ -2,11 +2,13 @@
 
 mod account;
 mod document;
+mod job;
 pub mod picture;
 mod windows;
 
 pub use account::account;
 pub use document::document;
+pub use job::UniversalJob;
 pub use windows::{Window, window_list, window_rows, window_table};
 
 use crate::numbers::Digits;

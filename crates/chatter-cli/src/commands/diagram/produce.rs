@@ -1,5 +1,6 @@
 //! Computes what is missing of a diagram, then writes everything.
 
+use crate::diagram::picture::Words;
 use crate::diagram::{Order, Show, Store, View, account, check_size, picture, table};
 use crate::failure::{self, Failure};
 use crate::terminal::{self, Progress, Style};
@@ -50,7 +51,13 @@ pub fn produce(order: &Order, journal: &Path, threads: Threads) -> Result<u8, Fa
             show: Show::Period,
             ..View::default()
         };
-        let picture = picture::draw(job, &ready.model, &ready.sweep, &mut store, &view)?;
+        let words = Words {
+            title: job.title(&ready.model),
+            origin: &job.model,
+            version: &job.version,
+            axis: &|name| picture::axis(&ready.model, name),
+        };
+        let picture = picture::draw(&words, &ready.sweep, &mut store, &view)?;
         let outcome = picture.figure.write(path);
         outcome.map_err(|error| Failure::Output(error.to_string()))?;
         written.push(path.clone());

@@ -7,11 +7,10 @@ mod window;
 
 pub use densities::densities;
 
-use super::job::Job;
 use super::source::Source;
 use crate::failure::Failure;
 use crate::simulation::picture::axis_of;
-use chatter::analysis::diagram::{Exponent, Record, Sweep};
+use chatter::analysis::diagram::{Exponent, Record, Spec, Sweep};
 use chatter::analysis::map::Passage;
 use chatter::model::Model;
 use chatter_io::figures::{Axis, Figure, Sharing};
@@ -85,19 +84,54 @@ pub struct Picture {
 /// What to say of such a figure.
 pub const SLANTED: &str = "the samples lie in a narrow slanted band; --shear auto levels it\n";
 
+/// What a figure says of what it shows.
+pub struct Words<'a> {
+    /// What the orbits are orbits of.
+    pub title: &'a str,
+    /// Where that comes from.
+    pub origin: &'a str,
+    /// The version that computed it.
+    pub version: &'a str,
+    /// Labels of parameters and observed quantities.
+    pub axis: &'a dyn Fn(&str) -> Axis,
+}
+
+impl Words<'_> {
+    fn caption(&self, spec: &Spec) -> String {
+        let sweeps: Vec<String> = spec
+            .sweeps
+            .iter()
+            .map(|range| {
+                format!(
+                    "{} values of {} from {} to {}",
+                    range.count, range.parameter, range.from, range.to
+                )
+            })
+            .collect();
+        format!(
+            "{} ({}): {}, {} samples each after {}. Made by chatter {}.",
+            self.title,
+            self.origin,
+            sweeps.join(", "),
+            spec.keep,
+            spec.transient,
+            self.version
+        )
+    }
+}
+
 /// Draws a finished diagram.
 pub fn draw(
-    job: &Job,
-    model: &Model,
+    words: &Words<'_>,
     sweep: &Sweep,
     source: &mut dyn Source,
     view: &View,
 ) -> Result<Picture, Failure> {
     check(sweep, view)?;
-    let axis = |name: &str| axis(model, name);
+    let axis = words.axis;
     let (figure, slanted) = match &sweep.spec().sweeps[..] {
         [range] => {
-            let drawn = densities(sweep, range, &axis, source, view)?;
+            let drawn = densities(sweep, range, axis, source, view)?;
             let mut figure = Figure::new()
                 .width(WIDTH)
                 .height(PANEL_HEIGHT * drawn.panels.len() as f64)
@@ -108,17 +142,16 @@ pub fn draw(
             (figure, drawn.slanted)
         }
         [first, second, ..] => {
-            let panel = cells::panel(sweep, [first, second], &axis, source, view)?;
+            let panel = cells::panel(sweep, [first, second], axis, source, view)?;
             let figure = Figure::from(panel).width(WIDTH).height(PANEL_HEIGHT * 1.1);
             (figure, false)
         }
         [] => (Figure::new(), false),
     };
-    let title = model.title.as_deref().unwrap_or(&job.model);
     Ok(Picture {
         figure: figure
-            .title(format!("Orbit diagram: {title}"))
-            .caption(caption(job, title)),
+            .title(format!("Orbit diagram: {}", words.title))
+            .caption(words.caption(sweep.spec())),
         slanted,
     })
 }
@@ -188,8 +221,8 @@ fn known(name: &str, known: &[&str], what: &str) -> Result<(), Failure> {
     )
 }
 
-/// Label and unit of a parameter or of an observed quantity.
-fn axis(model: &Model, name: &str) -> Axis {
+/// Label and unit of a parameter of a model or of an observed quantity.
+pub fn axis(model: &Model, name: &str) -> Axis {
     let parameters = model.parameters.iter();
     let states = model.states.iter();
     let labels = parameters
@@ -201,26 +234,4 @@ fn axis(model: &Model, name: &str) -> Axis {
         None if Passage::NAMES.contains(&name) => Axis::new(name.replace('_', " ")),
         None => axis_of(name, None),
     }
-}
-
-fn caption(job: &Job, title: &str) -> String {
-    let spec = &job.diagram;
-    let sweeps: Vec<String> = spec
-        .sweeps
-        .iter()
-        .map(|range| {
-            format!(
-                "{} values of {} from {} to {}",
-                range.count, range.parameter, range.from, range.to
-            )
-        })
-        .collect();
-    format!(
-        "{title} ({}): {}, {} samples each after {}. Made by chatter {}.",
-        job.model,
-        sweeps.join(", "),
-        spec.keep,
-        spec.transient,
-        job.version
-    )
 }

@@ -16,7 +16,20 @@ pub(super) struct Settled<'a> {
 const ROUNDING: f64 = 1e-13;
 
 /// Fewer pairs of neighbours than this say nothing about whether neighbours move apart.
-const LEAST_PAIRS: u32 = 16;
+const LEAST_PAIRS: usize = 16;
+
+/// Growth counts if its mean exceeds so many times its standard error: where distances only fluctuate, as they do on
+/// quasi-periodic orbits, the mean is as often positive as negative.
+const SIGNIFICANT: f64 = 2.0;
+
+/// Whether distances grow, from logarithms of their growth.
+pub(super) fn grows(logarithms: &[f64]) -> bool {
+    let count = logarithms.len() as f64;
+    let mean = logarithms.iter().sum::<f64>() / count;
+    let squares = logarithms.iter().map(|x| (x - mean) * (x - mean));
+    let error = (squares.sum::<f64>() / (count * (count - 1.0))).sqrt();
+    mean > SIGNIFICANT * error
+}
 
 impl Settled<'_> {
     /// The smallest number of samples after which all that was sampled, the number of impacts and the time repeat, over
@@ -69,9 +82,11 @@ impl Settled<'_> {
         let quantities = (0..self.observed).map(|k| self.neighbours(k));
         // Counts and other quantities of few values tell hardly any samples apart; of the others the one that varies most
         // relative to its size tells neighbours best.
-        let clearest = quantities
-            .max_by(|a, b| (a.pairs.cmp(&b.pairs)).then(a.variation.total_cmp(&b.variation)));
-        clearest.is_some_and(|told| told.pairs >= LEAST_PAIRS && told.growth > 0.0)
+        let clearest = quantities.max_by(|a, b| {
+            let pairs = a.growth.len().cmp(&b.growth.len());
+            pairs.then(a.variation.total_cmp(&b.variation))
+        });
+        clearest.is_some_and(|told| told.growth.len() >= LEAST_PAIRS && grows(&told.growth))
     }
 
     /// Samples that are neighbours by one observed quantity, and where they are a sample later.
@@ -79,14 +94,13 @@ impl Settled<'_> {
         let values: Vec<f64> = self.quantity(quantity).collect();
         let mut order: Vec<usize> = (0..values.len().saturating_sub(1)).collect();
         order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let (mut growth, mut pairs) = (0.0, 0);
+        let mut growth = Vec::new();
         for pair in order.windows(2) {
             let (a, b) = (pair[0], pair[1]);
             let before = (values[a] - values[b]).abs();
             let after = (values[a + 1] - values[b + 1]).abs();
             if before > 0.0 && after > 0.0 && (before + after).is_finite() {
-                growth += libm::log(after / before);
-                pairs += 1;
+                growth.push(libm::log(after / before));
             }
         }
         let extent = (f64::INFINITY, f64::NEG_INFINITY);
@@ -95,7 +109,6 @@ impl Settled<'_> {
             .fold(extent, |(low, high), &x| (low.min(x), high.max(x)));
         let size = extent.0.abs().max(extent.1.abs()) + f64::MIN_POSITIVE;
         Neighbours {
-            pairs,
             growth,
             variation: (extent.1 - extent.0) / size,
         }
@@ -104,10 +117,8 @@ impl Settled<'_> {
 
 /// What samples that are neighbours by one quantity do.
 struct Neighbours {
-    /// How many pairs can be told apart, before and after.
-    pairs: u32,
-    /// The logarithms of the growth of their distances, summed.
-    growth: f64,
+    /// Logarithms of the growth of their distances, one for each pair that can be told apart, before and after.
+    growth: Vec<f64>,
     /// How much the quantity varies, relative to its size.
     variation: f64,
 }
@@ -185,6 +196,19 @@ mod tests {
             times[place].1 = 1.0 + 1e-6;
         }
         assert_eq!(settled(&times), Some(3));
+    }
+
+    #[test]
+    fn fluctuation_is_no_growth() {
+        // On a circle by the golden angle: neighbours stay neighbours.
+        let turn = 2.0 * core::f64::consts::PI * 0.618_033_988_749_894_9;
+        let circle = |k: u32| libm::cos(turn * f64::from(k));
+        let logarithms: Vec<f64> = (0..200)
+            .map(|k| libm::log((2.0 + circle(k + 1)) / (2.0 + circle(k))))
+            .collect();
+        assert!(!grows(&logarithms));
+        assert!(grows(&[1.0, 2.0, 1.5]) && !grows(&[-1.0, -2.0, -1.5]));
+        assert!(!grows(&[f64::NEG_INFINITY, 1.0]) && !grows(&[]));
     }
 
     #[test]

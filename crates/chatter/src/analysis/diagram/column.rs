@@ -1,7 +1,7 @@
 //! One orbit of a diagram while it is followed.
 
 use super::classify::Settled;
-use super::exponent::{Companion, Tangent, Trail};
+use super::exponent::{Companion, Growth, Tangent, Trail};
 use super::observable::Scratch;
 use super::row::{Outcome, Row, Started};
 use super::spec::Exponent;
@@ -170,12 +170,16 @@ impl Column {
             None if self.settled(sweep).spreads() => Outcome::Chaotic,
             None => Outcome::Unsettled,
         };
-        let exponent = self.tangent.as_ref().map_or(f64::NAN, Tangent::exponent);
-        let mut row = self.take(sweep, outcome, exponent);
+        let tangent = self.tangent.take();
+        let mut row = self.take(sweep, outcome);
         row.period = period.unwrap_or(0) as u64;
         row.impacts_per_return = mean_impacts(&self.ways[first..], chatters);
-        if spec.exponent == Exponent::Skip || self.tangent.is_some() {
-            return Need::Done(weigh(row));
+        if let Some(tangent) = &tangent {
+            weigh(&mut row, tangent.growth());
+            return Need::Done(row);
+        }
+        if spec.exponent == Exponent::Skip {
+            return Need::Done(row);
         }
         let mut companion = Companion::new(map.directions(), arrival.point.len());
         let Some(origin) = companion.origin(&self.trail) else {
@@ -208,24 +212,23 @@ impl Column {
             return Need::Companion(origin);
         }
         if arrival.passage.is_ok() {
-            row.exponent = companion.exponent();
+            weigh(row, companion.growth());
         }
-        let row = self.result.take();
         self.companion = None;
         self.trail.clear();
-        row.map_or(Need::Next, |row| Need::Done(weigh(row)))
+        self.result.take().map_or(Need::Next, Need::Done)
     }
 
     /// The orbit has no next point.
     fn fail(&mut self, sweep: &Sweep, reason: &NoReturn) -> Row {
         let chatters = self.accumulations.contains(&true);
         let impacts = mean_impacts(&self.ways, chatters);
-        let mut row = self.take(sweep, Outcome::from(reason), f64::NAN);
+        let mut row = self.take(sweep, Outcome::from(reason));
         row.impacts_per_return = impacts;
         row
     }
 
-    fn take(&mut self, sweep: &Sweep, outcome: Outcome, exponent: f64) -> Row {
+    fn take(&mut self, sweep: &Sweep, outcome: Outcome) -> Row {
         let samples = core::mem::take(&mut self.samples);
         Row {
             row: self.row,
@@ -233,23 +236,23 @@ impl Column {
             outcome,
             period: 0,
             impacts_per_return: f64::NAN,
-            exponent,
+            exponent: f64::NAN,
             samples: if sweep.records() { samples } else { Vec::new() },
             end: core::mem::take(&mut self.end),
         }
     }
 }
 
-/// An exponent says more about chaos than samples do.
-fn weigh(mut row: Row) -> Row {
+/// Notes the exponent, which says more about chaos than samples do.
+fn weigh(row: &mut Row, growth: &Growth) {
+    row.exponent = growth.mean();
     if matches!(row.outcome, Outcome::Chaotic | Outcome::Unsettled) && !row.exponent.is_nan() {
-        row.outcome = if row.exponent > 0.0 {
+        row.outcome = if growth.is_chaotic() {
             Outcome::Chaotic
         } else {
             Outcome::Unsettled
         };
     }
-    row
 }
 
 fn mean_impacts(ways: &[(u64, f64)], chatters: bool) -> f64 {

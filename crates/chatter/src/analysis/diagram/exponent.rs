@@ -1,5 +1,6 @@
 //! The largest Lyapunov exponent of an orbit.
 
+use super::classify::grows;
 use crate::analysis::map::{Map, Origin, Passage};
 
 /// Distance of the second orbit, relative to the point: a million times rounding error, and small against the windows of
@@ -18,10 +19,20 @@ const TURNING: f64 = 0.1;
 pub(super) struct Growth(Vec<f64>);
 
 impl Growth {
-    pub(super) fn mean(&self) -> f64 {
+    fn counted(&self) -> &[f64] {
         let turning = (self.0.len() as f64 * TURNING) as usize;
-        let counted = &self.0[turning..];
+        &self.0[turning..]
+    }
+
+    /// The exponent.
+    pub(super) fn mean(&self) -> f64 {
+        let counted = self.counted();
         counted.iter().sum::<f64>() / counted.len() as f64
+    }
+
+    /// Whether it is positive beyond chance.
+    pub(super) fn is_chaotic(&self) -> bool {
+        grows(self.counted())
     }
 }
 
@@ -65,8 +76,8 @@ impl Tangent {
         self.pending = 0.0;
     }
 
-    pub(super) fn exponent(&self) -> f64 {
-        self.growth.mean()
+    pub(super) fn growth(&self) -> &Growth {
+        &self.growth
     }
 }
 
@@ -168,8 +179,8 @@ impl Companion {
         first_try
     }
 
-    pub(super) fn exponent(&self) -> f64 {
-        self.growth.mean()
+    pub(super) fn growth(&self) -> &Growth {
+        &self.growth
     }
 }
 

@@ -1,6 +1,7 @@
 //! Orbits of a return map side by side in one fleet.
 
-use super::{Look, ReturnMap};
+use super::ReturnMap;
+use super::look::Look;
 use crate::analysis::map::{Arrival, Command, NoReturn, Origin, Passage, Start};
 use crate::analysis::simulate::EventKind;
 use crate::flow::{
@@ -349,41 +350,6 @@ impl<'m, 'v> Follower<'m, 'v> {
             parameters: &orbit.parameters,
             passage,
         })
-    }
-}
-
-impl Look {
-    /// Whether this is what is looked at.
-    #[inline]
-    fn sees(&self, what: EventKind, place: usize) -> bool {
-        match self {
-            Self::Event { kind, at, .. } => *kind == what && at.is_none_or(|at| at == place),
-            Self::Stroboscopic { .. } => false,
-        }
-    }
-
-    /// The surface that points of the map lie on, if there is just one.
-    fn surface(&self) -> Option<GuardKind> {
-        match self {
-            Self::Event {
-                kind: EventKind::Section,
-                at: Some(index),
-                ..
-            } => Some(GuardKind::Section(*index)),
-            Self::Event {
-                kind: EventKind::Impact,
-                at: Some(index),
-                ..
-            } => Some(GuardKind::Gap(*index)),
-            _ => None,
-        }
-    }
-
-    fn section(&self) -> Option<&crate::expressions::Formula<f64>> {
-        match self {
-            Self::Event { surface, .. } => surface.as_ref(),
-            Self::Stroboscopic { .. } => None,
-        }
     }
 }
 

@@ -7,6 +7,7 @@
 //! ```
 
 mod follow;
+mod look;
 mod spec;
 
 #[cfg(test)]
@@ -15,11 +16,11 @@ mod tests;
 pub use spec::{ReturnMapError, ReturnSpec, Sampling};
 
 use crate::analysis::map::{Arrival, Command, Map, NoReturn, Origin, Passage, Scope, Start};
-use crate::analysis::simulate::EventKind;
-use crate::expressions::{Expr, Formula, Symbol, nearest};
+use crate::expressions::{Expr, Symbol, nearest};
 use crate::flow::{Settings, System};
 use crate::model::Model;
 use follow::Follower;
+use look::Look;
 
 /// A model looked at where a [`ReturnSpec`] says.
 #[derive(Clone, Debug)]
@@ -30,20 +31,6 @@ pub struct ReturnMap {
     look: Look,
     longest_return: f64,
     most_impacts: u64,
-}
-
-/// Where the flow is looked at. Places are indices; the only section that the system has left is number 0.
-#[derive(Clone, Debug)]
-enum Look {
-    Event {
-        kind: EventKind,
-        at: Option<usize>,
-        /// The surface of a section.
-        surface: Option<Formula<f64>>,
-    },
-    Stroboscopic {
-        period: Formula<f64>,
-    },
 }
 
 impl ReturnMap {
@@ -66,74 +53,7 @@ impl ReturnMap {
             });
         }
         let mut model = model.clone();
-        let mut sections = core::mem::take(&mut model.sections);
-        let look = match &spec.sampling {
-            Sampling::Event { kind, at } => {
-                let names: Vec<&str> = match kind {
-                    EventKind::Section => sections.iter().map(|s| &*s.name).collect(),
-                    _ => model.contacts.iter().map(|c| &*c.name).collect(),
-                };
-                let unknown = |name: &str| ReturnMapError::UnknownPlace {
-                    kind: *kind,
-                    name: name.to_owned(),
-                    known: names.iter().map(|&name| name.to_owned()).collect(),
-                };
-                let at = match at {
-                    Some(name) => Some(
-                        names
-                            .iter()
-                            .position(|known| known == name)
-                            .ok_or_else(|| unknown(name))?,
-                    ),
-                    None => None,
-                };
-                match (kind, at) {
-                    // Sections that are not looked at would only cost time.
-                    (EventKind::Section, Some(index)) => {
-                        let section = sections.swap_remove(index);
-                        let surface = Formula::new(&model.graph, section.surface);
-                        model.sections = vec![section];
-                        Look::Event {
-                            kind: *kind,
-                            at: Some(0),
-                            surface: Some(surface),
-                        }
-                    }
-                    (EventKind::Section, None) => {
-                        if sections.is_empty() {
-                            return Err(unknown(""));
-                        }
-                        model.sections = sections;
-                        Look::Event {
-                            kind: *kind,
-                            at: None,
-                            surface: None,
-                        }
-                    }
-                    (_, at) => Look::Event {
-                        kind: *kind,
-                        at,
-                        surface: None,
-                    },
-                }
-            }
-            Sampling::Stroboscopic { period } => {
-                let text = period.clone();
-                let expr = model
-                    .parse_expression(period)
-                    .map_err(|error| ReturnMapError::Period { text, error })?;
-                let formula = Formula::<f64>::new(&model.graph, expr);
-                let parameters = model.parameter_values(&[]);
-                let value = formula.evaluate(&[], &parameters, &mut Vec::new());
-                if !(value > 0.0 && value.is_finite()) {
-                    return Err(ReturnMapError::PeriodValue {
-                        text: period.clone(),
-                        value,
-                    });
-                }
-                Look::Stroboscopic { period: formula }
-            }
-        };
+        let look = Look::new(&spec.sampling, &mut model)?;
         let system = System::new(&model).map_err(ReturnMapError::System)?;
         Ok(Self {
             model,

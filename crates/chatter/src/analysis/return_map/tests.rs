@@ -4,6 +4,7 @@ use super::*;
 use crate::analysis::diagram::{
     Bounds, Exponent, Outcome, Range, Record, Row, Spec, Start as Begin, Started, Threads, diagram,
 };
+use crate::analysis::simulate::EventKind;
 use crate::flow::{Occurrence, Trajectory};
 use crate::numerics::{DoubleDouble, Real};
 

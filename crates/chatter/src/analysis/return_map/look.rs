@@ -1,0 +1,128 @@
+//! Where a flow is looked at, found in the model.
+
+use super::spec::{ReturnMapError, Sampling};
+use crate::analysis::simulate::EventKind;
+use crate::expressions::Formula;
+use crate::flow::GuardKind;
+use crate::model::Model;
+
+/// Where the flow is looked at. Places are indices; the only section that the system has left is number 0.
+#[derive(Clone, Debug)]
+pub(super) enum Look {
+    Event {
+        kind: EventKind,
+        at: Option<usize>,
+        /// The surface of a section.
+        surface: Option<Formula<f64>>,
+    },
+    Stroboscopic {
+        period: Formula<f64>,
+    },
+}
+
+impl Look {
+    /// Finds out what is meant. Leaves the model the sections that are looked at: others would only cost time.
+    pub(super) fn new(sampling: &Sampling, model: &mut Model) -> Result<Self, ReturnMapError> {
+        let mut sections = core::mem::take(&mut model.sections);
+        Ok(match sampling {
+            Sampling::Event { kind, at } => {
+                let names: Vec<&str> = match kind {
+                    EventKind::Section => sections.iter().map(|s| &*s.name).collect(),
+                    _ => model.contacts.iter().map(|c| &*c.name).collect(),
+                };
+                let unknown = |name: &str| ReturnMapError::UnknownPlace {
+                    kind: *kind,
+                    name: name.to_owned(),
+                    known: names.iter().map(|&name| name.to_owned()).collect(),
+                };
+                let at = match at {
+                    Some(name) => Some(
+                        names
+                            .iter()
+                            .position(|known| known == name)
+                            .ok_or_else(|| unknown(name))?,
+                    ),
+                    None => None,
+                };
+                match (kind, at) {
+                    (EventKind::Section, Some(index)) => {
+                        let section = sections.swap_remove(index);
+                        let surface = Formula::new(&model.graph, section.surface);
+                        model.sections = vec![section];
+                        Look::Event {
+                            kind: *kind,
+                            at: Some(0),
+                            surface: Some(surface),
+                        }
+                    }
+                    (EventKind::Section, None) => {
+                        if sections.is_empty() {
+                            return Err(unknown(""));
+                        }
+                        model.sections = sections;
+                        Look::Event {
+                            kind: *kind,
+                            at: None,
+                            surface: None,
+                        }
+                    }
+                    (_, at) => Look::Event {
+                        kind: *kind,
+                        at,
+                        surface: None,
+                    },
+                }
+            }
+            Sampling::Stroboscopic { period } => {
+                let text = period.clone();
+                let expr = model
+                    .parse_expression(period)
+                    .map_err(|error| ReturnMapError::Period { text, error })?;
+                let formula = Formula::<f64>::new(&model.graph, expr);
+                let parameters = model.parameter_values(&[]);
+                let value = formula.evaluate(&[], &parameters, &mut Vec::new());
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(ReturnMapError::PeriodValue {
+                        text: period.clone(),
+                        value,
+                    });
+                }
+                Look::Stroboscopic { period: formula }
+            }
+        })
+    }
+
+    /// Whether this is what is looked at.
+    #[inline]
+    pub(super) fn sees(&self, what: EventKind, place: usize) -> bool {
+        match self {
+            Self::Event { kind, at, .. } => *kind == what && at.is_none_or(|at| at == place),
+            Self::Stroboscopic { .. } => false,
+        }
+    }
+
+    /// The surface that points of the map lie on, if there is just one.
+    pub(super) fn surface(&self) -> Option<GuardKind> {
+        match self {
+            Self::Event {
+                kind: EventKind::Section,
+                at: Some(index),
+                ..
+            } => Some(GuardKind::Section(*index)),
+            Self::Event {
+                kind: EventKind::Impact,
+                at: Some(index),
+                ..
+            } => Some(GuardKind::Gap(*index)),
+            _ => None,
+        }
+    }
+
+    /// The surface function of a section.
+    pub(super) fn section(&self) -> Option<&Formula<f64>> {
+        match self {
+            Self::Event { surface, .. } => surface.as_ref(),
+            Self::Stroboscopic { .. } => None,
+        }
+    }
+}
