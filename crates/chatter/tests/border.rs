@@ -121,7 +121,7 @@ fn f64_agrees_with_double_double() {
             (a.value - b.value.to_f64()).abs() <= 3.0 * a.error,
             "{a:?} {b:?}"
         );
-        assert!(b.error < 1e-20 * b.value.to_f64().abs());
+        assert!(b.error < 1e-18 * b.value.to_f64().abs());
     }
 }
 
@@ -156,24 +156,24 @@ fn exact_form_depends_on_no_choice() {
         }
     }
     forms::<f64>([43, 46, 50], [9, 12], 1e-9);
-    forms::<DoubleDouble>([76, 84, 90], [18, 22], 1e-20);
+    forms::<DoubleDouble>([76, 84, 90], [18, 22], 1e-18);
 }
 
 #[test]
 fn coefficients_make_up_slope_and_rate() {
     let border = valve_border::<DoubleDouble>();
     let exact = &border.exact;
-    let product = |by: &[DoubleDouble]| {
+    let product = |by: &[Estimate<DoubleDouble>]| {
         border
             .section
             .iter()
             .zip(&exact.covector)
             .fold(DoubleDouble::from(0.0), |sum, (&i, c)| {
-                sum + c.value * by[i]
+                sum + c.value * by[i].value
             })
     };
     let close = |a: DoubleDouble, b: DoubleDouble| {
-        assert!(((a - b) / b).to_f64().abs() < 1e-20, "{a} {b}");
+        assert!(((a - b) / b).to_f64().abs() < 1e-18, "{a} {b}");
     };
     close(product(&exact.first_impact_by_upsilon), exact.slope.value);
     let moved = product(&exact.first_impact_by_parameter) + exact.covector_parameter.value;
@@ -188,8 +188,10 @@ fn coefficients_make_up_slope_and_rate() {
         let sum = row
             .iter()
             .zip(&exact.offset)
-            .fold(DoubleDouble::from(0.0), |sum, (&a, &b)| sum + a * b);
-        close(sum, moved);
+            .fold(DoubleDouble::from(0.0), |sum, (a, b)| {
+                sum + a.value * b.value
+            });
+        close(sum, moved.value);
     }
 }
 
@@ -299,10 +301,7 @@ fn questions_without_an_answer_get_a_typed_one() {
         level: 11.0,
     });
     let border = border_near::<f64>(&valve, &far, 0.02).unwrap();
-    assert!(matches!(
-        border.leading_order,
-        Err(BorderError::Section { .. })
-    ));
+    assert!(matches!(border.leading_order, Err(ReleaseSection { .. })));
 }
 
 fn counts(border: &Border<f64>, prediction: &Prediction, at: f64) -> Option<ImpactCounts> {

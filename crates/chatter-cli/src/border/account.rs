@@ -5,7 +5,7 @@ use crate::aligned::{Side, aligned};
 use crate::numbers::{concise, full};
 use crate::terminal::Style;
 use crate::universal::window_rows;
-use chatter::analysis::border::{Border, Estimate, LeadingOrder};
+use chatter::analysis::border::{Border, BorderError, Borders, Estimate, LeadingOrder};
 use chatter::analysis::universal::Argument;
 use chatter::numerics::Real;
 
@@ -17,22 +17,55 @@ pub fn account<R: Real + Argument<Real = R>>(
 ) -> String {
     let title = subject.model.title.as_deref().unwrap_or(subject.source);
     let mut text = format!("{}  {}\n", style.title(title), style.faint(subject.source));
+    text += &format!("  {}\n", setting(subject));
     match answer {
         Answer::One(border) => text += &one(subject, border, style),
         Answer::All { found, low, high } => {
             for border in &found.borders {
                 text += &one(subject, border, style);
             }
-            text.push('\n');
-            text += &match found.borders.len() {
-                0 => format!("there is no border between {low} and {high}\n"),
-                1 => format!("one border between {low} and {high}\n"),
-                count => format!("{count} borders between {low} and {high}\n"),
-            };
-            for place in &found.breaks {
-                text += &format!("no border, though complete chatter ends: {place}\n");
-            }
+            text += &format!("\n{}", summary(subject, found, (*low, *high)));
         }
+    }
+    text
+}
+
+/// The parameters that are not varied.
+fn setting(subject: &Subject) -> String {
+    let values = subject.model.parameter_values::<f64>(&[]);
+    let names = subject.model.parameter_names();
+    let fixed = names.iter().zip(values);
+    let fixed = fixed.filter(|(name, _)| **name != subject.parameter);
+    let mut parts = vec![format!("{} varied", subject.parameter)];
+    parts.extend(fixed.map(|(name, value)| format!("{name} = {}", concise(value, 8))));
+    parts.join(", ")
+}
+
+/// Breaks that are told one by one.
+const BREAKS_TOLD: usize = 6;
+
+fn summary<R>(subject: &Subject, found: &Borders<R>, (low, high): (f64, f64)) -> String {
+    let count = match found.borders.len() {
+        0 => "no border".to_owned(),
+        1 => "one border".to_owned(),
+        count => format!("{count} borders"),
+    };
+    let mut text = format!(
+        "{count} between {low} and {high}, looked for at {} values\n",
+        subject.samples + 1
+    );
+    for place in found.breaks.iter().take(BREAKS_TOLD) {
+        text += &format!("no border, though complete chatter ends: {place}\n");
+    }
+    if found.breaks.len() > BREAKS_TOLD {
+        let more = found.breaks.len() - BREAKS_TOLD;
+        text += &format!("and at {more} more places (--json lists them)\n");
+    }
+    if found.unresolved > 0 {
+        text += &format!(
+            "{} more changes between complete and incomplete chatter were not looked into: try a smaller range\n",
+            found.unresolved
+        );
     }
     text
 }
@@ -46,7 +79,8 @@ fn one<R: Real + Argument<Real = R>>(
     for (title, rows, sides) in blocks(subject, border) {
         text += &format!("\n{}\n{}", style.title(&title), aligned(&rows, sides));
     }
-    if let Err(error) = &border.leading_order {
+    if let Err(section) = &border.leading_order {
+        let error = BorderError::from(section.clone());
         text += &format!(
             "\n{} no leading order: {error}\n",
             style.warning("warning:")
@@ -60,69 +94,71 @@ const ERROR_DIGITS: u32 = 2;
 
 type Block = (String, Vec<Vec<String>>, &'static [Side]);
 
+fn row(name: &str, values: impl IntoIterator<Item = String>) -> Vec<String> {
+    let mut row = vec![name.to_owned()];
+    row.extend(values);
+    row
+}
+
 fn blocks<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> Vec<Block> {
     const WORDS: &[Side] = &[];
-    let number = |value: R| full(value, subject.digits);
-    let estimate = |estimate: &Estimate<R>| {
-        [
-            number(estimate.value),
-            format!("± {}", concise(estimate.error, ERROR_DIGITS)),
-        ]
+    let digits = subject.text_digits;
+    let number = |value: R| full(value, digits);
+    // An error is told where it shows in the digits.
+    let shows = |estimate: &Estimate<R>| {
+        let unit = 0.1_f64.powi(digits.0 as i32) * estimate.value.abs().to_f64();
+        !digits.fit_double() || estimate.error > unit
     };
-    let row = |name: &str, values: &[String]| {
-        let mut row = vec![name.to_owned()];
-        row.extend_from_slice(values);
-        row
+    let estimate = |estimate: &Estimate<R>| {
+        let error = || format!("± {}", concise(estimate.error, ERROR_DIGITS));
+        [number(estimate.value)]
+            .into_iter()
+            .chain(shows(estimate).then(error))
     };
     let parameter = &border.parameter;
     let states = subject.model.state_names();
-    let by_state = |values: &[R]| {
+    let named = |values: &[R]| {
         let named = states.iter().zip(values);
         named
-            .map(|(name, &value)| row(name, &[number(value)]))
+            .map(|(name, &value)| format!("{name} = {}", number(value)))
             .collect::<Vec<_>>()
+            .join(", ")
     };
     let constants = &border.constants;
     let exact = &border.exact;
+    let first = &border.first_impact;
 
-    let orbit = vec![
-        row(&format!("{parameter}*"), &estimate(&border.value)),
-        row("period", &estimate(&border.period)),
-        row("impacts followed", &[border.impacts.to_string()]),
+    let mut orbit = vec![
+        row(&format!("{parameter}*"), estimate(&border.value)),
+        row("period", estimate(&border.period)),
+        row("release", [named(&border.release.state)]),
+        row("first impact", [named(&first.state)]),
+        row("", [format!("{} after release", number(first.time))]),
     ];
-    let mut first = by_state(&border.first_impact.state);
-    first.push(row(
-        "time since release",
-        &[number(border.first_impact.time)],
-    ));
+    if border.long_flights > 1 {
+        let count = format!("{}, then chatter", border.long_flights);
+        orbit.push(row("long flights", [count]));
+    }
     let numbers = vec![
-        row("restitution r", &[number(constants.restitution)]),
-        row("fixed point u*", &[number(constants.chatter_fixed_point)]),
-        row("lambda", &[number(constants.lambda)]),
-        row("eta", &[number(constants.eta)]),
-        row("exponent", &[number(constants.exponent)]),
+        row("restitution r", [number(constants.restitution)]),
+        row("fixed point u*", [number(constants.chatter_fixed_point)]),
+        row("lambda", [number(constants.lambda)]),
+        row("eta", [number(constants.eta)]),
     ];
     let mut form = vec![
-        row("slope K", &estimate(&exact.slope)),
-        row("unfolding rate M", &estimate(&exact.unfolding_rate)),
-        row("amplitude N*", &estimate(&exact.amplitude)),
+        row("slope K", estimate(&exact.slope)),
+        row("unfolding rate M", estimate(&exact.unfolding_rate)),
+        row("amplitude N*", estimate(&exact.amplitude)),
     ];
     for (covector, &index) in exact.covector.iter().zip(&border.section) {
-        form.push(row(&format!("C by {}", states[index]), &estimate(covector)));
+        let name = format!("C = dX/d{}", states[index]);
+        form.push(row(&name, estimate(covector)));
     }
-    form.push(row(
-        &format!("D by {parameter}"),
-        &estimate(&exact.covector_parameter),
-    ));
+    let name = format!("D = dX/d{parameter}");
+    form.push(row(&name, estimate(&exact.covector_parameter)));
 
     let mut blocks = vec![
         (format!("border orbit in {parameter}"), orbit, WORDS),
-        (
-            "release, and end of chatter".to_owned(),
-            by_state(&border.release.state),
-            WORDS,
-        ),
-        ("after the first impact".to_owned(), first, WORDS),
         ("chatter near release".to_owned(), numbers, WORDS),
         (
             format!("exact: z -> Upsilon(K z + mu), mu = M ({parameter} - {parameter}*)"),
@@ -134,22 +170,19 @@ fn blocks<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -
         blocks.push(leading_order(subject, form));
     }
     if let Some(windows) = super::prediction(subject, border) {
-        let title = format!("predicted with the exact form: values of {parameter}");
-        blocks.push((title, window_rows(&windows, subject.digits), &[Side::Right]));
+        let title = format!("values of {parameter} predicted for the orbit with n + 1 impacts");
+        const SIDES: &[Side] = &[Side::Right];
+        blocks.push((title, window_rows(&windows, digits), SIDES));
     }
     blocks
 }
 
 fn leading_order<R: Real>(subject: &Subject, form: &LeadingOrder<R>) -> Block {
-    let number = |value: R| full(value, subject.digits);
-    let row = |name: &str, values: &[R]| {
-        let mut row = vec![name.to_owned()];
-        row.extend(values.iter().map(|&value| number(value)));
-        row
-    };
+    let number = |value: R| full(value, subject.text_digits);
+    let row = |name: &str, values: &[R]| row(name, values.iter().map(|&value| number(value)));
     let rows = vec![
-        row("slope CAB", &[form.slope]),
-        row("unfolding rate CAE + CF + D", &[form.unfolding_rate]),
+        row("CAB", &[form.slope]),
+        row("CAE + CF + D", &[form.unfolding_rate]),
         row("A", &form.a[0]),
         row("", &form.a[1]),
         row("B", &form.b),
@@ -157,12 +190,12 @@ fn leading_order<R: Real>(subject: &Subject, form: &LeadingOrder<R>) -> Block {
         row("D", &[form.d]),
         row("E", &form.e),
         row("F", &form.f),
-        row("gap and rate on the section", &form.crossing),
     ];
     let section = &form.section;
     let title = format!(
         "leading order, section {} = {}",
-        section.state, section.level
+        section.state,
+        concise(section.level, subject.text_digits.0)
     );
     (title, rows, &[])
 }

@@ -3,9 +3,12 @@
 use super::{Answer, Subject};
 use crate::json::{Json, Object};
 use crate::universal::window_list;
-use chatter::analysis::border::{Border, Estimate, LeadingOrder};
+use chatter::analysis::border::{Border, BorderError, BreakCause, Estimate, LeadingOrder};
 use chatter::analysis::universal::Argument;
 use chatter::numerics::Real;
+
+/// Border orbits have three states.
+const STATES: usize = 3;
 
 /// The whole answer.
 pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer<R>) -> String {
@@ -34,6 +37,7 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
             let breaks = found.breaks.iter().map(|place| {
                 Object::new(subject.digits)
                     .number("value", place.value)
+                    .with("cause", cause(place.cause))
                     .with("message", place.to_string())
                     .into()
             });
@@ -41,7 +45,9 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
                 Object::new(subject.digits)
                     .with("borders", borders)
                     .with("breaks", breaks.collect::<Vec<Json>>())
-                    .with("range", vec![Json::Number(*low), Json::Number(*high)]),
+                    .with("range", vec![Json::Number(*low), Json::Number(*high)])
+                    .with("samples", subject.samples as i64 + 1)
+                    .with("unresolved", found.unresolved as i64),
             )
         }
     };
@@ -56,6 +62,15 @@ fn one<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> O
         .map(|&index| states[index].into())
         .collect();
     let constants = &border.constants;
+    let forcing: Vec<Json> = (border.turns.iter())
+        .map(|turn| {
+            Object::new(subject.digits)
+                .with("state", states[turn.state])
+                .number("period", turn.period)
+                .with("count", turn.count)
+                .into()
+        })
+        .collect();
     let object = Object::new(subject.digits)
         .with("parameter", border.parameter.as_str())
         .number("value", border.value.value)
@@ -71,47 +86,64 @@ fn one<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> O
         .number("first_impact_rate_before", border.first_impact.rate_before)
         .number("period", border.period.value)
         .with("period_error", border.period.error)
+        .with("forcing", forcing)
+        .with("long_flights", border.long_flights as i64)
         .with("impacts", border.impacts as i64)
         .with("section", section)
         .with("exact", exact(subject, border));
     let object = match &border.leading_order {
         Ok(form) => object.with("leading_order", leading_order(subject, form)),
-        Err(error) => object
-            .with("leading_order", Json::Null)
-            .with("leading_order_error", error.to_string()),
+        Err(section) => object.with("leading_order", Json::Null).with(
+            "leading_order_error",
+            BorderError::from(section.clone()).to_string(),
+        ),
     };
     object.with("windows", windows(subject, border))
 }
 
 fn exact<R: Real>(subject: &Subject, border: &Border<R>) -> Object {
     let exact = &border.exact;
-    let values = |estimates: &[Estimate<R>]| {
-        estimates
-            .iter()
-            .map(|estimate| estimate.value)
-            .collect::<Vec<R>>()
+    let flight: Vec<[R; STATES]> = (exact.flight.iter())
+        .filter_map(|row| <[R; STATES]>::try_from(values(row)).ok())
+        .collect();
+    let flight_errors = exact.flight.iter().map(|row| Json::List(errors(row)));
+    let with = |object: Object, name: &str, estimates: &[Estimate<R>]| {
+        object
+            .numbers(name, &values(estimates))
+            .with(&format!("{name}_error"), errors(estimates))
     };
-    let errors = exact
-        .covector
-        .iter()
-        .map(|estimate| Json::Number(estimate.error));
-    Object::new(subject.digits)
+    let object = Object::new(subject.digits)
         .number("slope", exact.slope.value)
         .number("unfolding_rate", exact.unfolding_rate.value)
         .with("slope_error", exact.slope.error)
         .with("unfolding_rate_error", exact.unfolding_rate.error)
         .number("amplitude", exact.amplitude.value)
-        .with("amplitude_error", exact.amplitude.error)
-        .numbers("covector", &values(&exact.covector))
-        .with("covector_error", errors.collect::<Vec<Json>>())
+        .with("amplitude_error", exact.amplitude.error);
+    let object = with(object, "covector", &exact.covector)
         .number("covector_parameter", exact.covector_parameter.value)
         .with("covector_parameter_error", exact.covector_parameter.error)
-        .numbers("offset", &exact.offset)
-        .numbers("first_impact_by_upsilon", &exact.first_impact_by_upsilon)
-        .numbers(
-            "first_impact_by_parameter",
-            &exact.first_impact_by_parameter,
-        )
+        .rows("flight", &flight)
+        .with("flight_error", flight_errors.collect::<Vec<Json>>());
+    let object = with(object, "offset", &exact.offset);
+    let object = with(
+        object,
+        "first_impact_by_upsilon",
+        &exact.first_impact_by_upsilon,
+    );
+    with(
+        object,
+        "first_impact_by_parameter",
+        &exact.first_impact_by_parameter,
+    )
+}
+
+fn values<R: Real>(estimates: &[Estimate<R>]) -> Vec<R> {
+    estimates.iter().map(|estimate| estimate.value).collect()
+}
+
+fn errors<R: Real>(estimates: &[Estimate<R>]) -> Vec<Json> {
+    let error = |estimate: &Estimate<R>| Json::Number(estimate.error);
+    estimates.iter().map(error).collect()
 }
 
 fn leading_order<R: Real>(subject: &Subject, form: &LeadingOrder<R>) -> Object {
@@ -136,5 +168,15 @@ fn windows<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) 
     match super::prediction(subject, border) {
         Some(windows) => window_list(&windows, subject.digits),
         None => Json::Null,
+    }
+}
+
+fn cause(cause: BreakCause) -> &'static str {
+    match cause {
+        BreakCause::Graze { .. } => "graze",
+        BreakCause::Elsewhere => "elsewhere",
+        BreakCause::Short { .. } => "short",
+        BreakCause::NoChatter => "no_chatter",
+        BreakCause::Jump => "jump",
     }
 }

@@ -20,8 +20,14 @@ pub struct Subject<'a> {
     pub model: &'a Model,
     /// The model as the user named it.
     pub source: &'a str,
-    /// How many digits the user wants.
+    /// The parameter that is varied.
+    pub parameter: &'a str,
+    /// Digits of numbers in a document.
     pub digits: Digits,
+    /// Digits of numbers in text.
+    pub text_digits: Digits,
+    /// Parts of a range that were told apart.
+    pub samples: usize,
     /// Which windows are predicted.
     pub windows: Counts,
 }

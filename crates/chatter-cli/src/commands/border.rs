@@ -32,6 +32,9 @@ JSON
   such objects, and breaks, where complete chatter ends without a border. With more than 17 digits each number has a twin
   in decimals as text, under its name with `_digits` at the end.";
 
+/// Digits of text if nothing else is asked for.
+const TEXT_DIGITS: Digits = Digits(10);
+
 /// Find border orbits, where complete chatter ends exactly at release, and the one-dimensional map around them
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, group = ArgGroup::new("where").required(true))]
@@ -43,7 +46,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     parameter: String,
 
-    /// Find the border nearest to this value, between half of it and twice as much
+    /// Find the border nearest to this value, between half of it and twice as much; around zero, between -1 and 1
     #[arg(
         long,
         value_name = "VALUE",
@@ -61,9 +64,13 @@ pub struct Arguments {
     )]
     range: Option<Window>,
 
-    /// Parts of the range that are told apart: two borders within one part are missed
+    /// Parts into which the range is divided; borders that lie closer to each other than that may be missed [default: 200]
     #[arg(long, value_name = "N", requires = "range", allow_hyphen_values = true)]
     samples: Option<Count>,
+
+    /// Long flights between release and the beginning of chatter, at most [default: 2]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    excursions: Option<Count>,
 
     /// The section where the leading-order coefficients are taken, between release and first impact [default: one
     /// percent from release]
@@ -74,12 +81,12 @@ pub struct Arguments {
     #[arg(
         long,
         value_name = "FIRST:LAST",
-        default_value = "10:40",
+        default_value = "20:24",
         allow_hyphen_values = true
     )]
     windows: Counts,
 
-    /// Digits of the numbers in the output, up to 30; above 17 the whole computation is done with more digits
+    /// Digits of the numbers in the output, up to 30. Without it ten in text, all of a double in JSON
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     digits: Option<Precision>,
 
@@ -98,6 +105,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     if let Some(samples) = arguments.samples {
         spec.samples = usize::try_from(samples.0).unwrap_or(usize::MAX);
     }
+    if let Some(excursions) = arguments.excursions {
+        spec.excursions = usize::try_from(excursions.0).unwrap_or(usize::MAX);
+    }
     if let Some(section) = &arguments.section {
         spec.section = Some(section.section(&mut model)?);
     }
@@ -112,7 +122,12 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let subject = Subject {
         model: &model,
         source: &arguments.model.model,
+        parameter: &arguments.parameter,
         digits,
+        text_digits: arguments
+            .digits
+            .map_or(TEXT_DIGITS, |precision| precision.0),
+        samples: spec.samples,
         windows: arguments.windows,
     };
     let text = if digits.fit_double() {

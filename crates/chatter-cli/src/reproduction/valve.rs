@@ -71,7 +71,10 @@ impl Valve {
         let model = Model::from_toml(text, MODEL)?;
         let spec = BorderSpec::new("q");
         let border = border_near::<f64>(&model, &spec, NEAR).map_err(refused)?;
-        let leading_order = border.leading_order.clone().map_err(refused)?;
+        let leading_order = border
+            .leading_order
+            .clone()
+            .map_err(|section| refused(section.into()))?;
         let at_printed = leading_order_at(&model, &spec, PRINTED).map_err(refused)?;
         let universal = Universal::new(border.constants.restitution).map_err(Failure::input)?;
         let map = ReturnMap::new(&model, &ReturnSpec::section(SECTION)).map_err(Failure::input)?;
@@ -117,9 +120,9 @@ impl Projection {
     fn new(model: &Model, map: &ReturnMap, border: &Border<f64>) -> Result<Self, Failure> {
         /// Steps of q and of Upsilon: a thousandth of what the figures show.
         const STEP: f64 = 1e-6;
-        let offset = &border.exact.offset;
+        let offset: Vec<f64> = border.exact.offset.iter().map(|b| b.value).collect();
         let at = |q: f64, upsilon: f64| -> Result<[f64; 2], Failure> {
-            let start = border.release.state.iter().zip(offset);
+            let start = border.release.state.iter().zip(&offset);
             let start = start
                 .map(|(x, by_upsilon)| x + upsilon * by_upsilon)
                 .collect();

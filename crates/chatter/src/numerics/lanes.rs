@@ -58,19 +58,11 @@ impl<const L: usize> Mask for LaneMask<L> {
     }
     #[inline(always)]
     fn any(self) -> bool {
-        let mut any = false;
-        for lane in self.0 {
-            any |= lane;
-        }
-        any
+        self.0.iter().fold(false, |any, &lane| any | lane)
     }
     #[inline(always)]
     fn all(self) -> bool {
-        let mut all = true;
-        for lane in self.0 {
-            all &= lane;
-        }
-        all
+        self.0.iter().fold(true, |all, &lane| all & lane)
     }
 }
 

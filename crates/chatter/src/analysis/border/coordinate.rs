@@ -19,10 +19,12 @@
 //! If lambda and eta depend on what is varied, k times each power occurs as well: a ratio to be eliminated twice.
 
 use super::extrapolate::{Estimate, Plan, limit};
+use super::problem::STATES;
 use super::release::ReleasePoint;
 use super::sequence::Sequence;
 use crate::analysis::universal::Constants;
 use crate::numerics::Real;
+use serde::{Deserialize, Serialize};
 
 /// Terms of an extrapolation lie so many impacts apart that the first ratio is about this: then rounding errors are
 /// amplified little.
@@ -32,14 +34,17 @@ const TERM_RATIO: f64 = 0.6;
 /// more rounding error, since nu is known to a roundoff of the state.
 const TAIL_POWER: f64 = 0.165;
 
-/// Rounding errors grow like eta^-k along the sequence: after so many roundoffs times that the terms are noise.
-const NOISE_ROUNDOFFS: f64 = 100.0;
+/// Errors of X grow like eta^-k along the sequence. X is known to so many times what a roundoff of the state changes it by.
+const NOISE_ROUNDOFFS: f64 = 10.0;
+
+/// A sequence settles where u comes this near to u* for good, relative to u*.
+const WITHIN: f64 = 0.5;
 
 /// More ratios than this are never eliminated.
 const MOST_ORDERS: usize = 24;
 
 /// How far a sequence is followed and how its limits are taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Extrapolation {
     /// Impacts of the chatter sequence to follow; chosen from the number type if not given.
     pub impacts: Option<usize>,
@@ -58,6 +63,8 @@ pub(crate) struct Limits<R> {
     lambda_powers: Vec<R>,
     eta_lambda_powers: Vec<R>,
     slope_powers: Vec<R>,
+    /// Error of X that the state's roundoff makes, relative to u*.
+    noise: f64,
     /// The same with those that occur twice along the parameter.
     parameter_powers: Vec<R>,
 }
@@ -113,6 +120,7 @@ impl<R: Real> Limits<R> {
             eta_lambda_powers,
             slope_powers,
             parameter_powers,
+            noise: NOISE_ROUNDOFFS * R::ROUNDOFF,
         }
     }
 
@@ -121,25 +129,65 @@ impl<R: Real> Limits<R> {
         self.impacts
     }
 
-    /// The impact of a sequence nearest to u*: up to it the sequence approaches the border, beyond it departs.
+    /// The impact where a sequence stops approaching u* for good: where it departs, it does so from impact to impact. Before
+    /// that, u may cross u* more than once.
     pub(crate) fn nearest(&self, sequence: &Sequence<R>) -> usize {
-        let mut best = (sequence.begins, f64::INFINITY);
-        for (k, impact) in sequence.impacts.iter().enumerate().skip(sequence.begins) {
-            if impact.local.acceleration >= R::ZERO {
-                break;
-            }
-            let distance = self.distance(impact.local.u());
-            if distance <= best.1 {
-                best = (k, distance);
-            }
-        }
-        best.0
+        let begins = sequence.begins;
+        let local = sequence.impacts.iter().skip(begins);
+        let distances: Vec<f64> = local
+            .take_while(|impact| impact.local.acceleration < R::ZERO)
+            .map(|impact| self.distance(impact.local.u()))
+            .collect();
+        let departs = (1..distances.len())
+            .rev()
+            .take_while(|&k| distances[k - 1] <= distances[k])
+            .count();
+        begins + distances.len().saturating_sub(1 + departs)
+    }
+
+    /// The impact from which on a sequence that comes near u* is within half of it: limits are taken from there.
+    pub(crate) fn settles(&self, sequence: &Sequence<R>) -> usize {
+        let nearest = self.nearest(sequence);
+        let far = |k: &usize| self.distance(sequence.impacts[*k].local.u()) > WITHIN;
+        (sequence.begins..=nearest)
+            .rev()
+            .find(far)
+            .map_or(sequence.begins, |k| k + 1)
     }
 
     /// |u - u*| / u*.
     pub(crate) fn distance(&self, u: R) -> f64 {
         let fixed_point = self.constants.chatter_fixed_point;
         ((u - fixed_point).abs() / fixed_point).to_f64()
+    }
+
+    /// |X| to leading order, counted from where the chatter sequence begins: how far a sequence is from the border.
+    pub(crate) fn rough_distance(&self, sequence: &Sequence<R>) -> f64 {
+        let nearest = self.nearest(sequence);
+        let Some(impact) = sequence.impacts.get(nearest) else {
+            return f64::INFINITY;
+        };
+        let shrunk = libm::exp(self.constants.ln_eta.to_f64() * (nearest - sequence.begins) as f64);
+        self.distance(impact.local.u()) * shrunk
+    }
+
+    /// Learns from the columns of a sequence by how much roundoff of the state changes X.
+    pub(crate) fn set_noise(&mut self, sequence: &Sequence<R>, end: usize) {
+        let Some(last) = sequence.impacts.get(end) else {
+            return;
+        };
+        let sum: f64 = (0..STATES)
+            .map(|i| {
+                let size = (sequence.impacts.iter()).fold(0.0_f64, |most, impact| {
+                    most.max(impact.state[i].abs().to_f64())
+                });
+                last.local.u_slope(i).abs().to_f64() * size
+            })
+            .sum();
+        let shrunk = libm::exp(self.constants.ln_eta.to_f64() * end as f64);
+        let fixed_point = self.constants.chatter_fixed_point.to_f64();
+        let amplified = (sum * shrunk / fixed_point).max(1.0);
+        self.noise = NOISE_ROUNDOFFS * R::ROUNDOFF * amplified;
     }
 
     fn power(&self, base: R, exponent: usize) -> R {
@@ -170,14 +218,16 @@ impl<R: Real> Limits<R> {
             };
         };
         let growth = libm::exp(-self.constants.ln_eta.to_f64() * end as f64);
-        let noise = NOISE_ROUNDOFFS * R::ROUNDOFF * growth * found.value.abs().to_f64();
+        let noise = self.noise * growth * found.value.abs().to_f64();
         found.error = found.error.max(noise);
         found
     }
 
     /// X, from the impacts up to number `end`.
     pub(crate) fn x(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
-        self.x_without(sequence, end, &self.eta_lambda_powers)
+        let mut x = self.x_without(sequence, end, &self.eta_lambda_powers);
+        x.error = (x.error).max(self.noise * self.constants.chatter_fixed_point.to_f64());
+        x
     }
 
     /// X where it is not quite zero: the tail of its derivative times X is removed, too.
@@ -225,6 +275,18 @@ impl<R: Real> Limits<R> {
     pub(crate) fn accumulation(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
         self.scaled_limit(sequence, end, R::ONE, &self.lambda_powers, |k| {
             sequence.impacts[k].time
+        })
+    }
+
+    /// One component of the state where the impacts accumulate.
+    pub(crate) fn accumulation_state(
+        &self,
+        sequence: &Sequence<R>,
+        end: usize,
+        component: usize,
+    ) -> Estimate<R> {
+        self.scaled_limit(sequence, end, R::ONE, &self.lambda_powers, |k| {
+            sequence.impacts[k].state[component]
         })
     }
 }

@@ -1,7 +1,9 @@
 //! What can keep a border orbit from being found.
 
+use super::leading_order::ReleaseSection;
 use crate::flow::{FlowError, SystemError};
 use core::fmt;
+use serde::{Deserialize, Serialize};
 
 /// Why there is no border orbit, or none that the theory covers.
 #[derive(Clone, Debug)]
@@ -39,6 +41,11 @@ pub enum BorderError {
     },
     /// No state was found with gap, rate and acceleration zero and positive jerk.
     NoRelease {
+        /// The parameter value.
+        value: f64,
+    },
+    /// Time enters the equations in a way that has no period, so that no orbit is periodic.
+    Aperiodic {
         /// The parameter value.
         value: f64,
     },
@@ -91,7 +98,7 @@ pub enum BorderError {
 }
 
 /// A parameter value where the verdict complete or incomplete changes without a border orbit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Break {
     /// The parameter value.
     pub value: f64,
@@ -100,7 +107,7 @@ pub struct Break {
 }
 
 /// Why the verdict changes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BreakCause {
     /// An impact before or within the sequence is a graze: on one side it does not happen. The first impact has number 0.
     Graze {
@@ -109,6 +116,16 @@ pub enum BreakCause {
         /// Its rate before the impact, negative and small.
         rate: f64,
     },
+    /// A chatter sequence ends at a release point, but not at the one where the orbit began.
+    Elsewhere,
+    /// The first chatter sequence has so many impacts on one side and ends in flight. On the other side it has fewer: too
+    /// few for a chatter sequence, and a later one is the first.
+    Short {
+        /// Impacts in the shortest sequence that counts.
+        impacts: usize,
+    },
+    /// On one side there is no release point, or no chatter sequence follows it within the long flights allowed.
+    NoChatter,
     /// The sequence jumps for another reason, or depends on the parameter too steeply for a border to be resolved.
     Jump,
 }
@@ -128,6 +145,21 @@ impl fmt::Display for Break {
                 "at {value} impact {} after release is a graze (rate {rate:e})",
                 impact + 1
             ),
+            BreakCause::Elsewhere => write!(
+                out,
+                "at {value} chatter that begins at one release point ends at another"
+            ),
+            BreakCause::Short { impacts } => write!(
+                out,
+                "at {value} a first sequence of {impacts} impacts, which ends in flight, loses one of them and is \
+                 no more taken for chatter"
+            ),
+            BreakCause::NoChatter => {
+                write!(
+                    out,
+                    "at {value} the long flights before chatter become too many, or there is no release"
+                )
+            }
             BreakCause::Jump => write!(out, "at {value} the impact sequence jumps"),
         }
     }
@@ -168,6 +200,11 @@ impl fmt::Display for BorderError {
                 "with the parameter at {value} no release point was found: no state with gap, rate and acceleration zero \
                  and positive jerk"
             ),
+            Self::Aperiodic { value } => write!(
+                out,
+                "with the parameter at {value} the equations have no period in time, or in an angle that they depend on; \
+                 a border orbit is periodic"
+            ),
             Self::Restitution { value, at } => write!(
                 out,
                 "with the parameter at {at} the restitution at release is {value}; a border orbit needs one between 0 \
@@ -199,6 +236,12 @@ impl fmt::Display for BorderError {
 }
 
 impl std::error::Error for BorderError {}
+
+impl From<ReleaseSection> for BorderError {
+    fn from(ReleaseSection { state, level }: ReleaseSection) -> Self {
+        Self::Section { state, level }
+    }
+}
 
 impl From<FlowError> for BorderError {
     fn from(error: FlowError) -> Self {

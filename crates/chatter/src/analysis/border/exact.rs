@@ -5,12 +5,13 @@ use super::extrapolate::Estimate;
 use super::problem::{PARAMETER_COLUMN, Problem, STATES};
 use super::root::Point;
 use crate::numerics::Real;
+use serde::{Deserialize, Serialize};
 
 /// Coefficients of z -> Upsilon(K z + mu), mu = M (p - p*), and what they are made of.
 ///
 /// States after the first impact lie on the contact surface. They are given by two of the model's states, the
 /// [`section`](super::Border::section) coordinates.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exact<R> {
     /// K = C A B.
     pub slope: Estimate<R>,
@@ -19,13 +20,13 @@ pub struct Exact<R> {
     /// N* of (M4).
     pub amplitude: Estimate<R>,
     /// A B: the change of the first impact, all states, that Upsilon = 1 makes.
-    pub first_impact_by_upsilon: Vec<R>,
+    pub first_impact_by_upsilon: Vec<Estimate<R>>,
     /// ds_0/dp: how the first impact moves with the parameter, release point included, all states.
-    pub first_impact_by_parameter: Vec<R>,
+    pub first_impact_by_parameter: Vec<Estimate<R>>,
     /// A: derivative of the first impact by the state at release, a row for each of the model's states.
-    pub flight: Vec<Vec<R>>,
+    pub flight: Vec<Vec<Estimate<R>>>,
     /// B: the offset at release that Upsilon = 1 makes.
-    pub offset: Vec<R>,
+    pub offset: Vec<Estimate<R>>,
     /// C = dX/ds_0 in the section coordinates.
     pub covector: Vec<Estimate<R>>,
     /// D = dX/dp at fixed section coordinates.
@@ -44,11 +45,11 @@ pub(crate) struct SectionChart<R> {
 }
 
 impl<R: Real> SectionChart<R> {
-    /// Leaves out the state that the gap depends on most, time last of all.
+    /// Leaves out the state that the gap depends on most; no phase, since it does not come back.
     pub(crate) fn new(problem: &Problem, parameters: &[R], state: &[R]) -> Self {
         let [gap, _] = problem.release.gap_and_rate_slopes(state, parameters);
         let bound = (0..STATES)
-            .filter(|&i| Some(i) != problem.model.time)
+            .filter(|&i| !problem.release.forcing.is_phase(i))
             .max_by(|&a, &b| {
                 let (a, b) = (gap[a].abs(), gap[b].abs());
                 // On a tie the first, as max_by would keep the last.
@@ -100,6 +101,9 @@ pub(crate) fn combine<R: Real>(slopes: &[super::local::Slopes<R>], weights: &[R]
         .collect()
 }
 
+/// Roundoffs in the derivatives along one flight: some twenty steps of a few operations each.
+const FLIGHT_ROUNDOFFS: f64 = 64.0;
+
 /// The sequence from the first impact is followed once to see by how much its X misses zero, and once more.
 const RESTARTS: usize = 3;
 
@@ -129,15 +133,42 @@ pub(crate) fn exact<R: Real>(
     shift.push(R::ONE);
     let first = &sequence.impacts[0];
     let start = &first.state[..STATES];
+    // One flight knows its derivatives to roundoff against the largest of them.
+    let columns = &first.local.slopes;
+    let largest = |i: usize, weights: &[R]| {
+        (columns.iter().zip(weights))
+            .map(|(column, &weight)| (column.state[i] * weight).abs().to_f64())
+            .fold(0.0, f64::max)
+    };
+    let known = |value: R, size: f64| Estimate {
+        value,
+        error: FLIGHT_ROUNDOFFS * R::ROUNDOFF * size,
+    };
     let flight = (0..STATES)
         .map(|i| {
+            let size = largest(i, &[R::ONE; STATES]);
             (0..STATES)
-                .map(|c| first.local.slopes[c].state[i])
+                .map(|c| known(columns[c].state[i], size))
                 .collect()
         })
         .collect();
-    let offset: Vec<R> = release.jump.iter().map(|&w| w * scale).collect();
-    let by_upsilon = combine(&first.local.slopes, &jump);
+    let along = |weights: &[R]| -> Vec<Estimate<R>> {
+        (combine(columns, weights).into_iter().enumerate())
+            .map(|(i, value)| known(value, largest(i, weights)))
+            .collect()
+    };
+    let times_scale = |estimate: Estimate<R>| {
+        let mut product = estimate.scaled(scale);
+        product.error += relative * product.value.abs().to_f64();
+        product
+    };
+    let exactly_known = |&value: &R| known(value, value.abs().to_f64());
+    let offset = (release.jump.iter())
+        .map(exactly_known)
+        .map(times_scale)
+        .collect();
+    let by_upsilon = along(&jump).into_iter().map(times_scale).collect();
+    let by_parameter = along(&shift);
     // From the first impact on, again with unit columns: X as a function of the state there. That impact itself is not
     // in the new sequence, whose X is therefore measured one power of eta later. Rounding of the state leaves X there
     // somewhat off zero, which the sequence magnifies: the state that can be set most finely makes up for it.
@@ -172,8 +203,8 @@ pub(crate) fn exact<R: Real>(
         slope,
         unfolding_rate: point.slope,
         amplitude,
-        first_impact_by_upsilon: by_upsilon.iter().map(|&s| s * scale).collect(),
-        first_impact_by_parameter: combine(&first.local.slopes, &shift),
+        first_impact_by_upsilon: by_upsilon,
+        first_impact_by_parameter: by_parameter,
         flight,
         offset,
         covector,

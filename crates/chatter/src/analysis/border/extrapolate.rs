@@ -1,9 +1,10 @@
 //! Limits of sequences whose error is a sum of known geometric sequences.
 
 use crate::numerics::Real;
+use serde::{Deserialize, Serialize};
 
 /// A number and the estimate of its error.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate<R> {
     /// The number.
     pub value: R,

@@ -14,9 +14,10 @@ use crate::flow::{Column, Occurrence, Settings, System, SystemError, Trajectory}
 use crate::model::{Direction, Section};
 use crate::numerics::Real;
 use crate::numerics::linear::solve;
+use serde::{Deserialize, Serialize};
 
 /// The section that the flight after release crosses where the leading order is matched to the true flight.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReleaseSection {
     /// Name of the state that defines it.
     pub state: String,
@@ -25,12 +26,16 @@ pub struct ReleaseSection {
 }
 
 /// How far the section lies from release if nothing else is asked for, relative to the state there: the paper's 10.1 for
-/// the valve, which is released at 10. Absolute for time, and for a state that is released at zero.
+/// the valve, which is released at 10. Absolute for a phase, and for a state that is released at zero.
 const SECTION_DISTANCE: f64 = 0.01;
+
+/// A state whose speed at release is this small against that of another is at rest there, but for rounding; and it is at
+/// zero if it is this small against what it moves by.
+const AT_REST: f64 = 1e-9;
 
 /// Coefficients of (17) to (24). Offsets on the section are (gap, rate), states after the first impact the
 /// [`section`](super::Border::section) coordinates.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LeadingOrder<R> {
     /// The section y3 = 10.1 in the paper.
     pub section: ReleaseSection,
@@ -63,15 +68,18 @@ fn default_section<R: Real>(problem: &Problem, point: &Point<R>) -> (usize, f64)
     let release = &point.release;
     let distance = |i: usize| {
         let size = release.state[i].abs().to_f64();
-        if Some(i) == problem.model.time || size == 0.0 {
+        if problem.release.forcing.is_phase(i) || size <= SECTION_DISTANCE * AT_REST {
             SECTION_DISTANCE
         } else {
             SECTION_DISTANCE * size
         }
     };
+    let speed = |i: usize| release.field[i].abs().to_f64();
+    let fastest = (0..STATES).map(speed).fold(0.0, f64::max);
     let index = (0..STATES)
+        .filter(|&i| speed(i) > AT_REST * fastest)
         .max_by(|&a, &b| {
-            let share = |i: usize| release.field[i].abs().to_f64() / distance(i);
+            let share = |i: usize| speed(i) / distance(i);
             share(a).total_cmp(&share(b))
         })
         .unwrap_or(0);
@@ -120,7 +128,7 @@ pub(crate) fn leading_order<R: Real>(
     point: &Point<R>,
     chart: &SectionChart<R>,
     section: Option<&ReleaseSection>,
-) -> Result<LeadingOrder<R>, BorderError> {
+) -> Result<Result<LeadingOrder<R>, ReleaseSection>, BorderError> {
     let (index, level) = match section {
         Some(section) => {
             let index = problem.state_index(&section.state)?;
@@ -132,11 +140,9 @@ pub(crate) fn leading_order<R: Real>(
         state: problem.model.states[index].name.clone(),
         level,
     };
-    let not_reached = || BorderError::Section {
-        state: section.state.clone(),
-        level,
+    let Some(at) = crossing(problem, point, (index, level))? else {
+        return Ok(Err(section));
     };
-    let at = crossing(problem, point, (index, level))?.ok_or_else(not_reached)?;
     let parameters = problem.parameters(point.value);
     let release = &point.release;
 
@@ -145,22 +151,25 @@ pub(crate) fn leading_order<R: Real>(
     let mut fixed = vec![R::ZERO; STATES];
     fixed[index] = R::ONE;
     let rows = vec![gap[..STATES].to_vec(), rate[..STATES].to_vec(), fixed];
-    let displacement =
-        |gap: R, rate: R| solve(&rows, &[gap, rate, R::ZERO]).ok_or_else(not_reached);
+    let displacement = |gap: R, rate: R| solve(&rows, &[gap, rate, R::ZERO]);
     let flight = problem.variation(&parameters, &at, 1)?;
-    let first = flight.impacts.first().ok_or_else(not_reached)?;
+    let (Some(first), Some(by_gap), Some(by_rate), Some(at_fixed)) = (
+        flight.impacts.first(),
+        displacement(R::ONE, R::ZERO),
+        displacement(R::ZERO, R::ONE),
+        displacement(-gap[PARAMETER_COLUMN], -rate[PARAMETER_COLUMN]),
+    ) else {
+        return Ok(Err(section));
+    };
     let reached = |mut weights: Vec<R>, by_parameter: R| -> [R; 2] {
         weights.push(by_parameter);
         let moved = combine(&first.local.slopes, &weights);
         [moved[chart.free[0]], moved[chart.free[1]]]
     };
-    let by_gap = reached(displacement(R::ONE, R::ZERO)?, R::ZERO);
-    let by_rate = reached(displacement(R::ZERO, R::ONE)?, R::ZERO);
+    let by_gap = reached(by_gap, R::ZERO);
+    let by_rate = reached(by_rate, R::ZERO);
     let a = [[by_gap[0], by_rate[0]], [by_gap[1], by_rate[1]]];
-    let f = reached(
-        displacement(-gap[PARAMETER_COLUMN], -rate[PARAMETER_COLUMN])?,
-        R::ONE,
-    );
+    let f = reached(at_fixed, R::ONE);
 
     // u and nu at the first impact.
     let columns: Vec<Column> = (0..STATES)
@@ -205,7 +214,7 @@ pub(crate) fn leading_order<R: Real>(
     ];
     let after = |v: [R; 2]| [dot(a[0], v), dot(a[1], v)];
     let gap_value = problem.release.gap_and_rate(&at, &parameters);
-    Ok(LeadingOrder {
+    Ok(Ok(LeadingOrder {
         section,
         crossing: gap_value,
         slope: dot(c, after(b)),
@@ -216,5 +225,5 @@ pub(crate) fn leading_order<R: Real>(
         d,
         e,
         f,
-    })
+    }))
 }

@@ -4,10 +4,11 @@ use crate::expressions::{Expansion, Expr, Graph, Symbol, Tape};
 use crate::flow::{Column, Direction};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::Real;
+use serde::{Deserialize, Serialize};
 
 /// How u = j w / nu^2 and nu = -a are read off the state after an impact. All choices agree to leading order in nu, so
 /// the limits X and N are the same.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LocalCoordinate {
     /// Acceleration and jerk where the state is, with the rate after the impact.
     #[default]

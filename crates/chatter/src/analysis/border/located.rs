@@ -7,9 +7,10 @@ use super::prediction::Prediction;
 use super::return_map::ReturnMap;
 use super::simulated::Simulator;
 use super::windows::{PredictedPoint, PredictedWindow};
+use serde::{Deserialize, Serialize};
 
 /// A window of the system.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LocatedWindow {
     /// Parameter value where the multiplier is 1.
     pub fold: Option<f64>,
@@ -20,7 +21,7 @@ pub struct LocatedWindow {
 }
 
 /// Predicted against found, for one number of impacts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WindowComparison {
     /// From the one-dimensional map.
     pub predicted: PredictedWindow,
@@ -29,7 +30,7 @@ pub struct WindowComparison {
 }
 
 /// How far the found parameter values lie from the predicted ones, as parts of the predicted distance from the border.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Discrepancy {
     /// Of the fold.
     pub fold: Option<f64>,
@@ -114,7 +115,6 @@ impl Simulator {
             origin: prediction.states.origin.clone(),
             free: [chart.free[0], chart.free[1]],
             bound: chart.bound,
-            period: self.period,
             impacts: predicted.lap as usize + 1,
         };
         let guess = [state[chart.free[0]], state[chart.free[1]], parameter];

@@ -1,13 +1,16 @@
 //! Border orbits: complete chatter that ends exactly at release, and the one-dimensional map around them (MATH.md 4).
 //!
 //! ```text
+//! spec         the question
 //! release      the point h = v = a = 0, j > 0
+//! forcing      states known up to whole periods: time, angles
 //! sequence     the impacts that follow it, and the verdict complete / incomplete
 //! coordinate   X and N: limits along the sequence, with derivatives
 //! search       a scan of the parameter; each change of the verdict is closed in on
 //! root         the smooth equation X(p) = 0
 //! exact        (M5): K, M and what they are made of
 //! leading_order   the paper's A to F
+//! rounded      the same in another number type
 //! prediction   the one-dimensional map: impacts per passage, states after the first impact
 //! windows      fold, period doubling and graze of the n-impact orbit, predicted
 //! simulated    passages of the flow itself
@@ -18,6 +21,7 @@ mod coordinate;
 mod error;
 mod exact;
 mod extrapolate;
+mod forcing;
 mod leading_order;
 mod local;
 mod located;
@@ -27,26 +31,29 @@ mod problem;
 mod release;
 mod return_map;
 mod root;
+mod rounded;
 mod search;
 mod section;
 mod sequence;
 mod simulated;
+mod spec;
 mod windows;
 
 pub use coordinate::Extrapolation;
 pub use error::{BorderError, Break, BreakCause};
 pub use exact::Exact;
 pub use extrapolate::Estimate;
+pub use forcing::Turn;
 pub use leading_order::{LeadingOrder, ReleaseSection};
 pub use local::LocalCoordinate;
 pub use located::{Discrepancy, LocatedWindow, WindowComparison};
 pub use orbit::{
-    Border, BorderSpec, Borders, FirstImpact, border_near, borders_in, leading_order_at,
-    verdicts_in,
+    Border, Borders, FirstImpact, border_near, borders_in, leading_order_at, verdicts_in,
 };
 pub use prediction::{AffineStates, ImpactCounts, PredictedPassage, Prediction, Settled};
 pub use release::ReleasePoint;
 pub use section::section_states;
 pub use sequence::Verdict;
 pub use simulated::{Passage, Simulated, Simulator};
+pub use spec::BorderSpec;
 pub use windows::{PredictedPoint, PredictedWindow};

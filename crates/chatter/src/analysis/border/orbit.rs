@@ -1,53 +1,24 @@
 //! A border orbit with its normal form, and the questions that find it.
 
-use super::coordinate::Extrapolation;
+use super::coordinate::Limits;
 use super::error::{BorderError, Break, BreakCause};
 use super::exact::{Exact, SectionChart, exact};
 use super::extrapolate::Estimate;
+use super::forcing::Turn;
 use super::leading_order::{LeadingOrder, ReleaseSection, leading_order};
-use super::local::LocalCoordinate;
 use super::problem::{Problem, STATES, exactly};
 use super::release::ReleasePoint;
 use super::root::Root;
-use super::search::Found;
+use super::search::{Found, Sample, grazing_start};
 use super::sequence::Verdict;
+use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
 use crate::model::Model;
-use crate::numerics::Real;
-
-/// How borders are looked for and normal forms computed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BorderSpec {
-    /// The parameter that is varied.
-    pub parameter: String,
-    /// The section of the leading-order coefficients; chosen if not given.
-    pub section: Option<ReleaseSection>,
-    /// How many parts a range is divided into: two borders within one part are missed.
-    pub samples: usize,
-    /// How limits along the impact sequence are taken.
-    pub extrapolation: Extrapolation,
-    /// How u and nu are read off an impact.
-    pub coordinate: LocalCoordinate,
-}
-
-/// Parts of a range: a verdict costs a tenth of a millisecond.
-const SAMPLES: usize = 200;
-
-impl BorderSpec {
-    /// The defaults for a parameter.
-    pub fn new(parameter: &str) -> Self {
-        Self {
-            parameter: parameter.to_owned(),
-            section: None,
-            samples: SAMPLES,
-            extrapolation: Extrapolation::default(),
-            coordinate: LocalCoordinate::default(),
-        }
-    }
-}
+use crate::numerics::{DoubleDouble, Real};
+use serde::{Deserialize, Serialize};
 
 /// The state after the first impact that follows release.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FirstImpact<R> {
     /// Time since release.
     pub time: R,
@@ -58,7 +29,7 @@ pub struct FirstImpact<R> {
 }
 
 /// A border orbit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Border<R> {
     /// Name of the parameter.
     pub parameter: String,
@@ -72,6 +43,8 @@ pub struct Border<R> {
     pub first_impact: FirstImpact<R>,
     /// From release to the accumulation of the impacts at the release point: the period.
     pub period: Estimate<R>,
+    /// What a forced system returns shifted by: the phase, its period, and how many of them the orbit takes.
+    pub turns: Vec<Turn<R>>,
     /// Number of the impact after which the chatter sequence begins, the first being 0.
     pub sequence_begins: usize,
     /// Long flights in a period: the one after release, and one before each further excursion until chatter begins.
@@ -82,17 +55,19 @@ pub struct Border<R> {
     pub section: Vec<usize>,
     /// (M5).
     pub exact: Exact<R>,
-    /// (17) to (24); an error if the section that was asked for is not crossed.
-    pub leading_order: Result<LeadingOrder<R>, BorderError>,
+    /// (17) to (24); or the section that is not crossed between release and first impact.
+    pub leading_order: Result<LeadingOrder<R>, ReleaseSection>,
 }
 
 /// All borders of a range.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Borders<R> {
     /// In the order of the parameter.
     pub borders: Vec<Border<R>>,
-    /// Where the verdict changes without a border.
+    /// Where complete chatter ends without a border.
     pub breaks: Vec<Break>,
+    /// Changes between complete and incomplete chatter that were not looked into, since there are very many.
+    pub unresolved: usize,
 }
 
 /// All borders with the parameter from `low` to `high`: none is an answer, not an error.
@@ -108,24 +83,51 @@ pub fn borders_in<R: Real>(
     if !(low < high && low.is_finite() && high.is_finite()) {
         return Err(BorderError::Range { low, high });
     }
-    let problem = Problem::new(model, &spec.parameter, spec.coordinate)?;
-    let samples = problem.scan(low, high, spec.samples.max(1))?;
-    let Found { roots, mut breaks } = problem.changes(&samples, spec.extrapolation)?;
+    let problem = Problem::new(model, spec)?;
+    let samples = problem.verdicts(&even(low, high, spec.samples), None)?;
+    let found = problem.changes(&samples, spec.extrapolation)?;
+    let mut breaks = found.breaks;
     let mut borders = Vec::new();
-    for root in roots {
+    for root in found.roots {
         if !(low..=high).contains(&root.point.value) {
             continue;
         }
-        match complete(&problem, spec, &root) {
+        match complete(&problem, spec, &root)? {
             Ok(border) => borders.push(border),
-            Err(_) => breaks.push(Break {
+            Err(cause) => breaks.push(Break {
                 value: root.point.value,
-                cause: BreakCause::Jump,
+                cause,
             }),
         }
     }
     breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
-    Ok(Borders { borders, breaks })
+    Ok(Borders {
+        borders,
+        breaks,
+        unresolved: found.unresolved,
+    })
+}
+
+/// `parts` + 1 values from `low` to `high`.
+fn even(low: f64, high: f64, parts: usize) -> Vec<f64> {
+    let parts = parts.max(1);
+    (0..=parts)
+        .map(|i| low + (high - low) * (i as f64 / parts as f64))
+        .collect()
+}
+
+impl Problem {
+    /// The verdicts at these values; an error if nothing can be said at any of them.
+    fn verdicts(
+        &self,
+        values: &[f64],
+        hint: Option<ReleasePoint<f64>>,
+    ) -> Result<Vec<Sample>, BorderError> {
+        match self.scan(values, hint) {
+            (samples, Some(error)) if samples.iter().all(|sample| !sample.is_known()) => Err(error),
+            (samples, _) => Ok(samples),
+        }
+    }
 }
 
 /// The verdicts that [`borders_in`] starts from: at `spec.samples` + 1 parameter values from `low` to `high`.
@@ -141,25 +143,37 @@ pub fn verdicts_in(
     if !(low < high && low.is_finite() && high.is_finite()) {
         return Err(BorderError::Range { low, high });
     }
-    let problem = Problem::new(model, &spec.parameter, spec.coordinate)?;
-    let samples = problem.scan(low, high, spec.samples.max(1))?;
+    let problem = Problem::new(model, spec)?;
+    let samples = problem.verdicts(&even(low, high, spec.samples), None)?;
     Ok(samples.iter().map(|s| (s.value, s.verdict)).collect())
 }
 
-/// Searched distances from the value asked for, relative to it, each twice the one before.
-const FIRST_DISTANCE: f64 = 1.0 / 256.0;
-const LAST_DISTANCE: f64 = 1.0;
+/// Distances from the value asked for are searched by stretches, each twice as long as the one before, to as much as the
+/// value itself.
+const STRETCHES: u32 = 8;
 
 /// Parts of each stretch on either side.
 const STRETCH_SAMPLES: usize = 12;
 
-/// Where the value asked for is zero, distances are relative to this.
+/// Where the value asked for is zero, the last stretch ends here.
 const UNIT: f64 = 1.0;
 
-/// The border nearest to a parameter value.
+/// Values from 0 to 1, the denser the nearer to 0.
+fn graded() -> Vec<f64> {
+    let mut values = vec![0.0];
+    for stretch in 0..=STRETCHES {
+        let end = 1.0 / f64::from(1 << (STRETCHES - stretch));
+        let begin = if stretch == 0 { 0.0 } else { end * 0.5 };
+        values.extend_from_slice(&even(begin, end, STRETCH_SAMPLES)[1..]);
+    }
+    values
+}
+
+/// The border nearest to a parameter value: of those between half of it and twice as much, around zero of those from -1
+/// to 1.
 ///
 /// # Errors
-/// [`BorderError::NoBorder`] if there is none between half and twice the value, else as for [`borders_in`].
+/// [`BorderError::NoBorder`] if there is none, else as for [`borders_in`].
 pub fn border_near<R: Real>(
     model: &Model,
     spec: &BorderSpec,
@@ -171,46 +185,49 @@ pub fn border_near<R: Real>(
             high: value,
         });
     }
-    let problem = Problem::new(model, &spec.parameter, spec.coordinate)?;
-    let unit = if value == 0.0 { UNIT } else { value.abs() };
-    let mut distance = FIRST_DISTANCE;
-    let mut inner = 0.0;
-    let mut breaks = Vec::new();
-    let mut failure = None;
-    let mut searched = false;
-    let (low, high) = loop {
-        // Downwards a distance of one would reach zero: half is as far as a factor of two goes.
-        let (below, above) = (distance * 0.5, distance);
-        let stretches = [
-            (value - unit * below, value - unit * inner * 0.5),
-            (value + unit * inner, value + unit * above),
-        ];
-        let mut roots = Vec::new();
-        for (from, to) in stretches {
-            match problem.scan(from, to, STRETCH_SAMPLES) {
-                Ok(samples) => {
-                    searched = true;
-                    let found = problem.changes(&samples, spec.extrapolation)?;
-                    roots.extend(found.roots);
-                    breaks.extend(found.breaks);
-                }
-                Err(error) => failure = Some(error),
-            }
-        }
-        let off = |root: &Root<f64>| (root.point.value - value).abs();
-        if let Some(nearest) = roots.iter().min_by(|a, b| off(a).total_cmp(&off(b))) {
-            return complete(&problem, spec, nearest);
-        }
-        if distance >= LAST_DISTANCE {
-            break (value - unit * below, value + unit * above);
-        }
-        inner = distance;
-        distance *= 2.0;
+    let problem = Problem::new(model, spec)?;
+    let (low, high) = match value {
+        0.0 => (-UNIT, UNIT),
+        _ if value > 0.0 => (value * 0.5, value * 2.0),
+        _ => (value * 2.0, value * 0.5),
     };
-    match failure {
-        Some(error) if !searched => Err(error),
-        _ => Err(BorderError::NoBorder { low, high, breaks }),
+    let towards = |end: f64| -> Vec<f64> {
+        graded()
+            .iter()
+            .map(|&g| value + (end - value) * g)
+            .collect()
+    };
+    // From the value asked for outwards: there the release point is the first one from the initial phase on.
+    let hint = problem.release_point(value, None).ok();
+    let (mut samples, below) = problem.scan(&towards(low), hint.clone());
+    samples.reverse();
+    samples.pop();
+    let (above, failure) = problem.scan(&towards(high), hint);
+    samples.extend(above);
+    if let Some(error) = below.or(failure)
+        && samples.iter().all(|sample| !sample.is_known())
+    {
+        return Err(error);
     }
+    let Found {
+        mut roots,
+        mut breaks,
+        ..
+    } = problem.changes(&samples, spec.extrapolation)?;
+    let off = |root: &Root<f64>| (root.point.value - value).abs();
+    roots.retain(|root| (low..=high).contains(&root.point.value));
+    roots.sort_by(|a, b| off(a).total_cmp(&off(b)));
+    for root in roots {
+        match complete(&problem, spec, &root)? {
+            Ok(border) => return Ok(border),
+            Err(cause) => breaks.push(Break {
+                value: root.point.value,
+                cause,
+            }),
+        }
+    }
+    breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
+    Err(BorderError::NoBorder { low, high, breaks })
 }
 
 /// The leading-order coefficients at a parameter value near a border, as the paper has them at q = 0.020056.
@@ -222,40 +239,51 @@ pub fn leading_order_at<R: Real>(
     spec: &BorderSpec,
     value: R,
 ) -> Result<LeadingOrder<R>, BorderError> {
-    let problem = Problem::new(model, &spec.parameter, spec.coordinate)?;
+    let problem = Problem::new(model, spec)?;
     let rough = problem.release_point(value.to_f64(), None)?;
-    let begins = problem.sequence(value.to_f64(), &rough)?.begins;
+    let sequence = problem.sequence(value.to_f64(), &rough)?;
+    let constants = Problem::constants(value.to_f64(), &rough)?;
+    let settles = Limits::new(constants, &rough, spec.extrapolation).settles(&sequence);
     let near = exactly(&rough.state);
-    let point = problem.point(value, &near, begins, spec.extrapolation)?;
+    let point = problem.point(value, &near, settles, spec.extrapolation)?;
     let parameters = problem.parameters(value);
     let first = &point.sequence.impacts[0].state[..STATES];
     let chart = SectionChart::new(&problem, &parameters, first);
-    leading_order(&problem, &point, &chart, spec.section.as_ref())
+    let form = leading_order(&problem, &point, &chart, spec.section.as_ref())??;
+    Ok(form)
 }
 
-/// The normal form at a root found in `f64`, polished in the number type asked for.
+/// The normal form at a root found in `f64`, or why that is no border; in double-double: its limits keep half the digits of the number that they
+/// are computed with, and cost little.
 fn complete<R: Real>(
     problem: &Problem,
     spec: &BorderSpec,
     rough: &Root<f64>,
-) -> Result<Border<R>, BorderError> {
+) -> Result<Result<Border<R>, BreakCause>, BorderError> {
     let start = rough.point.value;
-    let slack = POLISH_SLACK * start.abs().max(rough.error);
+    let slack = (POLISH_SLACK * rough.point.parameter_scale()).max(4.0 * rough.error);
     let near = exactly(&rough.point.release.state);
-    let begins = rough.point.sequence.begins;
-    let guess = R::splat(start);
+    let settles = rough.point.settles;
+    let guess = DoubleDouble::from(start);
     let within = (start - slack, start + slack);
-    let Root { point, error } = problem.root(guess, &near, begins, spec.extrapolation, within)?;
+    let root = problem.root(guess, &near, settles, spec.extrapolation, within);
+    let Ok(Root { point, error }) = root else {
+        return Ok(Err(BreakCause::Jump));
+    };
+    if let Some(rate) = grazing_start(&point) {
+        return Ok(Err(BreakCause::Graze { impact: 0, rate }));
+    }
+    let Some(turns) = point.turns(problem) else {
+        return Ok(Err(BreakCause::Elsewhere));
+    };
     let first = &point.sequence.impacts[0];
-    let started = problem
-        .model
-        .time
-        .map_or(R::ZERO, |index| point.release.state[index]);
+    let started =
+        (problem.model.time).map_or(DoubleDouble::ZERO, |index| point.release.state[index]);
     let parameters = problem.parameters(point.value);
     let chart = SectionChart::new(problem, &parameters, &first.state[..STATES]);
     let mut period = point.limits.accumulation(&point.sequence, point.end);
     period.value -= started;
-    Ok(Border {
+    let border = Border {
         parameter: spec.parameter.clone(),
         value: Estimate {
             value: point.value,
@@ -268,17 +296,19 @@ fn complete<R: Real>(
             rate_before: first.rate_before,
         },
         period,
+        turns,
         sequence_begins: point.sequence.begins,
         long_flights: (point.sequence.impacts.iter())
             .filter(|impact| impact.arrives)
             .count(),
         impacts: point.sequence.impacts.len(),
         exact: exact(problem, &point, &chart)?,
-        leading_order: leading_order(problem, &point, &chart, spec.section.as_ref()),
+        leading_order: leading_order(problem, &point, &chart, spec.section.as_ref())?,
         section: chart.free.clone(),
         release: point.release,
-    })
+    };
+    Ok(Ok(border.rounded()))
 }
 
-/// Polishing a root moves it by rounding errors of the `f64` search at most.
+/// Polishing a root moves it by the errors of the `f64` search at most.
 const POLISH_SLACK: f64 = 1e-6;

@@ -1,9 +1,11 @@
 //! What the one-dimensional map says about the system near a border orbit.
 
 use super::error::BorderError;
+use super::extrapolate::Estimate;
 use super::orbit::Border;
 use crate::analysis::universal::Universal;
 use crate::numerics::Real;
+use serde::{Deserialize, Serialize};
 
 /// z -> Upsilon(K z + M (p - p*)), and the states after the first impact that go with z, (26) and (27).
 #[derive(Clone, Debug)]
@@ -20,7 +22,7 @@ pub struct Prediction {
 }
 
 /// States that are affine in z and p - p*.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AffineStates {
     /// At the border orbit.
     pub origin: Vec<f64>,
@@ -31,7 +33,7 @@ pub struct AffineStates {
 }
 
 /// One predicted passage.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PredictedPassage {
     /// Upsilon of the passage before: what it adds to the first impact of this one.
     pub z: f64,
@@ -42,7 +44,7 @@ pub struct PredictedPassage {
 }
 
 /// Where an orbit settles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Settled {
     /// It repeats after so many passages with so many impacts in all.
     Periodic {
@@ -58,7 +60,7 @@ pub enum Settled {
 }
 
 /// Impacts per passage over a stretch of an orbit without complete chatter.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImpactCounts {
     /// Fewest in a passage.
     pub least: u64,
@@ -107,6 +109,10 @@ fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
     values.iter().map(|x| x.to_f64()).collect()
 }
 
+fn values<R: Real>(estimates: &[Estimate<R>]) -> Vec<f64> {
+    estimates.iter().map(|x| x.value.to_f64()).collect()
+}
+
 impl Prediction {
     /// With the exact coefficients (M5).
     ///
@@ -121,8 +127,8 @@ impl Prediction {
             border: border.value.value.to_f64(),
             states: AffineStates {
                 origin: to_f64(&border.first_impact.state),
-                by_upsilon: to_f64(&exact.first_impact_by_upsilon),
-                by_parameter: to_f64(&exact.first_impact_by_parameter),
+                by_upsilon: values(&exact.first_impact_by_upsilon),
+                by_parameter: values(&exact.first_impact_by_parameter),
             },
         })
     }

@@ -1,9 +1,10 @@
 //! A model and one of its parameters, compiled for the search of border orbits.
 
 use super::error::BorderError;
-use super::local::{LocalCoordinate, LocalTape};
+use super::local::LocalTape;
 use super::release::{ReleaseEquations, ReleasePoint};
 use super::sequence::{Follower, Sequence, Until};
+use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
 use crate::expressions::nearest;
 use crate::flow::{Column, System, SystemError};
@@ -24,14 +25,13 @@ pub(crate) struct Problem {
     pub release: ReleaseEquations,
     pub plain: Follower,
     pub variational: Follower,
+    /// Most long flights before chatter.
+    pub excursions: usize,
 }
 
 impl Problem {
-    pub(crate) fn new(
-        model: &Model,
-        parameter: &str,
-        coordinate: LocalCoordinate,
-    ) -> Result<Self, BorderError> {
+    pub(crate) fn new(model: &Model, spec: &BorderSpec) -> Result<Self, BorderError> {
+        let parameter = &*spec.parameter;
         let Some(index) = model.parameter_index(parameter) else {
             return Err(BorderError::UnknownParameter {
                 name: parameter.to_owned(),
@@ -57,7 +57,7 @@ impl Problem {
         let follower = |columns: &[Column]| -> Result<Follower, BorderError> {
             Ok(Follower {
                 system: System::with_columns(&model, columns)?,
-                local: LocalTape::new(&model, columns, coordinate).map_err(mechanics)?,
+                local: LocalTape::new(&model, columns, spec.coordinate).map_err(mechanics)?,
                 time: model.time,
             })
         };
@@ -66,6 +66,7 @@ impl Problem {
             plain: follower(&[])?,
             variational: follower(&columns)?,
             parameter: index,
+            excursions: spec.excursions,
             model,
         })
     }
@@ -93,8 +94,9 @@ impl Problem {
     ) -> Result<ReleasePoint<R>, BorderError> {
         let parameters = self.parameters(value);
         let known = near.and_then(|near| self.release.polish(&parameters, near));
+        let rough = self.parameters(value.to_f64());
+        self.release.check_forcing(&rough, value.to_f64())?;
         let found = known.or_else(|| {
-            let rough = self.parameters(value.to_f64());
             let found = self
                 .release
                 .search(&self.model, &self.plain.system, &rough)?;
@@ -113,7 +115,7 @@ impl Problem {
     ) -> Result<Sequence<f64>, BorderError> {
         let parameters = self.parameters(value);
         self.plain
-            .follow(&parameters, &release.state, Until::Verdict)
+            .follow(&parameters, &release.state, Until::Verdict(self.excursions))
     }
 
     /// The impacts from a state, with derivatives by that state and by the parameter.

@@ -1,10 +1,13 @@
 //! The release point: where contact ends, h = v = a = 0 and j > 0.
 
+use super::error::BorderError;
+use super::forcing::{Forcing, Turn};
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::linear::solve;
 use crate::numerics::{DoubleDouble, Real, Scalar};
+use serde::{Deserialize, Serialize};
 
 /// Newton's method gives up after so many steps.
 const NEWTON_STEPS: usize = 40;
@@ -18,10 +21,8 @@ const SEED_STEPS: usize = 4000;
 /// How many of its states serve as first guesses.
 const SEEDS: usize = 100;
 
-/// In a forced system the initial state at these later times serves too: whatever the period, some fall within one.
-const FIRST_SHIFT: f64 = 1.0 / 64.0;
-const LAST_SHIFT: f64 = 256.0;
-const SHIFT_GROWTH: f64 = 1.2;
+/// In a forced system the initial state at so many phases serves, too.
+const PHASES: usize = 64;
 
 /// A horizon that no step reaches.
 const NO_HORIZON: f64 = 1e12;
@@ -40,10 +41,12 @@ pub(crate) struct ReleaseEquations {
     field: Vec<Expr>,
     /// Derivatives of restitution, jerk and field: a row each, by the states, then by the parameter.
     slopes: Vec<Vec<Expr>>,
+    /// What the forcing, if there is one, does to the phase.
+    pub forcing: Forcing,
 }
 
 /// A release point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReleasePoint<R> {
     /// The state.
     pub state: Vec<R>,
@@ -86,7 +89,9 @@ impl ReleaseEquations {
             row.push(entry);
         }
         let slopes = jacobian.split_off(functions.len());
+        let forcing = Forcing::new(model, graph, &rates);
         Ok(Self {
+            forcing,
             graph: mechanics.graph,
             functions,
             jacobian,
@@ -134,17 +139,26 @@ impl ReleaseEquations {
         false
     }
 
+    /// Fails where the forcing has no period.
+    pub(crate) fn check_forcing(&self, parameters: &[f64], value: f64) -> Result<(), BorderError> {
+        self.forcing.check(&self.graph, parameters, value)
+    }
+
+    /// The phases with their periods.
+    pub(crate) fn turns<R: Real>(&self, parameters: &[R]) -> Vec<Turn<R>> {
+        self.forcing.turns(&self.graph, parameters)
+    }
+
     /// Gap and rate.
     pub(crate) fn gap_and_rate<R: Real>(&self, state: &[R], parameters: &[R]) -> [R; 2] {
         [0, 1].map(|i| self.graph.evaluate(self.functions[i], state, parameters))
     }
 
-    /// Newton's method from a guess; `None` where it does not converge to a point with positive jerk.
-    pub(crate) fn solve<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<ReleasePoint<R>> {
+    /// Newton's method on h = v = a = 0.
+    fn converge<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<Vec<R>> {
         let states = guess.len();
         let mut state = guess.to_vec();
         let mut before = f64::INFINITY;
-        let mut settled = false;
         for _ in 0..NEWTON_STEPS {
             let values = self.values(&self.functions, &state, parameters);
             let rows: Vec<Vec<R>> = (self.jacobian.iter())
@@ -161,13 +175,21 @@ impl ReleaseEquations {
             }
             let done = NEWTON_DONE * R::ROUNDOFF;
             if size <= done || (size < done.sqrt() && size >= before) {
-                settled = true;
-                break;
+                return Some(state);
             }
             before = size;
         }
-        if !settled {
-            return None;
+        None
+    }
+
+    /// The release point that Newton's method finds from a guess, in the first forcing period; `None` where it does not
+    /// converge to a point with positive jerk.
+    pub(crate) fn solve<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<ReleasePoint<R>> {
+        let states = guess.len();
+        let mut state = self.converge(parameters, guess)?;
+        if self.forcing.reduce(&self.graph, parameters, &mut state) {
+            // A shift by many periods has lost digits.
+            state = self.converge(parameters, &state)?;
         }
         let rows: Vec<Vec<R>> = (self.jacobian.iter())
             .map(|row| self.values(&row[..states], &state, parameters))
@@ -201,7 +223,7 @@ impl ReleaseEquations {
     }
 
     /// Looks for a release point: from the initial state, from where a trajectory is released, from states along it. In a
-    /// forced system there is one in every period: the earliest that is found is taken, since late times lose digits.
+    /// forced system there are one or more in every period: the first one from the initial phase on is taken.
     pub(crate) fn search(
         &self,
         model: &Model,
@@ -209,27 +231,25 @@ impl ReleaseEquations {
         parameters: &[f64],
     ) -> Option<ReleasePoint<f64>> {
         let initial = model.initial_state(parameters);
-        if let Some(found) = self.solve(parameters, &initial) {
-            return Some(found);
-        }
         let start = model.time.map_or(0.0, |index| initial[index]);
+        let Some(forcing) = self.forcing.first(&self.graph, parameters) else {
+            return self.solve(parameters, &initial).or_else(|| {
+                (self
+                    .along_trajectory(system, parameters, &initial, start)
+                    .iter())
+                .find_map(|state| self.solve(parameters, state))
+            });
+        };
         let mut seeds = self.along_trajectory(system, parameters, &initial, start);
-        if let Some(index) = model.time {
-            let mut shift = FIRST_SHIFT;
-            while shift < LAST_SHIFT {
-                let mut later = initial.clone();
-                later[index] += shift;
-                seeds.push(later);
-                shift *= SHIFT_GROWTH;
-            }
+        for part in 0..PHASES {
+            let mut later = initial.clone();
+            later[forcing.state] += forcing.period * part as f64 / PHASES as f64;
+            seeds.push(later);
         }
         let found = seeds
             .iter()
             .filter_map(|state| self.solve(parameters, state));
-        let lateness = |point: &ReleasePoint<f64>| match model.time {
-            Some(index) => (point.state[index] - start).abs(),
-            None => 0.0,
-        };
+        let lateness = |point: &ReleasePoint<f64>| point.state[forcing.state];
         found.min_by(|a, b| lateness(a).total_cmp(&lateness(b)))
     }
 

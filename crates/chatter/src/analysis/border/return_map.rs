@@ -10,7 +10,6 @@ use super::located::LocatedWindow;
 use super::problem::with_identity;
 use super::sequence::Until;
 use super::simulated::Simulator;
-use crate::numerics::DoubleDouble;
 use crate::numerics::linear::solve;
 
 /// What the map found for one loop.
@@ -67,26 +66,22 @@ pub(super) struct ReturnMap<'a> {
     pub origin: Vec<f64>,
     pub free: [usize; 2],
     pub bound: usize,
-    /// Length of the border orbit, for the return of a forced system.
-    pub period: f64,
     pub impacts: usize,
 }
 
 impl ReturnMap<'_> {
-    /// The length of a loop in forcing time, and its derivative by the parameter; zero without forcing.
-    fn turn(&self, parameter: f64) -> Result<(f64, f64), BorderError> {
-        let problem = &self.simulator.problem;
-        let Some(time) = problem.model.time else {
-            return Ok((0.0, 0.0));
-        };
-        let mut after = self.simulator.release.clone();
-        after[time] += DoubleDouble::from(self.period);
-        let first = problem.release_point(parameter, Some(&self.simulator.release))?;
-        let next = problem.release_point(parameter, Some(&after))?;
-        Ok((
-            next.state[time] - first.state[time],
-            next.slope[time] - first.slope[time],
-        ))
+    /// By how much a component of the state grows in a loop beyond what it was, and the derivative of that by the
+    /// parameter: zero but for phases.
+    fn turn(&self, parameters: &[f64], component: usize) -> (f64, f64) {
+        let turns = self.simulator.problem.release.turns(parameters);
+        let count = (self.simulator.turns.iter()).find(|(state, _)| *state == component);
+        match (turns.iter().find(|turn| turn.state == component), count) {
+            (Some(turn), Some(&(_, count))) => {
+                let count = count as f64;
+                (turn.period * count, turn.period_slope * count)
+            }
+            _ => (0.0, 0.0),
+        }
     }
 
     /// One loop from a first impact to the next; `None` if it has another number of impacts.
@@ -121,36 +116,24 @@ impl ReturnMap<'_> {
             return Ok(None);
         }
         let (last, next) = (&impacts[count - 2].local, &impacts[count - 1].local);
-        let turn = self.turn(at[2])?;
-        let time = problem.model.time;
+        let turns = self.free.map(|i| self.turn(&parameters, i));
         let weights: Vec<Vec<f64>> = (0..3).map(|along| chart.weights(along)).collect();
-        let component = |i: usize| {
-            let state = impacts[count - 1].state[i];
-            if Some(i) == time {
-                state - turn.0
-            } else {
-                state
-            }
-        };
-        let slope = |i: usize, along: usize| {
+        let image = |k: usize| impacts[count - 1].state[self.free[k]] - turns[k].0;
+        let slope = |k: usize, along: usize| {
             let sum: f64 = (next.slopes.iter().zip(&weights[along]))
-                .map(|(slope, weight)| slope.state[i] * weight)
+                .map(|(slope, weight)| slope.state[self.free[k]] * weight)
                 .sum();
-            if Some(i) == time && along == 2 {
-                sum - turn.1
-            } else {
-                sum
-            }
+            if along == 2 { sum - turns[k].1 } else { sum }
         };
-        let row = |i: usize| [slope(i, 0), slope(i, 1), slope(i, 2)];
+        let row = |k: usize| [slope(k, 0), slope(k, 1), slope(k, 2)];
         let rate_slope = |along: usize| {
             (last.slopes.iter().zip(&weights[along]))
                 .map(|(slope, weight)| slope.rate * weight)
                 .sum()
         };
         Ok(Some(Loop {
-            image: [component(self.free[0]), component(self.free[1])],
-            slopes: [row(self.free[0]), row(self.free[1])],
+            image: [image(0), image(1)],
+            slopes: [row(0), row(1)],
             rate: last.rate,
             rate_slopes: [rate_slope(0), rate_slope(1), rate_slope(2)],
         }))

@@ -3,7 +3,8 @@
 use super::coordinate::{Extrapolation, Limits};
 use super::error::BorderError;
 use super::extrapolate::Estimate;
-use super::problem::{PARAMETER_COLUMN, Problem, exactly};
+use super::forcing::Turn;
+use super::problem::{PARAMETER_COLUMN, Problem, STATES, exactly};
 use super::release::ReleasePoint;
 use super::sequence::Sequence;
 use crate::numerics::{DoubleDouble, Real};
@@ -11,17 +12,27 @@ use crate::numerics::{DoubleDouble, Real};
 /// Newton's method gives up after so many steps: from where it starts each gains two digits at first.
 const NEWTON_STEPS: usize = 30;
 
+/// So often a correction may not be the smallest so far: away from the root each sequence shows only so much of its X.
+const PATIENCE: usize = 2;
+
 /// A correction of so many roundoffs of the parameter is no correction.
 const NEWTON_DONE: f64 = 2.0;
 
-/// Where corrections stop shrinking the error must be this small relative to the parameter, else there is no root, or
-/// not enough of the sequence is near it to tell.
-const SETTLED: f64 = 1e-9;
+/// Where corrections stop shrinking the error of X must be as small as the roundoff to this power, 4e-7 for doubles, else
+/// there is no root, or not enough of the sequence is near it to tell.
+const SETTLED_POWER: f64 = 0.4;
 
 /// At a root dX/dp is known at least to this part of itself, and the sequence comes at least this near to u*, relative
 /// to u*.
 const VAGUE: f64 = 0.1;
 const APART: f64 = 0.05;
+
+/// Roots this near to each other, relative to the parameter, are one found twice.
+const SAME_ROOT: f64 = 8.0 * f64::EPSILON;
+
+/// Chatter ends at the release point where the orbit began if the distance is this small against the way there. Release
+/// points lie apart: there is nothing in between.
+const CLOSED: f64 = 1e-7;
 
 /// X and its derivative at a parameter value, with the sequence that they were taken from.
 #[derive(Clone, Debug)]
@@ -30,11 +41,47 @@ pub(crate) struct Point<R> {
     pub release: ReleasePoint<R>,
     pub limits: Limits<R>,
     pub sequence: Sequence<R>,
+    /// The impact from which on so many are followed as limits need.
+    pub settles: usize,
     /// The last impact that still approaches the border.
     pub end: usize,
     pub x: Estimate<R>,
     /// dX/dp, release point included.
     pub slope: Estimate<R>,
+}
+
+impl<R: Real> Point<R> {
+    /// The size of the parameter, or what of it changes X by one.
+    pub(crate) fn parameter_scale(&self) -> f64 {
+        let unit = 1.0 / self.slope.value.abs().to_f64();
+        self.value.abs().to_f64().max(unit)
+    }
+
+    /// The phases with the periods by which the orbit advances from release to the accumulation of its impacts; `None`
+    /// if they do not accumulate at the release point.
+    pub(crate) fn turns(&self, problem: &Problem) -> Option<Vec<Turn<R>>> {
+        let mut turns = problem.release.turns(&problem.parameters(self.value));
+        let (mut missed, mut way) = (0.0, 0.0);
+        for i in 0..STATES {
+            let end = self
+                .limits
+                .accumulation_state(&self.sequence, self.end, i)
+                .value;
+            let begin = self.release.state[i];
+            let impacts = self.sequence.impacts.iter();
+            way += impacts.fold(0.0_f64, |most, impact| {
+                most.max((impact.state[i] - end).abs().to_f64())
+            });
+            let mut distance = end - begin;
+            if let Some(turn) = turns.iter_mut().find(|turn| turn.state == i) {
+                let count = libm::round((distance / turn.period).to_f64());
+                turn.count = count as i64;
+                distance -= turn.period * R::splat(count);
+            }
+            missed += distance.abs().to_f64();
+        }
+        (missed <= CLOSED * way).then_some(turns)
+    }
 }
 
 /// A parameter value where X vanishes.
@@ -45,19 +92,27 @@ pub(crate) struct Root<R> {
     pub error: f64,
 }
 
+impl Root<f64> {
+    /// Whether two searches came to the same root.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        let off = (self.point.value - other.point.value).abs();
+        off <= SAME_ROOT * self.point.value.abs() + self.error + other.error
+    }
+}
+
 impl Problem {
     /// X and dX/dp at a parameter value near a border.
     pub(crate) fn point<R: Real>(
         &self,
         value: R,
         near: &[DoubleDouble],
-        begins: usize,
+        settles: usize,
         extrapolation: Extrapolation,
     ) -> Result<Point<R>, BorderError> {
         let release = self.release_point(value, Some(near))?;
-        let limits = Limits::new(Self::constants(value, &release)?, &release, extrapolation);
+        let mut limits = Limits::new(Self::constants(value, &release)?, &release, extrapolation);
         let parameters = self.parameters(value);
-        let sequence = self.variation(&parameters, &release.state, begins + limits.impacts())?;
+        let sequence = self.variation(&parameters, &release.state, settles + limits.impacts())?;
         if sequence.impacts.len() <= sequence.begins {
             return Err(BorderError::NotConverged {
                 value: value.to_f64(),
@@ -65,6 +120,7 @@ impl Problem {
             });
         }
         let end = limits.nearest(&sequence);
+        limits.set_noise(&sequence, end);
         let x = limits.x(&sequence, end);
         let mut weights = release.slope.clone();
         weights.push(R::ONE);
@@ -75,6 +131,7 @@ impl Problem {
             release,
             limits,
             sequence,
+            settles,
             end,
             x,
             slope,
@@ -86,7 +143,7 @@ impl Problem {
         &self,
         guess: R,
         near: &[DoubleDouble],
-        begins: usize,
+        settles: usize,
         extrapolation: Extrapolation,
         within: (f64, f64),
     ) -> Result<Root<R>, BorderError> {
@@ -94,8 +151,10 @@ impl Problem {
         let mut near = near.to_vec();
         let mut before = f64::INFINITY;
         let mut residual = f64::NAN;
+        let mut stalls = 0;
+        let settled = libm::pow(R::ROUNDOFF, SETTLED_POWER);
         for _ in 0..NEWTON_STEPS {
-            let point = self.point(value, &near, begins, extrapolation)?;
+            let point = self.point(value, &near, settles, extrapolation)?;
             near = exactly(&point.release.state);
             let correction = point.x.value / point.slope.value;
             residual = point.x.value.to_f64();
@@ -105,19 +164,19 @@ impl Problem {
                 break;
             }
             let floor = NEWTON_DONE * R::ROUNDOFF * value.abs().to_f64();
-            if size <= floor || size >= before {
-                let error = (point.x.error / point.slope.value.to_f64().abs())
-                    .max(size.min(before))
-                    .max(floor);
+            stalls += usize::from(size >= before);
+            if size <= floor || stalls > PATIENCE {
+                let rate = point.slope.value.abs().to_f64();
+                let error = (point.x.error / rate).max(size).max(floor);
                 let last = &point.sequence.impacts[point.end].local;
                 let vague = point.slope.error > VAGUE * point.slope.value.abs().to_f64();
                 let apart = point.limits.distance(last.u()) > APART;
-                if error.is_nan() || error > SETTLED * value.abs().to_f64() || vague || apart {
+                if error.is_nan() || error * rate > settled || vague || apart {
                     break;
                 }
                 return Ok(Root { point, error });
             }
-            before = size;
+            before = before.min(size);
             value = next;
         }
         Err(BorderError::NotConverged {
@@ -129,8 +188,7 @@ impl Problem {
 
 #[cfg(test)]
 mod tests {
-    use super::super::local::LocalCoordinate;
-    use super::super::problem::STATES;
+    use super::super::spec::BorderSpec;
     use super::*;
     use crate::model::Model;
     use crate::numerics::Scalar;
@@ -151,7 +209,7 @@ mod tests {
             model
                 .set_parameter("q", "0.02005600568931228428251703106969")
                 .unwrap();
-            let problem = Problem::new(&model, parameter, LocalCoordinate::AtImpact).unwrap();
+            let problem = Problem::new(&model, &BorderSpec::new(parameter)).unwrap();
             let value: DoubleDouble = value.parse().unwrap();
             let near = exactly(&[0.0, 0.0, 10.0]);
             let settings = Extrapolation::default();
@@ -174,7 +232,7 @@ mod tests {
                 middle.slope.value
             );
         }
-        let problem = Problem::new(&model, "q", LocalCoordinate::AtImpact).unwrap();
+        let problem = Problem::new(&model, &BorderSpec::new("q")).unwrap();
         let value: DoubleDouble = "0.02005600568931228428251703106969".parse().unwrap();
         let near = exactly(&[0.0, 0.0, 10.0]);
         let point = problem

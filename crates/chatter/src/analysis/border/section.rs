@@ -1,9 +1,10 @@
 //! States on a section of the flight after release, predicted by the one-dimensional map.
 
 use super::error::BorderError;
-use super::orbit::{Border, BorderSpec};
+use super::orbit::Border;
 use super::prediction::AffineStates;
 use super::problem::{PARAMETER_COLUMN, Problem, STATES, with_identity};
+use super::spec::BorderSpec;
 use crate::expressions::{Expr, Symbol, nearest};
 use crate::flow::{Column, Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
@@ -32,7 +33,7 @@ pub fn section_states<R: Real>(
         });
     };
     let surface = chosen.surface;
-    let problem = Problem::new(model, &spec.parameter, spec.coordinate)?;
+    let problem = Problem::new(model, spec)?;
     let mut model = model.clone();
     model.sections.retain(|s| s.name == section);
     let columns: Vec<Column> = (0..STATES)

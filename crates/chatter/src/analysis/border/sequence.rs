@@ -4,6 +4,7 @@ use super::error::BorderError;
 use super::local::{Local, LocalTape};
 use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::numerics::Real;
+use serde::{Deserialize, Serialize};
 
 /// A flight is local, one of a chatter sequence, if it starts with a < 0 and lasts at most this many nu / j. At the
 /// border of the last local flight, a graze, it lasts 3/2 of it to leading order (eq. (3) with s = 0). Where j < 0 it
@@ -13,20 +14,20 @@ const LOCAL_FLIGHT: f64 = 3.0;
 /// So many local flights one after the other are a chatter sequence.
 const SEQUENCE: usize = 3;
 
+/// Fewer impacts are no chatter sequence.
+pub(crate) const SHORTEST: usize = SEQUENCE + 1;
+
 /// No impact for so many steps: the trajectory does not come back.
 const STEPS_WITHOUT_IMPACT: usize = 2_000;
 
 /// More impacts than this are not followed: a sequence at restitution 0.99 has some two thousand.
 const MOST_IMPACTS: usize = 5_000;
 
-/// After so many long flights without a chatter sequence none is expected.
-const MOST_EXCURSIONS: usize = 40;
-
 /// A horizon that no flight reaches.
 const NO_HORIZON: f64 = 1e12;
 
 /// How an impact sequence ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     /// Infinitely many impacts, then contact.
     Complete,
@@ -71,8 +72,8 @@ pub(crate) struct Follower {
 /// Where to stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Until {
-    /// At the end of the first chatter sequence.
-    Verdict,
+    /// At the end of the first chatter sequence, if no more than so many long flights come before it.
+    Verdict(usize),
     /// After so many impacts, or at the end of the first chatter sequence if that is earlier.
     Impacts(usize),
     /// After so many impacts, whatever lies between them; complete chatter alone ends it earlier.
@@ -105,9 +106,11 @@ impl Follower {
         let mut quiet = 0;
         let mut excursions = 0;
         let counting = matches!(until, Until::Count(_) | Until::Arrivals(_));
-        while quiet < STEPS_WITHOUT_IMPACT
-            && (counting || sequence.impacts.len() < MOST_IMPACTS && excursions < MOST_EXCURSIONS)
-        {
+        let most_excursions = match until {
+            Until::Verdict(excursions) => excursions,
+            _ => usize::MAX,
+        };
+        while quiet < STEPS_WITHOUT_IMPACT && (counting || sequence.impacts.len() < MOST_IMPACTS) {
             quiet += 1;
             let horizon = limit.unwrap_or(R::splat(NO_HORIZON));
             match trajectory.advance(system, &mut work, horizon)? {
@@ -125,6 +128,9 @@ impl Follower {
                     );
                     let arrives = limit.is_none();
                     if arrives {
+                        if excursions == most_excursions {
+                            return Ok(sequence);
+                        }
                         sequence.begins = sequence.impacts.len();
                         excursions += 1;
                     }
@@ -138,7 +144,7 @@ impl Follower {
                     });
                     let count = sequence.impacts.len();
                     let done = match until {
-                        Until::Verdict => false,
+                        Until::Verdict(_) => false,
                         Until::Impacts(most) | Until::Count(most) => count == most,
                         Until::Arrivals(most) => excursions == most,
                     };

@@ -1,12 +1,14 @@
 //! The system itself near a border orbit, passage by passage, beside the prediction.
 
 use super::error::BorderError;
-use super::orbit::{Border, BorderSpec};
+use super::orbit::Border;
 use super::prediction::{Settled, settle};
 use super::problem::{Problem, exactly};
 use super::sequence::{Until, Verdict};
+use super::spec::BorderSpec;
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real};
+use serde::{Deserialize, Serialize};
 
 /// Passages of the flow through the neighbourhood of release.
 #[derive(Clone, Debug)]
@@ -14,12 +16,12 @@ pub struct Simulator {
     pub(super) problem: Problem,
     pub(super) long_flights: usize,
     pub(super) release: Vec<DoubleDouble>,
-    /// Length of the border orbit.
-    pub(super) period: f64,
+    /// By how many periods the phases of the border orbit advance.
+    pub(super) turns: Vec<(usize, i64)>,
 }
 
 /// One passage: a chatter sequence between two long flights.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Passage {
     /// State after its first impact.
     pub state: Vec<f64>,
@@ -28,7 +30,7 @@ pub struct Passage {
 }
 
 /// A simulated orbit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulated {
     /// Passages after the transient.
     pub passages: Vec<Passage>,
@@ -50,10 +52,12 @@ impl Simulator {
         border: &Border<R>,
     ) -> Result<Self, BorderError> {
         Ok(Self {
-            problem: Problem::new(model, &spec.parameter, spec.coordinate)?,
+            problem: Problem::new(model, spec)?,
             long_flights: border.long_flights,
             release: exactly(&border.release.state),
-            period: border.period.value.to_f64(),
+            turns: (border.turns.iter())
+                .map(|turn| (turn.state, turn.count))
+                .collect(),
         })
     }
 
@@ -98,14 +102,13 @@ impl Simulator {
         passages.pop();
         passages.drain(..transient.min(passages.len()));
         passages.truncate(keep);
-        let time = self.problem.model.time;
         let scale: Vec<f64> = (0..release.slope.len())
             .map(|i| (passages.iter()).fold(0.0_f64, |most, p| most.max(p.state[i].abs())))
             .collect();
         let same = |a: &Passage, b: &Passage| {
             a.impacts == b.impacts
                 && (0..scale.len())
-                    .filter(|&i| Some(i) != time)
+                    .filter(|&i| !self.problem.release.forcing.is_phase(i))
                     .all(|i| (a.state[i] - b.state[i]).abs() <= SAME * scale[i])
         };
         let settled = settle(&passages, same, |passage| Some(passage.impacts));

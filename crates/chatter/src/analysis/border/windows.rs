@@ -2,9 +2,10 @@
 
 use super::prediction::Prediction;
 use crate::analysis::universal::Located;
+use serde::{Deserialize, Serialize};
 
 /// A fixed point of the predicted map.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PredictedPoint {
     /// Parameter value, p* + mu / M.
     pub parameter: f64,
@@ -18,7 +19,7 @@ pub struct PredictedPoint {
 
 /// What is predicted for the orbit with one number of impacts. On it mu(x) = x - K Upsilon(x), and the multiplier is
 /// K Upsilon'(x) (MATH.md 7).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PredictedWindow {
     /// n: impacts after the first one, in each passage.
     pub lap: u32,
@@ -54,7 +55,8 @@ impl Prediction {
 
 #[cfg(test)]
 mod tests {
-    use super::super::orbit::{BorderSpec, border_near};
+    use super::super::orbit::border_near;
+    use super::super::spec::BorderSpec;
     use super::*;
     use crate::model::Model;
 

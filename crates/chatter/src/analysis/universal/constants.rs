@@ -3,12 +3,13 @@
 use super::error::UniversalError;
 use crate::flow::border_value::{fixed_point, multiplier};
 use crate::numerics::{DoubleDouble, Real, Scalar};
+use serde::{Deserialize, Serialize};
 
 /// What the restitution alone determines in closed form (MATH.md 2, (M6)).
 ///
 /// Every value, and the complements `1 - lambda` and `1 - eta` too, is accurate to rounding relative to itself for all
 /// restitutions in (0, 1), however near to either end.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Constants<R> {
     /// Coefficient of restitution r.
     pub restitution: R,

@@ -1,0 +1,283 @@
+//! Finding border orbits: forced systems and their phase, several borders, places that are none, many parameter sets.
+
+use chatter::analysis::border::*;
+use chatter::model::Model;
+
+const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
+const OSCILLATOR: &str = include_str!("../../../models/impact_oscillator.toml");
+const CAM: &str = include_str!("../../../models/cam_follower.toml");
+const TABLE: &str = include_str!("../../../models/bouncing_ball_on_table.toml");
+const LINEAR: &str = include_str!("../../../models/linear_impacting_system.toml");
+
+fn read(text: &str) -> Model {
+    Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"))
+}
+
+fn with(text: &str, values: &[(&str, &str)]) -> Model {
+    let mut model = read(text);
+    for (name, value) in values {
+        model.set_parameter(name, value).unwrap();
+    }
+    model
+}
+
+fn borders(model: &Model, parameter: &str, low: f64, high: f64) -> Borders<f64> {
+    borders_in(model, &BorderSpec::new(parameter), low, high).unwrap()
+}
+
+fn close(a: f64, b: f64, tolerance: f64) {
+    assert!((a - b).abs() <= tolerance * b.abs(), "{a} {b}");
+}
+
+/// K, M, N*: what no choice of coordinates changes.
+fn invariants(border: &Border<f64>) -> [f64; 3] {
+    let exact = &border.exact;
+    [exact.slope, exact.unfolding_rate, exact.amplitude].map(|estimate| estimate.value)
+}
+
+/// At sigma = -1 the release point is a double root; from there on the phase must not walk away.
+#[test]
+fn the_phase_stays_in_the_first_forcing_period() {
+    let model = read(OSCILLATOR);
+    let period = core::f64::consts::TAU / 0.3;
+    let found = borders(&model, "sigma", -1.0, 1.0);
+    assert_eq!(found.borders.len(), 3);
+    assert!(found.breaks.is_empty() && found.unresolved == 0);
+    for border in &found.borders {
+        assert!((0.0..period).contains(&border.release.state[2]));
+        close(border.period.value, period, 1e-14);
+        let [turn] = border.turns[..] else {
+            panic!("{:?}", border.turns)
+        };
+        close(turn.period, period, 1e-15);
+        assert_eq!((turn.state, turn.count), (2, 1));
+        let exact = &border.exact;
+        for estimate in [exact.slope, exact.unfolding_rate, exact.amplitude] {
+            assert!(estimate.error < 1e-14 * estimate.value.abs());
+        }
+    }
+}
+
+/// The same oscillator written by someone else: other names, another phase of the forcing, the phase as an angle.
+#[test]
+fn the_form_does_not_depend_on_how_the_forcing_is_written() {
+    let ours = borders(&read(OSCILLATOR), "sigma", 0.0, 0.9);
+    let theirs = |phase: &str, state: &str, initial: &str| {
+        let text = format!(
+            "[parameters]\nwall = 0.5\nphi = 0.7\nnu = 0.3\ne = 0.8\n\
+             [flight]\nposition = \"speed\"\nspeed = \"cos({phase}) - position\"\n{state}\
+             [[contact]]\nname = \"wall\"\ngap = \"wall - position\"\nimpulse = {{ speed = -2.5 }}\nrestitution = \"e\"\n\
+             [initial]\nposition = 0.0\nspeed = 0.0\n{initial}"
+        );
+        borders(&read(&text), "wall", 0.0, 0.9)
+    };
+    for other in [
+        theirs("nu*t + phi", "", ""),
+        theirs("phi - nu*t", "", ""),
+        theirs("angle", "angle = \"nu\"\n", "angle = 0.0\n"),
+    ] {
+        assert_eq!(other.borders.len(), ours.borders.len());
+        for (a, b) in other.borders.iter().zip(&ours.borders) {
+            close(a.value.value, b.value.value, 1e-14);
+            for (a, b) in invariants(a).into_iter().zip(invariants(b)) {
+                close(a, b, 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn without_a_forcing_period_there_is_no_border() {
+    let text = OSCILLATOR.replace(
+        "cos(omega*t) - 2*zeta*v - x",
+        "cos(omega*t) + 0.1*cos(sqrt(2)*omega*t) - x",
+    );
+    let spec = BorderSpec::new("sigma");
+    for text in [text, OSCILLATOR.replace("cos(omega*t)", "cos(omega*t^2)")] {
+        let text = text.replace("surface = \"sin(omega*t)\"", "surface = \"v\"");
+        let error = border_near::<f64>(&read(&text), &spec, 0.5).unwrap_err();
+        assert!(matches!(error, BorderError::Aperiodic { .. }), "{error}");
+    }
+}
+
+/// Two borders within one part of a range, between ends of one verdict.
+#[test]
+fn a_near_miss_between_samples_is_looked_into() {
+    let model = read(VALVE);
+    for (low, high, samples) in [(10.0, 1210.0, 2), (10.0, 1210.0, 3), (5.0, 905.0, 2)] {
+        let mut spec = BorderSpec::new("beta");
+        spec.samples = samples;
+        let verdicts = verdicts_in(&model, &spec, low, high).unwrap();
+        let same = |(_, verdict): &(f64, Verdict)| *verdict == verdicts[0].1;
+        assert!(verdicts.iter().all(same), "{verdicts:?}");
+        let found = borders_in::<f64>(&model, &spec, low, high).unwrap();
+        let values: Vec<f64> = found.borders.iter().map(|b| b.value.value).collect();
+        assert_eq!(values.len(), 2, "{samples}: {values:?}");
+        close(values[0], 20.061_501_501_224_9, 1e-13);
+        close(values[1], 349.966_597_588_152, 1e-13);
+    }
+}
+
+/// A parameter that is negative at the border, or zero.
+#[test]
+fn values_near_zero_and_below_are_found() {
+    let shifted = VALVE.replace(
+        "\"beta*(q - y1*sqrt(y3))\"",
+        "\"beta*(q + 0.02 - y1*sqrt(y3))\"",
+    );
+    let model = with(&shifted, &[("q", "0")]);
+    let spec = BorderSpec::new("q");
+    let ours = border_near::<f64>(&read(VALVE), &spec, 0.02).unwrap();
+    for near in [5e-5, 0.0, 1e-4] {
+        let border = border_near::<f64>(&model, &spec, near).unwrap();
+        close(border.value.value, 5.600_568_931_228_4e-5, 1e-10);
+        for (a, b) in invariants(&border).into_iter().zip(invariants(&ours)) {
+            close(a, b, 1e-12);
+        }
+    }
+    let mirrored = VALVE.replace("\"beta*(q - y1*sqrt(y3))\"", "\"beta*(-q - y1*sqrt(y3))\"");
+    let model = with(&mirrored, &[("q", "-0.02")]);
+    let border = border_near::<f64>(&model, &spec, -0.03).unwrap();
+    close(border.value.value, -ours.value.value, 1e-14);
+    close(border.exact.slope.value, ours.exact.slope.value, 1e-13);
+    close(
+        border.exact.unfolding_rate.value,
+        -ours.exact.unfolding_rate.value,
+        1e-13,
+    );
+    let error = border_near::<f64>(&model, &spec, -0.1).unwrap_err();
+    match error {
+        BorderError::NoBorder { low, high, .. } => assert_eq!((low, high), (-0.2, -0.05)),
+        other => panic!("{other}"),
+    }
+    // Exactly zero, where no accuracy relative to the parameter can be had.
+    let digits = format!("{:e}", ours.value.value);
+    let exactly = VALVE.replace("\"beta*(q - y1", &format!("\"beta*(q + {digits} - y1"));
+    let model = with(&exactly, &[("q", "0")]);
+    let border = border_near::<f64>(&model, &spec, 0.0).unwrap();
+    assert!(border.value.value.abs() < 1e-16, "{:?}", border.value);
+    close(border.exact.slope.value, ours.exact.slope.value, 1e-12);
+}
+
+/// Over other parameter sets of the valve: a border is a border whichever parameter is varied, its form obeys
+/// K = C A B, and X changes its sign there.
+#[test]
+fn many_valves() {
+    let sets: [&[(&str, &str)]; 5] = [
+        &[("kappa", "1.5"), ("r", "0.7")],
+        &[("r", "0.5")],
+        &[("beta", "10"), ("r", "0.6")],
+        &[("delta", "6"), ("r", "0.7")],
+        &[("delta", "15"), ("beta", "30")],
+    ];
+    let mut count = 0;
+    for set in sets {
+        let model = with(VALVE, set);
+        let found = borders(&model, "q", 0.005, 1.5);
+        assert_eq!(found.unresolved, 0);
+        for border in &found.borders {
+            count += 1;
+            let q = border.value.value;
+            let exact = &border.exact;
+            let product: f64 = (border.section.iter().zip(&exact.covector))
+                .map(|(&i, c)| c.value * exact.first_impact_by_upsilon[i].value)
+                .sum();
+            close(product, exact.slope.value, 1e-12);
+            let step = 1e-6 * q;
+            let verdict = |q: f64| {
+                let mut spec = BorderSpec::new("q");
+                spec.samples = 1;
+                verdicts_in(&model, &spec, q, q + 1e-9).unwrap()[0].1
+            };
+            let (below, above) = (verdict(q - step), verdict(q + step));
+            let expected = if exact.unfolding_rate.value > 0.0 {
+                (Verdict::Complete, Verdict::Incomplete)
+            } else {
+                (Verdict::Incomplete, Verdict::Complete)
+            };
+            assert_eq!((below, above), expected, "{set:?} {q}");
+            let mut model = model.clone();
+            model.set_parameter("q", &format!("{q:e}")).unwrap();
+            let kappa = model.parameter_values::<f64>(&[])[1];
+            let other = border_near::<f64>(&model, &BorderSpec::new("kappa"), kappa).unwrap();
+            close(other.value.value, kappa, 1e-11);
+            close(other.exact.slope.value, exact.slope.value, 1e-9);
+        }
+    }
+    assert!(count >= 3, "{count}");
+}
+
+/// Borders of the other shipped models, with the same form whichever of two parameters is varied.
+#[test]
+fn borders_of_other_models() {
+    for (text, parameter, near, other) in [
+        (LINEAR, "beta", 22.0, "zeta"),
+        (CAM, "speed", 622.0, "r"),
+        (CAM, "r", 0.538, "stiffness"),
+        (TABLE, "Gamma", 1.597, "r"),
+        (OSCILLATOR, "omega", 0.3446, "r"),
+    ] {
+        let mut model = read(text);
+        let border = border_near::<f64>(&model, &BorderSpec::new(parameter), near).unwrap();
+        close(border.value.value, near, 1e-2);
+        model
+            .set_parameter(parameter, &format!("{:e}", border.value.value))
+            .unwrap();
+        let index = model.parameter_index(other).unwrap();
+        let value = model.parameter_values::<f64>(&[])[index];
+        let again = border_near::<f64>(&model, &BorderSpec::new(other), value).unwrap();
+        close(again.value.value, value, 1e-9);
+        close(again.exact.slope.value, border.exact.slope.value, 1e-8);
+        close(
+            again.exact.amplitude.value,
+            border.exact.amplitude.value,
+            1e-8,
+        );
+    }
+}
+
+/// A model whose free motion is autonomous but needs two states for its forcing has four.
+#[test]
+fn four_states_are_refused() {
+    let text = "[parameters]\nsigma = 0.5\nr = 0.8\n[flight]\nx = \"v\"\nv = \"c - x\"\nc = \"-0.3*s\"\ns = \"0.3*c\"\n\
+                [[contact]]\nname = \"stop\"\ngap = \"sigma - x\"\nimpulse = { v = -1 }\nrestitution = \"r\"\n\
+                [initial]\nx = 0.0\nv = 0.0\nc = 1.0\ns = 0.0\n";
+    let error = border_near::<f64>(&read(text), &BorderSpec::new("sigma"), 0.5).unwrap_err();
+    assert!(matches!(error, BorderError::States { count: 4 }), "{error}");
+}
+
+#[test]
+fn changes_of_the_verdict_that_are_no_border_are_told_with_their_cause() {
+    let table = borders(&read(TABLE), "Gamma", 4.9, 5.2);
+    let grazes = (table.breaks.iter()).filter(|at| match at.cause {
+        BreakCause::Graze { impact, rate } => impact > 0 && (-1e-4..=0.0).contains(&rate),
+        _ => false,
+    });
+    assert!(grazes.count() >= 1, "{:?}", table.breaks);
+    let cam = borders(&read(CAM), "r", 0.59, 0.61);
+    let short = |at: &Break| matches!(at.cause, BreakCause::Short { impacts: 4 });
+    assert!(cam.breaks.iter().any(short), "{:?}", cam.breaks);
+}
+
+/// Answers are values: the same each time, and the same after a journey as text.
+#[test]
+fn questions_and_answers_are_stored() {
+    let model = read(OSCILLATOR);
+    let mut spec = BorderSpec::new("sigma");
+    spec.section = Some(ReleaseSection {
+        state: "t".to_owned(),
+        level: 4.9,
+    });
+    let text = serde_json::to_string(&spec).unwrap();
+    assert_eq!(serde_json::from_str::<BorderSpec>(&text).unwrap(), spec);
+    let border = border_near::<f64>(&model, &spec, 0.12).unwrap();
+    assert_eq!(border_near::<f64>(&model, &spec, 0.12).unwrap(), border);
+    let text = serde_json::to_string(&border).unwrap();
+    assert_eq!(serde_json::from_str::<Border<f64>>(&text).unwrap(), border);
+    let prediction = Prediction::exact(&border).unwrap();
+    let simulator = Simulator::new(&model, &spec, &border).unwrap();
+    let windows = simulator.compare(&prediction, 30, 31).unwrap();
+    let text = serde_json::to_string(&windows).unwrap();
+    let read: Vec<WindowComparison> = serde_json::from_str(&text).unwrap();
+    assert_eq!(read, windows);
+}
