@@ -115,7 +115,7 @@ impl<S: Scalar> Expansion<S> {
     ) {
         self.order = 0;
         self.start(tape, state, low);
-        self.run_order(tape, constants, 0);
+        self.run_order(&tape.ops, &tape.terms, constants, 0);
         for (value, output) in values.iter_mut().zip(&tape.outputs) {
             *value = match *output {
                 Operand::Constant(index) => constants[index],
@@ -139,20 +139,47 @@ impl<S: Scalar> Expansion<S> {
     ) {
         self.order = order;
         self.start(tape, state, low);
-        for k in 0..order {
-            self.run_order(tape, constants, k);
-            let factor = tau * self.reciprocals[k + 1];
-            for (slot, derivative) in tape.field.iter().enumerate() {
-                let value = match *derivative {
-                    Operand::Series(of) => self.get(of, k) * factor,
-                    Operand::Constant(index) if k == 0 => constants[index] * factor,
-                    Operand::Constant(_) => S::splat(0.0),
-                };
-                self.set(slot, k + 1, value);
+        // One place runs operations, so that they are compiled once: first those of the field, each order of which yields
+        // the next coefficient of the state, then the others, through all orders.
+        let (of_field, of_outputs) = tape.ops.split_at(tape.field_ops);
+        let (mut ops, mut k) = (of_field, 0);
+        let mut in_field = true;
+        loop {
+            self.run_order(ops, &tape.terms, constants, k);
+            if in_field {
+                if k < order {
+                    self.integrate(tape, constants, tau, k);
+                }
+                k += 1;
+                let last = order + usize::from(tape.field_ops_at_last_order);
+                if k < last {
+                    continue;
+                }
+                if of_outputs.is_empty() {
+                    break;
+                }
+                in_field = false;
+                (ops, k) = (of_outputs, 0);
+            } else {
+                k += 1;
+                if k > order {
+                    break;
+                }
             }
         }
-        if !tape.outputs_are_states() {
-            self.run_order(tape, constants, order);
+    }
+
+    /// The next coefficient of every state, from order k of its derivative.
+    #[inline(always)]
+    fn integrate(&mut self, tape: &Tape, constants: &[S], tau: S, k: usize) {
+        let factor = tau * self.reciprocals[k + 1];
+        for (slot, derivative) in tape.field.iter().enumerate() {
+            let value = match *derivative {
+                Operand::Series(of) => self.get(of, k) * factor,
+                Operand::Constant(index) if k == 0 => constants[index] * factor,
+                Operand::Constant(_) => S::splat(0.0),
+            };
+            self.set(slot, k + 1, value);
         }
     }
 
@@ -169,8 +196,8 @@ impl<S: Scalar> Expansion<S> {
     }
 
     #[inline(always)]
-    fn run_order(&mut self, tape: &Tape, constants: &[S], k: usize) {
-        for op in &tape.ops {
+    fn run_order(&mut self, ops: &[Op], terms: &[(usize, usize)], constants: &[S], k: usize) {
+        for op in ops {
             match *op {
                 Op::Linear {
                     out,
@@ -178,7 +205,7 @@ impl<S: Scalar> Expansion<S> {
                     first,
                     end,
                 } => {
-                    let terms = &tape.terms[first..end];
+                    let terms = &terms[first..end];
                     let value = if k == 0 {
                         let (value, low) = self.compensated_sum(constants, offset, terms);
                         self.lows[out] = low;

@@ -5,7 +5,6 @@ use super::program::{GuardKind, Program};
 use super::step::{NO_EVENT, Workspace};
 use super::touching::Touching;
 use crate::numerics::Real;
-use crate::numerics::dispatch::{Kernel, dispatch};
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::roots::{Crossing, Root, RootKind, first_root};
 
@@ -25,20 +24,6 @@ const SHRINKS: usize = 8;
 /// A first root may lie this many halvings of the step close to its start.
 const HALVINGS: usize = 60;
 
-struct Expand<'a, R> {
-    work: &'a mut Workspace<R>,
-    program: &'a Program,
-    class: usize,
-}
-
-impl<R: Real> Kernel for Expand<'_, R> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        self.work.expand(self.program, self.class);
-    }
-}
-
 /// Expands again at the highest order and finds the first event with certainty. The workspace holds the inputs of the
 /// step; afterwards its step and event are set, the state is not moved yet.
 pub(crate) fn resolve<R: Real>(
@@ -49,11 +34,7 @@ pub(crate) fn resolve<R: Real>(
 ) -> Result<Resolution, Unsettled> {
     let mut tries = 0;
     loop {
-        dispatch(Expand {
-            work,
-            program,
-            class,
-        });
+        work.expand_only(program, class);
         if expansion_is_finite(work) && work.scaled_step.is_finite() && work.scaled_step > R::ZERO {
             break;
         }

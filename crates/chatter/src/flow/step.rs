@@ -9,6 +9,7 @@ use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
 use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
+use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::{
     bernstein, bernstein_from, horner, horner_with_slope, magnitude,
 };
@@ -137,17 +138,16 @@ impl<S: Scalar> Workspace<S> {
             order,
         );
         let dimension = self.state.len();
+        let orders = &S::ORDERS[..=class];
         let mut worst = [S::splat(0.0); ORDER_CLASSES];
         for slot in 0..dimension {
-            self.expansion
-                .tail_ratios(slot, &S::ORDERS[..=class], &mut worst);
+            self.expansion.tail_ratios(slot, orders, &mut worst);
         }
         for guard in &program.guards {
             if let (GuardKind::Gap(_), Operand::Series(slot)) = (guard.kind, guard.series)
                 && slot >= dimension
             {
-                self.expansion
-                    .tail_ratios(slot, &S::ORDERS[..=class], &mut worst);
+                self.expansion.tail_ratios(slot, orders, &mut worst);
             }
         }
         for (m, &worst) in worst.iter().enumerate().take(class + 1) {
@@ -374,7 +374,10 @@ fn rises<S: Scalar>(p: &[S], s: S, noise: S, noise_factor: f64, scratch: &mut [S
     let g = &mut scratch[..n - 2];
     let level = magnitude(&p[2..], s) * S::splat(noise_factor);
     bernstein_from(p[2] * S::splat(1.0 - 1.0 / FAR), &p[3..], s, g);
-    let least = g.iter().fold(g[0], |least, &value| value.min(least));
+    let mut least = g[0];
+    for &value in &g[1..] {
+        least = value.min(least);
+    }
     candidate & level.less(least)
 }
 
@@ -410,7 +413,92 @@ impl<S: Scalar> SignCount<S> {
     }
 }
 
+/// What one trajectory asks for: one kernel, so that the interpreter is compiled once.
+enum Task<'a, R> {
+    /// A step, with so many roots at the start.
+    Step(&'a Program, usize, Touching),
+    /// Its expansion alone.
+    Expansion(&'a Program, usize),
+    /// The outputs of a tape at a state and its remainders.
+    Values {
+        tape: &'a Tape,
+        constants: &'a [R],
+        state: &'a [R],
+        low: &'a [R],
+        values: &'a mut [R],
+    },
+}
+
+struct Single<'w, 'a, R> {
+    work: &'w mut Workspace<R>,
+    task: Task<'a, R>,
+}
+
+impl<R: Real> Kernel for Single<'_, '_, R> {
+    type Output = bool;
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Self { work, task } = self;
+        let (program, class, touching) = match task {
+            Task::Step(program, class, touching) => (program, class, Some(touching)),
+            Task::Expansion(program, class) => (program, class, None),
+            Task::Values {
+                tape,
+                constants,
+                state,
+                low,
+                values,
+            } => {
+                work.point.evaluate(tape, constants, state, low, values);
+                return true;
+            }
+        };
+        work.expand(program, class);
+        let Some(touching) = touching else {
+            return true;
+        };
+        let certain = work.locate(program, touching);
+        if certain {
+            work.finish(program);
+        }
+        certain
+    }
+}
+
 impl<R: Real> Workspace<R> {
+    /// Makes a step, as far as it can be certified; returns whether it was.
+    #[inline]
+    pub(crate) fn try_step(&mut self, program: &Program, class: usize, touching: Touching) -> bool {
+        self.run(Task::Step(program, class, touching))
+    }
+
+    /// Expands, and leaves what follows to the caller.
+    pub(crate) fn expand_only(&mut self, program: &Program, class: usize) {
+        self.run(Task::Expansion(program, class));
+    }
+
+    /// Values of a tape's outputs at a point.
+    pub(crate) fn values_at(
+        &mut self,
+        tape: &Tape,
+        constants: &[R],
+        (state, low): (&[R], &[R]),
+        values: &mut [R],
+    ) {
+        self.run(Task::Values {
+            tape,
+            constants,
+            state,
+            low,
+            values,
+        });
+    }
+
+    #[inline]
+    fn run(&mut self, task: Task<'_, R>) -> bool {
+        dispatch_narrow(Single { work: self, task })
+    }
+
     /// Sets the constants of a program for a single trajectory.
     pub(crate) fn load_constants(&mut self, constants: &ProgramConstants<R>) {
         self.constants.clone_from(&constants.tape);

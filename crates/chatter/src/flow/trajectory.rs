@@ -14,7 +14,6 @@ use super::system::System;
 use super::touching::Touching;
 use crate::expressions::Operand;
 use crate::numerics::Real;
-use crate::numerics::dispatch::{Kernel, dispatch};
 use crate::numerics::two_sum;
 
 /// A quantity this small against the state and its rate of change counts as zero where a trajectory starts, or where a
@@ -67,7 +66,6 @@ pub(crate) struct StepResult<R> {
     pub event: Option<usize>,
     pub touched: Option<usize>,
     pub at_horizon: bool,
-    pub reach: [R; ORDER_CLASSES],
     pub impact: [R; super::program::IMPACT_SCALARS],
     pub flight_time: R,
 }
@@ -76,26 +74,6 @@ impl<R: Real> StepResult<R> {
     /// Whether a step without event goes all the way of the time left, whose product with a unit of time is rounded.
     pub(crate) fn reaches(step: R, remaining: R) -> bool {
         step >= remaining * R::splat(1.0 - 4.0 * R::ROUNDOFF)
-    }
-}
-
-struct ScalarStep<'a, R: Real> {
-    work: &'a mut Workspace<R>,
-    program: &'a Program,
-    class: usize,
-    touching: Touching,
-}
-
-impl<R: Real> Kernel for ScalarStep<'_, R> {
-    type Output = bool;
-    #[inline(always)]
-    fn run(self) -> bool {
-        self.work.expand(self.program, self.class);
-        let certain = self.work.locate(self.program, self.touching);
-        if certain {
-            self.work.finish(self.program);
-        }
-        certain
     }
 }
 
@@ -286,19 +264,12 @@ impl<R: Real> Trajectory<R> {
         }
         let program = self.program(system)?;
         let class = self.load(work);
-        let certain = dispatch(ScalarStep {
-            work,
-            program,
-            class,
-            touching: self.touching,
-        });
-        if !certain {
+        if !work.try_step(program, class, self.touching) {
             return self.advance_settled(system, work, program);
         }
         let result = self.result(work);
-        self.state.copy_from_slice(&work.state);
-        self.low.copy_from_slice(&work.low);
-        self.digest(system, work, program, result)
+        self.accept(work);
+        self.digest(system, work, program, &result)
     }
 
     /// Moves by a step that could not be certified, with full root isolation.
@@ -309,9 +280,8 @@ impl<R: Real> Trajectory<R> {
         program: &Program,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         let result = self.settle(work, program)?;
-        self.state.copy_from_slice(&work.state);
-        self.low.copy_from_slice(&work.low);
-        self.digest(system, work, program, result)
+        self.accept(work);
+        self.digest(system, work, program, &result)
     }
 
     /// Redoes a step that could not be certified, from this trajectory's state, with full root isolation.
@@ -382,22 +352,27 @@ impl<R: Real> Trajectory<R> {
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
             at_horizon: event == NO_EVENT && StepResult::reaches(work.step, remaining),
-            reach: work.reach,
             impact: work.impact,
             flight_time: work.flight_time,
         }
     }
 
-    /// Takes over the end of a step (state and remainder are already in place) and says what it means.
+    /// Takes over where a step ended.
+    fn accept(&mut self, work: &Workspace<R>) {
+        self.state.copy_from_slice(&work.state);
+        self.low.copy_from_slice(&work.low);
+        self.reach = work.reach;
+    }
+
+    /// Says what a step means whose end (state, remainder and reach) is already in place.
     pub(crate) fn digest(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
         program: &Program,
-        result: StepResult<R>,
+        result: &StepResult<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.advance_time(result.step);
-        self.reach = result.reach;
         let balanced = self.balanced(program);
         self.touching = Touching::NONE;
         if result.step > R::ZERO {
@@ -719,11 +694,10 @@ impl<R: Real> Trajectory<R> {
         let program = self.program(system)?;
         let mut at_rest = self.state.clone();
         if let Some(constants) = &self.constants[self.closed.0 as usize] {
-            work.point.evaluate(
+            work.values_at(
                 &program.captures[contact],
                 &constants.captures[contact],
-                &self.state,
-                &self.low,
+                (&self.state, &self.low),
                 &mut at_rest,
             );
         }
@@ -745,11 +719,10 @@ impl<R: Real> Trajectory<R> {
                 return Ok(());
             };
             let mut pushes = vec![R::ZERO; self.closed.contacts().count()];
-            work.point.evaluate(
+            work.values_at(
                 &program.reactions,
                 &constants.reactions,
-                &self.state,
-                &self.low,
+                (&self.state, &self.low),
                 &mut pushes,
             );
             let level = self.rest_level();
@@ -810,11 +783,10 @@ impl<R: Real> Trajectory<R> {
         let program = self.program(system)?;
         let mut local = [R::ZERO; LOCAL_SCALARS];
         if let Some(constants) = &self.constants[self.closed.0 as usize] {
-            work.point.evaluate(
+            work.values_at(
                 &program.locals[contact],
                 &constants.locals[contact],
-                &self.state,
-                &self.low,
+                (&self.state, &self.low),
                 &mut local,
             );
         }

@@ -30,6 +30,17 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
+/// Runs a kernel whose numbers are single ones, for which wide registers do nothing: with fused multiply-add or without.
+#[inline]
+pub fn dispatch_narrow<K: Kernel>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
+        // SAFETY: the features that the wrapper enables were detected on this processor.
+        return unsafe { run_avx2(kernel) };
+    }
+    kernel.run()
+}
+
 /// Whether eight doubles fit a register of this processor.
 #[inline]
 fn has_avx512() -> bool {

@@ -582,7 +582,9 @@ mod tests {
             prop_assert!(close(y.sqrt() * y.sqrt(), y));
             prop_assert!(close((x.tanh() * x.cosh()) + DoubleDouble::ONE, x.sinh() + DoubleDouble::ONE));
             prop_assert!(close(x / y * y, x));
-            prop_assert!(close(x.tan().atan().tan(), x.tan()));
+            // Far enough from the poles that the tangent does not magnify the rounding of its argument.
+            let angle = x * DoubleDouble::from(0.5);
+            prop_assert!(close(angle.tan().atan(), angle));
             let text = format!("{y:.33}");
             prop_assert!(close(text.parse().unwrap(), y));
         }

@@ -58,11 +58,19 @@ impl<const L: usize> Mask for LaneMask<L> {
     }
     #[inline(always)]
     fn any(self) -> bool {
-        self.0.iter().fold(false, |any, &lane| any | lane)
+        let mut any = false;
+        for lane in self.0 {
+            any |= lane;
+        }
+        any
     }
     #[inline(always)]
     fn all(self) -> bool {
-        self.0.iter().fold(true, |all, &lane| all & lane)
+        let mut all = true;
+        for lane in self.0 {
+            all &= lane;
+        }
+        all
     }
 }
 

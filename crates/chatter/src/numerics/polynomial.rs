@@ -23,13 +23,16 @@ static INVERSE_BINOMIALS: LazyLock<Vec<Vec<DoubleDouble>>> = LazyLock::new(|| {
         .collect()
 });
 
+// Loops, not folds: an iterator's method is not always inlined into a kernel, and then it is compiled for the baseline.
+
 /// p(s).
 #[inline(always)]
 pub fn horner<S: Scalar>(coefficients: &[S], s: S) -> S {
-    coefficients
-        .iter()
-        .rev()
-        .fold(S::splat(0.0), |sum, &c| sum.mul_add(s, c))
+    let mut sum = S::splat(0.0);
+    for &c in coefficients.iter().rev() {
+        sum = sum.mul_add(s, c);
+    }
+    sum
 }
 
 /// p(s) and p'(s).
@@ -41,10 +44,11 @@ pub fn horner_with_slope<S: Scalar>(coefficients: &[S], s: S) -> (S, S) {
 /// sum_k |c_k| s^k for s >= 0: no partial sum of p on [0, s] is larger.
 #[inline(always)]
 pub fn magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
-    coefficients
-        .iter()
-        .rev()
-        .fold(S::splat(0.0), |sum, &c| sum.mul_add(s, c.abs()))
+    let mut sum = S::splat(0.0);
+    for &c in coefficients.iter().rev() {
+        sum = sum.mul_add(s, c.abs());
+    }
+    sum
 }
 
 /// Bernstein coefficients of p on [0, width]: their signs bound the number of roots there (Descartes' rule), and p lies
