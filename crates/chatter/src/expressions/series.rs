@@ -139,33 +139,12 @@ impl<S: Scalar> Expansion<S> {
     ) {
         self.order = order;
         self.start(tape, state, low);
-        // One place runs operations, so that they are compiled once: first those of the field, each order of which yields
-        // the next coefficient of the state, then the others, through all orders.
-        let (of_field, of_outputs) = tape.ops.split_at(tape.field_ops);
-        let (mut ops, mut k) = (of_field, 0);
-        let mut in_field = true;
-        loop {
-            self.run_order(ops, &tape.terms, constants, k);
-            if in_field {
-                if k < order {
-                    self.integrate(tape, constants, tau, k);
-                }
-                k += 1;
-                let last = order + usize::from(tape.field_ops_at_last_order);
-                if k < last {
-                    continue;
-                }
-                if of_outputs.is_empty() {
-                    break;
-                }
-                in_field = false;
-                (ops, k) = (of_outputs, 0);
-            } else {
-                k += 1;
-                if k > order {
-                    break;
-                }
-            }
+        for k in 0..order {
+            self.run_order(&tape.ops, &tape.terms, constants, k);
+            self.integrate(tape, constants, tau, k);
+        }
+        if !tape.outputs_are_states() {
+            self.run_order(&tape.ops, &tape.terms, constants, order);
         }
     }
 

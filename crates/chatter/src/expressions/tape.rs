@@ -7,7 +7,6 @@
 
 use super::graph::{Expr, Function, Graph, Node, Symbol};
 use crate::numerics::Real;
-use core::ops::Range;
 use std::collections::HashMap;
 
 /// Where a value comes from while a tape runs.
@@ -91,11 +90,6 @@ pub struct Tape {
     pub(crate) slots: usize,
     pub(crate) auxiliaries: usize,
     pub(crate) ops: Vec<Op>,
-    /// How many of the operations, from the first on, the field needs; the others serve outputs alone, and wait until the
-    /// states are known to all orders.
-    pub(crate) field_ops: usize,
-    /// Whether outputs need the field's operations at the last order too.
-    pub(crate) field_ops_at_last_order: bool,
     pub(crate) terms: Vec<(usize, usize)>,
     pub(crate) field: Vec<Operand>,
     pub(crate) outputs: Vec<Operand>,
@@ -119,8 +113,6 @@ impl Tape {
                 slots: dimension,
                 auxiliaries: 0,
                 ops: Vec::new(),
-                field_ops: 0,
-                field_ops_at_last_order: false,
                 terms: Vec::new(),
                 field: Vec::new(),
                 outputs: Vec::new(),
@@ -128,12 +120,8 @@ impl Tape {
             },
         };
         lowering.tape.field = field.iter().map(|&e| lowering.operand(e)).collect();
-        let known = lowering.tape.slots;
-        lowering.tape.field_ops = lowering.tape.ops.len();
         lowering.tape.outputs = outputs.iter().map(|&e| lowering.operand(e)).collect();
-        let mut tape = lowering.tape;
-        tape.field_ops_at_last_order = tape.outputs_use_slots(dimension..known);
-        tape
+        lowering.tape
     }
 
     /// Number of states.
@@ -169,20 +157,12 @@ impl Tape {
             .collect()
     }
 
-    /// Whether an output is one of these slots, or may be computed from them.
-    fn outputs_use_slots(&self, slots: Range<usize>) -> bool {
-        let is_one = self
-            .outputs
-            .iter()
-            .any(|output| matches!(output, Operand::Series(slot) if slots.contains(slot)));
-        let only_linear_in_others = |op: &Op| match *op {
-            Op::Linear { first, end, .. } => {
-                let terms = &self.terms[first..end];
-                terms.iter().all(|(_, slot)| !slots.contains(slot))
-            }
-            _ => slots.is_empty(),
-        };
-        is_one || !self.ops[self.field_ops..].iter().all(only_linear_in_others)
+    /// Whether every output is a state or a constant, so that no operation is needed at the last order.
+    pub(crate) fn outputs_are_states(&self) -> bool {
+        self.outputs.iter().all(|output| match output {
+            Operand::Constant(_) => true,
+            Operand::Series(slot) => *slot < self.dimension,
+        })
     }
 }
 
