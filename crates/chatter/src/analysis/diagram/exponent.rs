@@ -3,7 +3,7 @@
 use super::classify::grows;
 use crate::analysis::map::{Map, Origin, Passage};
 
-/// Distance of the second orbit, relative to the point: a million times rounding error, and small against the windows of
+/// Distance of the second orbit, relative to the point with its time, whose rounding makes as much of an error: a million times rounding error, and small against the windows of
 /// stability and the distance to the next graze, over which the map is far from linear.
 const DISPLACEMENT: f64 = 1e-10;
 
@@ -135,7 +135,7 @@ impl Companion {
             return None;
         }
         let point = trail.point(self.from);
-        let length = self.length(point);
+        let length = norm(point);
         let size = if length > 0.0 {
             DISPLACEMENT * length
         } else {
@@ -150,11 +150,6 @@ impl Companion {
         })
     }
 
-    fn length(&self, point: &[f64]) -> f64 {
-        let squares = self.directions.iter().map(|&k| point[k] * point[k]);
-        squares.sum::<f64>().sqrt()
-    }
-
     /// The second orbit has come to a sample.
     pub(super) fn arrive(&mut self, trail: &Trail, point: &[f64]) {
         self.from += 1;
@@ -163,7 +158,7 @@ impl Companion {
         for &k in &self.directions {
             distance[k] = point[k] - reached[k];
         }
-        let growth = if norm(&distance) <= ONE_ORBIT * self.length(reached) {
+        let growth = if norm(&distance) <= ONE_ORBIT * norm(reached) {
             f64::NEG_INFINITY
         } else {
             let image: Vec<f64> = distance.iter().map(|d| d / self.size).collect();
