@@ -3,8 +3,9 @@
 use super::classify::grows;
 use crate::analysis::map::{Map, Origin, Passage};
 
-/// Distance of the second orbit, relative to the point with its time, whose rounding makes as much of an error: a million times rounding error, and small against the windows of
-/// stability and the distance to the next graze, over which the map is far from linear.
+/// Distance of the second orbit, relative to the point with its time, whose rounding makes as much of an error: a million
+/// times rounding error, and small against the windows of stability and the distance to the next graze, over which the map
+/// is far from linear.
 const DISPLACEMENT: f64 = 1e-10;
 
 /// Two orbits that are this close, relative to the point, differ by rounding errors alone: they have become one, and the
