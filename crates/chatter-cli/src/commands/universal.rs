@@ -4,11 +4,14 @@ use crate::diagram::{InMemory, table as orbit_table};
 use crate::failure::{self, Failure};
 use crate::named::Named;
 use crate::numbers::Digits;
-use crate::options::{Counts, Decimal, FigureFile, Precision, SweepOption, TableFile};
+use crate::options::{Counts, Decimal, FigureFile, Periods, Precision, SweepOption, TableFile};
 use crate::terminal::{self, Style};
+use crate::universal::atlas::{self, Sheet};
 use crate::universal::{Findings, UniversalJob, Window, account, document, picture, window_table};
 use chatter::analysis::diagram::{self, Exponent, Spec, Start, Threads};
-use chatter::analysis::universal::{Argument, Universal, UniversalError, UniversalMap};
+use chatter::analysis::universal::{
+    Argument, PeriodicWindow, Scaling, Universal, UniversalError, UniversalMap,
+};
 use chatter::numerics::{DoubleDouble, Real};
 use chatter_io::figures::{Figure, Sharing};
 use chatter_io::tables::{Dataset, Table};
@@ -21,6 +24,7 @@ EXAMPLES
   chatter universal --restitution 0.8 --digits 30
   chatter universal --restitution 0.8 --at 0.05,1e-3,2e-5 --json
   chatter universal --restitution 0.8 --slope 1 --windows 0:60 --out windows.csv
+  chatter universal --restitution 0.8 --slope 1 --windows 8:12 --periods 1:3 --basins --scaling --chaos
   chatter universal --restitution 0.8 --slope 1 --sweep mu=0:0.05:4000 --plot fig3.png
   chatter universal --restitution 0.8 --slope 1 --sweep mu=0.01:0.05:2000 --windows 0:20 --lyapunov --plot atlas.svg
   chatter universal --restitution 0.8 --slope 1 --cobweb mu=0.02 --plot cobweb.svg
@@ -32,7 +36,11 @@ JSON
   One document: restitution, chatter_fixed_point (u*), lambda, eta, exponent, lap_end (x_e), lap_begin (eta x_e); with
   --at values, a list of {x, upsilon, derivative, n, u1}; with --windows slope and windows, a list of {n, fold,
   period_doubling, superstable, grazing} in mu, null where there is none; with --sweep slope and columns, a list of {mu,
-  outcome, period, exponent}. With more than 17 digits each number has a twin in decimals as text, under its name with
+  outcome, period, exponent}. --periods adds periodic, a list of {n, period, laps, fold, doubled_from, collision,
+  superstable, period_doubling, grazing, stable_from, stable_to}, and undecided, a number of intervals of mu given up;
+  --basins adds basins, a list of {n, period, laps, mu, from, to, share} in z, null where unbounded; --scaling adds
+  scaling, the limits, and ratios, a list over n; --chaos adds chaos, a list of {n, kink_slope, regime, slope_gaps,
+  slope_no_windows, slope_fold, onset, end, chaotic_share}. With more than 17 digits each number has a twin in decimals as text, under its name with
   `_digits` at the end. Infinite derivatives (at a lap's end) are null.";
 
 /// Evaluate the universal map of chatter: constants, Upsilon, windows, orbit diagrams
@@ -64,6 +72,22 @@ pub struct Arguments {
     /// List fold, period doubling, superstable and grazing mu of the fixed points for these n
     #[arg(long, value_name = "FIRST:LAST", allow_hyphen_values = true)]
     windows: Option<Counts>,
+
+    /// List the windows of orbits with these periods too, whose critical points lie on the laps of --windows
+    #[arg(long, value_name = "FIRST:LAST", requires = "windows")]
+    periods: Option<Periods>,
+
+    /// Find the basin of each window (of fixed points, unless --periods says more)
+    #[arg(long, requires = "windows")]
+    basins: bool,
+
+    /// List the ratios of positions and widths of windows from n to n + 1, and their limits
+    #[arg(long, requires = "windows")]
+    scaling: bool,
+
+    /// List where there is chaos next to each window, and for which K
+    #[arg(long, requires = "windows")]
+    chaos: bool,
 
     /// Compute an orbit diagram over mu (or slope)
     #[arg(long, value_name = "NAME=LOW:HIGH:COUNT", allow_hyphen_values = true)]
@@ -178,15 +202,16 @@ fn find<R: Real + Argument<Real = R>>(
     let values: Vec<(R, _)> = (arguments.at.iter())
         .map(|x| (x.get(), universal.at(x.get())))
         .collect();
-    let windows = match arguments.windows {
-        Some(counts) => Some(Window::list(&universal, slope, counts).map_err(refused)?),
-        None => None,
-    };
+    let atlas = Atlas::new(arguments)?;
     let findings = Findings {
         universal: &universal,
         slope,
         values: (!values.is_empty()).then_some(values),
-        windows,
+        windows: atlas.windows,
+        scaling: atlas.scaling,
+        sheets: atlas.sheets,
+        periodic: atlas.periodic,
+        undecided: atlas.undecided,
         diagram: diagram
             .as_ref()
             .map(|(_, sweep, rows)| (sweep, rows.as_slice())),
@@ -217,6 +242,60 @@ fn find<R: Real + Argument<Real = R>>(
     Ok(text)
 }
 
+/// What was asked for of the atlas, in double-double whatever the digits: in doubles mu would lose some where laps are long.
+#[derive(Default)]
+struct Atlas {
+    windows: Option<Vec<Window<DoubleDouble>>>,
+    scaling: Option<Scaling<DoubleDouble>>,
+    periodic: Vec<PeriodicWindow<DoubleDouble>>,
+    sheets: Vec<Sheet>,
+    undecided: usize,
+}
+
+impl Atlas {
+    fn new(arguments: &Arguments) -> Result<Self, Failure> {
+        let mut atlas = Self::default();
+        let Some(laps) = arguments.windows else {
+            return Ok(atlas);
+        };
+        let slope: DoubleDouble = arguments.slope.get();
+        let universal = Universal::new(arguments.restitution.get()).map_err(refused)?;
+        let windows = Window::list(&universal, slope, laps).map_err(refused)?;
+        let range = || laps.first..=laps.last;
+        if arguments.periods.is_some() || arguments.basins {
+            let periods = arguments.periods.clone().map_or(1..=1, |periods| periods.0);
+            let found = universal
+                .periodic_windows(slope, range(), periods)
+                .map_err(refused)?;
+            atlas.undecided = found.undecided;
+            atlas.periodic = found.windows;
+        }
+        if arguments.periods.is_some() {
+            atlas.sheets.push(atlas::periodic(&atlas.periodic));
+        }
+        if arguments.basins {
+            let double = Universal::<f64>::new(arguments.restitution.to_f64()).map_err(refused)?;
+            let slope = arguments.slope.to_f64();
+            let basins: Result<Vec<_>, UniversalError> = (atlas.periodic.iter())
+                .map(|window| Ok((window.clone(), window.basin(&double, slope)?)))
+                .collect();
+            atlas.sheets.push(atlas::basins(&basins.map_err(refused)?));
+        }
+        if arguments.scaling {
+            atlas.scaling = Some(universal.scaling(slope).map_err(refused)?);
+            atlas
+                .sheets
+                .push(atlas::ratios(&windows, slope.to_f64() > 0.0));
+        }
+        if arguments.chaos {
+            let chaos = universal.chaos(slope, range()).map_err(refused)?;
+            atlas.sheets.push(atlas::chaos(&chaos));
+        }
+        atlas.windows = Some(windows);
+        Ok(atlas)
+    }
+}
+
 fn specification(arguments: &Arguments, sweep: &SweepOption) -> Result<Spec, Failure> {
     Ok(Spec {
         start: Start::CarryUp,
@@ -236,7 +315,7 @@ fn write_table<R: Real>(
     path: &Path,
 ) -> Result<Vec<PathBuf>, Failure> {
     let (Some((sweep, rows)), Some(job)) = (findings.diagram, job) else {
-        let data = Dataset::new().table(table(findings)?);
+        let data = dataset(findings, path)?;
         return data
             .write(path)
             .map_err(|error| Failure::Output(error.to_string()));
@@ -254,10 +333,30 @@ fn write_table<R: Real>(
     orbit_table::write(&mut InMemory { sweep, rows }, &texts, path)
 }
 
-fn table<R: Real>(findings: &Findings<R>) -> Result<Table, Failure> {
+/// What else `--out` may hold: with windows all of the atlas.
+fn dataset<R: Real>(findings: &Findings<R>, path: &Path) -> Result<Dataset, Failure> {
+    let data = Dataset::new();
     if let Some(windows) = &findings.windows {
-        return Ok(window_table(windows));
+        // All columns of an NPZ file are in one place.
+        let together =
+            !findings.sheets.is_empty() && path.extension().is_some_and(|ext| ext == "npz");
+        let prefix = |name: &str| {
+            if together {
+                format!("{name}_")
+            } else {
+                String::new()
+            }
+        };
+        let start = data.table(window_table(windows, &prefix("windows")));
+        let sheets = findings.sheets.iter();
+        return Ok(sheets.fold(start, |data, sheet| {
+            data.table(sheet.table(&prefix(sheet.name)))
+        }));
     }
+    Ok(data.table(value_table(findings)?))
+}
+
+fn value_table<R: Real>(findings: &Findings<R>) -> Result<Table, Failure> {
     let Some(values) = &findings.values else {
         return Err(
             Failure::input("--out has nothing to write").help("ask for --at, --windows or --sweep")
@@ -311,8 +410,9 @@ fn figure<R: Real>(
     };
     let range = &sweep.spec().sweeps[0];
     let mut panel = picture::orbit_panel(sweep, rows)?;
-    if let (Some(counts), "mu") = (arguments.windows, range.parameter.as_str()) {
-        let windows = Window::list(universal, map.slope(), counts).map_err(refused)?;
+    if let (Some(windows), "mu") = (&findings.windows, range.parameter.as_str()) {
+        let windows: Vec<_> = windows.iter().map(Window::rounded).collect();
+        picture::period_layers(&mut panel, &findings.periodic, (range.from, range.to));
         picture::window_layers(&mut panel, &windows, (range.from, range.to));
     }
     let mut figure = Figure::from(panel).width(WIDE);

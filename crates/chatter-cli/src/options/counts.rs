@@ -41,6 +41,25 @@ impl std::str::FromStr for Counts {
     }
 }
 
+/// Longest period of orbits that are searched for: each further one takes several times as long.
+const LONGEST_PERIOD: i64 = 8;
+
+/// Periods from one to another, both included.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Periods(pub core::ops::RangeInclusive<usize>);
+
+impl std::str::FromStr for Periods {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Counts { first, last } = text.parse()?;
+        if first < 1 || last > LONGEST_PERIOD {
+            return Err(format!("periods go from 1 to {LONGEST_PERIOD}"));
+        }
+        Ok(Self(first as usize..=last as usize))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,5 +72,8 @@ mod tests {
         assert!(read("60:0").unwrap_err().contains("reversed"));
         assert!(read("0").is_err() && read("a:b").is_err() && read("0:1e3").is_err());
         assert!(read("0:99999999").is_err());
+        let periods = |text: &str| text.parse::<Periods>();
+        assert_eq!(periods("2:4"), Ok(Periods(2..=4)));
+        assert!(periods("0:2").is_err() && periods("2:9").is_err() && periods("3:2").is_err());
     }
 }

@@ -12,7 +12,7 @@ mod section;
 mod sweep;
 
 pub use count::{Count, Precision};
-pub use counts::Counts;
+pub use counts::{Counts, Periods};
 pub use decimal::Decimal;
 pub use event::StopOption;
 pub use files::{FigureFile, TableFile};

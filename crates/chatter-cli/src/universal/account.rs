@@ -1,12 +1,13 @@
 //! The universal map as text.
 
+use super::atlas::limits;
 use super::{Findings, window_rows};
 use crate::aligned::{Side, aligned};
 use crate::numbers::{Digits, full};
 use crate::terminal::Style;
 use chatter::analysis::diagram::Outcome;
 use chatter::analysis::universal::Universal;
-use chatter::numerics::Real;
+use chatter::numerics::{DoubleDouble, Real};
 
 /// The whole account.
 pub fn account<R: Real>(findings: &Findings<R>, style: Style) -> String {
@@ -35,6 +36,32 @@ pub fn account<R: Real>(findings: &Findings<R>, style: Style) -> String {
         let title = format!("windows in mu, K = {}", full(findings.slope, digits));
         text.push('\n');
         text += &block(&title, &window_rows(windows, digits), &[Side::Right]);
+    }
+    if let Some(scaling) = &findings.scaling {
+        let row = |&(name, value, meaning): &(&str, DoubleDouble, &str)| {
+            vec![
+                name.replace('_', " "),
+                full(value, digits),
+                meaning.to_owned(),
+            ]
+        };
+        let rows: Vec<Vec<String>> = limits(scaling).iter().map(row).collect();
+        text.push('\n');
+        text += &block("scaling", &rows, &[]);
+    }
+    for sheet in &findings.sheets {
+        text.push('\n');
+        text += &block(
+            sheet.title,
+            &sheet.text(digits),
+            &[Side::Right, Side::Right],
+        );
+    }
+    if findings.undecided > 0 {
+        text += &format!(
+            "\n{} intervals of mu were given up: there may be more windows of periodic orbits\n",
+            findings.undecided
+        );
     }
     if let Some((sweep, rows)) = &findings.diagram {
         let range = &sweep.spec().sweeps[0];

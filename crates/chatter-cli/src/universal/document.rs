@@ -1,5 +1,6 @@
 //! The universal map as one JSON document.
 
+use super::atlas::limits;
 use super::{Findings, window_list};
 use crate::json::{Json, Object};
 use chatter::analysis::diagram::{Row, Sweep};
@@ -40,6 +41,21 @@ pub fn document<R: Real>(findings: &Findings<R>) -> String {
     }
     if let Some(windows) = &findings.windows {
         object = object.with("windows", window_list(windows, digits));
+    }
+    if let Some(scaling) = &findings.scaling {
+        let start = Object::new(digits);
+        let limits = limits(scaling)
+            .iter()
+            .fold(start, |limits, &(name, value, _)| {
+                limits.number(name, value)
+            });
+        object = object.with("scaling", limits);
+    }
+    for sheet in &findings.sheets {
+        object = object.with(sheet.name, sheet.json(digits));
+    }
+    if findings.sheets.iter().any(|sheet| sheet.name == "periodic") {
+        object = object.with("undecided", findings.undecided as i64);
     }
     if let Some((sweep, rows)) = &findings.diagram {
         let columns = rows.iter().map(|row| column(findings, sweep, row).into());

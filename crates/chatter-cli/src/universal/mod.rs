@@ -1,6 +1,7 @@
 //! How the universal map is told: as text, as a JSON document, as a table, as a picture.
 
 mod account;
+pub mod atlas;
 mod document;
 mod job;
 pub mod picture;
@@ -12,8 +13,10 @@ pub use job::UniversalJob;
 pub use windows::{Window, window_list, window_rows, window_table};
 
 use crate::numbers::Digits;
+use atlas::Sheet;
 use chatter::analysis::diagram::{Row, Sweep};
-use chatter::analysis::universal::{Evaluation, Universal};
+use chatter::analysis::universal::{Evaluation, PeriodicWindow, Scaling, Universal};
+use chatter::numerics::DoubleDouble;
 
 /// What was found.
 pub struct Findings<'a, R> {
@@ -23,8 +26,16 @@ pub struct Findings<'a, R> {
     pub slope: R,
     /// Upsilon where it was asked for.
     pub values: Option<Vec<(R, Evaluation<R>)>>,
-    /// The windows asked for.
-    pub windows: Option<Vec<Window<R>>>,
+    /// The windows asked for, to more digits than any output.
+    pub windows: Option<Vec<Window<DoubleDouble>>>,
+    /// What the windows tend to.
+    pub scaling: Option<Scaling<DoubleDouble>>,
+    /// Windows of periodic orbits.
+    pub periodic: Vec<PeriodicWindow<DoubleDouble>>,
+    /// What else of the atlas was asked for.
+    pub sheets: Vec<Sheet>,
+    /// Intervals of mu that may hold windows of periodic orbits and were given up.
+    pub undecided: usize,
     /// The orbit diagram.
     pub diagram: Option<(&'a Sweep, &'a [Row])>,
     /// How many digits the user wants.

@@ -5,8 +5,9 @@ use crate::diagram::picture::densities;
 use crate::diagram::{InMemory, View};
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Row, Sweep};
-use chatter::analysis::universal::{Universal, UniversalMap};
-use chatter_io::figures::{Axis, Color, Dash, Legend, Line, Panel, Rule};
+use chatter::analysis::universal::{PeriodicWindow, Universal, UniversalMap};
+use chatter::numerics::{DoubleDouble, Real};
+use chatter_io::figures::{Axis, Color, Dash, Legend, Line, Panel, Rule, Spans};
 
 /// Points of a curve on one lap: straight lines between them look smooth.
 const LAP_POINTS: i32 = 400;
@@ -115,6 +116,52 @@ pub fn window_layers(panel: &mut Panel, windows: &[Window<f64>], shown: (f64, f6
         for (place, value) in inside.enumerate() {
             let rule = Rule::vertical(value).color(color).dash(dash).width(0.5);
             panel.add(if place == 0 { rule.label(name) } else { rule });
+        }
+    }
+}
+
+/// Periods that have a colour of their own, from 2.
+const PERIOD_COLORS: [Color; 4] = [Color::SKY, Color::ORANGE, Color::PURPLE, Color::BLUE];
+/// Narrower windows, as a part of what is shown, are drawn as rules, with nothing to be seen between their sides.
+const NARROW: f64 = 1e-3;
+
+/// Windows of periodic orbits as bands, one colour a period.
+pub fn period_layers(
+    panel: &mut Panel,
+    windows: &[PeriodicWindow<DoubleDouble>],
+    (from, to): (f64, f64),
+) {
+    for (place, color) in PERIOD_COLORS.into_iter().enumerate() {
+        let period = place + 2;
+        let (mut spans, mut rules) = (Vec::new(), Vec::new());
+        for window in windows.iter().filter(|window| window.period() == period) {
+            let Some((low, high)) = window.stable() else {
+                continue;
+            };
+            let (low, high) = (low.to_f64(), high.to_f64());
+            if high < from || low > to {
+                continue;
+            }
+            if high - low < NARROW * (to - from) {
+                rules.push(0.5 * (low + high));
+            } else {
+                spans.push((low.max(from), high.min(to)));
+            }
+        }
+        let mut label = Some(format!("period {period}"));
+        if !spans.is_empty() {
+            let spans = Spans::new(spans).color(color.opacity(0.3));
+            panel.add(match label.take() {
+                Some(label) => spans.label(label),
+                None => spans,
+            });
+        }
+        for rule in rules {
+            let rule = Rule::vertical(rule).color(color).width(0.3);
+            panel.add(match label.take() {
+                Some(label) => rule.label(label),
+                None => rule,
+            });
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::json::{Json, Object};
 use crate::numbers::{Digits, full};
 use crate::options::Counts;
 use chatter::analysis::universal::{Argument, Universal, UniversalError};
-use chatter::numerics::Real;
+use chatter::numerics::{DoubleDouble, Real};
 use chatter_io::tables::Table;
 
 /// One window, in mu or in a model's parameter. What there is none of is none.
@@ -24,6 +24,20 @@ pub struct Window<R> {
 
 /// Headings of the columns.
 const NAMES: [&str; 5] = ["n", "fold", "period_doubling", "superstable", "grazing"];
+
+impl Window<DoubleDouble> {
+    /// In doubles.
+    pub fn rounded(&self) -> Window<f64> {
+        let round = |value: Option<DoubleDouble>| value.map(Real::to_f64);
+        Window {
+            n: self.n,
+            fold: round(self.fold),
+            period_doubling: round(self.period_doubling),
+            superstable: round(self.superstable),
+            grazing: round(self.grazing),
+        }
+    }
+}
 
 impl<R: Real> Window<R> {
     /// The windows of these laps in mu, for a map with slope K.
@@ -91,16 +105,17 @@ pub fn window_rows<R: Real>(windows: &[Window<R>], digits: Digits) -> Vec<Vec<St
     rows
 }
 
-/// As a table; what there is none of is NaN.
-pub fn window_table<R: Real>(windows: &[Window<R>]) -> Table {
+/// As a table; what there is none of is NaN. Names of columns begin with the prefix.
+pub fn window_table<R: Real>(windows: &[Window<R>], prefix: &str) -> Table {
     let laps: Vec<i64> = windows.iter().map(|window| window.n).collect();
-    let start = Table::new("windows").column(NAMES[0], laps);
+    let named = |name: &str| format!("{prefix}{name}");
+    let start = Table::new("windows").column(named(NAMES[0]), laps);
     let names = NAMES[1..].iter().enumerate();
     names.fold(start, |table, (place, name)| {
         let values = windows.iter().map(|window| window.values()[place]);
         let doubles: Vec<f64> = values
             .map(|value| value.map_or(f64::NAN, Real::to_f64))
             .collect();
-        table.column(*name, doubles)
+        table.column(named(name), doubles)
     })
 }

@@ -1,5 +1,6 @@
 //! What a caller of the universal map can get wrong.
 
+use crate::numerics::Real;
 use core::fmt;
 
 /// Why a universal function, its map or its atlas cannot be had.
@@ -20,6 +21,17 @@ pub enum UniversalError {
         /// What was given.
         value: f64,
     },
+}
+
+impl UniversalError {
+    /// Refuses a slope K that is zero or not finite.
+    pub(super) fn check_slope<R: Real>(slope: R) -> Result<(), Self> {
+        let value = slope.to_f64();
+        if !value.is_finite() || value == 0.0 {
+            return Err(Self::Slope { value });
+        }
+        Ok(())
+    }
 }
 
 impl fmt::Display for UniversalError {

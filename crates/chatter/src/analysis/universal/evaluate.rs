@@ -67,6 +67,11 @@ impl<R: Real> Universal<R> {
         })
     }
 
+    /// The same in double precision.
+    pub(super) fn double(&self) -> Result<Universal<f64>, UniversalError> {
+        Universal::new(self.constants.restitution.to_f64())
+    }
+
     /// What the restitution determines in closed form.
     pub fn constants(&self) -> &Constants<R> {
         &self.constants

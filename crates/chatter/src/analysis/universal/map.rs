@@ -41,10 +41,8 @@ impl<R: Real> UniversalMap<R> {
     /// # Errors
     /// [`UniversalError::Slope`] where K is zero or not finite, [`UniversalError::Offset`] where mu is not finite.
     pub fn new(universal: Universal<R>, slope: R, offset: R) -> Result<Self, UniversalError> {
-        let [k, mu] = [slope, offset].map(Real::to_f64);
-        if !k.is_finite() || k == 0.0 {
-            return Err(UniversalError::Slope { value: k });
-        }
+        UniversalError::check_slope(slope)?;
+        let mu = offset.to_f64();
         if !mu.is_finite() {
             return Err(UniversalError::Offset { value: mu });
         }

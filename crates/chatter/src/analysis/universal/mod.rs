@@ -6,6 +6,7 @@
 //! and one short polynomial, without iteration, on one number or on several [`Lanes`](crate::numerics::Lanes) at once.
 
 mod argument;
+mod atlas;
 mod chatter_map;
 mod chebyshev;
 mod constants;
@@ -25,6 +26,7 @@ mod tests;
 mod windows;
 
 pub use argument::Argument;
+pub use atlas::{Basin, Cascade, Chaos, Edge, EdgeKind, PeriodicAtlas, PeriodicWindow, Regime};
 pub use chatter_map::{ChatterMap, GRAZE};
 pub use constants::Constants;
 pub use error::UniversalError;

@@ -164,8 +164,10 @@ impl<R: Real> Scales<R> {
 
         let ln_two = number(2.0).ln();
         let laps_per_octave = -(ln_two / c.ln_eta);
-        // Half a lap, or a factor of e^(1/2) where a lap is longer than that.
-        let margin = (-0.5 / c.ln_eta.to_f64()).min(0.5);
+        // Half the laps from where `back` is -1 at least, x / (eta^n x_e) = 2 - eta, down to the lap's end: together with
+        // half of itself, for the error of the logarithm, that stays short of it.
+        let nearest = (DoubleDouble::ONE + c.one_minus_eta).ln();
+        let margin = -0.5 * (nearest / c.ln_eta).to_f64();
         let allowed = margin / laps_per_octave.to_f64() / 2.0;
         // |m - 1| / (m + 1) is at most 3 - 2 sqrt(2).
         const LARGEST: f64 = 0.171_572_875_253_81;

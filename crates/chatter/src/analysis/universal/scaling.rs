@@ -33,10 +33,7 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
     /// # Errors
     /// [`UniversalError::Slope`] where K is zero or not finite.
     pub fn scaling(&self, slope: R) -> Result<Scaling<R>, UniversalError> {
-        let value = slope.to_f64();
-        if !value.is_finite() || value == 0.0 {
-            return Err(UniversalError::Slope { value });
-        }
+        UniversalError::check_slope(slope)?;
         let c = self.constants();
         let lambda_squared = c.lambda * c.lambda;
         let (_, by_root_of_phase) = self.lap.at_graze();
@@ -49,7 +46,7 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
             slope_ratio: lambda_squared / c.eta,
             graze_coefficient,
             graze_ratio: lambda_squared * lambda_squared / c.eta,
-            graze_distance: half * half * R::splat(if value > 0.0 { 3.0 } else { -1.0 }),
+            graze_distance: half * half * R::splat(if slope > R::ZERO { 3.0 } else { -1.0 }),
             kink_slope,
             last_smooth_birth: kink_slope.abs().ln() / (c.ln_eta - c.ln_lambda - c.ln_lambda),
         })

@@ -221,6 +221,31 @@ proptest! {
     }
 }
 
+/// eta^(n + 1) x_e < x <= eta^n x_e for any restitution, and u_1 in (g^-1(3/8), 3/8] with Q(u_1) eta^n = x.
+#[test]
+fn each_point_is_on_its_lap() {
+    for r in (1..200).map(|k| 0.005 * f64::from(k)) {
+        let universal = Universal::new(r).unwrap();
+        let c = *universal.constants();
+        let map = universal.chatter_map();
+        for k in 0..400 {
+            let laps = 1.99 - 0.0317 * f64::from(k);
+            let x = universal.lap_end() * libm::exp(laps * c.ln_eta);
+            let at = universal.at(x);
+            assert_eq!(at.lap, laps.floor(), "{r} {x:e}");
+            assert!(map.inverse(GRAZE) < at.u1 && at.u1 <= GRAZE, "{r} {x:e}");
+            // Q as the limit (8), to a few digits.
+            let (mut u, mut weight) = (at.u1, 1.0 / c.eta);
+            for _ in 0..(libm::log(1e6) / -c.ln_eta).ceil() as usize {
+                u = map.inverse(u);
+                weight /= c.eta;
+            }
+            let expected = libm::exp(at.lap * c.ln_eta) * (u - c.chatter_fixed_point) * weight;
+            assert!((expected / x - 1.0).abs() < 1e-4, "{r} {x:e} {expected:e}");
+        }
+    }
+}
+
 /// At a joint the laps meet; on its left the graph is a square root, on its right it is smooth.
 #[test]
 fn laps_are_continuous_and_the_slope_is_infinite_on_the_left_only() {

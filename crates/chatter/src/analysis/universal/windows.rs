@@ -53,10 +53,7 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
         slope: R,
         laps: RangeInclusive<i64>,
     ) -> Result<Vec<Window<R>>, UniversalError> {
-        let value = slope.to_f64();
-        if !value.is_finite() || value == 0.0 {
-            return Err(UniversalError::Slope { value });
-        }
+        UniversalError::check_slope(slope)?;
         Ok(laps.map(|lap| self.window_of(slope, lap)).collect())
     }
 
