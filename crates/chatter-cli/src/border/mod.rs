@@ -2,9 +2,11 @@
 
 mod account;
 mod document;
+mod picture;
 
 pub use account::account;
 pub use document::document;
+pub use picture::picture;
 
 use crate::numbers::Digits;
 use crate::options::Counts;

@@ -1,10 +1,10 @@
 //! `chatter border`: border orbits and their normal form.
 
-use crate::border::{Answer, Subject, account, document};
+use crate::border::{Answer, Subject, account, document, picture};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
-    Count, Counts, Loaded, ModelOptions, Precision, Quantity, SectionOption, Window,
+    Count, Counts, FigureFile, Loaded, ModelOptions, Precision, Quantity, SectionOption, Window,
 };
 use crate::terminal::{self, Style};
 use chatter::analysis::border::{BorderError, BorderSpec, border_near, borders_in};
@@ -18,7 +18,9 @@ EXAMPLES
   chatter border pressure_relief_valve --parameter q --near 0.048 --set kappa=1 --json
   chatter border pressure_relief_valve --parameter q --near 0.02 --digits 30
   chatter border pressure_relief_valve --parameter q --near 0.02 --section y3=10.05 --windows 20:60
-  chatter border impact_oscillator --parameter sigma --range -0.9:0.95
+  chatter border impact_oscillator --parameter sigma --range -1:1
+  chatter border impact_oscillator --parameter sigma --near 0.1234 --windows 10:15 --plot cascade.png
+  chatter border cam_follower --parameter speed --near 620 --windows 3:9 --plot cam.png
 
 A border orbit is released from contact, chatters, and its infinitely many impacts end exactly at the release point: it
 separates orbits with complete chatter from those whose chatter ends in flight. Near its parameter value p* the dynamics
@@ -26,8 +28,9 @@ are those of z -> Upsilon(K z + mu), mu = M (p - p*); `chatter universal` has mo
 
 JSON
   One document: parameter, value, error, restitution, chatter_fixed_point, lambda, eta, exponent, release and
-  first_impact (states by name), first_impact_time, period, impacts, section (the coordinates that covector and A to F
-  refer to), exact {slope, unfolding_rate, slope_error, unfolding_rate_error, amplitude, covector, covector_parameter, …},
+  first_impact (states by name), first_impact_time, period, forcing, long_flights, impacts, section (the coordinates
+  that covector and A to F refer to), exact {slope, unfolding_rate, slope_error, unfolding_rate_error, amplitude,
+  covector, covector_parameter, … each with its error},
   leading_order {A, B, C, D, E, F, slope, unfolding_rate, section, crossing}, windows. With --range: borders, a list of
   such objects, and breaks, where complete chatter ends without a border. With more than 17 digits each number has a twin
   in decimals as text, under its name with `_digits` at the end.";
@@ -86,6 +89,10 @@ pub struct Arguments {
     )]
     windows: Counts,
 
+    /// Draw the model's orbits over these windows beside and under the predicted ones, .svg, .png or .pdf
+    #[arg(long, value_name = "FILE", conflicts_with = "range")]
+    plot: Option<FigureFile>,
+
     /// Digits of the numbers in the output, up to 30. Without it ten in text, all of a double in JSON
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     digits: Option<Precision>,
@@ -130,10 +137,11 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         samples: spec.samples,
         windows: arguments.windows,
     };
+    let plot = arguments.plot.as_ref();
     let text = if digits.fit_double() {
-        answer::<f64>(&subject, &spec, place, arguments.json)?
+        answer::<f64>(&subject, &spec, place, plot, arguments.json)?
     } else {
-        answer::<DoubleDouble>(&subject, &spec, place, arguments.json)?
+        answer::<DoubleDouble>(&subject, &spec, place, plot, arguments.json)?
     };
     terminal::print(&text).map_err(Failure::Output)?;
     Ok(failure::SUCCESS)
@@ -150,11 +158,17 @@ fn answer<R: Real + Argument<Real = R>>(
     subject: &Subject,
     spec: &BorderSpec,
     place: Place,
+    plot: Option<&FigureFile>,
     json: bool,
 ) -> Result<String, Failure> {
     let answer = match place {
         Place::Near(value) => {
             let border = border_near::<R>(subject.model, spec, value).map_err(refused)?;
+            if let Some(FigureFile(path)) = plot {
+                picture(subject.model, spec, &border, subject.windows)?
+                    .write(path)
+                    .map_err(|error| Failure::Output(error.to_string()))?;
+            }
             Answer::One(Box::new(border))
         }
         Place::Range { low, high } => {

@@ -17,8 +17,9 @@ EXAMPLES
   chatter reproduce
   chatter reproduce --figures 2,3,4 --out figures
 
-Writes report.html, which holds everything, and each figure as .svg, .pdf and .png, into a folder. The paper: Dankowicz &
-Fotsch, On the Analysis of Chatter in Mechanical Systems with Impacts, Procedia IUTAM 20 (2017) 18-25.";
+Writes report.html, which holds everything, and each figure as .svg, .pdf and .png, into a folder; nothing is written
+before all is computed. The paper is Dankowicz and Fotsch, On the Analysis of Chatter in Mechanical Systems with
+Impacts, Procedia IUTAM 20 (2017) 18-25.";
 
 /// Compute numbers and figures of the paper again, into one report
 #[derive(Args, Debug)]
@@ -45,6 +46,9 @@ fn figure_number(text: &str) -> Result<u8, String> {
 const RESTITUTION: f64 = 0.8;
 /// Pixels per inch of the .png files.
 const PIXELS: Resolution = Resolution(200.0);
+
+/// Name of the file that holds everything.
+const REPORT: &str = "report.html";
 
 /// Shares of the whole work, by what they were measured to take on two cores.
 struct Work {
@@ -170,25 +174,24 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         "Made by chatter {} reproduce.",
         env!("CARGO_PKG_VERSION")
     ));
-    for path in write(folder, &report, &plates)? {
-        text += &format!("wrote {}\n", path.display());
-    }
+    write(folder, &report, &plates)?;
+    let figures: Vec<&str> = plates.iter().map(|plate| plate.name).collect();
+    text += &format!(
+        "\nwrote {}, and as .svg, .pdf and .png beside it: {}\n",
+        folder.join(REPORT).display(),
+        figures.join(", ")
+    );
     terminal::print(&text).map_err(Failure::Output)?;
     Ok(failure::SUCCESS)
 }
 
-fn write(folder: &Path, report: &Report, plates: &[Plate]) -> Result<Vec<PathBuf>, Failure> {
+fn write(folder: &Path, report: &Report, plates: &[Plate]) -> Result<(), Failure> {
     let failed = |error: chatter_io::Error| Failure::Output(error.to_string());
-    let mut written = Vec::new();
     for plate in plates {
         for extension in ["svg", "pdf", "png"] {
             let path = folder.join(plate.name).with_extension(extension);
             plate.figure.write_at(&path, PIXELS).map_err(failed)?;
-            written.push(path);
         }
     }
-    let path = folder.join("report.html");
-    report.write(&path).map_err(failed)?;
-    written.push(path);
-    Ok(written)
+    report.write(folder.join(REPORT)).map_err(failed)
 }

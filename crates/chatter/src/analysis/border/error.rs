@@ -165,6 +165,9 @@ impl fmt::Display for Break {
     }
 }
 
+/// More places than this are not listed in a message.
+const BREAKS_TOLD: usize = 3;
+
 impl fmt::Display for BorderError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let suggest = |nearest: &Option<String>| match nearest {
@@ -223,7 +226,11 @@ impl fmt::Display for BorderError {
             ),
             Self::NoBorder { low, high, breaks } => {
                 write!(out, "there is no border between {low} and {high}")?;
-                breaks.iter().try_for_each(|at| write!(out, "; {at}"))
+                (breaks.iter().take(BREAKS_TOLD)).try_for_each(|at| write!(out, "; {at}"))?;
+                match breaks.len().checked_sub(BREAKS_TOLD) {
+                    Some(more) if more > 0 => write!(out, "; and {more} more such places"),
+                    _ => Ok(()),
+                }
             }
             Self::NotConverged { value, residual } => write!(
                 out,

@@ -24,11 +24,12 @@ const HALVINGS_WITHOUT: usize = 10;
 const SECTIONS: usize = 29;
 
 /// Where the verdict changes from sample to sample, as it may where passages before the sequence are chaotic, no more than
-/// so many further sequences are followed.
+/// so many further sequences are followed, or so many in each part if that is more.
 const MOST_SAMPLES: usize = 10_000;
+const LEAST_SHARE: usize = 200;
 
 /// Breaks this near to each other, relative to the parameter, are told as one.
-const SAME_BREAK: f64 = 1e-9;
+const SAME_BREAK: f64 = 1e-6;
 
 /// At a break an impact counts as a graze if its rate is this small against the largest rate of the sequence: rates go
 /// with the root of the distance, which is halved to rounding.
@@ -58,8 +59,8 @@ pub(crate) struct Found {
     pub breaks: Vec<Break>,
     /// Changes of the verdict that were not looked into.
     pub unresolved: usize,
-    /// Sequences followed beyond the first samples.
-    samples: usize,
+    /// Sequences that may still be followed.
+    left: usize,
 }
 
 impl Problem {
@@ -121,7 +122,7 @@ impl Problem {
                 && [left.verdict, right.verdict] == [middle.verdict; 2]
                 && middle.distance < left.distance
                 && middle.distance <= right.distance
-                && let Some(between) = self.nearest_miss(left, middle, right, &mut found)
+                && let Some(between) = self.nearest_miss(left, middle, right)
             {
                 let place = if between.value < middle.value {
                     i
@@ -133,14 +134,18 @@ impl Problem {
             }
             i += 1;
         }
-        for pair in samples.windows(2) {
-            if pair[0].verdict != pair[1].verdict {
-                let complete = pair
-                    .iter()
-                    .any(|sample| sample.verdict == Verdict::Complete);
-                let halvings = if complete { HALVINGS } else { HALVINGS_WITHOUT };
-                self.close_in(&pair[0], &pair[1], halvings, extrapolation, &mut found)?;
-            }
+        let changes: Vec<&[Sample]> = (samples.windows(2))
+            .filter(|pair| pair[0].verdict != pair[1].verdict)
+            .collect();
+        // None may leave the others without.
+        let share = (MOST_SAMPLES / changes.len().max(1)).max(LEAST_SHARE);
+        for pair in changes {
+            found.left = share;
+            let complete = pair
+                .iter()
+                .any(|sample| sample.verdict == Verdict::Complete);
+            let halvings = if complete { HALVINGS } else { HALVINGS_WITHOUT };
+            self.close_in(&pair[0], &pair[1], halvings, extrapolation, &mut found)?;
         }
         found
             .roots
@@ -153,13 +158,7 @@ impl Problem {
 
     /// Between three samples of one verdict the middle of which is the nearest to the border: a sample of another verdict,
     /// by golden section on the distance; `None` if there is none, or the sequence jumps.
-    fn nearest_miss(
-        &self,
-        left: &Sample,
-        middle: &Sample,
-        right: &Sample,
-        found: &mut Found,
-    ) -> Option<Sample> {
+    fn nearest_miss(&self, left: &Sample, middle: &Sample, right: &Sample) -> Option<Sample> {
         const GOLDEN: f64 = 0.381_966_011_250_105_1;
         let mut hint = middle.found.as_ref().map(|(release, _)| release.clone());
         let (mut low, mut high) = (left.value, right.value);
@@ -171,10 +170,6 @@ impl Problem {
             } else {
                 best.value + GOLDEN * above
             };
-            if found.samples >= MOST_SAMPLES {
-                return None;
-            }
-            found.samples += 1;
             let sample = self.sample(value, &mut hint).ok()?;
             if sample.verdict != middle.verdict {
                 return Some(sample);
@@ -222,11 +217,11 @@ impl Problem {
             if middle <= left.value || middle >= right.value {
                 break;
             }
-            if found.samples >= MOST_SAMPLES {
+            if found.left == 0 {
                 found.unresolved += 1;
                 return Ok(());
             }
-            found.samples += 1;
+            found.left -= 1;
             let sample = match self.sample(middle, &mut hint) {
                 Ok(sample) => sample,
                 Err(_) => Sample {

@@ -1,0 +1,164 @@
+//! The orbits of a model near a border, beside and under those that the one-dimensional map predicts.
+
+use crate::commands::border::refused;
+use crate::failure::Failure;
+use crate::options::Counts;
+use crate::terminal::{self, Progress};
+use chatter::analysis::border::{Border, BorderSpec, Prediction, Simulator};
+use chatter::model::Model;
+use chatter::numerics::Real;
+use chatter_io::figures::{Axis, Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Values of the parameter, and rows of cells of a panel.
+const COLUMNS: usize = 500;
+const CELLS: usize = 500;
+/// Passages left out and kept for each value.
+const TRANSIENT: usize = 150;
+const KEPT: usize = 100;
+/// Room beyond the outermost windows, and around the orbits.
+const ROOM: f64 = 0.04;
+/// In millimetres.
+const WIDTH: f64 = 178.0;
+const HEIGHT: f64 = 210.0;
+
+type Points = Vec<(f64, f64)>;
+
+/// Simulated, predicted, and both on top of each other, over the windows of these n.
+pub fn picture<R: Real>(
+    model: &Model,
+    spec: &BorderSpec,
+    border: &Border<R>,
+    windows: Counts,
+) -> Result<Figure, Failure> {
+    let prediction = Prediction::exact(border).map_err(refused)?;
+    let simulator = Simulator::new(model, spec, border).map_err(refused)?;
+    let lap = |n: i64| u32::try_from(n.max(0)).unwrap_or(u32::MAX);
+    let (first, last) = (
+        prediction.window(lap(windows.first)),
+        prediction.window(lap(windows.last)),
+    );
+    // Far from the border an orbit is born at a fold or at its graze; the next lap begins where this one's graze is not.
+    let near = last.fold.map_or(last.grazing.mu, |fold| fold.mu);
+    let far = (first.period_doubling).map_or(first.grazing.mu, |doubling| doubling.mu);
+    let (near, far) = (near.min(last.superstable.mu), far.max(first.superstable.mu));
+    let room = ROOM * (far - near);
+    let ends = [near - room, far + room].map(|mu| prediction.parameter(mu));
+    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    let coordinate = coordinate(border);
+
+    let value = |column: usize| low + (high - low) * column as f64 / (COLUMNS - 1) as f64;
+    let straight = |parameter: f64, state: &[f64]| {
+        let distance = parameter - prediction.border;
+        state[coordinate] - prediction.states.at(0.0, distance)[coordinate]
+    };
+    let predicted: Points = (0..COLUMNS)
+        .flat_map(|column| {
+            let parameter = value(column);
+            let passages = prediction.orbit(parameter, TRANSIENT, KEPT);
+            let y = passages
+                .into_iter()
+                .map(|passage| straight(parameter, &prediction.state(parameter, &passage)));
+            y.map(move |y| (parameter, y)).collect::<Points>()
+        })
+        .collect();
+    let simulated = each_column(|column| {
+        let parameter = value(column);
+        let orbit = simulator.orbit(parameter, TRANSIENT, KEPT);
+        let passages = orbit.map_or_else(|_| Vec::new(), |orbit| orbit.passages);
+        let y = passages
+            .iter()
+            .map(|passage| straight(parameter, &passage.state));
+        y.map(|y| (parameter, y)).collect()
+    })?;
+
+    let all = || simulated.iter().chain(&predicted).map(|point| point.1);
+    let bottom = all().fold(f64::INFINITY, f64::min);
+    let top = all().fold(f64::NEG_INFINITY, f64::max);
+    let margin = ROOM * (top - bottom);
+    let range = (bottom - margin, top + margin);
+    let names = model.state_names();
+    let panel = |layers: &[(&Points, Color, &str)]| {
+        let mut panel = Panel::new(
+            Axis::new(spec.parameter.as_str()).range(low, high),
+            Axis::new(format!(
+                "{} after the first impact, sheared",
+                names[coordinate]
+            ))
+            .range(range.0, range.1),
+        );
+        for (points, color, name) in layers {
+            let mut density = Density::new((low, high), range)
+                .cells(COLUMNS, CELLS)
+                .normalisation(Normalisation::Column)
+                .color(*color)
+                .label(*name);
+            points.iter().for_each(|&(x, y)| density.add(x, y));
+            panel.add(density);
+        }
+        panel.legend(Legend::Above)
+    };
+    let (ours, theirs) = (
+        (&simulated, Color::NIGHT, "simulated"),
+        (&predicted, Color::VERMILION, "predicted"),
+    );
+    Ok(Figure::new()
+        .panel(panel(&[ours]))
+        .panel(panel(&[theirs]))
+        .panel(panel(&[ours, theirs]))
+        .sharing(Sharing::Horizontal)
+        .width(WIDTH)
+        .height(HEIGHT))
+}
+
+/// The coordinate after the first impact that is no phase; else the first.
+fn coordinate<R: Real>(border: &Border<R>) -> usize {
+    let is_phase = |i: usize| border.turns.iter().any(|turn| turn.state == i);
+    let coordinates = || border.section.iter().copied();
+    coordinates()
+        .find(|&i| !is_phase(i))
+        .or_else(|| coordinates().next())
+        .unwrap_or(0)
+}
+
+/// Points of all columns in their order, computed by as many threads as there are cores.
+fn each_column(points: impl Fn(usize) -> Points + Sync) -> Result<Points, Failure> {
+    terminal::catch_interrupts();
+    let progress = Mutex::new(Progress::new());
+    let columns: Vec<Mutex<Points>> = (0..COLUMNS).map(|_| Mutex::default()).collect();
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        while !terminal::interrupted() {
+            let column = next.fetch_add(1, Ordering::Relaxed);
+            let Some(place) = columns.get(column) else {
+                break;
+            };
+            let found = points(column);
+            if let Ok(mut place) = place.lock() {
+                *place = found;
+            }
+            let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / COLUMNS as f64;
+            if let Ok(mut progress) = progress.lock() {
+                progress.show(part, || "orbits".to_owned());
+            }
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 1..threads {
+            scope.spawn(work);
+        }
+        work();
+    });
+    if let Ok(progress) = progress.into_inner() {
+        progress.finish();
+    }
+    if terminal::interrupted() {
+        return Err(Failure::Interrupted);
+    }
+    Ok(columns
+        .into_iter()
+        .flat_map(|column| column.into_inner().unwrap_or_default())
+        .collect())
+}
