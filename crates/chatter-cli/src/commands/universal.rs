@@ -1,22 +1,18 @@
 //! `chatter universal`: the universal map of chatter near a border orbit.
 
-use crate::diagram::{InMemory, table as orbit_table};
 use crate::failure::{self, Failure};
-use crate::named::Named;
 use crate::numbers::Digits;
 use crate::options::{Counts, Decimal, FigureFile, Periods, Precision, SweepOption, TableFile};
 use crate::terminal::{self, Style};
 use crate::universal::atlas::{self, Sheet};
-use crate::universal::{Findings, UniversalJob, Window, account, document, picture, window_table};
+use crate::universal::{Findings, UniversalJob, Window, account, document, picture, table};
 use chatter::analysis::diagram::{self, Exponent, Spec, Start, Threads};
 use chatter::analysis::universal::{
     Argument, PeriodicWindow, Scaling, Universal, UniversalError, UniversalMap,
 };
 use chatter::numerics::{DoubleDouble, Real};
 use chatter_io::figures::{Figure, Sharing};
-use chatter_io::tables::{Dataset, Table};
 use clap::Args;
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -40,8 +36,8 @@ JSON
   superstable, period_doubling, grazing, stable_from, stable_to}, and undecided, a number of intervals of mu given up;
   --basins adds basins, a list of {n, period, laps, mu, from, to, share} in z, null where unbounded; --scaling adds
   scaling, the limits, and ratios, a list over n; --chaos adds chaos, a list of {n, kink_slope, regime, slope_gaps,
-  slope_no_windows, slope_fold, onset, end, chaotic_share}. With more than 17 digits each number has a twin in decimals as text, under its name with
-  `_digits` at the end. Infinite derivatives (at a lap's end) are null.";
+  slope_no_windows, slope_fold, onset, end, chaotic_share}. With more than 17 digits each number has a twin in decimals
+  as text, under its name with `_digits` at the end. Infinite derivatives (at a lap's end) are null.";
 
 /// Evaluate the universal map of chatter: constants, Upsilon, windows, orbit diagrams
 #[derive(Args, Debug)]
@@ -219,7 +215,7 @@ fn find<R: Real + Argument<Real = R>>(
     };
     let mut written = Vec::new();
     if let Some(TableFile(path)) = &arguments.out {
-        written.extend(write_table(
+        written.extend(table::write(
             &findings,
             diagram.as_ref().map(|found| &found.0),
             path,
@@ -306,74 +302,6 @@ fn specification(arguments: &Arguments, sweep: &SweepOption) -> Result<Spec, Fai
         },
         ..Spec::new(sweep.plain()?, "z", arguments.transient, arguments.keep)
     })
-}
-
-/// Writes what `--out` holds: the last thing asked for.
-fn write_table<R: Real>(
-    findings: &Findings<R>,
-    job: Option<&UniversalJob>,
-    path: &Path,
-) -> Result<Vec<PathBuf>, Failure> {
-    let (Some((sweep, rows)), Some(job)) = (findings.diagram, job) else {
-        let data = dataset(findings, path)?;
-        return data
-            .write(path)
-            .map_err(|error| Failure::Output(error.to_string()));
-    };
-    let parameters = Named::new(
-        ["restitution", "slope", "mu"],
-        [job.restitution, job.slope, job.mu],
-    );
-    let texts = [
-        (orbit_table::SPECIFICATION, orbit_table::json(job)?),
-        (orbit_table::MODEL, "z -> Upsilon(K z + mu)".to_owned()),
-        (orbit_table::PARAMETERS, orbit_table::json(&parameters)?),
-        (orbit_table::VERSION, job.version.clone()),
-    ];
-    orbit_table::write(&mut InMemory { sweep, rows }, &texts, path)
-}
-
-/// What else `--out` may hold: with windows all of the atlas.
-fn dataset<R: Real>(findings: &Findings<R>, path: &Path) -> Result<Dataset, Failure> {
-    let data = Dataset::new();
-    if let Some(windows) = &findings.windows {
-        // All columns of an NPZ file are in one place.
-        let together =
-            !findings.sheets.is_empty() && path.extension().is_some_and(|ext| ext == "npz");
-        let prefix = |name: &str| {
-            if together {
-                format!("{name}_")
-            } else {
-                String::new()
-            }
-        };
-        let start = data.table(window_table(windows, &prefix("windows")));
-        let sheets = findings.sheets.iter();
-        return Ok(sheets.fold(start, |data, sheet| {
-            data.table(sheet.table(&prefix(sheet.name)))
-        }));
-    }
-    Ok(data.table(value_table(findings)?))
-}
-
-fn value_table<R: Real>(findings: &Findings<R>) -> Result<Table, Failure> {
-    let Some(values) = &findings.values else {
-        return Err(
-            Failure::input("--out has nothing to write").help("ask for --at, --windows or --sweep")
-        );
-    };
-    let column = |part: &dyn Fn(usize) -> R| {
-        let places = 0..values.len();
-        places
-            .map(|place| part(place).to_f64())
-            .collect::<Vec<f64>>()
-    };
-    Ok(Table::new("values")
-        .column("x", column(&|k| values[k].0))
-        .column("upsilon", column(&|k| values[k].1.value))
-        .column("derivative", column(&|k| values[k].1.derivative))
-        .column("n", column(&|k| values[k].1.lap))
-        .column("u1", column(&|k| values[k].1.u1)))
 }
 
 /// Widths of a figure, in millimetres.

@@ -5,6 +5,7 @@ pub mod atlas;
 mod document;
 mod job;
 pub mod picture;
+pub mod table;
 mod windows;
 
 pub use account::account;
