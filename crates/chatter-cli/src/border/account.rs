@@ -104,16 +104,9 @@ fn blocks<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -
     const WORDS: &[Side] = &[];
     let digits = subject.text_digits;
     let number = |value: R| full(value, digits);
-    // An error is told where it shows in the digits.
-    let shows = |estimate: &Estimate<R>| {
-        let unit = 0.1_f64.powi(digits.0 as i32) * estimate.value.abs().to_f64();
-        !digits.fit_double() || estimate.error > unit
-    };
     let estimate = |estimate: &Estimate<R>| {
-        let error = || format!("± {}", concise(estimate.error, ERROR_DIGITS));
-        [number(estimate.value)]
-            .into_iter()
-            .chain(shows(estimate).then(error))
+        let error = format!("± {}", concise(estimate.error, ERROR_DIGITS));
+        [number(estimate.value), error]
     };
     let parameter = &border.parameter;
     let states = subject.model.state_names();
@@ -129,8 +122,11 @@ fn blocks<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -
     let first = &border.first_impact;
 
     let mut orbit = vec![
-        row(&format!("{parameter}*"), estimate(&border.value)),
-        row("period", estimate(&border.period)),
+        row(
+            &format!("{parameter}*"),
+            [estimate(&border.value).join(" ")],
+        ),
+        row("period", [estimate(&border.period).join(" ")]),
         row("release", [named(&border.release.state)]),
         row("first impact", [named(&first.state)]),
         row("", [format!("{} after release", number(first.time))]),
