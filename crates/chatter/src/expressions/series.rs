@@ -115,7 +115,7 @@ impl<S: Scalar> Expansion<S> {
     ) {
         self.order = 0;
         self.start(tape, state, low);
-        self.run_order(&tape.ops, &tape.terms, constants, 0);
+        self.run_order(tape, constants, 0);
         for (value, output) in values.iter_mut().zip(&tape.outputs) {
             *value = match *output {
                 Operand::Constant(index) => constants[index],
@@ -140,11 +140,11 @@ impl<S: Scalar> Expansion<S> {
         self.order = order;
         self.start(tape, state, low);
         for k in 0..order {
-            self.run_order(&tape.ops, &tape.terms, constants, k);
+            self.run_order(tape, constants, k);
             self.integrate(tape, constants, tau, k);
         }
         if !tape.outputs_are_states() {
-            self.run_order(&tape.ops, &tape.terms, constants, order);
+            self.run_order(tape, constants, order);
         }
     }
 
@@ -175,8 +175,8 @@ impl<S: Scalar> Expansion<S> {
     }
 
     #[inline(always)]
-    fn run_order(&mut self, ops: &[Op], terms: &[(usize, usize)], constants: &[S], k: usize) {
-        for op in ops {
+    fn run_order(&mut self, tape: &Tape, constants: &[S], k: usize) {
+        for op in &tape.ops {
             match *op {
                 Op::Linear {
                     out,
@@ -184,7 +184,7 @@ impl<S: Scalar> Expansion<S> {
                     first,
                     end,
                 } => {
-                    let terms = &terms[first..end];
+                    let terms = &tape.terms[first..end];
                     let value = if k == 0 {
                         let (value, low) = self.compensated_sum(constants, offset, terms);
                         self.lows[out] = low;

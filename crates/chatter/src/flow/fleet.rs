@@ -215,10 +215,9 @@ where
                 break;
             }
             let horizon = trajectory.horizon();
-            let told = match trajectory.advance(self.system, &mut self.single, horizon) {
-                Ok(None) => continue,
-                Ok(Some(occurrence)) => Ok(occurrence),
-                Err(error) => Err(error),
+            let outcome = trajectory.advance(self.system, &mut self.single, horizon);
+            let Some(told) = outcome.transpose() else {
+                continue;
             };
             if (self.visit)(index, trajectory, told) == Next::Retire {
                 return;
@@ -259,9 +258,6 @@ where
         let mut members = [(0, 0.0); L];
         members[..count].copy_from_slice(&queue.waiting[first..]);
         queue.waiting.truncate(first);
-        for lane in count..L {
-            members[lane] = members[0];
-        }
         if count <= FEW {
             for &(index, _) in &members[..count] {
                 let trajectory = &mut self.trajectories[index];
@@ -270,6 +266,9 @@ where
                 self.hand_on(index, outcome);
             }
             return;
+        }
+        for lane in count..L {
+            members[lane] = members[0];
         }
         let remaining = self.gather(closed, &members);
         let certain = self.wide.vector_step(program, class, touching);
@@ -290,10 +289,8 @@ where
     /// Tells the visitor what happened to a trajectory, and lets it wait for its next step.
     #[inline]
     fn hand_on(&mut self, index: usize, outcome: Result<Option<Occurrence<f64>>, FlowError>) {
-        let told = match outcome {
-            Ok(None) => return self.enqueue(index),
-            Ok(Some(occurrence)) => Ok(occurrence),
-            Err(error) => Err(error),
+        let Some(told) = outcome.transpose() else {
+            return self.enqueue(index);
         };
         if (self.visit)(index, &mut self.trajectories[index], told) == Next::Continue {
             self.enqueue(index);
@@ -437,7 +434,6 @@ mod tests {
 
     vector_step!(4);
     vector_step!(8);
-    vector_step!(16);
 
     fn in_lanes<const L: usize>(columns: &Columns, occurrences: usize) -> Vec<End>
     where

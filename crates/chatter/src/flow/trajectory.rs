@@ -392,12 +392,7 @@ impl<R: Real> Trajectory<R> {
         }
         let Some(index) = result.event else {
             // The rest of a predicted flight, if a section or the horizon cut it.
-            self.flight_time =
-                if self.flight_time < R::splat(FOREVER) && self.flight_time > result.step {
-                    self.flight_time - result.step
-                } else {
-                    R::splat(FOREVER)
-                };
+            self.flight_time = self.rest_of_flight(result.step);
             if result.at_horizon {
                 self.time = self.horizon;
                 self.time_low = R::ZERO;
@@ -408,12 +403,7 @@ impl<R: Real> Trajectory<R> {
         match program.guards[index].kind {
             GuardKind::Section(section) => {
                 self.touching.set(index, 1);
-                self.flight_time =
-                    if self.flight_time < R::splat(FOREVER) && self.flight_time > result.step {
-                        self.flight_time - result.step
-                    } else {
-                        R::splat(FOREVER)
-                    };
+                self.flight_time = self.rest_of_flight(result.step);
                 Ok(Some(Occurrence::Section { section }))
             }
             GuardKind::Reaction(contact) => {
@@ -426,6 +416,15 @@ impl<R: Real> Trajectory<R> {
                 self.touching.set(index, 1);
                 self.after_impact(system, work, contact, &result.impact)
             }
+        }
+    }
+
+    /// What is left of a predicted flight after a step that did not end it.
+    fn rest_of_flight(&self, step: R) -> R {
+        if self.flight_time < R::splat(FOREVER) && self.flight_time > step {
+            self.flight_time - step
+        } else {
+            R::splat(FOREVER)
         }
     }
 
