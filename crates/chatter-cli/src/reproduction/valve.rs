@@ -267,13 +267,24 @@ fn how(valve: &Valve, columns: u64) -> String {
     )
 }
 
+/// Simulation above simulation and prediction.
+fn stacked([simulated, both]: [Panel; 2], title: &str) -> Figure {
+    Figure::new()
+        .panel(simulated)
+        .panel(both)
+        .sharing(Sharing::Horizontal)
+        .width(WIDTH)
+        .height(WIDTH)
+        .title(title)
+}
+
 /// The cascade of the valve.
 pub fn fig5(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, Failure> {
     let window = Window {
         range: WHOLE,
         columns: COLUMNS,
     };
-    let [simulated, both] = panels(valve, &window, show)?;
+    let panels = panels(valve, &window, show)?;
     Ok(Plate {
         name: "fig5",
         label: "Fig. 5",
@@ -282,13 +293,7 @@ pub fn fig5(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, 
             valve.border.value.value,
             how(valve, COLUMNS)
         ),
-        figure: Figure::new()
-            .panel(simulated)
-            .panel(both)
-            .sharing(Sharing::Horizontal)
-            .width(WIDTH)
-            .height(WIDTH)
-            .title("Fig. 5: orbits of the pressure relief valve"),
+        figure: stacked(panels, "Fig. 5: orbits of the pressure relief valve"),
     })
 }
 
@@ -298,7 +303,7 @@ pub fn fig6(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, 
         range: ENLARGED,
         columns: ENLARGED_COLUMNS,
     };
-    let [simulated, both] = panels(valve, &window, show)?;
+    let panels = panels(valve, &window, show)?;
     Ok(Plate {
         name: "fig6",
         label: "Fig. 6",
@@ -306,12 +311,6 @@ pub fn fig6(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, 
             "Enlargement of Fig. 5, to be compared with Fig. 4: {}",
             how(valve, ENLARGED_COLUMNS)
         ),
-        figure: Figure::new()
-            .panel(simulated)
-            .panel(both)
-            .sharing(Sharing::Horizontal)
-            .width(WIDTH)
-            .height(WIDTH)
-            .title("Fig. 6: enlargement of Fig. 5"),
+        figure: stacked(panels, "Fig. 6: enlargement of Fig. 5"),
     })
 }
