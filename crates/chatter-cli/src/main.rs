@@ -9,6 +9,7 @@ mod json;
 mod named;
 mod numbers;
 mod options;
+mod parallel;
 mod reproduction;
 mod shipped;
 mod simulation;

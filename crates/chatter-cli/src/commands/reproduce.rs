@@ -1,12 +1,14 @@
 //! `chatter reproduce`: the paper, computed again.
 
 use crate::failure::{self, Failure};
+use crate::parallel;
 use crate::reproduction::{
-    Plate, Valve, fig2, fig3, fig4, fig5, fig6, numbers_account, numbers_report,
-    restitution_report, theory_report,
+    Advance, Part, Plate, Valve, Work, fig2, fig3, fig4, fig5, fig6, numbers_account,
+    numbers_report, restitution_report, theory_report,
 };
-use crate::terminal::{self, Progress, Style};
+use crate::terminal::{self, Style};
 use chatter::analysis::universal::Universal;
+use chatter_io::atomic_file::write_atomically;
 use chatter_io::figures::Resolution;
 use chatter_io::reports::Report;
 use clap::Args;
@@ -18,8 +20,8 @@ EXAMPLES
   chatter reproduce --figures 2,3,4 --out figures
 
 Writes report.html, which holds everything, and each figure as .svg, .pdf and .png, into a folder; nothing is written
-before all is computed. The paper is Dankowicz and Fotsch, On the Analysis of Chatter in Mechanical Systems with
-Impacts, Procedia IUTAM 20 (2017) 18-25.";
+before all is computed and drawn. The paper is Dankowicz and Fotsch, On the Analysis of Chatter in Mechanical Systems
+with Impacts, Procedia IUTAM 20 (2017) 18-25.";
 
 /// Compute numbers and figures of the paper again, into one report
 #[derive(Args, Debug)]
@@ -50,27 +52,39 @@ const PIXELS: Resolution = Resolution(200.0);
 /// Name of the file that holds everything.
 const REPORT: &str = "report.html";
 
-/// Shares of the whole work, by what they were measured to take on two cores.
-struct Work {
-    progress: Progress,
-    done: f64,
-    total: f64,
+/// The sections of the report, after the one with numbers.
+const MAP: &str = "The universal map";
+const VALVE: &str = "The valve";
+const THEORY: &str = "Theory against simulation";
+
+type Compute<'a> = dyn Fn(&Advance) -> Result<Part, Failure> + Sync + 'a;
+
+/// Something to compute that does not wait for anything else.
+struct Job<'a> {
+    name: &'static str,
+    section: &'static str,
+    /// The figure of the paper that it is, if it is one.
+    figure: Option<u8>,
+    /// Seconds that it takes to compute, and to draw in all formats, on one core.
+    seconds: (f64, f64),
+    compute: Box<Compute<'a>>,
 }
 
-impl Work {
-    /// Runs a part that takes this share, with something to tell its own progress to.
-    fn part<T>(
-        &mut self,
-        name: &str,
-        share: f64,
-        run: impl FnOnce(&mut (dyn FnMut(f64) + Send)) -> T,
-    ) -> T {
-        let (start, total, progress) = (self.done, self.total, &mut self.progress);
-        let result = run(&mut |part| {
-            progress.show((start + share * part) / total, || name.to_owned());
-        });
-        self.done += share;
-        result
+impl<'a> Job<'a> {
+    fn new(
+        name: &'static str,
+        section: &'static str,
+        figure: Option<u8>,
+        seconds: (f64, f64),
+        compute: impl Fn(&Advance) -> Result<Part, Failure> + Sync + 'a,
+    ) -> Self {
+        Self {
+            name,
+            section,
+            figure,
+            seconds,
+            compute: Box::new(compute),
+        }
     }
 }
 
@@ -87,32 +101,18 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let everything = arguments.figures.is_empty();
     let wanted = |number: u8| everything || arguments.figures.contains(&number);
     let universal = Universal::<f64>::new(RESTITUTION).map_err(Failure::input)?;
-    let mut work = Work {
-        progress: Progress::new(),
-        done: 0.0,
-        total: 0.0,
+    let valve = if wanted(5) || wanted(6) {
+        Some(Valve::new()?)
+    } else {
+        None
     };
-    let shares = [(3, 3.0), (4, 2.0), (5, 40.0), (6, 35.0)];
-    work.total = shares
-        .iter()
-        .filter(|share| wanted(share.0))
-        .map(|share| share.1)
-        .sum::<f64>()
-        + if everything { 20.0 } else { 0.0 }
-        + f64::EPSILON;
 
     let mut report = Report::new(
         "Chatter in mechanical systems with impacts",
         "Numbers and figures of H. Dankowicz and E. Fotsch, On the Analysis of Chatter in Mechanical Systems with Impacts, \
          Procedia IUTAM 20 (2017) 18–25, computed again; and its theory against simulation.",
     );
-    let mut plates: Vec<Plate> = Vec::new();
     let mut text = String::new();
-    let valve = if everything || wanted(5) || wanted(6) {
-        Some(Valve::new()?)
-    } else {
-        None
-    };
     if let (Some(valve), true) = (&valve, everything) {
         report.heading("Numbers");
         numbers_report(valve, &mut report);
@@ -122,59 +122,35 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             numbers_account(valve)
         );
     }
-    let mut show_plate = |report: &mut Report, plate: Plate| {
-        report.add(plate.picture());
-        plates.push(plate);
-    };
-    if wanted(2) || wanted(3) || wanted(4) {
-        report.heading("The universal map");
-    }
-    if wanted(2) {
-        show_plate(&mut report, fig2(&universal));
-    }
-    if wanted(3) {
-        let plate = work.part("Fig. 3", 3.0, |show| fig3(&universal, show))?;
-        show_plate(&mut report, plate);
-    }
-    if wanted(4) {
-        let plate = work.part("Fig. 4", 2.0, |show| fig4(&universal, show))?;
-        show_plate(&mut report, plate);
-    }
-    if everything {
-        let plate = restitution_report(&mut report);
-        plates.push(plate);
-    }
-    if let Some(valve) = &valve {
-        report.heading("The valve");
-        for (number, share, draw) in [
-            (
-                5,
-                40.0,
-                fig5 as fn(&Valve, &mut (dyn FnMut(f64) + Send)) -> _,
-            ),
-            (6, 35.0, fig6),
-        ] {
-            if wanted(number) {
-                let plate =
-                    work.part(&format!("Fig. {number}"), share, |show| draw(valve, show))?;
-                report.add(plate.picture());
-                plates.push(plate);
-            }
+    let mut jobs = jobs(&universal, valve.as_ref());
+    jobs.retain(|job| job.figure.map_or(everything, wanted));
+    let drawing: f64 = jobs.iter().map(|job| job.seconds.1).sum();
+    let computing: f64 = jobs.iter().map(|job| job.seconds.0).sum();
+    let work = Work::new(computing + drawing);
+    let parts = parallel::each(&jobs, |job| {
+        (job.compute)(&|part| work.advance(job.name, job.seconds.0 * part))
+    })?;
+    let mut plates = Vec::new();
+    let mut section = "";
+    for (job, part) in jobs.iter().zip(parts) {
+        if job.section != section {
+            section = job.section;
+            report.heading(section);
         }
-        if everything {
-            report.heading("Theory against simulation");
-            let plate = work.part("theory against simulation", 20.0, |show| {
-                theory_report(valve, &mut report, show)
-            })?;
-            plates.push(plate);
-        }
+        part.blocks.into_iter().for_each(|block| report.add(block));
+        plates.push(part.plate);
     }
-    work.progress.finish();
     report.set_colophon(format!(
         "Made by chatter {} reproduce.",
         env!("CARGO_PKG_VERSION")
     ));
-    write(folder, &report, &plates)?;
+    let files = draw(folder, &report, &plates, &|part| {
+        work.advance("drawing", drawing * part);
+    })?;
+    work.finish();
+    for (path, bytes) in &files {
+        write_atomically(path, bytes).map_err(|error| Failure::Output(error.to_string()))?;
+    }
     let figures: Vec<&str> = plates.iter().map(|plate| plate.name).collect();
     text += &format!(
         "\nwrote {}, and as .svg, .pdf and .png beside it: {}\n",
@@ -185,13 +161,64 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(failure::SUCCESS)
 }
 
-fn write(folder: &Path, report: &Report, plates: &[Plate]) -> Result<(), Failure> {
-    let failed = |error: chatter_io::Error| Failure::Output(error.to_string());
+/// All there is to compute, in the order of the report; what needs a valve only if there is one.
+fn jobs<'a>(universal: &'a Universal<f64>, valve: Option<&'a Valve>) -> Vec<Job<'a>> {
+    let mut jobs = vec![
+        Job::new("Fig. 2", MAP, Some(2), (0.0, 0.1), |_| {
+            Ok(fig2(universal).into())
+        }),
+        Job::new("Fig. 3", MAP, Some(3), (1.2, 2.0), |advance| {
+            Ok(fig3(universal, advance)?.into())
+        }),
+        Job::new("Fig. 4", MAP, Some(4), (0.6, 5.0), |advance| {
+            Ok(fig4(universal, advance)?.into())
+        }),
+        Job::new("restitution", MAP, None, (0.0, 0.1), |_| {
+            Ok(restitution_report())
+        }),
+    ];
+    if let Some(valve) = valve {
+        jobs.extend([
+            Job::new("Fig. 5", VALVE, Some(5), (5.0, 5.0), |advance| {
+                Ok(fig5(valve, advance)?.into())
+            }),
+            Job::new("Fig. 6", VALVE, Some(6), (4.0, 5.0), |advance| {
+                Ok(fig6(valve, advance)?.into())
+            }),
+            Job::new("theory", THEORY, None, (2.0, 0.1), |advance| {
+                theory_report(valve, advance)
+            }),
+        ]);
+    }
+    jobs
+}
+
+/// Paths and contents of all files.
+fn draw(
+    folder: &Path,
+    report: &Report,
+    plates: &[Plate],
+    advance: &Advance,
+) -> Result<Vec<(PathBuf, Vec<u8>)>, Failure> {
+    type Draw<'a> = Box<dyn Fn() -> Result<Vec<u8>, chatter_io::Error> + Sync + 'a>;
+    // The report takes longest: all figures are in it.
+    let whole: Draw<'_> = Box::new(|| Ok(report.html()?.into_bytes()));
+    let mut files = vec![(folder.join(REPORT), whole)];
     for plate in plates {
-        for extension in ["svg", "pdf", "png"] {
-            let path = folder.join(plate.name).with_extension(extension);
-            plate.figure.write_at(&path, PIXELS).map_err(failed)?;
+        let figure = &plate.figure;
+        let formats: [(&str, Draw<'_>); 3] = [
+            ("svg", Box::new(|| Ok(figure.svg()?.into_bytes()))),
+            ("pdf", Box::new(|| Ok(figure.pdf()?))),
+            ("png", Box::new(|| Ok(figure.png(PIXELS)?))),
+        ];
+        for (extension, draw) in formats {
+            files.push((folder.join(plate.name).with_extension(extension), draw));
         }
     }
-    report.write(folder.join(REPORT)).map_err(failed)
+    let share = 1.0 / files.len() as f64;
+    parallel::each(&files, |(path, draw)| {
+        let bytes = draw().map_err(|error| Failure::Output(error.to_string()))?;
+        advance(share);
+        Ok((path.clone(), bytes))
+    })
 }

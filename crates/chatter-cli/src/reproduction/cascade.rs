@@ -1,7 +1,8 @@
 //! Figs. 2, 3 and 4: the universal function and the orbits of its map.
 
-use super::{Plate, WIDTH, sweep};
+use super::{Advance, Plate, WIDTH, sweep};
 use crate::failure::Failure;
+use crate::parallel;
 use crate::universal::picture;
 use chatter::analysis::diagram::{Range, Spec, Start};
 use chatter::analysis::universal::{Universal, UniversalMap};
@@ -44,7 +45,7 @@ fn panel(
     map: &UniversalMap<f64>,
     (from, to): (f64, f64),
     columns: u64,
-    show: &mut (dyn FnMut(f64) + Send),
+    advance: &Advance,
 ) -> Result<Panel, Failure> {
     let spec = Spec {
         start: Start::CarryUp,
@@ -57,7 +58,7 @@ fn panel(
             SHOWN,
         )
     };
-    let (sweep, rows) = sweep(map, &spec, show)?;
+    let (sweep, rows) = sweep(map, &spec, advance)?;
     picture::orbit_panel(&sweep, &rows)
 }
 
@@ -66,17 +67,15 @@ fn map(universal: &Universal<f64>) -> Result<UniversalMap<f64>, Failure> {
 }
 
 /// Orbit diagrams over four ranges of mu.
-pub fn fig3(
-    universal: &Universal<f64>,
-    show: &mut (dyn FnMut(f64) + Send),
-) -> Result<Plate, Failure> {
+pub fn fig3(universal: &Universal<f64>, advance: &Advance) -> Result<Plate, Failure> {
     let map = map(universal)?;
-    let mut figure = Figure::new().columns(2).width(WIDTH);
-    for (place, to) in RANGES.into_iter().enumerate() {
-        figure = figure.panel(panel(&map, (0.0, to), COLUMNS, &mut |done| {
-            show((place as f64 + done) / RANGES.len() as f64);
-        })?);
-    }
+    let panels = parallel::each(&RANGES, |&to| {
+        panel(&map, (0.0, to), COLUMNS, &|part| {
+            advance(part / RANGES.len() as f64);
+        })
+    })?;
+    let figure = Figure::new().columns(2).width(WIDTH);
+    let figure = panels.into_iter().fold(figure, Figure::panel);
     Ok(Plate {
         name: "fig3",
         label: "Fig. 3",
@@ -91,11 +90,8 @@ pub fn fig3(
 }
 
 /// An enlargement of the first panel of Fig. 3.
-pub fn fig4(
-    universal: &Universal<f64>,
-    show: &mut (dyn FnMut(f64) + Send),
-) -> Result<Plate, Failure> {
-    let panel = panel(&map(universal)?, ENLARGED, FINE_COLUMNS, show)?;
+pub fn fig4(universal: &Universal<f64>, advance: &Advance) -> Result<Plate, Failure> {
+    let panel = panel(&map(universal)?, ENLARGED, FINE_COLUMNS, advance)?;
     let (from, to) = ENLARGED;
     Ok(Plate {
         name: "fig4",

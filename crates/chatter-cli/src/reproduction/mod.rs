@@ -5,19 +5,21 @@ mod numbers;
 mod restitution;
 mod theory;
 mod valve;
+mod work;
 
 pub use cascade::{fig2, fig3, fig4};
 pub use numbers::{account as numbers_account, report as numbers_report};
 pub use restitution::report as restitution_report;
 pub use theory::report as theory_report;
 pub use valve::{Valve, fig5, fig6};
+pub use work::{Advance, Work};
 
 use crate::failure::Failure;
 use crate::terminal;
 use chatter::analysis::diagram::{Ending, Row, Spec, Standing, Sweep, Threads, run};
 use chatter::analysis::map::Map;
 use chatter_io::figures::Figure;
-use chatter_io::reports::Picture;
+use chatter_io::reports::{Block, Picture};
 use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
 
@@ -40,18 +42,32 @@ impl Plate {
     }
 }
 
+/// What is computed together: what it adds to the report, and the figure among it.
+pub struct Part {
+    /// For the report.
+    pub blocks: Vec<Block>,
+    /// The figure, which gets files of its own too.
+    pub plate: Plate,
+}
+
+impl From<Plate> for Part {
+    fn from(plate: Plate) -> Self {
+        Self {
+            blocks: vec![plate.picture().into()],
+            plate,
+        }
+    }
+}
+
 /// Width of a figure, in millimetres.
 pub const WIDTH: f64 = 178.0;
 
-/// Rows of a diagram in their order. `show` hears what part is done; Ctrl-C ends the program.
-pub fn sweep(
-    map: &dyn Map,
-    spec: &Spec,
-    show: &mut (dyn FnMut(f64) + Send),
-) -> Result<(Sweep, Vec<Row>), Failure> {
+/// Rows of a diagram in their order. `advance` hears what part of it has been done since it last heard; Ctrl-C ends the
+/// program.
+pub fn sweep(map: &dyn Map, spec: &Spec, advance: &Advance) -> Result<(Sweep, Vec<Row>), Failure> {
     let sweep = Sweep::new(map, spec).map_err(Failure::input)?;
     let mut rows = Vec::new();
-    let total = sweep.rows() as f64;
+    let row_share = 1.0 / sweep.rows() as f64;
     let stop = AtomicBool::new(false);
     let ending = run(
         map,
@@ -61,7 +77,7 @@ pub fn sweep(
         &stop,
         &mut |row| {
             rows.push(row);
-            show(rows.len() as f64 / total);
+            advance(row_share);
             if terminal::interrupted() {
                 ControlFlow::Break(())
             } else {

@@ -1,16 +1,16 @@
 //! How lambda, eta and the exponent depend on the restitution.
 
-use super::{Plate, WIDTH};
+use super::{Part, Plate, WIDTH};
 use chatter::analysis::universal::Constants;
 use chatter_io::figures::{Axis, Color, Dash, Figure, Legend, Line, Panel, Rule};
-use chatter_io::reports::{Column, Grid, Report};
+use chatter_io::reports::{Column, Grid};
 
 /// Restitutions of the curves, and of the table.
 const CURVE_POINTS: u32 = 600;
 const LISTED: [f64; 9] = [0.001, 0.1, 0.2, 0.4, 0.5, 0.6, 0.8, 0.9, 0.99];
 
-/// Adds figure and table to the report; gives the figure.
-pub fn report(report: &mut Report) -> Plate {
+/// Figure and table.
+pub fn report() -> Part {
     let at = |r: f64| Constants::new(r).ok();
     let constants: Vec<Constants<f64>> = (1..CURVE_POINTS)
         // Crowded at zero, where all curves are steep.
@@ -51,7 +51,6 @@ pub fn report(report: &mut Report) -> Plate {
             .width(WIDTH)
             .title("Constants over the restitution"),
     };
-    report.add(plate.picture());
     let mut grid = Grid::new(
         "Table A",
         "The same in numbers.",
@@ -72,6 +71,7 @@ pub fn report(report: &mut Report) -> Plate {
             format!("{:.12}", constants.exponent),
         ]);
     }
-    report.add(grid);
-    plate
+    let mut part = Part::from(plate);
+    part.blocks.push(grid.into());
+    part
 }

@@ -1,8 +1,9 @@
 //! Figs. 5 and 6: the valve itself, beside and under the prediction of the one-dimensional map.
 
-use super::{Plate, WIDTH, sweep};
+use super::{Advance, Plate, WIDTH, sweep};
 use crate::commands::border::refused;
 use crate::failure::Failure;
+use crate::parallel;
 use crate::shipped;
 use chatter::analysis::border::{Border, BorderSpec, LeadingOrder, border_near, leading_order_at};
 use chatter::analysis::diagram::{Range, Row, Spec, Start, Sweep};
@@ -164,18 +165,14 @@ struct Window {
 type Layer<'a> = (&'a [(f64, f64)], Color, &'a str);
 
 /// Simulated and predicted orbits over the same q, y2 sheared alike.
-fn panels(
-    valve: &Valve,
-    window: &Window,
-    show: &mut (dyn FnMut(f64) + Send),
-) -> Result<[Panel; 2], Failure> {
+fn panels(valve: &Valve, window: &Window, advance: &Advance) -> Result<[Panel; 2], Failure> {
     let (from, to) = window.range;
     let spec = |range: Range, observe: &str| Spec {
         start: Start::CarryUp,
         ..Spec::new(range, observe, TRANSIENT, KEPT)
     };
     let range = Range::linear("q", from, to, window.columns);
-    let (simulated, rows) = sweep(&valve.map, &spec(range, "y2"), show)?;
+    let (simulated, rows) = sweep(&valve.map, &spec(range, "y2"), advance)?;
 
     let exact = &valve.border.exact;
     let (border, rate) = (valve.border.value.value, exact.unfolding_rate.value);
@@ -186,19 +183,21 @@ fn panels(
         window.columns,
     );
     let map = valve.exact_at(border)?;
-    let (predicted, predicted_rows) = sweep(&map, &spec(range, "z"), &mut |_| {})?;
+    let (predicted, predicted_rows) = sweep(&map, &spec(range, "z"), &|_| {})?;
 
     let p = valve.projection;
     let sheared: Vec<(f64, f64)> = samples(&simulated, &rows)
         .map(|(q, y2)| (q, y2 - p.value[1] - p.by_parameter[1] * (q - border)))
         .collect();
     // What is left of q when the shear is taken away: the bend of the orbit with Upsilon = 0.
-    let mut straightened = Vec::new();
-    for row in &rows {
-        let q = simulated.values(row.row)[0];
-        let zero = valve.released(q)?[1];
-        straightened.extend(row.samples.iter().map(|y2| (q, y2 - zero)));
-    }
+    let value = |row: &Row| simulated.values(row.row)[0];
+    let zeros = parallel::each(&rows, |row| Ok(valve.released(value(row))?[1]))?;
+    let straightened: Vec<(f64, f64)> = (rows.iter().zip(zeros))
+        .flat_map(|(row, zero)| {
+            let q = value(row);
+            row.samples.iter().map(move |y2| (q, y2 - zero))
+        })
+        .collect();
     let predicted: Vec<(f64, f64)> = samples(&predicted, &predicted_rows)
         .map(|(mu, z)| (border + mu / rate, p.by_upsilon[1] * z))
         .collect();
@@ -279,12 +278,12 @@ fn stacked([simulated, both]: [Panel; 2], title: &str) -> Figure {
 }
 
 /// The cascade of the valve.
-pub fn fig5(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, Failure> {
+pub fn fig5(valve: &Valve, advance: &Advance) -> Result<Plate, Failure> {
     let window = Window {
         range: WHOLE,
         columns: COLUMNS,
     };
-    let panels = panels(valve, &window, show)?;
+    let panels = panels(valve, &window, advance)?;
     Ok(Plate {
         name: "fig5",
         label: "Fig. 5",
@@ -298,12 +297,12 @@ pub fn fig5(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, 
 }
 
 /// An enlargement of Fig. 5.
-pub fn fig6(valve: &Valve, show: &mut (dyn FnMut(f64) + Send)) -> Result<Plate, Failure> {
+pub fn fig6(valve: &Valve, advance: &Advance) -> Result<Plate, Failure> {
     let window = Window {
         range: ENLARGED,
         columns: ENLARGED_COLUMNS,
     };
-    let panels = panels(valve, &window, show)?;
+    let panels = panels(valve, &window, advance)?;
     Ok(Plate {
         name: "fig6",
         label: "Fig. 6",
