@@ -5,7 +5,9 @@ use crate::commands::border::refused;
 use crate::failure::Failure;
 use crate::parallel;
 use crate::shipped;
-use chatter::analysis::border::{Border, BorderSpec, LeadingOrder, border_near, leading_order_at};
+use chatter::analysis::border::{
+    AffineStates, Border, BorderSpec, LeadingOrder, border_near, leading_order_at, section_states,
+};
 use chatter::analysis::diagram::{Range, Row, Spec, Start, Sweep};
 use chatter::analysis::map::Map;
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
@@ -20,6 +22,8 @@ const PRINTED: f64 = 0.020_056;
 /// The model and its section y3 = 9.7.
 const MODEL: &str = "pressure_relief_valve";
 const SECTION: &str = "closing";
+/// The state that is shown, y2, by its place.
+const RATE: usize = 1;
 
 /// Fig. 5: from n = 40 or so, whose windows are as wide as a few values of q, to chaos at n = 25.
 const WHOLE: (f64, f64) = (0.02012, 0.0212);
@@ -48,19 +52,8 @@ pub struct Valve {
     pub universal: Universal<f64>,
     /// From one crossing of y3 = 9.7 to the next.
     pub map: ReturnMap,
-    /// y2 on that section.
-    pub projection: Projection,
-}
-
-/// y1 and y2 on the section y3 = 9.7 to first order: (27) with the flight on to that section.
-#[derive(Clone, Copy, Debug)]
-pub struct Projection {
-    /// On the border orbit.
-    pub value: [f64; 2],
-    /// By q, Upsilon being zero.
-    pub by_parameter: [f64; 2],
-    /// By Upsilon.
-    pub by_upsilon: [f64; 2],
+    /// States on that section: (27) with the flight on to it.
+    pub projection: AffineStates,
 }
 
 impl Valve {
@@ -79,7 +72,7 @@ impl Valve {
         let at_printed = leading_order_at(&model, &spec, PRINTED).map_err(refused)?;
         let universal = Universal::new(border.constants.restitution).map_err(Failure::input)?;
         let map = ReturnMap::new(&model, &ReturnSpec::section(SECTION)).map_err(Failure::input)?;
-        let projection = Projection::new(&model, &map, &border)?;
+        let projection = section_states(&model, &spec, &border, SECTION).map_err(refused)?;
         Ok(Self {
             model,
             spec,
@@ -92,10 +85,14 @@ impl Valve {
         })
     }
 
-    /// y1 and y2 on the section, on the orbit from release: Upsilon is zero there. Its bend in q is of second order, but
-    /// within a few windows larger than they are.
-    pub fn released(&self, q: f64) -> Result<[f64; 2], Failure> {
-        landing(&self.model, &self.map, q, self.border.release.state.clone())
+    /// y2 on the section, on the orbit from release: Upsilon is zero there. Its bend in q is of second order, but within a
+    /// few windows larger than they are.
+    pub fn released(&self, q: f64) -> Result<f64, Failure> {
+        let parameter = self.model.parameter_index("q").unwrap_or(0);
+        let parameters = self.map.parameter_values(&[(parameter, q)]);
+        let mut point = self.border.release.state.clone();
+        (self.map.next(&parameters, &mut point)).map_err(Failure::input)?;
+        Ok(point[RATE])
     }
 
     /// The one-dimensional map with the exact coefficients, at q.
@@ -114,46 +111,6 @@ impl Valve {
         let mu = rate * (q - self.border.value.value);
         UniversalMap::new(self.universal.clone(), slope, mu).map_err(Failure::input)
     }
-}
-
-impl Projection {
-    /// By differences of the flight from release: good to the pixel, and for a first guess.
-    fn new(model: &Model, map: &ReturnMap, border: &Border<f64>) -> Result<Self, Failure> {
-        /// Steps of q and of Upsilon: a thousandth of what the figures show.
-        const STEP: f64 = 1e-6;
-        let offset: Vec<f64> = border.exact.offset.iter().map(|b| b.value).collect();
-        let at = |q: f64, upsilon: f64| -> Result<[f64; 2], Failure> {
-            let start = border.release.state.iter().zip(&offset);
-            let start = start
-                .map(|(x, by_upsilon)| x + upsilon * by_upsilon)
-                .collect();
-            landing(model, map, q, start)
-        };
-        let q = border.value.value;
-        let value = at(q, 0.0)?;
-        let (before, after) = (at(q - STEP, 0.0)?, at(q + STEP, 0.0)?);
-        let (near, far) = (at(q, STEP)?, at(q, 2.0 * STEP)?);
-        let each = |part: &dyn Fn(usize) -> f64| [part(0) / (2.0 * STEP), part(1) / (2.0 * STEP)];
-        Ok(Self {
-            value,
-            by_parameter: each(&|k| after[k] - before[k]),
-            // To one side: a negative Upsilon from release is a flight into the seat.
-            by_upsilon: each(&|k| 4.0 * near[k] - 3.0 * value[k] - far[k]),
-        })
-    }
-}
-
-/// y1 and y2 where an orbit that starts at `point` comes to the section.
-fn landing(
-    model: &Model,
-    map: &ReturnMap,
-    q: f64,
-    mut point: Vec<f64>,
-) -> Result<[f64; 2], Failure> {
-    let parameter = model.parameter_index("q").unwrap_or(0);
-    let parameters = map.parameter_values(&[(parameter, q)]);
-    map.next(&parameters, &mut point).map_err(Failure::input)?;
-    Ok([point[0], point[1]])
 }
 
 struct Window {
@@ -185,13 +142,13 @@ fn panels(valve: &Valve, window: &Window, advance: &Advance) -> Result<[Panel; 2
     let map = valve.exact_at(border)?;
     let (predicted, predicted_rows) = sweep(&map, &spec(range, "z"), &|_| {})?;
 
-    let p = valve.projection;
+    let p = &valve.projection;
     let sheared: Vec<(f64, f64)> = samples(&simulated, &rows)
-        .map(|(q, y2)| (q, y2 - p.value[1] - p.by_parameter[1] * (q - border)))
+        .map(|(q, y2)| (q, y2 - p.origin[RATE] - p.by_parameter[RATE] * (q - border)))
         .collect();
     // What is left of q when the shear is taken away: the bend of the orbit with Upsilon = 0.
     let value = |row: &Row| simulated.values(row.row)[0];
-    let zeros = parallel::each(&rows, |row| Ok(valve.released(value(row))?[1]))?;
+    let zeros = parallel::each(&rows, |row| valve.released(value(row)))?;
     let straightened: Vec<(f64, f64)> = (rows.iter().zip(zeros))
         .flat_map(|(row, zero)| {
             let q = value(row);
@@ -199,7 +156,7 @@ fn panels(valve: &Valve, window: &Window, advance: &Advance) -> Result<[Panel; 2
         })
         .collect();
     let predicted: Vec<(f64, f64)> = samples(&predicted, &predicted_rows)
-        .map(|(mu, z)| (border + mu / rate, p.by_upsilon[1] * z))
+        .map(|(mu, z)| (border + mu / rate, p.by_upsilon[RATE] * z))
         .collect();
 
     let panel = |label: &str, layers: Vec<Layer<'_>>| {
@@ -252,17 +209,17 @@ fn samples<'a>(sweep: &'a Sweep, rows: &'a [Row]) -> impl Iterator<Item = (f64, 
 }
 
 fn how(valve: &Valve, columns: u64) -> String {
-    let p = valve.projection;
+    let p = &valve.projection;
     format!(
         "{columns} values of $q$, {KEPT} returns to the section $y_3 = 9.7$ (falling) after {TRANSIENT} for each, the last \
          state carried on to the next value. In (a) the vertical axis is sheared, as in the paper: $c = {:.5}$ is the \
          slope of $y_2$ over $q$ where $\\Upsilon$ is zero. In (b) $y_2^0(q)$, on the orbit from release at that $q$, is \
          subtracted, and the prediction lies over the simulation: orbits of $z \\to \\Upsilon(K z + M (q - q^*))$ with the \
          exact $K = {:.6}$ and $M = {:.8}$, drawn as $y_2 = {:.5} z$. Nothing is fitted.",
-        p.by_parameter[1],
+        p.by_parameter[RATE],
         valve.border.exact.slope.value,
         valve.border.exact.unfolding_rate.value,
-        p.by_upsilon[1]
+        p.by_upsilon[RATE]
     )
 }
 
