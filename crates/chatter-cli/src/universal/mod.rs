@@ -2,6 +2,7 @@
 
 mod account;
 pub mod atlas;
+pub mod branches;
 mod document;
 mod job;
 pub mod picture;

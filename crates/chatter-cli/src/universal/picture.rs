@@ -1,13 +1,11 @@
-//! The universal map in pictures: Upsilon, orbit diagrams, windows over them, exponents, cobwebs.
+//! The universal map in pictures: Upsilon, orbit diagrams, exponents, cobwebs.
 
-use super::Window;
 use crate::diagram::picture::densities;
 use crate::diagram::{InMemory, View};
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Row, Sweep};
-use chatter::analysis::universal::{PeriodicWindow, Universal, UniversalMap};
-use chatter::numerics::{DoubleDouble, Real};
-use chatter_io::figures::{Axis, Color, Dash, Legend, Line, Panel, Rule, Spans};
+use chatter::analysis::universal::{Universal, UniversalMap};
+use chatter_io::figures::{Axis, Color, Legend, Line, Panel, Rule};
 
 /// Points of a curve on one lap: straight lines between them look smooth.
 const LAP_POINTS: i32 = 400;
@@ -53,9 +51,12 @@ fn lap_end(universal: &Universal<f64>, n: i32) -> f64 {
     (0..n).fold(universal.lap_end(), |x, _| x * universal.constants().eta)
 }
 
-/// Upsilon on one lap. Points crowd at its end, where the slope is infinite.
 fn lap_curve(universal: &Universal<f64>, n: i32) -> (Vec<f64>, Vec<f64>) {
-    let (begin, end) = (lap_end(universal, n + 1), lap_end(universal, n));
+    curve(universal, lap_end(universal, n + 1), lap_end(universal, n))
+}
+
+/// Upsilon over x on one lap. Points crowd at its end, where the slope is infinite.
+pub fn curve(universal: &Universal<f64>, begin: f64, end: f64) -> (Vec<f64>, Vec<f64>) {
     (0..=LAP_POINTS)
         .rev()
         .map(|k| {
@@ -98,72 +99,6 @@ pub fn exponent_panel(sweep: &Sweep, rows: &[Row]) -> Panel {
     .with(Rule::horizontal(0.0).width(0.4))
     .with(Line::new(values, exponents).color(Color::BLUE).width(FINE))
     .legend(Legend::Hidden)
-}
-
-/// Windows as vertical rules, one colour a kind; only the first of a kind is named.
-pub fn window_layers(panel: &mut Panel, windows: &[Window<f64>], shown: (f64, f64)) {
-    type Part = fn(&Window<f64>) -> Option<f64>;
-    let kinds: [(&str, Color, Dash, Part); 3] = [
-        ("fold", Color::GREEN, Dash::Solid, |w| w.fold),
-        ("period doubling", Color::VERMILION, Dash::Solid, |w| {
-            w.period_doubling
-        }),
-        ("graze", Color::GREY, Dash::Dashed, |w| w.grazing),
-    ];
-    for (name, color, dash, part) in kinds {
-        let values = windows.iter().filter_map(part);
-        let inside = values.filter(|value| (shown.0..=shown.1).contains(value));
-        for (place, value) in inside.enumerate() {
-            let rule = Rule::vertical(value).color(color).dash(dash).width(0.5);
-            panel.add(if place == 0 { rule.label(name) } else { rule });
-        }
-    }
-}
-
-/// Periods that have a colour of their own, from 2.
-const PERIOD_COLORS: [Color; 4] = [Color::SKY, Color::ORANGE, Color::PURPLE, Color::BLUE];
-/// Narrower windows, as a part of what is shown, are drawn as rules, with nothing to be seen between their sides.
-const NARROW: f64 = 1e-3;
-
-/// Windows of periodic orbits as bands, one colour a period.
-pub fn period_layers(
-    panel: &mut Panel,
-    windows: &[PeriodicWindow<DoubleDouble>],
-    (from, to): (f64, f64),
-) {
-    for (place, color) in PERIOD_COLORS.into_iter().enumerate() {
-        let period = place + 2;
-        let (mut spans, mut rules) = (Vec::new(), Vec::new());
-        for window in windows.iter().filter(|window| window.period() == period) {
-            let Some((low, high)) = window.stable() else {
-                continue;
-            };
-            let (low, high) = (low.to_f64(), high.to_f64());
-            if high < from || low > to {
-                continue;
-            }
-            if high - low < NARROW * (to - from) {
-                rules.push(0.5 * (low + high));
-            } else {
-                spans.push((low.max(from), high.min(to)));
-            }
-        }
-        let mut label = Some(format!("period {period}"));
-        if !spans.is_empty() {
-            let spans = Spans::new(spans).color(color.opacity(0.3));
-            panel.add(match label.take() {
-                Some(label) => spans.label(label),
-                None => spans,
-            });
-        }
-        for rule in rules {
-            let rule = Rule::vertical(rule).color(color).width(0.3);
-            panel.add(match label.take() {
-                Some(label) => rule.label(label),
-                None => rule,
-            });
-        }
-    }
 }
 
 /// Steps of a cobweb that are passed over, and shown.

@@ -4,7 +4,7 @@ use crate::json::{Json, Object};
 use crate::numbers::{Digits, full};
 use crate::options::Counts;
 use chatter::analysis::universal::{Argument, Universal, UniversalError};
-use chatter::numerics::{DoubleDouble, Real};
+use chatter::numerics::Real;
 use chatter_io::tables::Table;
 
 /// One window, in mu or in a model's parameter. What there is none of is none.
@@ -24,20 +24,6 @@ pub struct Window<R> {
 
 /// Headings of the columns.
 const NAMES: [&str; 5] = ["n", "fold", "period_doubling", "superstable", "grazing"];
-
-impl Window<DoubleDouble> {
-    /// In doubles.
-    pub fn rounded(&self) -> Window<f64> {
-        let round = |value: Option<DoubleDouble>| value.map(Real::to_f64);
-        Window {
-            n: self.n,
-            fold: round(self.fold),
-            period_doubling: round(self.period_doubling),
-            superstable: round(self.superstable),
-            grazing: round(self.grazing),
-        }
-    }
-}
 
 impl<R: Real> Window<R> {
     /// The windows of these laps in mu, for a map with slope K.

@@ -16,6 +16,8 @@ EXAMPLES
   chatter universal --restitution 0.8 --plot fig2.svg
 
 The map is z -> Upsilon(K z + mu); mu and K of a model come from `chatter border`. Its parameters are called mu and slope.
+Over an orbit diagram in mu, --windows draws the fixed points as curves, also where the orbits have settled to something
+else that coexists; --periods draws the windows of other orbits in a panel of their own.
 
 JSON
   One document: restitution, chatter_fixed_point (u*), lambda, eta, exponent, lap_end (x_e), lap_begin (eta x_e); with
@@ -112,7 +114,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     pub out: Option<TableFile>,
 
-    /// Draw the orbit diagram (with --windows over it), the cobweb, or Upsilon: .svg, .png or .pdf
+    /// Draw the orbit diagram (with --windows and --periods), the cobweb, or Upsilon: .svg, .png or .pdf
     #[arg(long, value_name = "FILE")]
     pub plot: Option<FigureFile>,
 

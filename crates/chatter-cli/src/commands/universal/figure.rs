@@ -3,7 +3,7 @@
 use super::arguments::CobwebOption;
 use super::{Arguments, refused};
 use crate::failure::Failure;
-use crate::universal::{Findings, Window, picture};
+use crate::universal::{Findings, branches, picture};
 use chatter::analysis::universal::{Universal, UniversalMap};
 use chatter::numerics::Real;
 use chatter_io::figures::{Figure, Sharing};
@@ -11,6 +11,10 @@ use chatter_io::figures::{Figure, Sharing};
 /// Widths of a figure, in millimetres.
 const WIDE: f64 = 178.0;
 const NARROW: f64 = 110.0;
+/// Heights of panels below each other, and of a period in that of windows, relative to each other.
+const ORBITS_HEIGHT: f64 = 2.0;
+const EXPONENT_HEIGHT: f64 = 1.0;
+const PERIOD_HEIGHT: f64 = 0.1;
 
 /// Orbit diagram, cobweb or Upsilon, whichever was asked for.
 pub fn figure<R: Real>(
@@ -42,25 +46,33 @@ pub fn figure<R: Real>(
         return Ok(figure.title("Upsilon").caption(format!("{caption} {made}")));
     };
     let range = &sweep.spec().sweeps[0];
-    let mut panel = picture::orbit_panel(sweep, rows)?;
-    if let (Some(windows), "mu") = (&findings.windows, range.parameter.as_str()) {
-        let windows: Vec<_> = windows.iter().map(Window::rounded).collect();
-        picture::period_layers(&mut panel, &findings.periodic, (range.from, range.to));
-        picture::window_layers(&mut panel, &windows, (range.from, range.to));
-    }
-    let mut figure = Figure::from(panel).width(WIDE);
-    if arguments.lyapunov {
-        let exponents = picture::exponent_panel(sweep, rows);
-        figure = figure
-            .panel(exponents)
-            .sharing(Sharing::Horizontal)
-            .row_heights(&[2.0, 1.0]);
-    }
-    let caption = format!(
+    let mut caption = format!(
         "Orbits of z -> Upsilon(K z + mu), {map_about}: {} iterates after {} for each of {} values, the last one carried \
          on.",
         arguments.keep, arguments.transient, range.count
     );
+    let mut orbits = picture::orbit_panel(sweep, rows)?;
+    let mut below = Vec::new();
+    if let (Some(laps), "mu") = (arguments.windows, range.parameter.as_str()) {
+        let shown = (range.from, range.to);
+        branches::fixed_point_layers(&mut orbits, map, laps, shown).map_err(refused)?;
+        caption += " Curves: the fixed points, whatever these orbits have settled to.";
+        if let Some((panel, longest)) = branches::window_panel(&findings.periodic, shown) {
+            below.push((panel, PERIOD_HEIGHT * (longest as f64 + 1.0)));
+            caption += " Outlines: intervals in which an orbit of that period is stable.";
+        }
+    }
+    if arguments.lyapunov {
+        below.push((picture::exponent_panel(sweep, rows), EXPONENT_HEIGHT));
+    }
+    let mut figure = Figure::from(orbits).width(WIDE);
+    if !below.is_empty() {
+        let (panels, heights): (Vec<_>, Vec<f64>) = below.into_iter().unzip();
+        let heights: Vec<f64> = core::iter::once(ORBITS_HEIGHT).chain(heights).collect();
+        figure = (panels.into_iter().fold(figure, Figure::panel))
+            .sharing(Sharing::Horizontal)
+            .row_heights(&heights);
+    }
     Ok(figure
         .title("Orbit diagram")
         .caption(format!("{caption} {made}")))

@@ -7,7 +7,7 @@ use crate::diagram::Source;
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Range, Sweep};
 use chatter::expressions::tex_name;
-use chatter_io::figures::{Axis, Density, Normalisation, Panel, Scale};
+use chatter_io::figures::{Axis, Color, Density, Normalisation, Panel, Scale};
 
 /// A density has about as many cells as samples, so that bands of chaos are neither speckled nor blurred: between these
 /// numbers, three along the horizontal axis for two along the vertical one, and at most one a parameter value.
@@ -87,6 +87,7 @@ pub fn densities(
     for one in shown {
         let density = Density::new(window.cells, one.extent(view)?)
             .normalisation(Normalisation::Column)
+            .color(Color::NIGHT)
             .cells(window.count.min(columns) as usize, rows)
             .scales(window.scale, Scale::Linear);
         drawn.push((one, density));
