@@ -4,7 +4,8 @@ use super::super::argument::Argument;
 use super::super::error::UniversalError;
 use super::super::evaluate::Universal;
 use super::enclosure::Enclosing;
-use super::periodic::{PeriodicWindow, covered};
+use super::search::covered;
+use super::window::PeriodicWindow;
 use crate::numerics::Real;
 
 /// The basin of a window's orbit.

@@ -7,7 +7,11 @@
 //! recurrence   all mu at which a given point is periodic, by bisection with these enclosures
 //! orbit        an orbit with its first and second derivatives: what Newton's method needs
 //! follow       a family of periodic orbits through its stable part
-//! periodic     windows of period 2 and higher: fold or doubling, superstable point, period doubling, graze
+//! window       windows of periodic orbits, as values: fold or doubling, superstable point, period doubling, graze
+//! periodic     all windows of given laps and periods
+//! search       where orbits are looked for, and all mu at which a point is periodic
+//! superstable  windows that have a superstable orbit
+//! collision    windows that begin where a point leaves a lap's end, and grazes
 //! cascade      period doublings on a lap to their accumulation
 //! chaos        for which n and K there is chaos, and where
 //! basin        what is attracted by a window's orbit
@@ -16,15 +20,19 @@
 mod basin;
 mod cascade;
 mod chaos;
+mod collision;
 mod enclosure;
 mod follow;
 mod orbit;
 mod periodic;
 mod recurrence;
+mod search;
+mod superstable;
 #[cfg(test)]
 mod tests;
+mod window;
 
 pub use basin::Basin;
 pub use cascade::Cascade;
 pub use chaos::{Chaos, Regime};
-pub use periodic::{Edge, EdgeKind, PeriodicAtlas, PeriodicWindow};
+pub use window::{Edge, EdgeKind, PeriodicAtlas, PeriodicWindow};
