@@ -13,7 +13,6 @@ use crate::terminal::{self, Progress, Style};
 use chatter::analysis::simulate::{
     Outcome, Progress as Reached, SimulateError, Simulation, Spec, SpecError, Stop, simulate,
 };
-use chatter::expressions::nearest;
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 use clap::Args;
@@ -266,9 +265,7 @@ fn refused(error: &SimulateError, model: &Model) -> Failure {
         SimulateError::Spec(error) => {
             let failure = Failure::input(error);
             match error {
-                SpecError::UnknownPlace { name, known, .. } => {
-                    failure.did_you_mean(nearest(name, known.iter().map(String::as_str)))
-                }
+                SpecError::UnknownPlace(error) => failure.did_you_mean(error.suggestion()),
                 _ => failure,
             }
         }

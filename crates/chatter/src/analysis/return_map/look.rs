@@ -23,27 +23,18 @@ pub(super) enum Look {
 impl Look {
     /// Finds out what is meant. Leaves the model the sections that are looked at: others would only cost time.
     pub(super) fn new(sampling: &Sampling, model: &mut Model) -> Result<Self, ReturnMapError> {
-        let mut sections = core::mem::take(&mut model.sections);
         Ok(match sampling {
             Sampling::Event { kind, at } => {
-                let names: Vec<&str> = match kind {
-                    EventKind::Section => sections.iter().map(|s| &*s.name).collect(),
-                    _ => model.contacts.iter().map(|c| &*c.name).collect(),
+                let place = |name: &str| {
+                    let place = kind.place(model, name);
+                    place.map_err(ReturnMapError::UnknownPlace)
                 };
-                let unknown = |name: &str| ReturnMapError::UnknownPlace {
-                    kind: *kind,
-                    name: name.to_owned(),
-                    known: names.iter().map(|&name| name.to_owned()).collect(),
-                };
-                let at = match at {
-                    Some(name) => Some(
-                        names
-                            .iter()
-                            .position(|known| known == name)
-                            .ok_or_else(|| unknown(name))?,
-                    ),
-                    None => None,
-                };
+                let at = at.as_deref().map(place).transpose()?;
+                if *kind == EventKind::Section && model.sections.is_empty() {
+                    // Whatever it is called.
+                    place("")?;
+                }
+                let mut sections = core::mem::take(&mut model.sections);
                 match (kind, at) {
                     (EventKind::Section, Some(index)) => {
                         let section = sections.swap_remove(index);
@@ -56,9 +47,6 @@ impl Look {
                         }
                     }
                     (EventKind::Section, None) => {
-                        if sections.is_empty() {
-                            return Err(unknown(""));
-                        }
                         model.sections = sections;
                         Look::Event {
                             kind: *kind,
@@ -74,6 +62,7 @@ impl Look {
                 }
             }
             Sampling::Stroboscopic { period } => {
+                model.sections.clear();
                 let text = period.clone();
                 let expr = model
                     .parse_expression(period)

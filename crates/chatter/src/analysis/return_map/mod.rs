@@ -16,7 +16,8 @@ mod tests;
 pub use spec::{ReturnMapError, ReturnSpec, Sampling};
 
 use crate::analysis::map::{Arrival, Command, Map, NoReturn, Origin, Passage, Scope, Start};
-use crate::expressions::{Expr, Symbol, nearest};
+use crate::analysis::simulate::check_tolerance;
+use crate::expressions::{Expr, Symbol};
 use crate::flow::{Settings, System};
 use crate::model::Model;
 use follow::Follower;
@@ -47,11 +48,7 @@ impl ReturnMap {
         if spec.most_impacts == 0 {
             return Err(ReturnMapError::NoImpacts);
         }
-        if !(0.0..1.0).contains(&spec.tolerance) {
-            return Err(ReturnMapError::Tolerance {
-                value: spec.tolerance,
-            });
-        }
+        check_tolerance(spec.tolerance).map_err(ReturnMapError::Tolerance)?;
         let mut model = model.clone();
         let look = Look::new(&spec.sampling, &mut model)?;
         let system = System::new(&model).map_err(ReturnMapError::System)?;
@@ -98,9 +95,7 @@ impl ReturnMapError {
     /// The name that is probably meant, where one is unknown.
     pub fn suggestion(&self) -> Option<String> {
         match self {
-            Self::UnknownPlace { name, known, .. } => {
-                nearest(name, known.iter().map(String::as_str))
-            }
+            Self::UnknownPlace(error) => error.suggestion(),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
 //! Where a flow is looked at, in a form that can be stored.
 
-use crate::analysis::simulate::EventKind;
+use crate::analysis::simulate::{EventKind, UnknownPlace, WrongTolerance};
 use crate::expressions::ParseError;
 use crate::flow::SystemError;
 use core::fmt;
@@ -68,14 +68,7 @@ pub enum ReturnMapError {
     /// The model cannot be compiled.
     System(SystemError),
     /// The model has no such contact or section.
-    UnknownPlace {
-        /// The kind of event.
-        kind: EventKind,
-        /// The name given.
-        name: String,
-        /// The names there are.
-        known: Vec<String>,
-    },
+    UnknownPlace(UnknownPlace),
     /// The stroboscopic period is no expression.
     Period {
         /// Its text.
@@ -98,30 +91,14 @@ pub enum ReturnMapError {
     /// A return is allowed no impact.
     NoImpacts,
     /// A tolerance that is no small positive number or zero.
-    Tolerance {
-        /// What was asked for.
-        value: f64,
-    },
+    Tolerance(WrongTolerance),
 }
 
 impl fmt::Display for ReturnMapError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::System(error) => error.fmt(out),
-            Self::UnknownPlace { kind, name, known } => {
-                let what = match kind {
-                    EventKind::Section => "section",
-                    _ => "contact",
-                };
-                write!(out, "the model has no {what} `{name}`")?;
-                match known.split_last() {
-                    None => write!(out, ": it has no {what}s"),
-                    Some((only, [])) => write!(out, ": it has `{only}`"),
-                    Some((last, rest)) => {
-                        write!(out, ": it has `{}` and `{last}`", rest.join("`, `"))
-                    }
-                }
-            }
+            Self::UnknownPlace(error) => error.fmt(out),
             Self::Period { text, error } => write!(out, "the period `{text}`: {error}"),
             Self::PeriodValue { text, value } if value.is_nan() => write!(
                 out,
@@ -136,10 +113,7 @@ impl fmt::Display for ReturnMapError {
                 "a return cannot be allowed a time of {value}: expected a positive number"
             ),
             Self::NoImpacts => write!(out, "a return must be allowed at least one impact"),
-            Self::Tolerance { value } => write!(
-                out,
-                "a tolerance of {value} makes no sense: expected a number from 0 (rounding error) to below 1"
-            ),
+            Self::Tolerance(error) => error.fmt(out),
         }
     }
 }

@@ -31,17 +31,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod place;
 mod recorder;
 mod result;
 mod samples;
 mod spec;
+mod tolerance;
 
 #[cfg(test)]
 mod tests;
 
+pub use place::UnknownPlace;
 pub use result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
 pub use samples::Samples;
 pub use spec::{EventKind, EventTarget, Sampling, Spec, SpecError, Stop};
+pub use tolerance::WrongTolerance;
+pub(crate) use tolerance::check_tolerance;
 
 use crate::flow::{FlowError, Occurrence, Settings, System, SystemError, Trajectory};
 use crate::model::Model;

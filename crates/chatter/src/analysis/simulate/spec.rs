@@ -1,6 +1,8 @@
 //! What is to be simulated, in a form that can be stored.
 
+use super::place::UnknownPlace;
 use super::result::{Event, EventDetail};
+use super::tolerance::{WrongTolerance, check_tolerance};
 use crate::model::Model;
 use crate::numerics::DoubleDouble;
 use core::fmt;
@@ -41,11 +43,7 @@ impl Spec {
         if self.impacts == 0 {
             return Err(SpecError::NoImpacts);
         }
-        if !(0.0..1.0).contains(&self.tolerance) {
-            return Err(SpecError::Tolerance {
-                value: self.tolerance,
-            });
-        }
+        check_tolerance(self.tolerance).map_err(SpecError::Tolerance)?;
         for sampling in &self.sampling {
             match sampling {
                 Sampling::Dense { per_step: 0 } => return Err(SpecError::NoSamples),
@@ -61,8 +59,10 @@ impl Spec {
         let mut targets = Vec::new();
         for stop in &self.stops {
             if let Stop::Event(target) = stop {
+                let place = |name: &String| target.kind.place(model, name);
                 targets.push(OpenTarget {
-                    place: target.place(model)?,
+                    place: (target.at.as_ref().map(place).transpose())
+                        .map_err(SpecError::UnknownPlace)?,
                     left: target.count.max(1),
                     target: target.clone(),
                 });
@@ -91,27 +91,6 @@ pub struct EventTarget {
     pub at: Option<String>,
     /// How many are waited for; zero means one.
     pub count: u64,
-}
-
-impl EventTarget {
-    /// Index of the contact or section named.
-    fn place(&self, model: &Model) -> Result<Option<usize>, SpecError> {
-        let Some(name) = &self.at else {
-            return Ok(None);
-        };
-        let known: Vec<&str> = match self.kind {
-            EventKind::Section => model.sections.iter().map(|s| &*s.name).collect(),
-            _ => model.contacts.iter().map(|c| &*c.name).collect(),
-        };
-        match known.iter().position(|known| known == name) {
-            Some(index) => Ok(Some(index)),
-            None => Err(SpecError::UnknownPlace {
-                kind: self.kind,
-                name: name.clone(),
-                known: known.into_iter().map(str::to_owned).collect(),
-            }),
-        }
-    }
 }
 
 impl fmt::Display for EventTarget {
@@ -222,10 +201,7 @@ pub enum SpecError {
     /// A budget of no impacts.
     NoImpacts,
     /// A tolerance that is no small positive number or zero.
-    Tolerance {
-        /// What was asked for.
-        value: f64,
-    },
+    Tolerance(WrongTolerance),
     /// Dense sampling without samples.
     NoSamples,
     /// A sampling interval that is no positive number.
@@ -234,14 +210,7 @@ pub enum SpecError {
         value: f64,
     },
     /// The model has no such contact or section.
-    UnknownPlace {
-        /// The kind of event waited for.
-        kind: EventKind,
-        /// The name given.
-        name: String,
-        /// The names there are.
-        known: Vec<String>,
-    },
+    UnknownPlace(UnknownPlace),
 }
 
 impl fmt::Display for SpecError {
@@ -252,29 +221,13 @@ impl fmt::Display for SpecError {
                 "a run from time {start} cannot end at time {until}: the end must be finite and lie after the start"
             ),
             Self::NoImpacts => write!(out, "a run must be allowed at least one impact"),
-            Self::Tolerance { value } => write!(
-                out,
-                "a tolerance of {value} makes no sense: expected a number from 0 (rounding error) to below 1"
-            ),
+            Self::Tolerance(error) => error.fmt(out),
             Self::NoSamples => write!(out, "dense sampling needs at least one sample a step"),
             Self::SampleStep { value } => write!(
                 out,
                 "a sampling interval of {value} makes no sense: expected a positive number"
             ),
-            Self::UnknownPlace { kind, name, known } => {
-                let what = match kind {
-                    EventKind::Section => "section",
-                    _ => "contact",
-                };
-                write!(out, "the model has no {what} `{name}`")?;
-                match known.split_last() {
-                    None => write!(out, ": it has no {what}s"),
-                    Some((only, [])) => write!(out, ": it has `{only}`"),
-                    Some((last, rest)) => {
-                        write!(out, ": it has `{}` and `{last}`", rest.join("`, `"))
-                    }
-                }
-            }
+            Self::UnknownPlace(error) => error.fmt(out),
         }
     }
 }
