@@ -64,38 +64,24 @@ fn fails(arguments: &[&str]) -> String {
     String::from_utf8(output.stderr).unwrap()
 }
 
+/// A command line as it is typed, and what follows: paths, in which there may be spaces.
+fn typed<'a>(line: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
+    line.split(' ').chain(rest.iter().copied()).collect()
+}
+
 /// The diagram of the issue, with fewer values.
-fn valve<'a>(sweep: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
-    let mut arguments = vec![
-        "diagram",
-        "pressure_relief_valve",
-        "--sweep",
-        sweep,
-        "--section",
-        "closing",
-        "--observe",
-        "y2",
-        "--start",
-        "carry",
-    ];
-    arguments.extend(rest);
+fn valve<'a>(sweep: &'a str, options: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
+    let valve =
+        "diagram pressure_relief_valve --section closing --observe y2 --start carry --sweep";
+    let mut arguments = typed(valve, &[sweep]);
+    arguments.extend(typed(options, rest));
     arguments
 }
 
 /// Long enough to be broken off.
 fn long(out: &str) -> Vec<&str> {
-    let rest = [
-        "--transient",
-        "400",
-        "--keep",
-        "200",
-        "--threads",
-        "2",
-        "--out",
-    ];
-    let mut arguments = valve("q=0.0201:0.0225:800", &rest);
-    arguments.push(out);
-    arguments
+    let options = "--transient 400 --keep 200 --threads 2 --out";
+    valve("q=0.0201:0.0225:800", options, &[out])
 }
 
 fn begin(arguments: &[&str]) -> Child {
@@ -191,13 +177,13 @@ fn a_foreign_journal_is_refused() {
     wait_for(&format!("{out}.journal"), 5_000);
     child.kill().unwrap();
     child.wait().unwrap();
-    let rest = ["--transient", "400", "--keep", "100", "--out", &out];
-    let said = fails(&valve("q=0.0201:0.0225:800", &rest));
+    let with = |sweep: &str| fails(&valve(sweep, "--transient 400 --keep 100 --out", &[&out]));
+    let said = with("q=0.0201:0.0225:800");
     assert!(
         said.contains("an unfinished diagram with other options"),
         "{said}"
     );
-    let said = fails(&valve("q=0.0201:0.0225:801", &rest));
+    let said = with("q=0.0201:0.0225:801");
     assert!(said.contains("with another sweep"), "{said}");
     let mut other = long(&out);
     other.extend(["--set", "kappa=1.3"]);
@@ -212,22 +198,8 @@ fn a_foreign_journal_is_refused() {
 fn tables_have_the_names_of_the_issue_and_the_same_numbers() {
     let folder = Folder::new("tables");
     let (npz, csv) = (folder.file("a.npz"), folder.file("a.csv"));
-    let rest = [
-        "--transient",
-        "30",
-        "--keep",
-        "20",
-        "--observe",
-        "n=impacts",
-        "--exponent",
-        "--out",
-    ];
-    let with = |out: &str| {
-        let mut arguments = valve("q=0.0203:0.0206:7", &rest).join(" ");
-        arguments += &format!(" {out}");
-        let arguments: Vec<&str> = arguments.split(' ').collect();
-        succeeds(&arguments)
-    };
+    let options = "--transient 30 --keep 20 --observe n=impacts --exponent --out";
+    let with = |out: &str| succeeds(&valve("q=0.0203:0.0206:7", options, &[out]));
     let said = with(&npz);
     assert!(said.contains("q from 0.0203 to 0.0206, 7 values"), "{said}");
     with(&csv);
@@ -279,21 +251,12 @@ fn tables_have_the_names_of_the_issue_and_the_same_numbers() {
 fn pictures_are_drawn_at_once_and_later() {
     let folder = Folder::new("pictures");
     let (npz, png) = (folder.file("a.npz"), folder.file("a.png"));
-    let rest = [
-        "--transient",
-        "50",
-        "--keep",
-        "40",
-        "--observe",
-        "impacts",
-        "--out",
-        &npz,
-        "--plot",
-        &png,
-        "--shear",
-        "auto",
-    ];
-    succeeds(&valve("q=0.0203:0.0206:40", &rest));
+    let options = "--transient 50 --keep 40 --observe impacts --shear auto --out";
+    succeeds(&valve(
+        "q=0.0203:0.0206:40",
+        options,
+        &[&npz, "--plot", &png],
+    ));
     // From the file as from the journal.
     let later = folder.file("later.png");
     succeeds(&["plot", &npz, "--out", &later, "--shear", "auto"]);
@@ -325,20 +288,12 @@ fn pictures_are_drawn_at_once_and_later() {
 fn maps_over_two_parameters_are_tables_and_pictures() {
     let folder = Folder::new("maps");
     let (npz, png) = (folder.file("a.npz"), folder.file("a.png"));
-    let rest = [
-        "--sweep",
-        "r=0.5:0.81:4",
-        "--transient",
-        "10",
-        "--keep",
-        "10",
-        "--exponent",
-        "--out",
-        &npz,
-        "--plot",
-        &png,
-    ];
-    succeeds(&valve("q=0.0202:0.0206:5", &rest));
+    let options = "--sweep r=0.5:0.81:4 --transient 10 --keep 10 --exponent --out";
+    succeeds(&valve(
+        "q=0.0202:0.0206:5",
+        options,
+        &[&npz, "--plot", &png],
+    ));
     let file = NpzReader::open(&npz).unwrap();
     assert!(!file.contains("column") && !file.contains("y2"));
     let (q, r) = (file.floats("q").unwrap(), file.floats("r").unwrap());
@@ -367,19 +322,9 @@ fn diagrams_of_the_universal_map_are_diagrams_like_others() {
         folder.file("a.csv"),
         folder.file("a.png"),
     );
-    let sweep = "mu=0.004:0.006:40";
+    let line = "universal --restitution 0.8 --sweep mu=0.004:0.006:40 --keep 60 --out";
     for out in [&npz, &csv] {
-        succeeds(&[
-            "universal",
-            "--restitution",
-            "0.8",
-            "--sweep",
-            sweep,
-            "--keep",
-            "60",
-            "--out",
-            out,
-        ]);
+        succeeds(&typed(line, &[out]));
     }
     let file = NpzReader::open(&npz).unwrap();
     assert_eq!(file.floats("mu").unwrap().len(), 40);
@@ -431,43 +376,20 @@ fn wrong_input_is_told_before_anything_is_computed() {
     assert!(range("q=0.02:0.03").contains("expected NAME=FROM:TO:COUNT"));
     assert!(range("q=-1:0.03:3:log").contains("by ratios"));
     assert!(range("q=0.02:zz:3").contains("unknown name `zz`"));
-    let nowhere = fails(&[
-        "diagram",
-        "pressure_relief_valve",
-        "--observe",
-        "y2",
-        "--sweep",
-        sweep[1],
-    ]);
-    assert!(nowhere.contains("goes nowhere"));
+    let line = "diagram pressure_relief_valve --observe y2 --sweep q=0.0201:0.0203:9";
+    assert!(fails(&typed(line, &[])).contains("goes nowhere"));
     let missing = folder.file("no/a.npz");
-    let arguments = [
-        "diagram",
-        "pressure_relief_valve",
-        "--observe",
-        "y2",
-        "--sweep",
-        sweep[1],
-    ];
-    let said = fails(&[&arguments[..], &["--out", &missing]].concat());
+    let said = fails(&typed(line, &["--out", &missing]));
     assert!(said.contains("does not exist"), "{said}");
-    let said = fails(&[&arguments[..], &["--out", "a.xyz"]].concat());
+    let said = fails(&typed(line, &["--out", "a.xyz"]));
     assert!(said.contains("xyz"), "{said}");
     assert!(observed(&["--chunk", "4"]).contains("none is carried"));
     assert!(observed(&["--set", "q=0.02"]).contains("both set and swept"));
     assert!(range("r=0.5:1.1:3").contains("restitution 1.1"));
     assert!(range("q=0.02:0.03:999999999999").contains("expected 100000000 at most"));
     assert!(fails(&["diagram", "--resume", &out]).contains("nothing to resume"));
-    let said = fails(&[
-        "diagram",
-        "cam_follower",
-        "--observe",
-        "y",
-        "--sweep",
-        "speed=500:600:9",
-        "--out",
-        &out,
-    ]);
+    let cam = "diagram cam_follower --observe y --sweep speed=500:600:9 --out";
+    let said = fails(&typed(cam, &[&out]));
     assert!(said.contains("it has `bottom`, `top`"), "{said}");
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }

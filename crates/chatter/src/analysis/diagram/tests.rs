@@ -43,6 +43,17 @@ fn spec(from: f64, to: f64, count: u64) -> Spec {
     Spec::new(Range::linear("a", from, to, count), "x", 2000, 200)
 }
 
+/// Goes on with a sweep of the logistic map, on so many threads.
+fn go_on(
+    sweep: &Sweep,
+    standing: &Standing,
+    threads: usize,
+    stop: &AtomicBool,
+    sink: &mut (dyn FnMut(Row) -> ControlFlow<()> + Send),
+) -> Ending {
+    run(&PLAIN, sweep, standing, &Threads::new(threads), stop, sink)
+}
+
 #[test]
 fn every_cascade_of_the_logistic_map_is_found() {
     let rows = diagram(&PLAIN, &spec(2.8, 4.0, 601), &Threads::new(2)).unwrap();
@@ -233,37 +244,23 @@ fn a_broken_off_run_goes_on_to_the_same_bits() {
         let mut rows = Vec::new();
         let mut standing = Standing::default();
         let stop = AtomicBool::new(false);
-        let ending = run(
-            &PLAIN,
-            &sweep,
-            &standing,
-            &Threads::new(2),
-            &stop,
-            &mut |row| {
-                rows.push(row);
-                if rows.len() > after {
-                    stop.store(true, Ordering::Relaxed);
-                }
-                ControlFlow::Continue(())
-            },
-        );
+        let ending = go_on(&sweep, &standing, 2, &stop, &mut |row| {
+            rows.push(row);
+            if rows.len() > after {
+                stop.store(true, Ordering::Relaxed);
+            }
+            ControlFlow::Continue(())
+        });
         assert!(ending == Ending::Stopped || rows.len() == 3000);
         assert!(rows.iter().all(|row| standing.note(&sweep, row)));
         // A row twice, or of another diagram, is not taken for one that is there.
         assert!(rows.iter().all(|row| !standing.note(&sweep, row)));
         assert_eq!(standing.rows(), rows.len() as u64);
         let stop = AtomicBool::new(false);
-        let ending = run(
-            &PLAIN,
-            &sweep,
-            &standing,
-            &Threads::new(3),
-            &stop,
-            &mut |row| {
-                rows.push(row);
-                ControlFlow::Continue(())
-            },
-        );
+        let ending = go_on(&sweep, &standing, 3, &stop, &mut |row| {
+            rows.push(row);
+            ControlFlow::Continue(())
+        });
         assert_eq!(ending, Ending::Complete);
         rows.sort_unstable_by_key(|row| row.row);
         assert_eq!(rows.len(), 3000);
@@ -276,18 +273,10 @@ fn a_sink_that_breaks_off_ends_the_run() {
     let sweep = Sweep::new(&PLAIN, &spec(3.5, 4.0, 1000)).unwrap();
     let mut count = 0;
     let stop = AtomicBool::new(false);
-    let standing = Standing::default();
-    let ending = run(
-        &PLAIN,
-        &sweep,
-        &standing,
-        &Threads::new(2),
-        &stop,
-        &mut |_| {
-            count += 1;
-            ControlFlow::Break(())
-        },
-    );
+    let ending = go_on(&sweep, &Standing::default(), 2, &stop, &mut |_| {
+        count += 1;
+        ControlFlow::Break(())
+    });
     assert_eq!((ending, count), (Ending::Stopped, 1));
 }
 
