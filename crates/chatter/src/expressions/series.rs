@@ -5,7 +5,8 @@
 //! hence k y_k = sum_{j=1..k} j a_j w_{k-j}; a quotient, root or power comes from the same rule solved for y_k.
 
 use super::graph::Function;
-use super::tape::{Op, Operand, Sign, Tape};
+use super::tape::{Op, Operand, Sign, Swing, Tape};
+use crate::numerics::polynomial::magnitude;
 use crate::numerics::{Scalar, two_sum};
 
 /// Highest order that an expansion may have.
@@ -98,6 +99,60 @@ impl<S: Scalar> Expansion<S> {
                 .abs()
                 .max(c[order - 1].abs() * S::splat(BEFORE_LAST));
             *worst = worst.max(tail * inverse);
+        }
+    }
+
+    /// The longest scaled time up to `longest`, at least one, in which no argument of an exponential swings further than
+    /// this order resolves.
+    ///
+    /// The terms of e^a grow until their number exceeds the swing of a. Where e^a is next to nothing, so may all terms
+    /// be that an expansion has, the last of them included, and the sum at the end of the step nonetheless everything:
+    /// a narrow bump seen from afar. With a swing below half the order the last terms halve from one to the next at
+    /// least, and what is left out is no more than the last.
+    #[inline(always)]
+    pub(crate) fn resolved(&self, tape: &Tape, constants: &[S], longest: f64) -> S {
+        let mut resolved = S::splat(longest);
+        for swing in &tape.swings {
+            let (slot, allowed) = self.allowed_swing(*swing, constants);
+            let changes = &self.series(slot)[1..];
+            let one = magnitude(changes, S::splat(1.0));
+            let all = magnitude(changes, S::splat(longest)) * S::splat(longest);
+            // The logarithm of the sum of the terms' sizes is a convex function of that of the time: below its chord.
+            let share = (allowed.coarse_log2() - one.coarse_log2())
+                / (all.coarse_log2() - one.coarse_log2());
+            let chord = (share * S::splat(libm::log2(longest))).coarse_exp2();
+            let within = S::select(one.at_most(allowed), chord, allowed / one);
+            let within = S::select(all.at_most(allowed), S::splat(longest), within);
+            resolved = resolved.min(within);
+        }
+        resolved
+    }
+
+    /// The series that swings and by how much it may.
+    #[inline(always)]
+    fn allowed_swing(&self, swing: Swing, constants: &[S]) -> (usize, S) {
+        // A power below this, base-two logarithm, is nothing.
+        const NOTHING: f64 = -330.0;
+        let half_order = S::splat(0.5 * self.order as f64);
+        match swing {
+            Swing::Exponential { argument } => (argument, half_order),
+            Swing::Saturating { argument } => {
+                // 1 - tanh^2 a = 4 e^(-2|a|) is visible up to here.
+                let visible = S::splat(-0.5 * libm::log(S::ROUNDOFF) - 1.0);
+                let value = self.get(argument, 0).abs();
+                let far = (value - visible).max(S::splat(1.0));
+                let near = half_order * S::splat(0.5);
+                (argument, S::select(value.at_most(visible), near, far))
+            }
+            Swing::Power { base, exponent } => {
+                let exponent = constants[exponent];
+                let value = self.get(base, 0).abs();
+                let nothing = (S::splat(NOTHING) / exponent).coarse_exp2() - value;
+                let relative = half_order * value / exponent.abs();
+                let positive = S::splat(0.0).less(exponent);
+                let allowed = S::select(positive, relative.max(nothing), relative);
+                (base, allowed)
+            }
         }
     }
 

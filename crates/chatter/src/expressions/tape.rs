@@ -5,9 +5,13 @@
 //! coefficient of order k of one series from coefficients of order k and below of others. [`series`](super::series)
 //! runs it.
 
+use super::eval::LARGEST_MULTIPLIED_EXPONENT;
 use super::graph::{Expr, Function, Graph, Node, Symbol};
 use crate::numerics::Real;
 use std::collections::HashMap;
+
+/// Up to this power an expansion of the lowest order sees what a base of any size grows into, by the size of its terms.
+const VISIBLE_POWER: f64 = 16.0;
 
 /// Where a value comes from while a tape runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,10 +81,40 @@ pub(crate) enum Op {
     },
 }
 
+/// A series of which a function may grow out of next to nothing: no coefficient of the function shows it beforehand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Swing {
+    /// Argument of an exponential or of a hyperbolic sine and cosine.
+    Exponential { argument: usize },
+    /// Argument of a hyperbolic tangent, which is constant to rounding where the argument is large.
+    Saturating { argument: usize },
+    /// Base of a power; the exponent is a constant of the tape.
+    Power { base: usize, exponent: usize },
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sign {
     Plus,
     Minus,
+}
+
+impl Op {
+    fn swing(&self) -> Option<Swing> {
+        match *self {
+            Self::Integral {
+                function: Function::Exp | Function::Sinh | Function::Cosh,
+                argument,
+                ..
+            } => Some(Swing::Exponential { argument }),
+            Self::Integral {
+                function: Function::Tanh,
+                argument,
+                ..
+            } => Some(Swing::Saturating { argument }),
+            Self::Power { base, exponent, .. } => Some(Swing::Power { base, exponent }),
+            _ => None,
+        }
+    }
 }
 
 /// A vector field and outputs, ready to run on any [`Scalar`](crate::numerics::Scalar).
@@ -93,6 +127,8 @@ pub struct Tape {
     pub(crate) terms: Vec<(usize, usize)>,
     pub(crate) field: Vec<Operand>,
     pub(crate) outputs: Vec<Operand>,
+    /// What limits a step besides the size of its last terms.
+    pub(crate) swings: Vec<Swing>,
     constants: Vec<Expr>,
 }
 
@@ -116,12 +152,19 @@ impl Tape {
                 terms: Vec::new(),
                 field: Vec::new(),
                 outputs: Vec::new(),
+                swings: Vec::new(),
                 constants: Vec::new(),
             },
         };
         lowering.tape.field = field.iter().map(|&e| lowering.operand(e)).collect();
         lowering.tape.outputs = outputs.iter().map(|&e| lowering.operand(e)).collect();
-        lowering.tape
+        let mut tape = lowering.tape;
+        for swing in tape.ops.iter().filter_map(Op::swing) {
+            if !tape.swings.contains(&swing) {
+                tape.swings.push(swing);
+            }
+        }
+        tape
     }
 
     /// Number of states.
@@ -401,7 +444,10 @@ impl Lowering<'_> {
         }
         let number = self.graph.as_number(exponent);
         let twice = number.map(|n| 2.0 * n.high()).filter(|t| {
-            *t == t.trunc() && number.is_some_and(|n| n.low() == 0.0) && *t > 0.0 && *t <= 64.0
+            *t == t.trunc()
+                && number.is_some_and(|n| n.low() == 0.0)
+                && *t > 0.0
+                && *t <= 2.0 * f64::from(LARGEST_MULTIPLIED_EXPONENT)
         });
         let Some(twice) = twice else {
             let base = self.slot(base);
@@ -417,6 +463,11 @@ impl Lowering<'_> {
             return out;
         };
         let whole_part = (twice / 2.0).trunc();
+        if whole_part > VISIBLE_POWER {
+            let base = self.slot(base);
+            let exponent = self.constant(exponent);
+            self.tape.swings.push(Swing::Power { base, exponent });
+        }
         let half = twice % 2.0 == 1.0;
         if half && whole_part == 0.0 {
             let radicand = self.slot(base);

@@ -1,7 +1,7 @@
 //! What runs in one phase: the field that holds while a given set of contacts is closed, and its guards.
 
 use super::touching::Touching;
-use crate::expressions::{Expr, Graph, Operand, Symbol, Tape};
+use crate::expressions::{Expr, Graph, Node, Operand, Symbol, Tape};
 use crate::model::{Direction, Mechanics, Section};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
@@ -56,6 +56,8 @@ pub struct Guard {
     /// Which zeros count, after a rising section's sign was turned.
     pub crossing: Crossing,
     pub(crate) series: Operand,
+    /// Whether its series may need shorter steps than those of the states.
+    pub(crate) is_expanded: bool,
 }
 
 impl Guard {
@@ -193,13 +195,17 @@ impl Program {
             kinds.push((GuardKind::Section(index), crossing));
         }
         let tape = Tape::new(graph, dimension, field, &functions);
-        let guards = kinds
-            .into_iter()
-            .zip(&tape.outputs)
-            .map(|((kind, crossing), &series)| Guard {
+        let guards = (kinds.into_iter().zip(&functions).zip(&tape.outputs))
+            .map(|(((kind, crossing), &function), &series)| Guard {
                 kind,
                 crossing,
                 series,
+                is_expanded: match kind {
+                    GuardKind::Gap(_) => !is_state(graph, function),
+                    GuardKind::Reaction(_) | GuardKind::Section(_) => {
+                        !is_affine(graph, function, dimension)
+                    }
+                },
             })
             .collect();
         let mut impacts = Vec::new();
@@ -297,6 +303,18 @@ impl Program {
             .chain(&self.captures)
             .chain(self.impacts.iter().flatten().map(|impact| &impact.tape))
     }
+}
+
+fn is_state(graph: &Graph, function: Expr) -> bool {
+    matches!(graph.node(function), Node::Symbol(Symbol::State(_)))
+}
+
+/// Whether a function is a combination of states with coefficients that no state changes: resolved wherever they are.
+fn is_affine(graph: &mut Graph, function: Expr, dimension: usize) -> bool {
+    let states: Vec<Symbol> = (0..dimension).map(Symbol::State).collect();
+    let slopes = graph.gradient(function, &states);
+    let mut parts = graph.reachable(&slopes).into_iter();
+    parts.all(|part| !is_state(graph, part))
 }
 
 /// What to add to a state within rounding of the contact surface so that it lies on it: otherwise the gap would drift

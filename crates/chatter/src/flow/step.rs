@@ -144,9 +144,7 @@ impl<S: Scalar> Workspace<S> {
             self.expansion.tail_ratios(slot, orders, &mut worst);
         }
         for guard in &program.guards {
-            if let (GuardKind::Gap(_), Operand::Series(slot)) = (guard.kind, guard.series)
-                && slot >= dimension
-            {
+            if let (true, Operand::Series(slot)) = (guard.is_expanded, guard.series) {
                 self.expansion.tail_ratios(slot, orders, &mut worst);
             }
         }
@@ -156,6 +154,8 @@ impl<S: Scalar> Workspace<S> {
             let growth = exponent.coarse_exp2().min(S::splat(GROWTH));
             self.reach[m] = self.tau * growth;
         }
+        let resolved = (self.expansion).resolved(&program.tape, &self.constants, GROWTH);
+        self.reach[class] = self.reach[class].min(self.tau * resolved);
         self.scaled_step = (self.reach[class]).min(self.horizon) / self.tau;
     }
 
@@ -419,6 +419,14 @@ enum Task<'a, R> {
     Step(&'a Program, usize, Touching),
     /// Its expansion alone.
     Expansion(&'a Program, usize),
+    /// An expansion of the lowest order from another state, which leaves that of the step as it is.
+    Point {
+        tape: &'a Tape,
+        constants: &'a [R],
+        state: &'a [R],
+        low: &'a [R],
+        tau: R,
+    },
     /// The outputs of a tape at a state and its remainders.
     Values {
         tape: &'a Tape,
@@ -442,6 +450,17 @@ impl<R: Real> Kernel for Single<'_, '_, R> {
         let (program, class, touching) = match task {
             Task::Step(program, class, touching) => (program, class, Some(touching)),
             Task::Expansion(program, class) => (program, class, None),
+            Task::Point {
+                tape,
+                constants,
+                state,
+                low,
+                tau,
+            } => {
+                work.point
+                    .run(tape, constants, state, low, tau, R::ORDERS[0]);
+                return true;
+            }
             Task::Values {
                 tape,
                 constants,
@@ -475,6 +494,23 @@ impl<R: Real> Workspace<R> {
     /// Expands, and leaves what follows to the caller.
     pub(crate) fn expand_only(&mut self, program: &Program, class: usize) {
         self.run(Task::Expansion(program, class));
+    }
+
+    /// Expands to the lowest order from a state and its remainders, into [`point`](Self::point).
+    pub(crate) fn expand_at(
+        &mut self,
+        tape: &Tape,
+        constants: &[R],
+        (state, low): (&[R], &[R]),
+        tau: R,
+    ) {
+        self.run(Task::Point {
+            tape,
+            constants,
+            state,
+            low,
+            tau,
+        });
     }
 
     /// Values of a tape's outputs at a point.

@@ -13,12 +13,16 @@ use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace, legal_rates};
 use super::system::System;
 use super::touching::Touching;
 use crate::expressions::Operand;
-use crate::numerics::Real;
-use crate::numerics::two_sum;
+use crate::numerics::polynomial::magnitude;
+use crate::numerics::{Real, two_sum};
 
 /// A quantity this small against the state and its rate of change counts as zero where a trajectory starts, or where a
 /// contact comes to rest: given states are rarely good to more digits.
 const REST: f64 = 1e-13;
+
+/// A section contains the state at the end of a chatter sequence if it is this small there against what it was at the
+/// latest impact, or would become at the pace it had then.
+const AT_REST: f64 = 1e-12;
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
 const REACH_USED: f64 = 0.95;
@@ -535,8 +539,10 @@ impl<R: Real> Trajectory<R> {
             (&self.state, &self.low),
         );
         let negligible = self.reach[ORDER_CLASSES - 1] * R::splat(R::ROUNDOFF);
-        if end.is_some() {
-            self.completion = end.map(|end| (contact, end));
+        if let Some(end) = end
+            && self.ends_undisturbed(system, work, contact, &end)?
+        {
+            self.completion = Some((contact, end));
         } else if acceleration < R::ZERO && self.flight_time <= negligible {
             // Flights shorter than a roundoff of the time scale, as when several contacts chatter at once: what is left
             // of the sequence is below rounding.
@@ -549,6 +555,57 @@ impl<R: Real> Trajectory<R> {
             self.completion = Some((contact, end));
         }
         Ok(Some(occurrence))
+    }
+
+    /// Whether nothing else happens until the end of a chatter sequence: the trajectory does not stop before, no other
+    /// contact closes or opens, no section is crossed. Else the sequence is followed further, until what is left of it is
+    /// shorter. A section that contains the state at rest is crossed without end, and never in the way.
+    fn ends_undisturbed(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        end: &Accumulation<R>,
+    ) -> Result<bool, FlowError> {
+        /// Flights back and forth may change a guard by more than one free flight of the same length does.
+        const MARGIN: f64 = 2.0;
+        if end.after > self.remaining() {
+            return Ok(false);
+        }
+        let program = self.program(system)?;
+        let Some(constants) = &self.constants[self.closed.0 as usize] else {
+            return Ok(true);
+        };
+        if program.guards.len() < 2 {
+            return Ok(true);
+        }
+        let (state, low) = (&self.state, &self.low);
+        work.expand_at(&program.tape, &constants.tape, (state, low), end.after);
+        let guards = program
+            .guards
+            .iter()
+            .filter(|guard| guard.kind != GuardKind::Gap(contact));
+        let moving = guards.filter_map(|guard| match guard.series {
+            Operand::Series(slot) => {
+                let p = work.point.series(slot);
+                let change = magnitude(&p[1..], R::ONE) * R::splat(MARGIN);
+                let size = p[0].abs() + p[1].abs();
+                (p[0].abs() <= change).then_some((slot, size))
+            }
+            Operand::Constant(_) => None,
+        });
+        let moving: Vec<(usize, R)> = moving.collect();
+        if moving.is_empty() {
+            return Ok(true);
+        }
+        let rest: Vec<R> = (state.iter().zip(low).zip(&end.change))
+            .map(|((&x, &low), &change)| x + (low + change))
+            .collect();
+        let zero = vec![R::ZERO; rest.len()];
+        work.expand_at(&program.tape, &constants.tape, (&rest, &zero), R::ZERO);
+        Ok(moving
+            .iter()
+            .all(|&(slot, change)| work.point.series(slot)[0].abs() <= change * R::splat(AT_REST)))
     }
 
     /// Moves to the end of a chatter sequence.
@@ -660,14 +717,11 @@ impl<R: Real> Trajectory<R> {
         else {
             return Ok(false);
         };
-        let order = R::ORDERS[0];
-        work.point.run(
+        work.expand_at(
             &program.tape,
             &constants.tape,
-            &self.state,
-            &self.low,
+            (&self.state, &self.low),
             R::ONE,
-            order,
         );
         let level = self.rest_level();
         Ok(work.point.series(slot).iter().all(|c| c.abs() <= level))
