@@ -1,7 +1,7 @@
 //! Nothing is passed over while the end of a chatter sequence is extrapolated, nor between the ends of a step that the states
 //! alone would allow.
 
-use chatter::flow::{Occurrence, Settings, System, Trajectory};
+use chatter::flow::{FlowError, Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;
 
 const BALL: &str = include_str!("../../../models/bouncing_ball.toml");
@@ -102,4 +102,25 @@ fn another_contact_is_hit_while_one_chatters() {
         };
         assert_eq!(events.iter().filter(rests).count(), 1, "{before}");
     }
+}
+
+/// A mass that flies away faster and faster, until its gap is no number any more.
+#[test]
+fn a_state_that_overflows_ends_the_trajectory() {
+    let text = "[parameters]\nr = 0.5\n[flight]\nx = \"v\"\nv = \"x\"\n[[contact]]\nname = \"stop\"\ngap = \"x\"\n\
+                impulse = { v = 1 }\nrestitution = \"r\"\n[initial]\nx = 1.0\nv = 1.0\n";
+    let model = Model::from_toml(text, "test").unwrap();
+    let system = System::new(&model).unwrap();
+    let mut work = system.workspace::<f64>(&Settings::default());
+    let mut trajectory = Trajectory::start(&system, &mut work, &[0.5], 0.0, &[1.0, 1.0]).unwrap();
+    let end = loop {
+        match trajectory.advance(&system, &mut work, 1e4) {
+            Ok(None) => {}
+            other => break other,
+        }
+    };
+    assert!(
+        matches!(end, Err(FlowError::LeftDomain { time, .. }) if (700.0..710.0).contains(&time)),
+        "{end:?}"
+    );
 }

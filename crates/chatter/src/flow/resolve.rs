@@ -4,6 +4,7 @@ use super::error::FlowError;
 use super::program::{GuardKind, Program};
 use super::step::{NO_EVENT, Workspace};
 use super::touching::Touching;
+use crate::expressions::Operand;
 use crate::numerics::Real;
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::roots::{Crossing, Root, RootKind, first_root};
@@ -35,7 +36,8 @@ pub(crate) fn resolve<R: Real>(
     let mut tries = 0;
     loop {
         work.expand_only(program, class);
-        if expansion_is_finite(work) && work.scaled_step.is_finite() && work.scaled_step > R::ZERO {
+        let is_step = work.scaled_step.is_finite() && work.scaled_step > R::ZERO;
+        if is_step && expansion_is_finite(work, program) {
             break;
         }
         tries += 1;
@@ -112,8 +114,18 @@ impl Unsettled {
     }
 }
 
-fn expansion_is_finite<R: Real>(work: &Workspace<R>) -> bool {
-    (0..work.state.len()).all(|slot| work.expansion.series(slot).iter().all(|c| c.is_finite()))
+/// Whether states and guards have finite values all along the step: no root can be told among others.
+fn expansion_is_finite<R: Real>(work: &Workspace<R>, program: &Program) -> bool {
+    let guards = program
+        .guards
+        .iter()
+        .filter_map(|guard| match guard.series {
+            Operand::Series(slot) => Some(slot),
+            Operand::Constant(_) => None,
+        });
+    (0..work.state.len())
+        .chain(guards)
+        .all(|slot| magnitude(work.expansion.series(slot), work.scaled_step).is_finite())
 }
 
 /// The first zero of a gap or reaction, which is positive at the start up to noise.
