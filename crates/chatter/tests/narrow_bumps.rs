@@ -159,3 +159,31 @@ proptest! {
         }
     }
 }
+
+/// The argument of the hyperbolic tangent goes from -1300 to beyond zero before the ball would fall back on the table.
+#[test]
+fn a_step_is_seen_from_afar() {
+    for (sharpness, place) in [
+        (531_010.0, 1.795),
+        (1e6, 0.6),
+        (3e5, 2.4),
+        (1e5, 1.1),
+        (7e4, 1.9),
+    ] {
+        let bump = Bump {
+            shape: Shape::Ramp,
+            sharpness,
+            place,
+            height: 1.5,
+            wave: 0.2,
+        };
+        let (expected, _) = bump.reference();
+        for found in [
+            bump.first_impact::<f64>(),
+            bump.first_impact::<DoubleDouble>(),
+        ] {
+            let off = found.unwrap() - expected.unwrap();
+            assert!(off.abs() < 3e-5, "{bump:?}: {off}");
+        }
+    }
+}

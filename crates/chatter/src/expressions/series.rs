@@ -133,6 +133,8 @@ impl<S: Scalar> Expansion<S> {
     fn allowed_swing(&self, swing: Swing, constants: &[S]) -> (usize, S) {
         // A power below this, base-two logarithm, is nothing.
         const NOTHING: f64 = -330.0;
+        // Coarse logarithms may make a step an eighth too long.
+        const NOT_ALL_THE_WAY: f64 = 0.8;
         let half_order = S::splat(0.5 * self.order as f64);
         match swing {
             Swing::Exponential { argument } => (argument, half_order),
@@ -140,7 +142,7 @@ impl<S: Scalar> Expansion<S> {
                 // 1 - tanh^2 a = 4 e^(-2|a|) is visible up to here.
                 let visible = S::splat(-0.5 * libm::log(S::ROUNDOFF) - 1.0);
                 let value = self.get(argument, 0).abs();
-                let far = (value - visible).max(S::splat(1.0));
+                let far = ((value - visible) * S::splat(NOT_ALL_THE_WAY)).max(S::splat(1.0));
                 let near = half_order * S::splat(0.5);
                 (argument, S::select(value.at_most(visible), near, far))
             }

@@ -283,7 +283,14 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         program: &Program,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let result = self.settle(work, program)?;
+        let result = match self.settle(work, program) {
+            Err(FlowError::UndecidedRelease { .. }) if self.sequence > 0 => {
+                // The rate after an impact is none any more.
+                let contact = self.latest_impact.map_or(0, |(contact, _)| contact);
+                return self.end_here(system, work, contact).map(Some);
+            }
+            settled => settled?,
+        };
         self.accept(work);
         self.digest(system, work, program, &result)
     }
@@ -485,13 +492,7 @@ impl<R: Real> Trajectory<R> {
             return Err(self.left_domain());
         }
         if rate_before >= R::ZERO && self.sequence > 0 {
-            // A rate that cannot be told from zero: the sequence has sunk into the rounding of the equations.
-            let end = Accumulation {
-                after: R::ZERO,
-                change: vec![R::ZERO; self.state.len()],
-                error: self.flight_time.min(self.reach[0]).to_f64(),
-            };
-            return self.complete(system, work, contact, &end).map(Some);
+            return self.end_here(system, work, contact).map(Some);
         }
         self.instant_impacts += 1;
         if self.instant_impacts > INSTANT_IMPACTS {
@@ -606,6 +607,21 @@ impl<R: Real> Trajectory<R> {
         Ok(moving
             .iter()
             .all(|&(slot, change)| work.point.series(slot)[0].abs() <= change * R::splat(AT_REST)))
+    }
+
+    /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero.
+    fn end_here(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<Occurrence<R>, FlowError> {
+        let end = Accumulation {
+            after: R::ZERO,
+            change: vec![R::ZERO; self.state.len()],
+            error: self.flight_time.min(self.reach[0]).to_f64(),
+        };
+        self.complete(system, work, contact, &end)
     }
 
     /// Moves to the end of a chatter sequence.
