@@ -2,7 +2,7 @@
 
 use super::{Answer, Subject};
 use crate::aligned::{Side, aligned};
-use crate::numbers::{concise, full};
+use crate::numbers::{Digits, concise, full};
 use crate::terminal::Style;
 use crate::universal::window_rows;
 use chatter::analysis::border::{Border, BorderError, Borders, Estimate, LeadingOrder};
@@ -61,6 +61,16 @@ fn summary<R>(subject: &Subject, found: &Borders<R>, (low, high): (f64, f64)) ->
         let more = found.breaks.len() - BREAKS_TOLD;
         text += &format!("and at {more} more places (--json lists them)\n");
     }
+    if found.without_chatter > 0 {
+        text += &format!(
+            "no chatter within {} at {} of these values: --excursions allows more\n",
+            match subject.excursions {
+                1 => "one long flight".to_owned(),
+                count => format!("{count} long flights"),
+            },
+            found.without_chatter
+        );
+    }
     if found.unresolved > 0 {
         text += &format!(
             "{} more changes between complete and incomplete chatter were not looked into: try a smaller range\n",
@@ -89,6 +99,18 @@ fn one<R: Real + Argument<Real = R>>(
     text
 }
 
+/// The digits asked for, no more of them than the error leaves.
+fn known<R: Real>(estimate: &Estimate<R>, digits: Digits) -> Digits {
+    let size = estimate.value.abs().to_f64();
+    let decades = (size / estimate.error).log10();
+    if decades.is_finite() {
+        // Up to the first digit of the error.
+        Digits(digits.0.min(decades.ceil().max(0.0) as u32 + 1))
+    } else {
+        digits
+    }
+}
+
 /// Digits of an error estimate.
 const ERROR_DIGITS: u32 = 2;
 
@@ -106,7 +128,7 @@ fn blocks<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -
     let number = |value: R| full(value, digits);
     let estimate = |estimate: &Estimate<R>| {
         let error = format!("± {}", concise(estimate.error, ERROR_DIGITS));
-        [number(estimate.value), error]
+        [full(estimate.value, known(estimate, digits)), error]
     };
     let parameter = &border.parameter;
     let states = subject.model.state_names();

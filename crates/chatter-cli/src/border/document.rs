@@ -47,6 +47,8 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
                     .with("breaks", breaks.collect::<Vec<Json>>())
                     .with("range", vec![Json::Number(*low), Json::Number(*high)])
                     .with("samples", subject.samples as i64 + 1)
+                    .with("excursions", subject.excursions as i64)
+                    .with("without_chatter", found.without_chatter as i64)
                     .with("unresolved", found.unresolved as i64),
             )
         }

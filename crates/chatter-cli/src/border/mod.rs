@@ -30,8 +30,10 @@ pub struct Subject<'a> {
     pub text_digits: Digits,
     /// Parts of a range that were told apart.
     pub samples: usize,
-    /// Which windows are predicted.
-    pub windows: Counts,
+    /// Long flights that may come before chatter.
+    pub excursions: usize,
+    /// Which windows are predicted; a few that a plot shows if not given.
+    pub windows: Option<Counts>,
 }
 
 /// What was found.
@@ -49,6 +51,22 @@ pub enum Answer<R> {
     },
 }
 
+impl Subject<'_> {
+    /// The windows asked for, or five of which the first is nearer to the border than that with one impact by the same
+    /// factor for every restitution: for the paper's valve 20 to 24.
+    pub fn windows<R: Real>(&self, border: &Border<R>) -> Counts {
+        const LOG_NEARER: f64 = -4.45;
+        const SHOWN: i64 = 5;
+        self.windows.unwrap_or_else(|| {
+            let first = (LOG_NEARER / border.constants.ln_eta.to_f64()).round() as i64;
+            Counts {
+                first,
+                last: first + SHOWN - 1,
+            }
+        })
+    }
+}
+
 /// The windows asked for, in the parameter: p = p* + mu / M.
 fn prediction<R: Real + Argument<Real = R>>(
     subject: &Subject,
@@ -56,7 +74,7 @@ fn prediction<R: Real + Argument<Real = R>>(
 ) -> Option<Vec<Window<R>>> {
     let exact = &border.exact;
     let universal = Universal::new(border.constants.restitution).ok()?;
-    let windows = Window::list(&universal, exact.slope.value, subject.windows).ok()?;
+    let windows = Window::list(&universal, exact.slope.value, subject.windows(border)).ok()?;
     let by_parameter = |mu: R| border.value.value + mu / exact.unfolding_rate.value;
     let windows = windows.into_iter();
     Some(windows.map(|window| window.map(by_parameter)).collect())

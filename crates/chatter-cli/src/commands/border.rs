@@ -23,7 +23,9 @@ EXAMPLES
   chatter border cam_follower --parameter speed --near 620 --windows 3:9 --plot cam.png
 
 A border orbit is released from contact, chatters, and its infinitely many impacts end exactly at the release point: it
-separates orbits with complete chatter from those whose chatter ends in flight. Near its parameter value p* the dynamics
+separates orbits with complete chatter from those whose chatter ends in flight. Four impacts or more, close to each other
+against the way to release, are chatter; what comes before them are long flights. All release points of a period are
+followed, each to the first chatter that ends there. Near its parameter value p* the dynamics
 are those of z -> Upsilon(K z + mu), mu = M (p - p*); `chatter universal` has more on that map.
 
 JSON
@@ -80,14 +82,10 @@ pub struct Arguments {
     #[arg(long, value_name = "STATE=LEVEL")]
     section: Option<SectionOption>,
 
-    /// Predict the windows of these n; an orbit of window n has n + 1 impacts a period
-    #[arg(
-        long,
-        value_name = "FIRST:LAST",
-        default_value = "20:24",
-        allow_hyphen_values = true
-    )]
-    windows: Counts,
+    /// Predict the windows of these n; an orbit of window n has n + 1 impacts a period [default: five windows, 20:24 at
+    /// restitution 0.8]
+    #[arg(long, value_name = "FIRST:LAST", allow_hyphen_values = true)]
+    windows: Option<Counts>,
 
     /// Draw the model's orbits over these windows beside and under the predicted ones, .svg, .png or .pdf
     #[arg(long, value_name = "FILE", conflicts_with = "range")]
@@ -126,6 +124,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         (None, None) => return Err(Failure::input("expected --near or --range")),
     };
+    if let Some(windows) = arguments.windows
+        && windows.first < 0
+    {
+        return Err(Failure::input(format!(
+            "--windows begins at {}: an orbit of window n has n + 1 impacts, so n is 0 at least",
+            windows.first
+        )));
+    }
     let subject = Subject {
         model: &model,
         source: &arguments.model.model,
@@ -135,6 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             .digits
             .map_or(TEXT_DIGITS, |precision| precision.0),
         samples: spec.samples,
+        excursions: spec.excursions,
         windows: arguments.windows,
     };
     let plot = arguments.plot.as_ref();
@@ -165,7 +172,7 @@ fn answer<R: Real + Argument<Real = R>>(
         Place::Near(value) => {
             let border = border_near::<R>(subject.model, spec, value).map_err(refused)?;
             if let Some(FigureFile(path)) = plot {
-                picture(subject.model, spec, &border, subject.windows)?
+                picture(subject.model, spec, &border, subject.windows(&border))?
                     .write(path)
                     .map_err(|error| Failure::Output(error.to_string()))?;
             }

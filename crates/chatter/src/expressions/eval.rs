@@ -10,9 +10,15 @@ impl Graph {
     /// The value of `expr`, each shared subexpression computed once. NaN outside the domain; a symbol past the end of
     /// `states` or `parameters` is NaN.
     pub fn evaluate<R: Real>(&self, expr: Expr, states: &[R], parameters: &[R]) -> R {
+        self.evaluate_all(&[expr], states, parameters)[0]
+    }
+
+    /// The values of several expressions, what they share computed once.
+    pub fn evaluate_all<R: Real>(&self, exprs: &[Expr], states: &[R], parameters: &[R]) -> Vec<R> {
         let missing = R::splat(f64::NAN);
-        let mut known = vec![missing; expr.index() + 1];
-        for part in self.reachable(&[expr]) {
+        let size = exprs.iter().map(|expr| expr.index() + 1).max();
+        let mut known = vec![missing; size.unwrap_or(0)];
+        for part in self.reachable(exprs) {
             let value = |operand: &Expr| known[operand.index()];
             known[part.index()] = match self.node(part) {
                 Node::Number(number) => R::from_double_double(number.value()),
@@ -35,7 +41,7 @@ impl Graph {
                 Node::Call(function, argument) => function.of(value(argument)),
             };
         }
-        known[expr.index()]
+        exprs.iter().map(|expr| known[expr.index()]).collect()
     }
 }
 

@@ -180,16 +180,21 @@ impl Graph {
 
     /// All expressions that `roots` are made of, themselves included, operands before what uses them.
     pub fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
-        let mut seen = std::collections::HashSet::new();
-        let mut open = roots.to_vec();
-        while let Some(expr) = open.pop() {
-            if seen.insert(expr) {
-                self.for_each_operand(expr, |operand| open.push(operand));
+        let size = roots.iter().map(|root| root.index() + 1).max();
+        let mut used = vec![false; size.unwrap_or(0)];
+        for root in roots {
+            used[root.index()] = true;
+        }
+        // Operands were made before what uses them.
+        for index in (0..used.len()).rev() {
+            if used[index] {
+                self.for_each_operand(Expr(index as u32), |operand| used[operand.index()] = true);
             }
         }
-        let mut ordered: Vec<Expr> = seen.into_iter().collect();
-        ordered.sort_unstable();
-        ordered
+        (0..used.len())
+            .filter(|&index| used[index])
+            .map(|index| Expr(index as u32))
+            .collect()
     }
 
     /// Calls `visit` with each operand of `expr`, in order.

@@ -37,6 +37,9 @@ const TAIL_POWER: f64 = 0.165;
 /// Errors of X grow like eta^-k along the sequence. X is known to so many times what a roundoff of the state changes it by.
 const NOISE_ROUNDOFFS: f64 = 10.0;
 
+/// Rounding moves neighbouring limits alike: by so many times their difference.
+const ALIKE: f64 = 4.0;
+
 /// A sequence settles where u comes this near to u* for good, relative to u*.
 const WITHIN: f64 = 0.5;
 
@@ -217,6 +220,13 @@ impl<R: Real> Limits<R> {
                 error: f64::INFINITY,
             };
         };
+        // Rounding of the last terms shows in the limit without them.
+        if let Some((_, earlier)) = terms.split_last()
+            && let Some(without) = limit(earlier, ratios, self.plan)
+        {
+            let moved = (found.value - without.value).abs().to_f64();
+            found.error = found.error.max(ALIKE * moved);
+        }
         let growth = libm::exp(-self.constants.ln_eta.to_f64() * end as f64);
         let noise = self.noise * growth * found.value.abs().to_f64();
         found.error = found.error.max(noise);

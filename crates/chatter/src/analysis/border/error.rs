@@ -124,25 +124,39 @@ pub enum BreakCause {
         /// Impacts in the shortest sequence that counts.
         impacts: usize,
     },
-    /// On one side there is no release point, or no chatter sequence follows it within the long flights allowed.
+    /// On one side there is no release point, or no chatter follows it within the long flights allowed.
     NoChatter,
     /// The sequence jumps for another reason, or depends on the parameter too steeply for a border to be resolved.
     Jump,
 }
 
+/// A parameter value to read: ten digits, and no row of zeros.
+struct ParameterValue(f64);
+
+impl fmt::Display for ParameterValue {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded: f64 = format!("{:.9e}", self.0).parse().unwrap_or(self.0);
+        if rounded == 0.0 || (1e-5..1e10).contains(&rounded.abs()) {
+            write!(out, "{rounded}")
+        } else {
+            write!(out, "{rounded:e}")
+        }
+    }
+}
+
 impl fmt::Display for Break {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value = self.value;
+        let value = ParameterValue(self.value);
         match self.cause {
             BreakCause::Graze { impact: 0, rate } => {
                 write!(
                     out,
-                    "at {value} the first impact is a graze (rate {rate:e})"
+                    "at {value} the first impact is a graze (rate {rate:.1e})"
                 )
             }
             BreakCause::Graze { impact, rate } => write!(
                 out,
-                "at {value} impact {} after release is a graze (rate {rate:e})",
+                "at {value} impact {} after release is a graze (rate {rate:.1e})",
                 impact + 1
             ),
             BreakCause::Elsewhere => write!(

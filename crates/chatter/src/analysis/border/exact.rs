@@ -173,11 +173,12 @@ pub(crate) fn exact<R: Real>(
     // in the new sequence, whose X is therefore measured one power of eta later. Rounding of the state leaves X there
     // somewhat off zero, which the sequence magnifies: the state that can be set most finely makes up for it.
     let mut start = start.to_vec();
+    let settles = point.settles.saturating_sub(1);
     let along = chart.free.len();
     let mut covector = Vec::new();
     let mut covector_parameter = point.slope;
     for _ in 0..RESTARTS {
-        let onward = problem.variation(&parameters, &start, sequence.impacts.len() - 1)?;
+        let onward = problem.variation(&parameters, &start, settles, sequence.impacts.len() - 1)?;
         let end = (*end - 1).min(onward.impacts.len() - 1);
         let by = |along: usize, by_parameter: bool| {
             let weights = chart.weights(along);

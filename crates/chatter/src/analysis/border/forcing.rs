@@ -91,11 +91,6 @@ impl Forcing {
         self.phases.iter().filter_map(turn).collect()
     }
 
-    /// The first of them.
-    pub(crate) fn first<R: Real>(&self, graph: &Graph, parameters: &[R]) -> Option<Turn<R>> {
-        self.turns(graph, parameters).into_iter().next()
-    }
-
     /// Takes whole periods from the phases until they are within one from where the model starts; whether there were any.
     pub(crate) fn reduce<R: Real>(&self, graph: &Graph, parameters: &[R], state: &mut [R]) -> bool {
         let mut reduced = false;

@@ -152,7 +152,7 @@ pub(crate) fn leading_order<R: Real>(
     fixed[index] = R::ONE;
     let rows = vec![gap[..STATES].to_vec(), rate[..STATES].to_vec(), fixed];
     let displacement = |gap: R, rate: R| solve(&rows, &[gap, rate, R::ZERO]);
-    let flight = problem.variation(&parameters, &at, 1)?;
+    let flight = problem.variation(&parameters, &at, 0, 1)?;
     let (Some(first), Some(by_gap), Some(by_rate), Some(at_fixed)) = (
         flight.impacts.first(),
         displacement(R::ONE, R::ZERO),

@@ -3,6 +3,8 @@
 //! ```text
 //! spec         the question
 //! release      the point h = v = a = 0, j > 0
+//! releases     all of them at a parameter value
+//! branches     all of them over the parameter
 //! forcing      states known up to whole periods: time, angles
 //! sequence     the impacts that follow it, and the verdict complete / incomplete
 //! coordinate   X and N: limits along the sequence, with derivatives
@@ -17,6 +19,7 @@
 //! located      its windows, through the return map
 //! ```
 
+mod branches;
 mod coordinate;
 mod error;
 mod exact;
@@ -29,6 +32,7 @@ mod orbit;
 mod prediction;
 mod problem;
 mod release;
+mod releases;
 mod return_map;
 mod root;
 mod rounded;

@@ -68,6 +68,8 @@ pub struct Borders<R> {
     pub breaks: Vec<Break>,
     /// Changes between complete and incomplete chatter that were not looked into, since there are very many.
     pub unresolved: usize,
+    /// Parameter values at which no chatter follows a release point within the long flights allowed.
+    pub without_chatter: usize,
 }
 
 /// All borders with the parameter from `low` to `high`: none is an answer, not an error.
@@ -84,8 +86,10 @@ pub fn borders_in<R: Real>(
         return Err(BorderError::Range { low, high });
     }
     let problem = Problem::new(model, spec)?;
-    let samples = problem.verdicts(&even(low, high, spec.samples), None)?;
-    let found = problem.changes(&samples, spec.extrapolation)?;
+    let samples = problem.scan(&even(low, high, spec.samples))?;
+    let silent = |k: &usize| samples.iter().any(|branch| branch[*k].is_without_chatter());
+    let without_chatter = (0..=spec.samples.max(1)).filter(silent).count();
+    let found = problem.changes(&samples, spec.extrapolation).all()?;
     let mut breaks = found.breaks;
     let mut borders = Vec::new();
     for root in found.roots {
@@ -105,6 +109,7 @@ pub fn borders_in<R: Real>(
         borders,
         breaks,
         unresolved: found.unresolved,
+        without_chatter,
     })
 }
 
@@ -116,21 +121,8 @@ fn even(low: f64, high: f64, parts: usize) -> Vec<f64> {
         .collect()
 }
 
-impl Problem {
-    /// The verdicts at these values; an error if nothing can be said at any of them.
-    fn verdicts(
-        &self,
-        values: &[f64],
-        hint: Option<ReleasePoint<f64>>,
-    ) -> Result<Vec<Sample>, BorderError> {
-        match self.scan(values, hint) {
-            (samples, Some(error)) if samples.iter().all(|sample| !sample.is_known()) => Err(error),
-            (samples, _) => Ok(samples),
-        }
-    }
-}
-
-/// The verdicts that [`borders_in`] starts from: at `spec.samples` + 1 parameter values from `low` to `high`.
+/// The verdicts that [`borders_in`] starts from: at `spec.samples` + 1 parameter values from `low` to `high`, a list for
+/// each release point.
 ///
 /// # Errors
 /// As for [`borders_in`].
@@ -139,13 +131,14 @@ pub fn verdicts_in(
     spec: &BorderSpec,
     low: f64,
     high: f64,
-) -> Result<Vec<(f64, Verdict)>, BorderError> {
+) -> Result<Vec<Vec<(f64, Verdict)>>, BorderError> {
     if !(low < high && low.is_finite() && high.is_finite()) {
         return Err(BorderError::Range { low, high });
     }
     let problem = Problem::new(model, spec)?;
-    let samples = problem.verdicts(&even(low, high, spec.samples), None)?;
-    Ok(samples.iter().map(|s| (s.value, s.verdict)).collect())
+    let branches = problem.scan(&even(low, high, spec.samples))?;
+    let verdicts = |samples: &Vec<Sample>| samples.iter().map(|s| (s.value, s.verdict)).collect();
+    Ok(branches.iter().map(verdicts).collect())
 }
 
 /// Distances from the value asked for are searched by stretches, each twice as long as the one before, to as much as the
@@ -191,46 +184,36 @@ pub fn border_near<R: Real>(
         _ if value > 0.0 => (value * 0.5, value * 2.0),
         _ => (value * 2.0, value * 0.5),
     };
-    let towards = |end: f64| -> Vec<f64> {
-        graded()
-            .iter()
-            .map(|&g| value + (end - value) * g)
-            .collect()
-    };
-    // From the value asked for outwards: there the release point is the first one from the initial phase on.
-    let hint = problem.release_point(value, None).ok();
-    let (mut samples, below) = problem.scan(&towards(low), hint.clone());
-    samples.reverse();
-    samples.pop();
-    let (above, failure) = problem.scan(&towards(high), hint);
-    samples.extend(above);
-    if let Some(error) = below.or(failure)
-        && samples.iter().all(|sample| !sample.is_known())
-    {
-        return Err(error);
-    }
-    let Found {
-        mut roots,
-        mut breaks,
-        ..
-    } = problem.changes(&samples, spec.extrapolation)?;
-    let off = |root: &Root<f64>| (root.point.value - value).abs();
-    roots.retain(|root| (low..=high).contains(&root.point.value));
-    roots.sort_by(|a, b| off(a).total_cmp(&off(b)));
-    for root in roots {
-        match complete(&problem, spec, &root)? {
-            Ok(border) => return Ok(border),
-            Err(cause) => breaks.push(Break {
-                value: root.point.value,
-                cause,
-            }),
+    let towards = |end: f64| graded().into_iter().map(move |g| value + (end - value) * g);
+    let mut values: Vec<f64> = towards(low).collect();
+    values.reverse();
+    values.extend(towards(high).skip(1));
+    let samples = problem.scan(&values)?;
+    let changes = problem.changes(&samples, spec.extrapolation);
+    let nearest = changes.nearest(value, |root, breaks| {
+        if !(low..=high).contains(&root.point.value) {
+            return Ok(None);
         }
-    }
-    breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
+        Ok(match complete(&problem, spec, root)? {
+            Ok(border) => Some(border),
+            Err(cause) => {
+                breaks.push(Break {
+                    value: root.point.value,
+                    cause,
+                });
+                None
+            }
+        })
+    })?;
+    let breaks = match nearest {
+        Ok(border) => return Ok(border),
+        Err(Found { breaks, .. }) => breaks,
+    };
     Err(BorderError::NoBorder { low, high, breaks })
 }
 
-/// The leading-order coefficients at a parameter value near a border, as the paper has them at q = 0.020056.
+/// The leading-order coefficients at a parameter value near a border, as the paper has them at q = 0.020056: for the
+/// release point whose chatter is nearest to one.
 ///
 /// # Errors
 /// As for [`borders_in`], and [`BorderError::Section`] if the section is not crossed.
@@ -240,11 +223,23 @@ pub fn leading_order_at<R: Real>(
     value: R,
 ) -> Result<LeadingOrder<R>, BorderError> {
     let problem = Problem::new(model, spec)?;
-    let rough = problem.release_point(value.to_f64(), None)?;
-    let sequence = problem.sequence(value.to_f64(), &rough)?;
-    let constants = Problem::constants(value.to_f64(), &rough)?;
-    let settles = Limits::new(constants, &rough, spec.extrapolation).settles(&sequence);
-    let near = exactly(&rough.state);
+    let at = value.to_f64();
+    let releases = problem.release_points(at)?;
+    let mut nearest = (f64::INFINITY, 0, &releases[0]);
+    for release in &releases {
+        let sequence = problem.sequence(at, release, releases.len() > 1)?;
+        let limits = Limits::new(
+            Problem::constants(at, release)?,
+            release,
+            spec.extrapolation,
+        );
+        let distance = limits.rough_distance(&sequence);
+        if distance < nearest.0 {
+            nearest = (distance, limits.settles(&sequence), release);
+        }
+    }
+    let (_, settles, release) = nearest;
+    let near = exactly(&release.state);
     let point = problem.point(value, &near, settles, spec.extrapolation)?;
     let parameters = problem.parameters(value);
     let first = &point.sequence.impacts[0].state[..STATES];
@@ -298,9 +293,7 @@ fn complete<R: Real>(
         period,
         turns,
         sequence_begins: point.sequence.begins,
-        long_flights: (point.sequence.impacts.iter())
-            .filter(|impact| impact.arrives)
-            .count(),
+        long_flights: point.sequence.arrivals(),
         impacts: point.sequence.impacts.len(),
         exact: exact(problem, &point, &chart)?,
         leading_order: leading_order(problem, &point, &chart, spec.section.as_ref())?,

@@ -3,7 +3,7 @@
 use super::error::BorderError;
 use super::local::LocalTape;
 use super::release::{ReleaseEquations, ReleasePoint};
-use super::sequence::{Follower, Sequence, Until};
+use super::sequence::{Follower, Impact, Sequence, Until, Verdict};
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
 use crate::expressions::nearest;
@@ -16,6 +16,10 @@ pub(crate) const STATES: usize = 3;
 
 /// Column that carries derivatives by the parameter; those before it are by the states, in order.
 pub(crate) const PARAMETER_COLUMN: usize = STATES;
+
+/// Contact ends at a release point if it ends this near to it, relative to the size of the states: event location and
+/// Newton's method agree to rounding.
+const SAME_RELEASE: f64 = 1e-6;
 
 /// A model with one contact and three states, and the parameter that is varied.
 #[derive(Clone, Debug)]
@@ -86,48 +90,94 @@ impl Problem {
         self.model.parameter_values(&[(self.parameter, value)])
     }
 
-    /// The release point, near one that is known or searched for.
+    /// All release points at a parameter value: at least one.
+    pub(crate) fn release_points(&self, value: f64) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
+        let parameters = self.parameters(value);
+        self.release.check_forcing(&parameters, value)?;
+        let found = (self.release).all(&self.model, &self.plain.system, &parameters);
+        if found.is_empty() {
+            return Err(BorderError::NoRelease { value });
+        }
+        Ok(found)
+    }
+
+    /// The release point near one that is known.
     pub(crate) fn release_point<R: Real>(
         &self,
         value: R,
-        near: Option<&[DoubleDouble]>,
+        near: &[DoubleDouble],
     ) -> Result<ReleasePoint<R>, BorderError> {
-        let parameters = self.parameters(value);
-        let known = near.and_then(|near| self.release.polish(&parameters, near));
-        let rough = self.parameters(value.to_f64());
-        self.release.check_forcing(&rough, value.to_f64())?;
-        let found = known.or_else(|| {
-            let found = self
-                .release
-                .search(&self.model, &self.plain.system, &rough)?;
-            self.release.polish(&parameters, &exactly(&found.state))
-        });
-        found.ok_or(BorderError::NoRelease {
-            value: value.to_f64(),
-        })
+        let rough = value.to_f64();
+        self.release.check_forcing(&self.parameters(rough), rough)?;
+        (self.release.polish(&self.parameters(value), near))
+            .ok_or(BorderError::NoRelease { value: rough })
     }
 
-    /// The impacts after release, without derivatives.
+    /// The impacts after release up to the end of the first chatter sequence, without derivatives. `several` tells whether
+    /// there may be other release points: a sequence that belongs to one of them and ends in flight is a part of the way,
+    /// complete chatter there the end of it.
     pub(crate) fn sequence(
         &self,
         value: f64,
         release: &ReleasePoint<f64>,
+        several: bool,
     ) -> Result<Sequence<f64>, BorderError> {
         let parameters = self.parameters(value);
-        self.plain
-            .follow(&parameters, &release.state, Until::Verdict(self.excursions))
+        let mut after = 0;
+        loop {
+            let until = Until::Verdict {
+                excursions: self.excursions,
+                after,
+            };
+            let mut sequence = self.plain.follow(&parameters, &release.state, until)?;
+            if !several || self.leads_back(&sequence, &parameters, release) {
+                return Ok(sequence);
+            }
+            match sequence.verdict {
+                Verdict::Incomplete => after = sequence.impacts.len(),
+                Verdict::Complete => {
+                    sequence.verdict = Verdict::Elsewhere;
+                    return Ok(sequence);
+                }
+                _ => return Ok(sequence),
+            }
+        }
     }
 
-    /// The impacts from a state, with derivatives by that state and by the parameter.
+    /// Whether contact from the last impact on that presses would last until this release point: to it belongs the chatter
+    /// that ends there, in contact or in flight.
+    fn leads_back(
+        &self,
+        sequence: &Sequence<f64>,
+        parameters: &[f64],
+        release: &ReleasePoint<f64>,
+    ) -> bool {
+        let presses = |impact: &&Impact<f64>| impact.local.acceleration < 0.0;
+        let Some(last) = sequence.impacts.iter().rev().find(presses) else {
+            return true;
+        };
+        let rest = self.release.brought_to_rest(&last.state, parameters);
+        match self.plain.contact_until_release(parameters, &rest) {
+            Some(state) => self.release.apart(&state, &release.state, parameters) <= SAME_RELEASE,
+            None => true,
+        }
+    }
+
+    /// The impacts from a state, with derivatives by that state and by the parameter: so many, or fewer if chatter ends
+    /// earlier, though after impact number `after`.
     pub(crate) fn variation<R: Real>(
         &self,
         parameters: &[R],
         state: &[R],
+        after: usize,
         impacts: usize,
     ) -> Result<Sequence<R>, BorderError> {
         let start = with_identity(state);
-        self.variational
-            .follow(parameters, &start, Until::Impacts(impacts))
+        let until = Until::Impacts {
+            most: impacts,
+            after,
+        };
+        self.variational.follow(parameters, &start, until)
     }
 
     /// What the restitution at release determines.

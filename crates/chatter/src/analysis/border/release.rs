@@ -3,7 +3,6 @@
 use super::error::BorderError;
 use super::forcing::{Forcing, Turn};
 use crate::expressions::{Expr, Graph, Symbol};
-use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::linear::solve;
 use crate::numerics::{DoubleDouble, Real, Scalar};
@@ -15,17 +14,17 @@ const NEWTON_STEPS: usize = 40;
 /// A correction this many roundoffs of the state is no correction.
 const NEWTON_DONE: f64 = 8.0;
 
-/// How many steps of a trajectory are looked through for places near a release.
-const SEED_STEPS: usize = 4000;
+/// Place of the acceleration among the functions.
+const ACCELERATION: usize = 2;
 
-/// How many of its states serve as first guesses.
-const SEEDS: usize = 100;
-
-/// In a forced system the initial state at so many phases serves, too.
-const PHASES: usize = 64;
-
-/// A horizon that no step reaches.
-const NO_HORIZON: f64 = 1e12;
+/// What is asked of a state with h = v = 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Third<R> {
+    /// a = 0.
+    Release,
+    /// A state has this value.
+    State(usize, R),
+}
 
 /// Equations of the release point of a model with one contact.
 #[derive(Clone, Debug)]
@@ -68,6 +67,15 @@ pub struct ReleasePoint<R> {
     pub jump: Vec<R>,
 }
 
+impl<R: Real> ReleasePoint<R> {
+    /// Where it is expected at another value of the parameter.
+    pub(crate) fn expected(&self, by: R) -> Vec<R> {
+        (self.state.iter().zip(&self.slope))
+            .map(|(&x, &slope)| x + slope * by)
+            .collect()
+    }
+}
+
 impl ReleaseEquations {
     pub(crate) fn new(model: &Model, parameter: usize) -> Result<Self, MechanicsError> {
         let mut mechanics = Mechanics::new(model)?;
@@ -104,10 +112,7 @@ impl ReleaseEquations {
     }
 
     fn values<R: Real>(&self, exprs: &[Expr], state: &[R], parameters: &[R]) -> Vec<R> {
-        exprs
-            .iter()
-            .map(|&expr| self.graph.evaluate(expr, state, parameters))
-            .collect()
+        self.graph.evaluate_all(exprs, state, parameters)
     }
 
     /// The derivatives of gap and rate, a row each: by the states, then by the parameter.
@@ -154,16 +159,27 @@ impl ReleaseEquations {
         [0, 1].map(|i| self.graph.evaluate(self.functions[i], state, parameters))
     }
 
-    /// Newton's method on h = v = a = 0.
-    fn converge<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<Vec<R>> {
+    /// Newton's method on h = v = 0 and a third equation.
+    pub(crate) fn converge<R: Real>(
+        &self,
+        parameters: &[R],
+        guess: &[R],
+        third: Third<R>,
+    ) -> Option<Vec<R>> {
         let states = guess.len();
         let mut state = guess.to_vec();
         let mut before = f64::INFINITY;
+        let mut functions = self.functions.clone();
+        functions.extend(self.jacobian.iter().flat_map(|row| &row[..states]));
         for _ in 0..NEWTON_STEPS {
-            let values = self.values(&self.functions, &state, parameters);
-            let rows: Vec<Vec<R>> = (self.jacobian.iter())
-                .map(|row| self.values(&row[..states], &state, parameters))
-                .collect();
+            let mut values = self.values(&functions, &state, parameters);
+            let slopes = values.split_off(self.functions.len());
+            let mut rows: Vec<Vec<R>> = slopes.chunks(states).map(<[R]>::to_vec).collect();
+            if let Third::State(held, value) = third {
+                values[ACCELERATION] = state[held] - value;
+                rows[ACCELERATION].fill(R::ZERO);
+                rows[ACCELERATION][held] = R::ONE;
+            }
             let correction = solve(&rows, &values)?;
             let mut size = 0.0_f64;
             for (x, &dx) in state.iter_mut().zip(&correction) {
@@ -186,10 +202,10 @@ impl ReleaseEquations {
     /// converge to a point with positive jerk.
     pub(crate) fn solve<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<ReleasePoint<R>> {
         let states = guess.len();
-        let mut state = self.converge(parameters, guess)?;
+        let mut state = self.converge(parameters, guess, Third::Release)?;
         if self.forcing.reduce(&self.graph, parameters, &mut state) {
             // A shift by many periods has lost digits.
-            state = self.converge(parameters, &state)?;
+            state = self.converge(parameters, &state, Third::Release)?;
         }
         let rows: Vec<Vec<R>> = (self.jacobian.iter())
             .map(|row| self.values(&row[..states], &state, parameters))
@@ -222,64 +238,38 @@ impl ReleaseEquations {
         })
     }
 
-    /// Looks for a release point: from the initial state, from where a trajectory is released, from states along it. In a
-    /// forced system there are one or more in every period: the first one from the initial phase on is taken.
-    pub(crate) fn search(
-        &self,
-        model: &Model,
-        system: &System,
-        parameters: &[f64],
-    ) -> Option<ReleasePoint<f64>> {
-        let initial = model.initial_state(parameters);
-        let start = model.time.map_or(0.0, |index| initial[index]);
-        let Some(forcing) = self.forcing.first(&self.graph, parameters) else {
-            return self.solve(parameters, &initial).or_else(|| {
-                (self
-                    .along_trajectory(system, parameters, &initial, start)
-                    .iter())
-                .find_map(|state| self.solve(parameters, state))
-            });
-        };
-        let mut seeds = self.along_trajectory(system, parameters, &initial, start);
-        for part in 0..PHASES {
-            let mut later = initial.clone();
-            later[forcing.state] += forcing.period * part as f64 / PHASES as f64;
-            seeds.push(later);
-        }
-        let found = seeds
-            .iter()
-            .filter_map(|state| self.solve(parameters, state));
-        let lateness = |point: &ReleasePoint<f64>| point.state[forcing.state];
-        found.min_by(|a, b| lateness(a).total_cmp(&lateness(b)))
+    /// The acceleration.
+    pub(crate) fn acceleration<R: Real>(&self, state: &[R], parameters: &[R]) -> R {
+        self.graph
+            .evaluate(self.functions[ACCELERATION], state, parameters)
     }
 
-    /// States along the trajectory from the initial state, the last one at a release if there is one; none if it cannot
-    /// start there.
-    fn along_trajectory(
-        &self,
-        system: &System,
-        parameters: &[f64],
-        initial: &[f64],
-        start: f64,
-    ) -> Vec<Vec<f64>> {
-        let mut seeds = Vec::new();
-        let mut work = system.workspace::<f64>(&Settings::default());
-        let Ok(mut trajectory) = Trajectory::start(system, &mut work, parameters, start, initial)
-        else {
-            return seeds;
-        };
-        for _ in 0..SEED_STEPS {
-            match trajectory.advance(system, &mut work, NO_HORIZON) {
-                Ok(Some(Occurrence::Release { .. })) => {
-                    seeds.push(trajectory.state().to_vec());
-                    break;
+    /// The state that an impulse leaves at rest on the contact, the gap being zero.
+    pub(crate) fn brought_to_rest(&self, state: &[f64], parameters: &[f64]) -> Vec<f64> {
+        let [_, rate] = self.gap_and_rate(state, parameters);
+        let jump = self.values(&self.jump, state, parameters);
+        (state.iter().zip(jump))
+            .map(|(x, jump)| x - rate * jump)
+            .collect()
+    }
+
+    /// The first phase, if there is one.
+    pub(crate) fn first_turn(&self, parameters: &[f64]) -> Option<Turn<f64>> {
+        self.forcing.turns(&self.graph, parameters).first().copied()
+    }
+
+    /// How far two states lie apart, phases up to whole periods, relative to their size.
+    pub(crate) fn apart(&self, a: &[f64], b: &[f64], parameters: &[f64]) -> f64 {
+        let turns = self.turns(parameters);
+        (a.iter().zip(b).enumerate())
+            .map(|(i, (a, b))| {
+                let mut off = a - b;
+                if let Some(turn) = turns.iter().find(|turn| turn.state == i) {
+                    off -= turn.period * libm::round(off / turn.period);
                 }
-                Ok(_) if seeds.len() < SEEDS => seeds.push(trajectory.state().to_vec()),
-                Ok(_) => {}
-                Err(_) => break,
-            }
-        }
-        seeds
+                off.abs() / (1.0 + a.abs() + b.abs())
+            })
+            .fold(0.0, f64::max)
     }
 
     /// A release point polished in another number type.

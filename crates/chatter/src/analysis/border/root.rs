@@ -109,10 +109,11 @@ impl Problem {
         settles: usize,
         extrapolation: Extrapolation,
     ) -> Result<Point<R>, BorderError> {
-        let release = self.release_point(value, Some(near))?;
+        let release = self.release_point(value, near)?;
         let mut limits = Limits::new(Self::constants(value, &release)?, &release, extrapolation);
         let parameters = self.parameters(value);
-        let sequence = self.variation(&parameters, &release.state, settles + limits.impacts())?;
+        let most = settles + limits.impacts();
+        let sequence = self.variation(&parameters, &release.state, settles, most)?;
         if sequence.impacts.len() <= sequence.begins {
             return Err(BorderError::NotConverged {
                 value: value.to_f64(),
@@ -243,12 +244,12 @@ mod tests {
             let shifted = |shift: f64| {
                 let mut state = point.sequence.impacts[0].state[..STATES].to_vec();
                 state[i] += DoubleDouble::from(shift);
-                let sequence = problem.variation(&parameters, &state, 70).unwrap();
+                let sequence = problem.variation(&parameters, &state, 0, 70).unwrap();
                 point.limits.x_off_border(&sequence, LAST).value
             };
             let difference = (shifted(STEP) - shifted(-STEP)) / DoubleDouble::from(2.0 * STEP);
             let state = &point.sequence.impacts[0].state[..STATES];
-            let sequence = problem.variation(&parameters, state, 70).unwrap();
+            let sequence = problem.variation(&parameters, state, 0, 70).unwrap();
             let mut weights = vec![DoubleDouble::ZERO; STATES + 1];
             weights[i] = DoubleDouble::ONE;
             let slope = point.limits.x_slope(&sequence, LAST, &weights, false);

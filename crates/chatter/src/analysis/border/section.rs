@@ -47,7 +47,7 @@ pub fn section_states<R: Real>(
     let near: Vec<DoubleDouble> = (border.release.state.iter())
         .map(|x| x.to_double_double())
         .collect();
-    let release = problem.release_point(value, Some(&near))?;
+    let release = problem.release_point(value, &near)?;
     let start = with_identity(&release.state);
     let time = model.time.map_or(DoubleDouble::ZERO, |index| start[index]);
     let until = time + border.first_impact.time.to_double_double();

@@ -33,6 +33,8 @@ pub enum Verdict {
     Complete,
     /// After finitely many impacts close to each other, a long flight.
     Incomplete,
+    /// Complete chatter, and contact until a release point other than the one where the sequence began.
+    Elsewhere,
     /// No chatter sequence within what was followed.
     NoChatter,
     /// As many impacts as asked for were followed.
@@ -72,10 +74,11 @@ pub(crate) struct Follower {
 /// Where to stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Until {
-    /// At the end of the first chatter sequence, if no more than so many long flights come before it.
-    Verdict(usize),
-    /// After so many impacts, or at the end of the first chatter sequence if that is earlier.
-    Impacts(usize),
+    /// At the end of the first chatter sequence that ends after so many impacts, if no more than so many long flights come
+    /// before it.
+    Verdict { excursions: usize, after: usize },
+    /// After `most` impacts, or at the end of the first chatter sequence after so many of them if that is earlier.
+    Impacts { most: usize, after: usize },
     /// After so many impacts, whatever lies between them; complete chatter alone ends it earlier.
     Count(usize),
     /// After so many long flights, at the impact that ends the last of them; complete chatter alone ends it earlier.
@@ -83,6 +86,26 @@ pub(crate) enum Until {
 }
 
 impl Follower {
+    /// Where a state at rest on the contact is released; `None` if it is not, or not within so many steps.
+    pub(crate) fn contact_until_release(
+        &self,
+        parameters: &[f64],
+        rest: &[f64],
+    ) -> Option<Vec<f64>> {
+        let system = &self.system;
+        let mut work = system.workspace::<f64>(&Settings::default());
+        let time = self.time.map_or(0.0, |index| rest[index]);
+        let mut trajectory = Trajectory::start(system, &mut work, parameters, time, rest).ok()?;
+        for _ in 0..STEPS_WITHOUT_IMPACT {
+            match trajectory.advance(system, &mut work, NO_HORIZON).ok()? {
+                Some(Occurrence::Release { .. }) => return Some(trajectory.state().to_vec()),
+                Some(Occurrence::Horizon) => return None,
+                _ => {}
+            }
+        }
+        None
+    }
+
     /// Follows the impacts from a state, columns included.
     pub(crate) fn follow<R: Real>(
         &self,
@@ -105,18 +128,26 @@ impl Follower {
         let mut limit: Option<R> = None;
         let mut quiet = 0;
         let mut excursions = 0;
-        let counting = matches!(until, Until::Count(_) | Until::Arrivals(_));
         let most_excursions = match until {
-            Until::Verdict(excursions) => excursions,
+            Until::Verdict { excursions, .. } => excursions,
             _ => usize::MAX,
         };
-        while quiet < STEPS_WITHOUT_IMPACT && (counting || sequence.impacts.len() < MOST_IMPACTS) {
+        let after = match until {
+            Until::Verdict { after, .. } | Until::Impacts { after, .. } => after,
+            Until::Count(_) | Until::Arrivals(_) => usize::MAX,
+        };
+        let most_impacts = if after == usize::MAX {
+            after
+        } else {
+            MOST_IMPACTS
+        };
+        while quiet < STEPS_WITHOUT_IMPACT && sequence.impacts.len() < most_impacts {
             quiet += 1;
-            let horizon = limit.unwrap_or(R::splat(NO_HORIZON));
-            match trajectory.advance(system, &mut work, horizon)? {
+            match trajectory.advance(system, &mut work, R::splat(NO_HORIZON))? {
                 Some(Occurrence::Impact { rate_before, .. }) => {
                     quiet = 0;
-                    if limit.is_none() && sequence.is_chatter() && !counting {
+                    let arrives = limit.is_none_or(|limit| trajectory.time() > limit);
+                    if arrives && sequence.is_chatter(after) {
                         sequence.verdict = Verdict::Incomplete;
                         return Ok(sequence);
                     }
@@ -126,7 +157,6 @@ impl Follower {
                         trajectory.state(),
                         &trajectory.low,
                     );
-                    let arrives = limit.is_none();
                     if arrives {
                         if excursions == most_excursions {
                             return Ok(sequence);
@@ -144,8 +174,8 @@ impl Follower {
                     });
                     let count = sequence.impacts.len();
                     let done = match until {
-                        Until::Verdict(_) => false,
-                        Until::Impacts(most) | Until::Count(most) => count == most,
+                        Until::Verdict { .. } => false,
+                        Until::Impacts { most, .. } | Until::Count(most) => count == most,
                         Until::Arrivals(most) => excursions == most,
                     };
                     if done {
@@ -157,27 +187,26 @@ impl Follower {
                     sequence.verdict = Verdict::Complete;
                     return Ok(sequence);
                 }
-                Some(Occurrence::Horizon) => {
-                    if limit.is_none() {
-                        break;
-                    }
-                    limit = None;
-                    if sequence.is_chatter() && !counting {
-                        sequence.verdict = Verdict::Incomplete;
-                        return Ok(sequence);
-                    }
-                }
+                Some(Occurrence::Horizon) => break,
                 _ => {}
             }
+        }
+        if sequence.is_chatter(after) && sequence.impacts.len() < most_impacts {
+            sequence.verdict = Verdict::Incomplete;
         }
         Ok(sequence)
     }
 }
 
 impl<R> Sequence<R> {
-    /// Whether the latest impacts follow each other closely.
-    fn is_chatter(&self) -> bool {
-        self.impacts.len() > self.begins + SEQUENCE
+    /// Whether the latest impacts follow each other closely, the last of them later than impact number `after`.
+    fn is_chatter(&self, after: usize) -> bool {
+        self.impacts.len() > after.max(self.begins + SEQUENCE)
+    }
+
+    /// How many long flights there are.
+    pub(crate) fn arrivals(&self) -> usize {
+        self.impacts.iter().filter(|impact| impact.arrives).count()
     }
 }
 

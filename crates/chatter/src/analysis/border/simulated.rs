@@ -71,7 +71,7 @@ impl Simulator {
         transient: usize,
         keep: usize,
     ) -> Result<Simulated, BorderError> {
-        let release = self.problem.release_point(parameter, Some(&self.release))?;
+        let release = self.problem.release_point(parameter, &self.release)?;
         let parameters = self.problem.parameters(parameter);
         let arrivals = (transient + keep) * self.long_flights + 1;
         let follower = &self.problem.plain;
