@@ -106,6 +106,7 @@ impl<R: Real> ChatterTracker<R> {
 
     /// Takes note of an impact; time and state come with their rounding remainders. Returns the end of the sequence as
     /// soon as it is certain to rounding.
+    #[inline(always)]
     pub(crate) fn observe(
         &mut self,
         contact: usize,
@@ -121,14 +122,7 @@ impl<R: Real> ChatterTracker<R> {
         let restitution = local.restitution.to_f64();
         let u = (local.jerk * local.rate / (local.acceleration * local.acceleration)).to_f64();
         if restitution != self.restitution {
-            self.restitution = restitution;
-            self.border = border_value(restitution);
-            let steps = libm::ceil(libm::log(SAMPLE_RATIO) / libm::log(restitution));
-            self.stride = if steps >= 1.0 {
-                steps.min(1e9) as u32
-            } else {
-                1
-            };
+            self.adapt(restitution);
         }
         if !(u < SAFE_FRACTION * self.border && u > SAFE_NEGATIVE) {
             self.interrupt();
@@ -144,6 +138,23 @@ impl<R: Real> ChatterTracker<R> {
             self.until_sample -= 1;
             return None;
         }
+        self.sample(time, state)
+    }
+
+    /// Finds the border value and how often to sample for another restitution.
+    fn adapt(&mut self, restitution: f64) {
+        self.restitution = restitution;
+        self.border = border_value(restitution);
+        let steps = libm::ceil(libm::log(SAMPLE_RATIO) / libm::log(restitution));
+        self.stride = if steps >= 1.0 {
+            steps.min(1e9) as u32
+        } else {
+            1
+        };
+    }
+
+    /// Samples an impact and extrapolates.
+    fn sample(&mut self, time: (R, R), state: (&[R], &[R])) -> Option<Accumulation<R>> {
         self.until_sample = self.stride - 1;
         if self.samples.len() == MAX_SAMPLES {
             self.samples.remove(0);

@@ -7,7 +7,7 @@
 use super::error::FlowError;
 use super::occurrence::Occurrence;
 use super::program::{Closed, IMPACT_SCALARS, Program, ProgramConstants};
-use super::step::{NO_EVENT, Workspace};
+use super::step::{NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::{Settings, System};
 use super::touching::Touching;
 use super::trajectory::{StepResult, Trajectory};
@@ -41,7 +41,7 @@ pub fn run_fleet<V>(
     trajectories: &mut [Trajectory<f64>],
     visit: V,
 ) where
-    V: FnMut(usize, &mut Trajectory<f64>, Result<Occurrence<f64>, FlowError>) -> Next,
+    V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {
     Fleet::<WIDTH, V>::new(system, settings, swept, trajectories, visit).run();
 }
@@ -53,14 +53,13 @@ const WIDTH: usize = 32;
 /// So many trajectories step faster one by one than in a vector that is nearly empty: it costs as much as five.
 const FEW: usize = 4;
 
-/// Trajectories whose next steps can share a vector.
+/// Trajectories whose next steps run the same program with the same roots divided out.
 #[derive(Debug)]
 struct Queue {
     closed: Closed,
     touching: Touching,
-    class: usize,
-    /// Index of the trajectory and its unit of time.
-    waiting: Vec<(usize, f64)>,
+    /// By order class, those that can share a vector: index of the trajectory and its unit of time.
+    waiting: [Vec<(usize, f64)>; ORDER_CLASSES],
 }
 
 struct Fleet<'a, const L: usize, V> {
@@ -72,6 +71,8 @@ struct Fleet<'a, const L: usize, V> {
     wide: Workspace<Lanes<L>>,
     single: Workspace<f64>,
     queues: Vec<Queue>,
+    /// The queue that was joined last: often the next one, too.
+    joined: usize,
     loaded: Option<Closed>,
 }
 
@@ -124,7 +125,7 @@ vector_step!(WIDTH);
 impl<'a, const L: usize, V> Fleet<'a, L, V>
 where
     Workspace<Lanes<L>>: VectorStep<L>,
-    V: FnMut(usize, &mut Trajectory<f64>, Result<Occurrence<f64>, FlowError>) -> Next,
+    V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {
     fn new(
         system: &'a System,
@@ -175,6 +176,7 @@ where
             wide: system.workspace(settings),
             single: system.workspace(settings),
             queues: Vec::new(),
+            joined: 0,
             loaded: None,
             system,
             trajectories,
@@ -186,22 +188,24 @@ where
         for index in 0..self.trajectories.len() {
             self.enqueue(index);
         }
-        while let Some(queue) = self.fullest() {
-            self.step(queue);
+        while let Some((queue, class)) = self.fullest() {
+            self.step(queue, class);
         }
     }
 
-    /// A queue that fills a vector, or else the longest.
-    fn fullest(&self) -> Option<usize> {
+    /// A queue and class that fill a vector, or else those with the most waiting.
+    fn fullest(&self) -> Option<(usize, usize)> {
         let mut best = None;
         let mut length = 0;
         for (place, queue) in self.queues.iter().enumerate() {
-            if queue.waiting.len() >= L {
-                return Some(place);
-            }
-            if queue.waiting.len() > length {
-                length = queue.waiting.len();
-                best = Some(place);
+            for (class, waiting) in queue.waiting.iter().enumerate() {
+                if waiting.len() >= L {
+                    return Some((place, class));
+                }
+                if waiting.len() > length {
+                    length = waiting.len();
+                    best = Some((place, class));
+                }
             }
         }
         best
@@ -216,48 +220,42 @@ where
             }
             let horizon = trajectory.horizon();
             let outcome = trajectory.advance(self.system, &mut self.single, horizon);
-            let Some(told) = outcome.transpose() else {
-                continue;
-            };
-            if (self.visit)(index, trajectory, told) == Next::Retire {
+            if tell(&mut self.visit, index, trajectory, outcome) == Next::Retire {
                 return;
             }
         }
         let trajectory = &self.trajectories[index];
         let (closed, touching) = (trajectory.closed, trajectory.touching);
         let (class, tau) = trajectory.plan();
-        let same = |queue: &Queue| {
-            queue.class == class && queue.closed == closed && queue.touching == touching
-        };
-        let place = match self.queues.iter().position(same) {
-            Some(place) => place,
-            None => {
+        let same = |queue: &Queue| queue.closed == closed && queue.touching == touching;
+        if !self.queues.get(self.joined).is_some_and(same) {
+            self.joined = self.queues.iter().position(same).unwrap_or_else(|| {
                 self.queues.push(Queue {
                     closed,
                     touching,
-                    class,
-                    waiting: Vec::new(),
+                    waiting: Default::default(),
                 });
                 self.queues.len() - 1
-            }
-        };
-        self.queues[place].waiting.push((index, tau));
+            });
+        }
+        self.queues[self.joined].waiting[class].push((index, tau));
     }
 
     /// Takes up to a vector of trajectories from a queue and moves each by one step.
-    fn step(&mut self, place: usize) {
+    fn step(&mut self, place: usize, class: usize) {
         let queue = &mut self.queues[place];
-        let (closed, touching, class) = (queue.closed, queue.touching, queue.class);
+        let (closed, touching) = (queue.closed, queue.touching);
+        let waiting = &mut queue.waiting[class];
         let Some(program) = self.system.program(closed) else {
             // A trajectory enters only phases that have a program.
-            queue.waiting.clear();
+            waiting.clear();
             return;
         };
-        let count = queue.waiting.len().min(L);
-        let first = queue.waiting.len() - count;
+        let count = waiting.len().min(L);
+        let first = waiting.len() - count;
         let mut members = [(0, 0.0); L];
-        members[..count].copy_from_slice(&queue.waiting[first..]);
-        queue.waiting.truncate(first);
+        members[..count].copy_from_slice(&waiting[first..]);
+        waiting.truncate(first);
         if count <= FEW {
             for &(index, _) in &members[..count] {
                 let trajectory = &mut self.trajectories[index];
@@ -272,16 +270,13 @@ where
         }
         let remaining = self.gather(closed, &members);
         let certain = self.wide.vector_step(program, class, touching);
-        for lane in 0..count {
-            let index = members[lane].0;
-            let outcome = self.digest(
-                program,
-                index,
-                lane,
-                class,
-                certain.0[lane],
-                remaining[lane],
-            );
+        for (lane, &(index, _)) in members[..count].iter().enumerate() {
+            if certain.0[lane] {
+                self.store(index, lane, class);
+            }
+        }
+        for (lane, &(index, _)) in members[..count].iter().enumerate() {
+            let outcome = self.digest(program, index, lane, certain.0[lane], remaining[lane]);
             self.hand_on(index, outcome);
         }
     }
@@ -289,10 +284,8 @@ where
     /// Tells the visitor what happened to a trajectory, and lets it wait for its next step.
     #[inline]
     fn hand_on(&mut self, index: usize, outcome: Result<Option<Occurrence<f64>>, FlowError>) {
-        let Some(told) = outcome.transpose() else {
-            return self.enqueue(index);
-        };
-        if (self.visit)(index, &mut self.trajectories[index], told) == Next::Continue {
+        let trajectory = &mut self.trajectories[index];
+        if tell(&mut self.visit, index, trajectory, outcome) == Next::Continue {
             self.enqueue(index);
         }
     }
@@ -343,28 +336,16 @@ where
         remaining
     }
 
-    /// Gives a lane's step to its trajectory; an uncertain one is settled by itself.
-    #[inline]
-    fn digest(
-        &mut self,
-        program: &Program,
-        index: usize,
-        lane: usize,
-        class: usize,
-        certain: bool,
-        remaining: f64,
-    ) -> Result<Option<Occurrence<f64>>, FlowError> {
+    /// Gives the end of a lane's step to its trajectory.
+    #[inline(always)]
+    fn store(&mut self, index: usize, lane: usize, class: usize) {
         let trajectory = &mut self.trajectories[index];
-        if !certain {
-            return trajectory.advance_settled(self.system, &mut self.single, program);
-        }
         for (value, wide) in trajectory.state.iter_mut().zip(&self.wide.state) {
             *value = wide.0[lane];
         }
         for (value, wide) in trajectory.low.iter_mut().zip(&self.wide.low) {
             *value = wide.0[lane];
         }
-        let event = self.wide.event.0[lane];
         for (reach, wide) in trajectory
             .reach
             .iter_mut()
@@ -373,6 +354,23 @@ where
         {
             *reach = wide.0[lane];
         }
+    }
+
+    /// Says what a lane's step means for its trajectory; an uncertain one is settled by itself.
+    #[inline(always)]
+    fn digest(
+        &mut self,
+        program: &Program,
+        index: usize,
+        lane: usize,
+        certain: bool,
+        remaining: f64,
+    ) -> Result<Option<Occurrence<f64>>, FlowError> {
+        let trajectory = &mut self.trajectories[index];
+        if !certain {
+            return trajectory.advance_settled(self.system, &mut self.single, program);
+        }
+        let event = self.wide.event.0[lane];
         let mut result = StepResult {
             step: self.wide.step.0[lane],
             event: (event >= 0.0).then_some(event as usize),
@@ -385,6 +383,25 @@ where
             *scalar = wide.0[lane];
         }
         trajectory.digest(self.system, &mut self.single, program, &result)
+    }
+}
+
+/// Tells the visitor of an occurrence or error, if there is one. By reference: moving what was just written stalls the
+/// processor.
+#[inline(always)]
+fn tell<V>(
+    visit: &mut V,
+    index: usize,
+    trajectory: &mut Trajectory<f64>,
+    outcome: Result<Option<Occurrence<f64>>, FlowError>,
+) -> Next
+where
+    V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
+{
+    match &outcome {
+        Ok(None) => Next::Continue,
+        Ok(Some(occurrence)) => visit(index, trajectory, Ok(occurrence)),
+        Err(error) => visit(index, trajectory, Err(error.clone())),
     }
 }
 
@@ -442,15 +459,16 @@ mod tests {
         let mut trajectories = columns.trajectories.clone();
         let mut told = vec![0; trajectories.len()];
         let mut ends = vec![(0, Vec::new()); trajectories.len()];
-        let visit = |index: usize, trajectory: &mut Trajectory<f64>, what: Result<_, FlowError>| {
-            what.expect("a finite field");
-            told[index] += 1;
-            if told[index] < occurrences {
-                return Next::Continue;
-            }
-            ends[index] = end(trajectory);
-            Next::Retire
-        };
+        let visit =
+            |index: usize, trajectory: &mut Trajectory<f64>, what: Result<&_, FlowError>| {
+                what.expect("a finite field");
+                told[index] += 1;
+                if told[index] < occurrences {
+                    return Next::Continue;
+                }
+                ends[index] = end(trajectory);
+                Next::Retire
+            };
         Fleet::<L, _>::new(
             &columns.system,
             &columns.settings,

@@ -333,13 +333,16 @@ impl<R: Real> Trajectory<R> {
 
     /// The order class of the next step and its unit of time.
     pub(crate) fn plan(&self) -> (usize, R) {
-        let top = ORDER_CLASSES - 1;
+        // Every order is asked: where the answer cannot be foreseen, a branch costs more.
+        let mut covers = 0_u32;
         for (class, &reach) in self.reach.iter().enumerate() {
-            if self.flight_time <= reach * R::splat(REACH_USED) {
-                return (class, self.flight_time);
-            }
+            covers |= u32::from(self.flight_time <= reach * R::splat(REACH_USED)) << class;
         }
-        (top, self.reach[top])
+        if covers == 0 {
+            let top = ORDER_CLASSES - 1;
+            return (top, self.reach[top]);
+        }
+        (covers.trailing_zeros() as usize, self.flight_time)
     }
 
     fn load(&self, work: &mut Workspace<R>) -> usize {
@@ -376,6 +379,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Says what a step means whose end (state, remainder and reach) is already in place.
+    #[inline(always)]
     pub(crate) fn digest(
         &mut self,
         system: &System,
@@ -477,6 +481,7 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
+    #[inline(always)]
     fn after_impact(
         &mut self,
         system: &System,

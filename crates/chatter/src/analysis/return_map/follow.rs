@@ -219,13 +219,13 @@ impl<'m, 'v> Follower<'m, 'v> {
         &mut self,
         orbit: &mut Orbit,
         trajectory: &mut Trajectory<f64>,
-        told: Result<Occurrence<f64>, FlowError>,
+        told: Result<&Occurrence<f64>, FlowError>,
     ) -> Next {
         let occurrence = match told {
             Ok(occurrence) => occurrence,
             Err(error) => return self.report(orbit, trajectory, Err(failure(error))),
         };
-        match occurrence {
+        match *occurrence {
             Occurrence::Impact { contact, .. } => {
                 orbit.passage.impacts += 1;
                 orbit.passage.flight_time = trajectory.time() - orbit.takeoff;
