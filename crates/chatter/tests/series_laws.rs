@@ -95,6 +95,23 @@ fn check<R: Real>(x: f64, y: f64, parameter: f64, step: f64, tolerance: f64) {
     }
 }
 
+/// A derivative that is integrated at once gives the bits of one that is a series of its own, because it is an output too.
+#[test]
+fn an_integrated_derivative_is_that_series_integrated() {
+    const ORDER: usize = 20;
+    let expand = |outputs: usize| {
+        let mut graph = Graph::default();
+        let field = oscillator(&mut graph);
+        let tape = Tape::new(&mut graph, 2, &field, &field[2 - outputs..]);
+        let constants = tape.constants(&graph, &[]);
+        let mut expansion = Expansion::<f64>::new(&[&tape]);
+        expansion.run(&tape, &constants, &[0.3, 0.4], &[1e-18, -1e-18], 0.5, ORDER);
+        let bits = |slot: usize| expansion.series(slot).iter().map(|c| c.to_bits());
+        (0..2).flat_map(bits).collect::<Vec<_>>()
+    };
+    assert_eq!(expand(0), expand(1));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 

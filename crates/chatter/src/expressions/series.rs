@@ -172,7 +172,7 @@ impl<S: Scalar> Expansion<S> {
     ) {
         self.order = 0;
         self.start(tape, state, low);
-        self.run_order(tape, constants, 0);
+        self.run_order(tape, constants, S::splat(0.0), 0);
         for (value, output) in values.iter_mut().zip(&tape.outputs) {
             *value = match *output {
                 Operand::Constant(index) => constants[index],
@@ -197,20 +197,20 @@ impl<S: Scalar> Expansion<S> {
         self.order = order;
         self.start(tape, state, low);
         for k in 0..order {
-            self.run_order(tape, constants, k);
-            self.integrate(tape, constants, tau, k);
+            let factor = tau * self.reciprocals[k + 1];
+            self.run_order(tape, constants, factor, k);
+            self.integrate(tape, constants, factor, k);
         }
         if !tape.outputs_are_states() {
-            self.run_order(tape, constants, order);
+            self.run_order(tape, constants, tau, order);
         }
     }
 
-    /// The next coefficient of every state, from order k of its derivative.
+    /// The next coefficient of every state that no operation integrates, from order k of its derivative.
     #[inline(always)]
-    fn integrate(&mut self, tape: &Tape, constants: &[S], tau: S, k: usize) {
-        let factor = tau * self.reciprocals[k + 1];
-        for (slot, derivative) in tape.field.iter().enumerate() {
-            let value = match *derivative {
+    fn integrate(&mut self, tape: &Tape, constants: &[S], factor: S, k: usize) {
+        for &(slot, derivative) in &tape.field {
+            let value = match derivative {
                 Operand::Series(of) => self.get(of, k) * factor,
                 Operand::Constant(index) if k == 0 => constants[index] * factor,
                 Operand::Constant(_) => S::splat(0.0),
@@ -232,7 +232,7 @@ impl<S: Scalar> Expansion<S> {
     }
 
     #[inline(always)]
-    fn run_order(&mut self, tape: &Tape, constants: &[S], k: usize) {
+    fn run_order(&mut self, tape: &Tape, constants: &[S], factor: S, k: usize) {
         for op in &tape.ops {
             match *op {
                 Op::Linear {
@@ -247,14 +247,26 @@ impl<S: Scalar> Expansion<S> {
                         self.lows[out] = low;
                         value
                     } else {
-                        let mut sum = S::splat(0.0);
-                        for &(coefficient, slot) in terms {
-                            sum = constants[coefficient].mul_add(self.get(slot, k), sum);
-                        }
-                        sum
+                        self.sum(constants, terms, k)
                     };
                     self.set(out, k, value);
                 }
+                Op::Rate {
+                    state,
+                    offset,
+                    first,
+                    end,
+                } if k < self.order => {
+                    let terms = &tape.terms[first..end];
+                    let value = if k == 0 {
+                        self.compensated_sum(constants, offset, terms).0
+                    } else {
+                        self.sum(constants, terms, k)
+                    };
+                    self.set(state, k + 1, value * factor);
+                }
+                // There is no coefficient after the last.
+                Op::Rate { .. } => {}
                 Op::Multiply { out, left, right } => {
                     let value = convolve(self.part(left, 0, k + 1), self.part(right, 0, k + 1));
                     self.set(out, k, value);
@@ -295,10 +307,12 @@ impl<S: Scalar> Expansion<S> {
                         self.auxiliaries[inverse] = S::splat(0.5) / root;
                         self.set(out, 0, root);
                     } else {
+                        let inverse = self.auxiliaries[inverse];
+                        let radicand = self.get(radicand, k);
                         // The newest coefficient is in the pairs: nothing but they wait for it.
                         let (pairs, middle) = self.self_pairs(out, 1, k);
-                        let rest = self.get(radicand, k) - middle;
-                        let value = pairs.mul_add(S::splat(-2.0), rest) * self.auxiliaries[inverse];
+                        let rest = radicand - middle;
+                        let value = pairs.mul_add(S::splat(-2.0), rest) * inverse;
                         self.set(out, k, value);
                     }
                 }
@@ -376,6 +390,16 @@ impl<S: Scalar> Expansion<S> {
         }
     }
 
+    /// A linear combination of an order above zero.
+    #[inline(always)]
+    fn sum(&self, constants: &[S], terms: &[(usize, usize)], k: usize) -> S {
+        let mut sum = S::splat(0.0);
+        for &(coefficient, slot) in terms {
+            sum = constants[coefficient].mul_add(self.get(slot, k), sum);
+        }
+        sum
+    }
+
     /// sum_{j=first..k-first} a_j a_{k-j}.
     #[inline(always)]
     fn self_convolution(&self, slot: usize, first: usize, k: usize) -> S {
@@ -395,13 +419,14 @@ impl<S: Scalar> Expansion<S> {
         } else {
             S::splat(0.0)
         };
+        // A choice between places, not values: lanes stay together in their registers.
+        let zero = S::splat(0.0);
         let middle = if k.is_multiple_of(2) && k / 2 >= first {
-            let middle = self.get(slot, k / 2);
-            middle * middle
+            &self.values[slot * Self::STRIDE + k / 2]
         } else {
-            S::splat(0.0)
+            &zero
         };
-        (pairs, middle)
+        (pairs, *middle * *middle)
     }
 
     /// A linear combination of order zero in about twice the working precision, remainders of its terms included, and

@@ -22,12 +22,28 @@ pub enum Operand {
     Series(usize),
 }
 
+impl Operand {
+    fn slot(self) -> Option<usize> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Series(slot) => Some(slot),
+        }
+    }
+}
+
 /// One operation; every field named `out` or after an operand is a slot, `inverse` an auxiliary value.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Op {
     /// `offset + sum coefficient * series`: a range of the tape's term list.
     Linear {
         out: usize,
+        offset: Option<usize>,
+        first: usize,
+        end: usize,
+    },
+    /// A linear combination that is the derivative of a state and nothing else: it is integrated at once.
+    Rate {
+        state: usize,
         offset: Option<usize>,
         first: usize,
         end: usize,
@@ -92,6 +108,15 @@ pub(crate) enum Swing {
     Power { base: usize, exponent: usize },
 }
 
+impl Swing {
+    fn slot(self) -> usize {
+        match self {
+            Self::Exponential { argument } | Self::Saturating { argument } => argument,
+            Self::Power { base, .. } => base,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sign {
     Plus,
@@ -99,6 +124,33 @@ pub(crate) enum Sign {
 }
 
 impl Op {
+    /// The series that it reads.
+    fn reads(&self, terms: &[(usize, usize)]) -> Vec<usize> {
+        match *self {
+            Self::Linear { first, end, .. } | Self::Rate { first, end, .. } => {
+                terms[first..end].iter().map(|&(_, slot)| slot).collect()
+            }
+            Self::Multiply { left, right, .. } => vec![left, right],
+            Self::Square { base, .. } | Self::Power { base, .. } => vec![base],
+            Self::Divide {
+                numerator,
+                denominator,
+                ..
+            } => numerator.slot().into_iter().chain([denominator]).collect(),
+            Self::SquareRoot { radicand, .. } => vec![radicand],
+            Self::Slope { of, .. } => vec![of],
+            Self::Integral {
+                slope,
+                argument,
+                weight,
+                ..
+            } => vec![slope, argument, weight],
+            Self::SineCosine {
+                slope, argument, ..
+            } => vec![slope, argument],
+        }
+    }
+
     fn swing(&self) -> Option<Swing> {
         match *self {
             Self::Integral {
@@ -125,7 +177,8 @@ pub struct Tape {
     pub(crate) auxiliaries: usize,
     pub(crate) ops: Vec<Op>,
     pub(crate) terms: Vec<(usize, usize)>,
-    pub(crate) field: Vec<Operand>,
+    /// States, each with its derivative, that no operation integrates at once.
+    pub(crate) field: Vec<(usize, Operand)>,
     pub(crate) outputs: Vec<Operand>,
     /// What limits a step besides the size of its last terms.
     pub(crate) swings: Vec<Swing>,
@@ -156,7 +209,8 @@ impl Tape {
                 constants: Vec::new(),
             },
         };
-        lowering.tape.field = field.iter().map(|&e| lowering.operand(e)).collect();
+        let field: Vec<Operand> = field.iter().map(|&e| lowering.operand(e)).collect();
+        lowering.tape.field = field.into_iter().enumerate().collect();
         lowering.tape.outputs = outputs.iter().map(|&e| lowering.operand(e)).collect();
         let mut tape = lowering.tape;
         for swing in tape.ops.iter().filter_map(Op::swing) {
@@ -164,7 +218,44 @@ impl Tape {
                 tape.swings.push(swing);
             }
         }
+        tape.integrate_at_once();
         tape
+    }
+
+    /// Turns linear combinations that nothing but the integration of one state reads into rates; the swings are known.
+    fn integrate_at_once(&mut self) {
+        let mut readers = vec![0; self.slots];
+        let operands = self.outputs.iter().chain(self.field.iter().map(|(_, d)| d));
+        let read = (operands.filter_map(|operand| operand.slot()))
+            // Nothing else may read what swings: a power of a multiple can be the multiple of a power.
+            .chain(self.swings.iter().map(|swing| swing.slot()))
+            .chain(self.ops.iter().flat_map(|op| op.reads(&self.terms)));
+        for slot in read {
+            readers[slot] += 1;
+        }
+        for op in &mut self.ops {
+            let &mut Op::Linear {
+                out,
+                offset,
+                first,
+                end,
+            } = op
+            else {
+                continue;
+            };
+            let integrated = |&(_, derivative): &(usize, Operand)| derivative.slot() == Some(out);
+            if readers[out] == 1
+                && let Some(place) = self.field.iter().position(integrated)
+            {
+                let (state, _) = self.field.remove(place);
+                *op = Op::Rate {
+                    state,
+                    offset,
+                    first,
+                    end,
+                };
+            }
+        }
     }
 
     /// Number of states.
@@ -589,5 +680,37 @@ impl Lowering<'_> {
         });
         self.sine_cosines.insert(argument, (sine, cosine));
         (sine, cosine)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Expansion;
+    use super::*;
+
+    /// With half the exponent the number leaves the power, 0.4^500 y^500, and no operation is left that reads 0.4 y.
+    #[test]
+    fn what_swings_stays_a_series_though_it_is_a_derivative() {
+        const LONGEST: f64 = 4.0;
+        let resolved = |as_output: bool| {
+            let mut graph = Graph::default();
+            let (x, y) = (graph.state(0), graph.state(1));
+            let (factor, exponent) = (graph.number(0.4), graph.number(1000.0));
+            let rate = graph.mul(factor, y);
+            let power = graph.power(rate, exponent);
+            let field = [rate, graph.neg(x)];
+            let outputs = if as_output {
+                vec![power, rate]
+            } else {
+                vec![power]
+            };
+            let tape = Tape::new(&mut graph, 2, &field, &outputs);
+            let constants = tape.constants::<f64>(&graph, &[]);
+            let mut expansion = Expansion::<f64>::new(&[&tape]);
+            expansion.run(&tape, &constants, &[0.3, 2.4], &[0.0, 0.0], 0.5, 20);
+            expansion.resolved(&tape, &constants, LONGEST)
+        };
+        assert!(resolved(true) < LONGEST);
+        assert_eq!(resolved(false), resolved(true));
     }
 }
