@@ -3,6 +3,7 @@
 use crate::commands::border::refused;
 use crate::failure::Failure;
 use crate::options::Counts;
+use crate::parallel;
 use crate::terminal::{self, Progress};
 use chatter::analysis::border::{Border, BorderSpec, Prediction, Simulator};
 use chatter::model::Model;
@@ -73,10 +74,21 @@ pub fn picture<R: Real>(
         y.map(|y| (parameter, y)).collect()
     })?;
 
+    if simulated.is_empty() {
+        terminal::remark(
+            "no orbit of the model stays near the border over these windows: nothing simulated is drawn",
+        );
+    }
     let all = || simulated.iter().chain(&predicted).map(|point| point.1);
     let bottom = all().fold(f64::INFINITY, f64::min);
     let top = all().fold(f64::NEG_INFINITY, f64::max);
-    let margin = ROOM * (top - bottom);
+    // Where all orbits end at rest there is one value only.
+    let height = if top > bottom {
+        top - bottom
+    } else {
+        top.abs().max(1.0)
+    };
+    let margin = ROOM * height;
     let range = (bottom - margin, top + margin);
     let names = model.state_names();
     let panel = |layers: &[(&Points, Color, &str)]| {
@@ -122,43 +134,22 @@ fn coordinate<R: Real>(border: &Border<R>) -> usize {
         .unwrap_or(0)
 }
 
-/// Points of all columns in their order, computed by as many threads as there are cores.
+/// Points of all columns in their order, computed side by side.
 fn each_column(points: impl Fn(usize) -> Points + Sync) -> Result<Points, Failure> {
     terminal::catch_interrupts();
     let progress = Mutex::new(Progress::new());
-    let columns: Vec<Mutex<Points>> = (0..COLUMNS).map(|_| Mutex::default()).collect();
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let work = || {
-        while !terminal::interrupted() {
-            let column = next.fetch_add(1, Ordering::Relaxed);
-            let Some(place) = columns.get(column) else {
-                break;
-            };
-            let found = points(column);
-            if let Ok(mut place) = place.lock() {
-                *place = found;
-            }
-            let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / COLUMNS as f64;
-            if let Ok(mut progress) = progress.lock() {
-                progress.show(part, || "orbits".to_owned());
-            }
+    let done = AtomicUsize::new(0);
+    let columns: Vec<usize> = (0..COLUMNS).collect();
+    let found = parallel::each(&columns, |&column| {
+        let found = points(column);
+        let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / COLUMNS as f64;
+        if let Ok(mut progress) = progress.lock() {
+            progress.show(part, || "orbits".to_owned());
         }
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(work);
-        }
-        work();
+        Ok(found)
     });
     if let Ok(progress) = progress.into_inner() {
         progress.finish();
     }
-    if terminal::interrupted() {
-        return Err(Failure::Interrupted);
-    }
-    Ok(columns
-        .into_iter()
-        .flat_map(|column| column.into_inner().unwrap_or_default())
-        .collect())
+    Ok(found?.concat())
 }

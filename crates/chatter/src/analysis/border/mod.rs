@@ -9,6 +9,7 @@
 //! sequence     the impacts that follow it, and the verdict complete / incomplete
 //! coordinate   X and N: limits along the sequence, with derivatives
 //! search       a scan of the parameter; each change of the verdict is closed in on
+//! breaks       what ends complete chatter where no border is
 //! root         the smooth equation X(p) = 0
 //! exact        (M5): K, M and what they are made of
 //! leading_order   the paper's A to F
@@ -20,6 +21,7 @@
 //! ```
 
 mod branches;
+mod breaks;
 mod coordinate;
 mod error;
 mod exact;

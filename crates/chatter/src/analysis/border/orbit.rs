@@ -1,5 +1,6 @@
 //! A border orbit with its normal form, and the questions that find it.
 
+use super::breaks::grazing_start;
 use super::coordinate::Limits;
 use super::error::{BorderError, Break, BreakCause};
 use super::exact::{Exact, SectionChart, exact};
@@ -9,7 +10,7 @@ use super::leading_order::{LeadingOrder, ReleaseSection, leading_order};
 use super::problem::{Problem, STATES, exactly};
 use super::release::ReleasePoint;
 use super::root::Root;
-use super::search::{Found, Sample, grazing_start};
+use super::search::{Found, Sample};
 use super::sequence::Verdict;
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;

@@ -1,13 +1,13 @@
 //! Finding borders: classify over a range, close in on each change of the verdict and on each near miss, and ask whether
 //! it is a root of X.
 
+use super::breaks::break_between;
 use super::coordinate::{Extrapolation, Limits};
-use super::error::{BorderError, Break, BreakCause};
+use super::error::{BorderError, Break};
 use super::problem::{Problem, exactly};
 use super::release::ReleasePoint;
-use super::root::{Point, Root};
-use super::sequence::{SHORTEST, Sequence, Verdict};
-use crate::numerics::Real;
+use super::root::Root;
+use super::sequence::{Sequence, Verdict};
 
 /// Newton's method starts once the sequence comes this near to u*, relative to u*.
 const NEAR: f64 = 0.1;
@@ -31,10 +31,6 @@ const LEAST_SHARE: usize = 200;
 /// Breaks this near to each other, relative to the parameter, are told as one.
 const SAME_BREAK: f64 = 1e-6;
 
-/// At a break an impact counts as a graze if its rate is this small against the largest rate of the sequence: rates go
-/// with the root of the distance, which is halved to rounding.
-const GRAZE: f64 = 1e-4;
-
 /// What the sequence at one parameter value does.
 #[derive(Clone, Debug)]
 pub(crate) struct Sample {
@@ -42,7 +38,7 @@ pub(crate) struct Sample {
     pub verdict: Verdict,
     /// |X|, roughly: the distance from the border in the sequence's own coordinate.
     distance: f64,
-    found: Option<(ReleasePoint<f64>, Sequence<f64>)>,
+    pub found: Option<(ReleasePoint<f64>, Sequence<f64>)>,
 }
 
 impl Sample {
@@ -379,52 +375,5 @@ impl Search<'_> {
         (self.problem)
             .root(sample.value, &near, settles, self.extrapolation, within)
             .ok()
-    }
-}
-
-/// The rate of the first impact of a border orbit if it is a graze: then the normal form has no finite slope.
-pub(crate) fn grazing_start<R: Real>(point: &Point<R>) -> Option<f64> {
-    let rates = (point.sequence.impacts.iter()).map(|impact| impact.rate_before.to_f64());
-    let largest = rates
-        .clone()
-        .fold(0.0_f64, |most, rate| most.max(rate.abs()));
-    rates.take(1).find(|rate| rate.abs() <= GRAZE * largest)
-}
-
-/// What makes the verdict change where no root is.
-fn break_between(left: &Sample, right: &Sample) -> Break {
-    let slowest = [left, right]
-        .into_iter()
-        .filter_map(|sample| sample.found.as_ref())
-        .filter_map(|(_, sequence)| {
-            let rates: Vec<f64> = sequence.impacts.iter().map(|i| i.rate_before).collect();
-            let largest = rates
-                .iter()
-                .fold(0.0_f64, |most, rate| most.max(rate.abs()));
-            // Within the sequence rates shrink as they should: a graze stands before it or at its beginning.
-            let until = (sequence.begins + 1).min(rates.len());
-            (rates[..until].iter().enumerate())
-                .map(|(impact, &rate)| (impact, rate, rate.abs() / largest))
-                .min_by(|a, b| a.2.total_cmp(&b.2))
-        })
-        .min_by(|a, b| a.2.total_cmp(&b.2));
-    let verdicts = [left.verdict, right.verdict];
-    let incomplete = [left, right]
-        .into_iter()
-        .filter(|sample| sample.verdict == Verdict::Incomplete)
-        .find_map(|sample| sample.found.as_ref());
-    let shortest = |(_, sequence): &(ReleasePoint<f64>, Sequence<f64>)| {
-        sequence.impacts.len() <= sequence.begins + SHORTEST
-    };
-    let cause = match slowest {
-        Some((impact, rate, relative)) if relative <= GRAZE => BreakCause::Graze { impact, rate },
-        _ if verdicts.contains(&Verdict::Elsewhere) => BreakCause::Elsewhere,
-        _ if incomplete.is_some_and(shortest) => BreakCause::Short { impacts: SHORTEST },
-        _ if incomplete.is_none() => BreakCause::NoChatter,
-        _ => BreakCause::Jump,
-    };
-    Break {
-        value: left.value + (right.value - left.value) * 0.5,
-        cause,
     }
 }

@@ -1,0 +1,59 @@
+//! What ends complete chatter where no border is.
+
+use super::error::{Break, BreakCause};
+use super::release::ReleasePoint;
+use super::root::Point;
+use super::search::Sample;
+use super::sequence::{SHORTEST, Sequence, Verdict};
+use crate::numerics::Real;
+
+/// At a break an impact counts as a graze if its rate is this small against the largest rate of the sequence: rates go
+/// with the root of the distance, which is halved to rounding.
+const GRAZE: f64 = 1e-4;
+
+/// The rate of the first impact of a border orbit if it is a graze: then the normal form has no finite slope.
+pub(crate) fn grazing_start<R: Real>(point: &Point<R>) -> Option<f64> {
+    let rates = (point.sequence.impacts.iter()).map(|impact| impact.rate_before.to_f64());
+    let largest = rates
+        .clone()
+        .fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    rates.take(1).find(|rate| rate.abs() <= GRAZE * largest)
+}
+
+/// What makes the verdict change where no root is.
+pub(crate) fn break_between(left: &Sample, right: &Sample) -> Break {
+    let slowest = [left, right]
+        .into_iter()
+        .filter_map(|sample| sample.found.as_ref())
+        .filter_map(|(_, sequence)| {
+            let rates: Vec<f64> = sequence.impacts.iter().map(|i| i.rate_before).collect();
+            let largest = rates
+                .iter()
+                .fold(0.0_f64, |most, rate| most.max(rate.abs()));
+            // Within the sequence rates shrink as they should: a graze stands before it or at its beginning.
+            let until = (sequence.begins + 1).min(rates.len());
+            (rates[..until].iter().enumerate())
+                .map(|(impact, &rate)| (impact, rate, rate.abs() / largest))
+                .min_by(|a, b| a.2.total_cmp(&b.2))
+        })
+        .min_by(|a, b| a.2.total_cmp(&b.2));
+    let verdicts = [left.verdict, right.verdict];
+    let incomplete = [left, right]
+        .into_iter()
+        .filter(|sample| sample.verdict == Verdict::Incomplete)
+        .find_map(|sample| sample.found.as_ref());
+    let shortest = |(_, sequence): &(ReleasePoint<f64>, Sequence<f64>)| {
+        sequence.impacts.len() <= sequence.begins + SHORTEST
+    };
+    let cause = match slowest {
+        Some((impact, rate, relative)) if relative <= GRAZE => BreakCause::Graze { impact, rate },
+        _ if verdicts.contains(&Verdict::Elsewhere) => BreakCause::Elsewhere,
+        _ if incomplete.is_some_and(shortest) => BreakCause::Short { impacts: SHORTEST },
+        _ if incomplete.is_none() => BreakCause::NoChatter,
+        _ => BreakCause::Jump,
+    };
+    Break {
+        value: left.value + (right.value - left.value) * 0.5,
+        cause,
+    }
+}
