@@ -218,6 +218,39 @@ fn a_border_has_its_members() {
         assert_eq!(form[vector].as_array().unwrap().len(), 2, "{vector}");
     }
     close(&form["D"], 7.88954, 1e-5);
+    assert!(border["parameters"].get("q").is_none() && border["parameters"]["r"] == 0.8);
+}
+
+/// The predicted windows and the model's own, which the prediction misses the less the larger n is.
+#[test]
+fn windows_of_a_border_stand_beside_those_of_the_model() {
+    let border = document(&[
+        "border",
+        "impact_oscillator",
+        "--parameter",
+        "sigma",
+        "--near",
+        "0.12",
+        "--windows",
+        "10:20",
+        "--json",
+    ]);
+    let lists = ["windows", "simulated_windows"].map(|name| border[name].as_array().unwrap());
+    assert_eq!([lists[0].len(), lists[1].len()], [11, 11]);
+    let value = number(&border["value"]);
+    for name in ["fold", "period_doubling", "grazing"] {
+        let mut before = f64::INFINITY;
+        for (predicted, found) in lists[0].iter().zip(lists[1]) {
+            assert_eq!(predicted["n"], found["n"]);
+            let [predicted, own] = [predicted, found].map(|window| number(&window[name]));
+            let miss = number(&found[format!("{name}_missed_by")]);
+            assert!((miss - (predicted - own) / (own - value)).abs() < 1e-9);
+            assert!(miss.abs() < 0.9 * before, "{found}");
+            assert!(number(&found[format!("{name}_error")]) < 1e-6 * (own - value).abs());
+            before = miss.abs();
+        }
+        assert!(before < 0.04);
+    }
 }
 
 #[test]

@@ -81,7 +81,7 @@ fn borders_from_every_release_point_are_found() {
     }
     let prediction = Prediction::exact(border).unwrap();
     let simulator = Simulator::new(&model, &spec, border).unwrap();
-    let window = simulator.compare(&prediction, 12, 12).unwrap()[0];
+    let window = simulator.compare(&prediction, 12, 12)[0];
     let off = window.discrepancy(border.value.value).grazing.unwrap();
     assert!(off.abs() < 0.05, "{window:?}");
 }

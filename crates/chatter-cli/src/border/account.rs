@@ -1,11 +1,14 @@
 //! Border orbits as text.
 
-use super::{Answer, Subject};
+use super::compared::rows;
+use super::{Answer, Subject, known};
 use crate::aligned::{Side, aligned};
-use crate::numbers::{Digits, concise, full};
+use crate::numbers::{concise, full};
 use crate::terminal::Style;
 use crate::universal::window_rows;
-use chatter::analysis::border::{Border, BorderError, Borders, Estimate, LeadingOrder};
+use chatter::analysis::border::{
+    Border, BorderError, Borders, Estimate, LeadingOrder, WindowComparison,
+};
 use chatter::analysis::universal::Argument;
 use chatter::numerics::Real;
 
@@ -19,10 +22,15 @@ pub fn account<R: Real + Argument<Real = R>>(
     let mut text = format!("{}  {}\n", style.title(title), style.faint(subject.source));
     text += &format!("  {}\n", setting(subject));
     match answer {
-        Answer::One(border) => text += &one(subject, border, style),
-        Answer::All { found, low, high } => {
-            for border in &found.borders {
-                text += &one(subject, border, style);
+        Answer::One { border, compared } => text += &one(subject, border, compared, style),
+        Answer::All {
+            found,
+            compared,
+            low,
+            high,
+        } => {
+            for (border, compared) in found.borders.iter().zip(compared) {
+                text += &one(subject, border, compared, style);
             }
             text += &format!("\n{}", summary(subject, found, (*low, *high)));
         }
@@ -83,10 +91,11 @@ fn summary<R>(subject: &Subject, found: &Borders<R>, (low, high): (f64, f64)) ->
 fn one<R: Real + Argument<Real = R>>(
     subject: &Subject,
     border: &Border<R>,
+    compared: &[WindowComparison],
     style: Style,
 ) -> String {
     let mut text = String::new();
-    for (title, rows, sides) in blocks(subject, border) {
+    for (title, rows, sides) in blocks(subject, border, compared) {
         text += &format!("\n{}\n{}", style.title(&title), aligned(&rows, sides));
     }
     if let Err(section) = &border.leading_order {
@@ -97,18 +106,6 @@ fn one<R: Real + Argument<Real = R>>(
         );
     }
     text
-}
-
-/// The digits asked for, no more of them than the error leaves.
-fn known<R: Real>(estimate: &Estimate<R>, digits: Digits) -> Digits {
-    let size = estimate.value.abs().to_f64();
-    let decades = (size / estimate.error).log10();
-    if decades.is_finite() {
-        // Up to the first digit of the error.
-        Digits(digits.0.min(decades.ceil().max(0.0) as u32 + 1))
-    } else {
-        digits
-    }
 }
 
 /// Digits of an error estimate.
@@ -122,7 +119,11 @@ fn row(name: &str, values: impl IntoIterator<Item = String>) -> Vec<String> {
     row
 }
 
-fn blocks<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> Vec<Block> {
+fn blocks<R: Real + Argument<Real = R>>(
+    subject: &Subject,
+    border: &Border<R>,
+    compared: &[WindowComparison],
+) -> Vec<Block> {
     const WORDS: &[Side] = &[];
     let digits = subject.text_digits;
     let number = |value: R| full(value, digits);
@@ -191,6 +192,13 @@ fn blocks<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -
         let title = format!("values of {parameter} predicted for the orbit with n + 1 impacts");
         const SIDES: &[Side] = &[Side::Right];
         blocks.push((title, window_rows(&windows, digits), SIDES));
+    }
+    if !compared.is_empty() {
+        let title = format!(
+            "the model's own, and by how much of the distance from {parameter}* the prediction misses them"
+        );
+        let (rows, sides) = rows(compared, border.value.value.to_f64(), digits);
+        blocks.push((title, rows, sides));
     }
     blocks
 }

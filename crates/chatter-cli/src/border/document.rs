@@ -1,9 +1,12 @@
 //! Border orbits as one JSON document.
 
+use super::compared::list;
 use super::{Answer, Subject};
 use crate::json::{Json, Object};
 use crate::universal::window_list;
-use chatter::analysis::border::{Border, BorderError, BreakCause, Estimate, LeadingOrder};
+use chatter::analysis::border::{
+    Border, BorderError, BreakCause, Estimate, LeadingOrder, WindowComparison,
+};
 use chatter::analysis::universal::Argument;
 use chatter::numerics::Real;
 
@@ -22,18 +25,29 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
                 .as_deref()
                 .map_or(Json::Null, Json::from),
         );
-    let parameters = subject.model.parameter_values::<R>(&[]);
+    let values = subject.model.parameter_values::<R>(&[]);
+    let (names, values): (Vec<&str>, Vec<R>) = (subject.model.parameter_names().into_iter())
+        .zip(values)
+        .filter(|(name, _)| *name != subject.parameter)
+        .unzip();
     let about = |object: Object| {
         object
             .with("model", model)
-            .named("parameters", &subject.model.parameter_names(), &parameters)
+            .named("parameters", &names, &values)
             .with("version", env!("CARGO_PKG_VERSION"))
     };
     let object = match answer {
-        Answer::One(border) => about(one(subject, border)),
-        Answer::All { found, low, high } => {
-            let borders = found.borders.iter();
-            let borders: Vec<Json> = borders.map(|border| one(subject, border).into()).collect();
+        Answer::One { border, compared } => about(one(subject, border, compared)),
+        Answer::All {
+            found,
+            compared,
+            low,
+            high,
+        } => {
+            let borders = found.borders.iter().zip(compared);
+            let borders: Vec<Json> = borders
+                .map(|(border, compared)| one(subject, border, compared).into())
+                .collect();
             let breaks = found.breaks.iter().map(|place| {
                 Object::new(subject.digits)
                     .number("value", place.value)
@@ -56,7 +70,11 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
     object.document()
 }
 
-fn one<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> Object {
+fn one<R: Real + Argument<Real = R>>(
+    subject: &Subject,
+    border: &Border<R>,
+    compared: &[WindowComparison],
+) -> Object {
     let states = subject.model.state_names();
     let section: Vec<Json> = border
         .section
@@ -100,7 +118,10 @@ fn one<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> O
             BorderError::from(section.clone()).to_string(),
         ),
     };
-    object.with("windows", windows(subject, border))
+    let place = border.value.value.to_f64();
+    object
+        .with("windows", windows(subject, border))
+        .with("simulated_windows", list(compared, place, subject.digits))
 }
 
 fn exact<R: Real>(subject: &Subject, border: &Border<R>) -> Object {

@@ -1,17 +1,19 @@
 //! How border orbits are told: as text, as a JSON document.
 
 mod account;
+mod compared;
 mod document;
 mod picture;
 
 pub use account::account;
+pub use compared::compared;
 pub use document::document;
 pub use picture::picture;
 
 use crate::numbers::Digits;
 use crate::options::Counts;
 use crate::universal::Window;
-use chatter::analysis::border::{Border, Borders};
+use chatter::analysis::border::{Border, Borders, Estimate, WindowComparison};
 use chatter::analysis::universal::{Argument, Universal};
 use chatter::model::Model;
 use chatter::numerics::Real;
@@ -36,14 +38,21 @@ pub struct Subject<'a> {
     pub windows: Option<Counts>,
 }
 
-/// What was found.
+/// What was found. Beside each border stand the windows asked for, as far as the model has them.
 pub enum Answer<R> {
     /// The border near a value.
-    One(Box<Border<R>>),
+    One {
+        /// The border.
+        border: Box<Border<R>>,
+        /// Its windows.
+        compared: Vec<WindowComparison>,
+    },
     /// Those of a range.
     All {
         /// Borders, and places that are none.
         found: Borders<R>,
+        /// The windows of each border.
+        compared: Vec<Vec<WindowComparison>>,
         /// Lower end of the range.
         low: f64,
         /// Its upper end.
@@ -78,4 +87,16 @@ fn prediction<R: Real + Argument<Real = R>>(
     let by_parameter = |mu: R| border.value.value + mu / exact.unfolding_rate.value;
     let windows = windows.into_iter();
     Some(windows.map(|window| window.map(by_parameter)).collect())
+}
+
+/// The digits asked for, no more of them than the error leaves.
+fn known<R: Real>(estimate: &Estimate<R>, digits: Digits) -> Digits {
+    let size = estimate.value.abs().to_f64();
+    let decades = (size / estimate.error).log10();
+    if decades.is_finite() {
+        // Up to the first digit of the error.
+        Digits(digits.0.min(decades.ceil().max(0.0) as u32 + 1))
+    } else {
+        digits
+    }
 }

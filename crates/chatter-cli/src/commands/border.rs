@@ -1,11 +1,12 @@
 //! `chatter border`: border orbits and their normal form.
 
-use crate::border::{Answer, Subject, account, document, picture};
+use crate::border::{Answer, Subject, account, compared, document, picture};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
     Count, Counts, FigureFile, Loaded, ModelOptions, Precision, Quantity, SectionOption, Window,
 };
+use crate::parallel;
 use crate::terminal::{self, Style};
 use chatter::analysis::border::{BorderError, BorderSpec, border_near, borders_in};
 use chatter::analysis::universal::Argument;
@@ -23,19 +24,20 @@ EXAMPLES
   chatter border cam_follower --parameter speed --near 620 --windows 3:9 --plot cam.png
 
 A border orbit is released from contact, chatters, and its infinitely many impacts end exactly at the release point: it
-separates orbits with complete chatter from those whose chatter ends in flight. Four impacts or more, close to each other
-against the way to release, are chatter; what comes before them are long flights. All release points of a period are
-followed, each to the first chatter that ends there. Near its parameter value p* the dynamics
-are those of z -> Upsilon(K z + mu), mu = M (p - p*); `chatter universal` has more on that map.
+separates orbits with complete chatter from those whose chatter ends in flight. Four impacts or more, close to each
+other against the way to release, are chatter; what comes before them are long flights. All release points of a period
+are followed, each to the first chatter that ends there. Near its parameter value p* the dynamics are those of
+z -> Upsilon(K z + mu), mu = M (p - p*); `chatter universal` has more on that map. Windows are predicted from it, and
+found in the model by Newton's method on its return map.
 
 JSON
   One document: parameter, value, error, restitution, chatter_fixed_point, lambda, eta, exponent, release and
   first_impact (states by name), first_impact_time, period, forcing, long_flights, impacts, section (the coordinates
   that covector and A to F refer to), exact {slope, unfolding_rate, slope_error, unfolding_rate_error, amplitude,
-  covector, covector_parameter, … each with its error},
-  leading_order {A, B, C, D, E, F, slope, unfolding_rate, section, crossing}, windows. With --range: borders, a list of
-  such objects, and breaks, where complete chatter ends without a border. With more than 17 digits each number has a twin
-  in decimals as text, under its name with `_digits` at the end.";
+  covector, covector_parameter, … each with its error}, leading_order {A, B, C, D, E, F, slope, unfolding_rate, section,
+  crossing}, windows {n, fold, …} as predicted, simulated_windows {n, fold, fold_error, fold_missed_by, …} as the model
+  has them. With --range: borders, a list of such objects, and breaks, where complete chatter ends without a border.
+  With more than 17 digits each number has a twin in decimals as text, under its name with `_digits` at the end.";
 
 /// Digits of text if nothing else is asked for.
 const TEXT_DIGITS: Digits = Digits(10);
@@ -82,8 +84,8 @@ pub struct Arguments {
     #[arg(long, value_name = "STATE=LEVEL")]
     section: Option<SectionOption>,
 
-    /// Predict the windows of these n; an orbit of window n has n + 1 impacts a period [default: five windows, 20:24 at
-    /// restitution 0.8]
+    /// Predict the windows of these n and find them in the model; an orbit of window n has n + 1 impacts a period
+    /// [default: five windows, 20:24 at restitution 0.8]
     #[arg(long, value_name = "FIRST:LAST", allow_hyphen_values = true)]
     windows: Option<Counts>,
 
@@ -176,11 +178,21 @@ fn answer<R: Real + Argument<Real = R>>(
                     .write(path)
                     .map_err(|error| Failure::Output(error.to_string()))?;
             }
-            Answer::One(Box::new(border))
+            Answer::One {
+                compared: compared(subject, spec, &border)?,
+                border: Box::new(border),
+            }
         }
         Place::Range { low, high } => {
             let found = borders_in::<R>(subject.model, spec, low, high).map_err(refused)?;
-            Answer::All { found, low, high }
+            let compared =
+                parallel::each(&found.borders, |border| compared(subject, spec, border))?;
+            Answer::All {
+                found,
+                compared,
+                low,
+                high,
+            }
         }
     };
     Ok(if json {

@@ -5,7 +5,7 @@ use crate::commands::border::refused;
 use crate::failure::Failure;
 use crate::numbers::concise;
 use crate::parallel;
-use chatter::analysis::border::{PredictedPoint, PredictedWindow, Prediction, Simulator};
+use chatter::analysis::border::{Prediction, Simulator, WindowComparison};
 use chatter::analysis::diagram::{Range, Row, Spec};
 use chatter::analysis::map::Map;
 use chatter::analysis::universal::UniversalMap;
@@ -72,12 +72,10 @@ fn predicted(map: &UniversalMap<f64>) -> Result<Settled, Failure> {
     })
 }
 
-/// A window of the valve, in q, as Newton's method finds it and as it is predicted twice.
+/// A window of the valve, beside the prediction with either coefficients.
 struct Compared {
-    n: u32,
-    simulated: Values,
-    exact: Values,
-    leading_order: Values,
+    exact: WindowComparison,
+    leading_order: WindowComparison,
 }
 
 /// Fold, period doubling and graze.
@@ -90,13 +88,18 @@ const KINDS: [(&str, Color); 3] = [
     ("graze", Color::BLUE),
 ];
 
-fn predicted_values(window: &PredictedWindow) -> Values {
-    let parameter = |point: PredictedPoint| point.parameter;
-    [
-        window.fold.map(parameter),
-        window.period_doubling.map(parameter),
-        Some(window.grazing.parameter),
-    ]
+impl Compared {
+    /// Values of q.
+    fn simulated(&self) -> Values {
+        let found = self.exact.located;
+        [found.fold, found.period_doubling, found.grazing].map(|found| Some(found?.value))
+    }
+}
+
+/// By how much a prediction misses the distance from the border.
+fn off(valve: &Valve, window: &WindowComparison) -> Values {
+    let off = window.discrepancy(valve.border.value.value);
+    [off.fold, off.period_doubling, off.grazing]
 }
 
 fn compare(valve: &Valve) -> Result<Vec<Compared>, Failure> {
@@ -104,20 +107,13 @@ fn compare(valve: &Valve) -> Result<Vec<Compared>, Failure> {
     let exact = Prediction::exact(&valve.border).map_err(refused)?;
     let leading_order = Prediction::leading_order(&valve.border).map_err(refused)?;
     let (first, last) = WINDOWS;
-    let windows = simulator.compare(&exact, first, last).map_err(refused)?;
-    let compared = windows.into_iter().map(|window| {
-        let n = window.predicted.lap;
-        let found = window.located.unwrap_or_default();
-        Compared {
-            n,
-            simulated: [
-                found.fold,
-                found.period_doubling,
-                found.grazing.map(|graze| graze.value),
-            ],
-            exact: predicted_values(&window.predicted),
-            leading_order: predicted_values(&leading_order.window(n)),
-        }
+    let windows = simulator.compare(&exact, first, last).into_iter();
+    let compared = windows.map(|exact| Compared {
+        exact,
+        leading_order: WindowComparison {
+            predicted: leading_order.window(exact.predicted.lap),
+            ..exact
+        },
     });
     Ok(compared.collect())
 }
@@ -177,12 +173,6 @@ fn impacts_table(valve: &Valve) -> Result<Grid, Failure> {
     Ok(grid)
 }
 
-/// By how much a prediction misses the distance from the border.
-fn off(valve: &Valve, predicted: Option<f64>, simulated: Option<f64>) -> Option<f64> {
-    let simulated = simulated?;
-    Some((predicted? - simulated) / (simulated - valve.border.value.value))
-}
-
 fn windows_table(valve: &Valve, compared: &[Compared]) -> Grid {
     let mut columns = vec![Column::numbers("$n$")];
     for (name, _) in KINDS {
@@ -198,17 +188,15 @@ fn windows_table(valve: &Valve, compared: &[Compared]) -> Grid {
         columns,
     );
     for window in compared {
-        let mut cells = vec![window.n.to_string()];
+        let mut cells = vec![window.exact.predicted.lap.to_string()];
+        let missing = || "–".to_owned();
+        let simulated = window.simulated();
+        let misses = [&window.exact, &window.leading_order].map(|window| off(valve, window));
         for kind in 0..KINDS.len() {
-            let missing = || "–".to_owned();
-            let simulated = window.simulated[kind];
-            let percent = |predicted| {
-                off(valve, predicted, simulated)
-                    .map_or_else(missing, |off| format!("{:+.3} \\%", 100.0 * off))
-            };
-            cells.push(simulated.map_or_else(missing, |q| format!("{q:.10}")));
-            cells.push(percent(window.exact[kind]));
-            cells.push(percent(window.leading_order[kind]));
+            cells.push(simulated[kind].map_or_else(missing, |q| format!("{q:.10}")));
+            cells.extend(misses.iter().map(|miss| {
+                miss[kind].map_or_else(missing, |off| format!("{:+.3} \\%", 100.0 * off))
+            }));
         }
         grid.add(cells);
     }
@@ -216,7 +204,7 @@ fn windows_table(valve: &Valve, compared: &[Compared]) -> Grid {
 }
 
 fn discrepancy(valve: &Valve, compared: &[Compared]) -> Plate {
-    type Part = fn(&Compared, usize) -> Option<f64>;
+    type Part = fn(&Compared) -> &WindowComparison;
     let panel = |part: Part, named: bool| {
         let mut panel = Panel::new(
             Axis::new("$n$"),
@@ -225,8 +213,9 @@ fn discrepancy(valve: &Valve, compared: &[Compared]) -> Plate {
         for (kind, (name, color)) in KINDS.into_iter().enumerate() {
             let (n, miss): (Vec<f64>, Vec<f64>) = (compared.iter())
                 .filter_map(|window| {
-                    let miss = off(valve, part(window, kind), window.simulated[kind])?;
-                    Some((f64::from(window.n), miss.abs()))
+                    let window = part(window);
+                    let miss = off(valve, window)[kind]?;
+                    Some((f64::from(window.predicted.lap), miss.abs()))
                 })
                 .unzip();
             panel.add(Line::new(n.clone(), miss.clone()).color(color).width(0.5));
@@ -248,8 +237,8 @@ fn discrepancy(valve: &Valve, compared: &[Compared]) -> Plate {
                   the leading order tends to a constant."
             .to_owned(),
         figure: Figure::new()
-            .panel(panel(|window, kind| window.exact[kind], true))
-            .panel(panel(|window, kind| window.leading_order[kind], false))
+            .panel(panel(|window| &window.exact, true))
+            .panel(panel(|window| &window.leading_order, false))
             .columns(2)
             .width(WIDTH)
             .title("Theory against simulation"),

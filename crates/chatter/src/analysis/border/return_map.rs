@@ -3,7 +3,6 @@
 //! The orbit with N impacts is followed as a curve over the rate w after its last impact. Over w everything is smooth,
 //! the graze w = 0 included, where over the parameter it is a root: a multiplier m goes to infinity like 1 / w.
 
-use super::error::BorderError;
 use super::exact::SectionChart;
 use super::extrapolate::Estimate;
 use super::located::LocatedWindow;
@@ -36,18 +35,25 @@ impl Loop {
 #[derive(Clone, Copy)]
 pub(super) struct FixedPoint {
     /// Two coordinates and the parameter.
-    at: [f64; 3],
+    pub at: [f64; 3],
     rate: f64,
     multiplier: f64,
     /// d at / d rate.
     direction: [f64; 3],
+    /// Of the parameter.
+    error: f64,
 }
 
 const NEWTON_STEPS: usize = 40;
 /// A Newton step is halved so often while it leaves the orbits with this number of impacts.
 const STEP_HALVINGS: usize = 12;
-/// A correction is none below this, relative to the distance from the border orbit.
+/// A correction is none below this, relative to the distance from the border orbit, or below so many roundoffs of the
+/// coordinates; where it no longer shrinks it may be this much larger.
 const NEWTON_DONE: f64 = 1e-11;
+const ROUNDOFFS: f64 = 16.0;
+const STALLED: f64 = 1e3;
+/// Where a step of the rate fails it is halved so often.
+const RATE_HALVINGS: u32 = 4;
 /// Rates towards the graze: each half of the one before.
 const GRAZE_POINTS: usize = 9;
 /// How many of the last of them are extrapolated.
@@ -56,8 +62,11 @@ const GRAZE_ORDER: usize = 5;
 const GROWTH: f64 = 1.15;
 const GROWTH_STEPS: usize = 40;
 const SECANT_STEPS: usize = 60;
-/// A multiplier is met to this.
+/// A multiplier is met to this, or to what rounding leaves of it, which may not be more than a hundredth.
 const MULTIPLIER_DONE: f64 = 1e-9;
+const MULTIPLIER_VAGUE: f64 = 1e-2;
+/// So many secant steps without gain are enough.
+const PATIENCE: usize = 3;
 
 /// The return map of the system near its border orbit.
 pub(super) struct ReturnMap<'a> {
@@ -85,7 +94,7 @@ impl ReturnMap<'_> {
     }
 
     /// One loop from a first impact to the next; `None` if it has another number of impacts.
-    fn follow(&self, at: [f64; 3]) -> Result<Option<Loop>, BorderError> {
+    fn follow(&self, at: [f64; 3]) -> Option<Loop> {
         let problem = &self.simulator.problem;
         let parameters = problem.parameters(at[2]);
         let mut state = self.origin.clone();
@@ -95,25 +104,22 @@ impl ReturnMap<'_> {
             .release
             .onto_surface(&mut state, self.bound, &parameters)
         {
-            return Ok(None);
+            return None;
         }
         let chart = SectionChart::with_bound(problem, &parameters, &state, self.bound);
         let start = with_identity(&state);
         let count = self.impacts;
         let sequence = problem
             .variational
-            .follow(&parameters, &start, Until::Count(count));
-        let Ok(sequence) = sequence else {
-            return Ok(None);
-        };
+            .follow(&parameters, &start, Until::Count(count))
+            .ok()?;
         let impacts = &sequence.impacts;
-        let arrivals = impacts.iter().skip(1).filter(|i| i.arrives).count();
         if impacts.len() != count
             || count < 2
             || !impacts[count - 1].arrives
-            || arrivals != self.simulator.long_flights
+            || sequence.arrivals() != self.simulator.long_flights
         {
-            return Ok(None);
+            return None;
         }
         let (last, next) = (&impacts[count - 2].local, &impacts[count - 1].local);
         let turns = self.free.map(|i| self.turn(&parameters, i));
@@ -131,24 +137,18 @@ impl ReturnMap<'_> {
                 .map(|(slope, weight)| slope.rate * weight)
                 .sum()
         };
-        Ok(Some(Loop {
+        Some(Loop {
             image: [image(0), image(1)],
             slopes: [row(0), row(1)],
             rate: last.rate,
             rate_slopes: [rate_slope(0), rate_slope(1), rate_slope(2)],
-        }))
+        })
     }
 
     /// The fixed point at this rate after the last impact, or at the guess's own parameter if none is given.
-    pub fn solve(
-        &self,
-        guess: [f64; 3],
-        rate: Option<f64>,
-    ) -> Result<Option<FixedPoint>, BorderError> {
+    pub fn solve(&self, guess: [f64; 3], rate: Option<f64>) -> Option<FixedPoint> {
         let mut at = guess;
-        let Some(mut found) = self.follow(at)? else {
-            return Ok(None);
-        };
+        let mut found = self.follow(at)?;
         let mut before = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
             let last = match rate {
@@ -156,28 +156,30 @@ impl ReturnMap<'_> {
                 None => (vec![0.0, 0.0, 1.0], guess[2] - at[2]),
             };
             let right = [at[0] - found.image[0], at[1] - found.image[1], last.1];
-            let Some(step) = solve(&found.fixed_point_rows(last.0), &right) else {
-                return Ok(None);
+            let step = solve(&found.fixed_point_rows(last.0), &right)?;
+            let origin = [
+                self.origin[self.free[0]],
+                self.origin[self.free[1]],
+                self.border,
+            ];
+            let largest = |values: [f64; 3]| {
+                let parts = [0, 1, 2].map(|i| (values[i] / (at[i] - origin[i])).abs());
+                parts[0].max(parts[1]).max(parts[2])
             };
-            let scale = [0, 1].map(|i| (at[i] - self.origin[self.free[i]]).abs());
-            let size = (step[0].abs() / scale[0])
-                .max(step[1].abs() / scale[1])
-                .max(step[2].abs() / (at[2] - self.border).abs());
+            let size = largest([step[0], step[1], step[2]]);
+            let done = NEWTON_DONE.max(ROUNDOFFS * f64::EPSILON * largest(at));
             let mut part = 1.0;
             let mut moved = None;
             for _ in 0..STEP_HALVINGS {
                 let trial = [0, 1, 2].map(|i| at[i] + part * step[i]);
-                if let Some(good) = self.follow(trial)? {
+                if let Some(good) = self.follow(trial) {
                     moved = Some((trial, good));
                     break;
                 }
                 part *= 0.5;
             }
-            let Some((there, good)) = moved else {
-                return Ok(None);
-            };
-            (at, found) = (there, good);
-            if size <= NEWTON_DONE || (size < NEWTON_DONE.sqrt() && size >= before) {
+            (at, found) = moved?;
+            if size <= done || (size <= STALLED * done && size >= before) {
                 let [[a, b, _], [c, d, _]] = found.slopes;
                 let (half, determinant) = (0.5 * (a + d), a * d - b * c);
                 let root = (half * half - determinant).max(0.0).sqrt();
@@ -186,39 +188,44 @@ impl ReturnMap<'_> {
                 } else {
                     half - root
                 };
-                let Some(direction) = solve(
+                let direction = solve(
                     &found.fixed_point_rows(found.rate_slopes.to_vec()),
                     &[0.0, 0.0, 1.0],
-                ) else {
-                    return Ok(None);
-                };
-                return Ok(Some(FixedPoint {
+                )?;
+                return Some(FixedPoint {
                     at,
                     rate: found.rate,
                     multiplier,
                     direction: [direction[0], direction[1], direction[2]],
-                }));
+                    error: size.max(done) * (at[2] - self.border).abs(),
+                });
             }
             before = size;
         }
-        Ok(None)
+        None
     }
 
     /// The fixed point at another rate, from a neighbour.
-    fn at_rate(&self, from: &FixedPoint, rate: f64) -> Result<Option<FixedPoint>, BorderError> {
-        let step = rate - from.rate;
-        let guess = [0, 1, 2].map(|i| from.at[i] + from.direction[i] * step);
-        if let Some(found) = self.solve(guess, Some(rate))? {
-            return Ok(Some(found));
-        }
-        self.solve(from.at, Some(rate))
+    fn at_rate(&self, from: &FixedPoint, rate: f64) -> Option<FixedPoint> {
+        self.at_rate_by(from, rate, RATE_HALVINGS)
     }
 
-    pub fn window(&self, middle: FixedPoint) -> Result<LocatedWindow, BorderError> {
+    fn at_rate_by(&self, from: &FixedPoint, rate: f64, halvings: u32) -> Option<FixedPoint> {
+        let step = rate - from.rate;
+        let guess = [0, 1, 2].map(|i| from.at[i] + from.direction[i] * step);
+        self.solve(guess, Some(rate)).or_else(|| {
+            let halvings = halvings.checked_sub(1)?;
+            let between = self.at_rate_by(from, (rate * from.rate).sqrt(), halvings)?;
+            self.at_rate_by(&between, rate, halvings)
+        })
+    }
+
+    /// The whole window, from one of its orbits.
+    pub fn window(&self, middle: FixedPoint) -> LocatedWindow {
         let mut towards = vec![middle];
         for _ in 0..GRAZE_POINTS {
             let last = towards[towards.len() - 1];
-            match self.at_rate(&last, last.rate * 0.5)? {
+            match self.at_rate(&last, last.rate * 0.5) {
                 Some(next) => towards.push(next),
                 None => break,
             }
@@ -230,12 +237,12 @@ impl ReturnMap<'_> {
             if last.multiplier * wanted > 1.0 {
                 break;
             }
-            match self.at_rate(&last, last.rate * GROWTH)? {
+            match self.at_rate(&last, last.rate * GROWTH) {
                 Some(next) => away.push(next),
                 None => break,
             }
         }
-        let meet = |multiplier: f64| -> Result<Option<f64>, BorderError> {
+        let meet = |multiplier: f64| -> Option<Estimate<f64>> {
             for branch in [&towards, &away] {
                 let crossed = |pair: &&[FixedPoint]| {
                     (pair[0].multiplier - multiplier) * (pair[1].multiplier - multiplier) <= 0.0
@@ -244,37 +251,48 @@ impl ReturnMap<'_> {
                     return self.meet(pair[0], pair[1], multiplier);
                 }
             }
-            Ok(None)
+            None
         };
-        Ok(LocatedWindow {
-            fold: meet(1.0)?,
-            period_doubling: meet(-1.0)?,
+        LocatedWindow {
+            fold: meet(1.0),
+            period_doubling: meet(-1.0),
             grazing: graze(&towards),
-        })
+        }
     }
 
     /// The parameter between two fixed points where the multiplier takes a value: safeguarded secant in the rate on
-    /// w (m - multiplier), which has no pole at the graze.
+    /// w (m - multiplier), which has no pole at the graze. Its error is the last change.
     fn meet(
         &self,
         mut low: FixedPoint,
         mut high: FixedPoint,
         multiplier: f64,
-    ) -> Result<Option<f64>, BorderError> {
+    ) -> Option<Estimate<f64>> {
         let value = |point: &FixedPoint| point.rate * (point.multiplier - multiplier);
+        let miss = |point: &FixedPoint| (point.multiplier - multiplier).abs();
         let (mut at_low, mut at_high) = (value(&low), value(&high));
-        let mut latest = low;
+        let (mut best, other) = if miss(&low) < miss(&high) {
+            (low, high)
+        } else {
+            (high, low)
+        };
+        let mut change = (best.at[2] - other.at[2]).abs();
+        let mut idle = 0;
         for _ in 0..SECANT_STEPS {
-            if (latest.multiplier - multiplier).abs() <= MULTIPLIER_DONE {
-                return Ok(Some(latest.at[2]));
+            if miss(&best) <= MULTIPLIER_DONE || idle == PATIENCE {
+                break;
             }
             let part = at_low / (at_low - at_high);
             let rate = low.rate + (high.rate - low.rate) * part;
             let near = if part < 0.5 { low } else { high };
-            let Some(point) = self.at_rate(&near, rate)? else {
-                return Ok(None);
-            };
-            latest = point;
+            let point = self.at_rate(&near, rate)?;
+            if miss(&point) < miss(&best) {
+                change = (point.at[2] - best.at[2]).abs();
+                best = point;
+                idle = 0;
+            } else {
+                idle += usize::from(miss(&best) <= MULTIPLIER_VAGUE);
+            }
             let there = value(&point);
             if there * at_low > 0.0 {
                 (low, at_low) = (point, there);
@@ -284,7 +302,10 @@ impl ReturnMap<'_> {
                 at_low *= 0.5;
             }
         }
-        Ok(None)
+        (miss(&best) <= MULTIPLIER_VAGUE).then_some(Estimate {
+            value: best.at[2],
+            error: change.max(best.error),
+        })
     }
 }
 
@@ -306,8 +327,9 @@ fn graze(points: &[FixedPoint]) -> Option<Estimate<f64>> {
             .map(|pair| pair[1] + (pair[1] - pair[0]) / (power - 1.0))
             .collect();
     }
+    let rounding = points.iter().fold(0.0_f64, |most, p| most.max(p.error));
     Some(Estimate {
         value: column[0],
-        error: (column[0] - before).abs(),
+        error: (column[0] - before).abs().max(rounding),
     })
 }

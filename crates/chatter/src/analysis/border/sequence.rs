@@ -79,7 +79,7 @@ pub(crate) enum Until {
     Verdict { excursions: usize, after: usize },
     /// After `most` impacts, or at the end of the first chatter sequence after so many of them if that is earlier.
     Impacts { most: usize, after: usize },
-    /// After so many impacts, whatever lies between them; complete chatter alone ends it earlier.
+    /// After so many impacts that follow another, whatever lies between them; complete chatter alone ends it earlier.
     Count(usize),
     /// After so many long flights, at the impact that ends the last of them; complete chatter alone ends it earlier.
     Arrivals(usize),
@@ -125,7 +125,13 @@ impl Follower {
             begins: 0,
         };
         // Until when the present flight is local.
-        let mut limit: Option<R> = None;
+        let mut limit: Option<R> = match until {
+            Until::Count(_) => {
+                let local = (self.local).at(&mut expansion, &constants, start, &trajectory.low);
+                local_flight(&local).map(|length| time + length)
+            }
+            _ => None,
+        };
         let mut quiet = 0;
         let mut excursions = 0;
         let most_excursions = match until {
