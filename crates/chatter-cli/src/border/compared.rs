@@ -1,8 +1,8 @@
 //! The windows of a model near a border, beside the predicted ones.
 
 use super::Subject;
+use super::refused::refused;
 use crate::aligned::Side;
-use crate::commands::border::refused;
 use crate::failure::Failure;
 use crate::json::{Json, Object};
 use crate::numbers::{Digits, full};

@@ -4,11 +4,13 @@ mod account;
 mod compared;
 mod document;
 mod picture;
+mod refused;
 
 pub use account::account;
 pub use compared::compared;
 pub use document::document;
 pub use picture::picture;
+pub use refused::refused;
 
 use crate::numbers::Digits;
 use crate::options::Counts;

@@ -1,6 +1,6 @@
 //! The orbits of a model near a border, beside and under those that the one-dimensional map predicts.
 
-use crate::commands::border::refused;
+use super::refused::refused;
 use crate::failure::Failure;
 use crate::options::Counts;
 use crate::parallel;

@@ -1,6 +1,6 @@
 //! `chatter border`: border orbits and their normal form.
 
-use crate::border::{Answer, Subject, account, compared, document, picture};
+use crate::border::{Answer, Subject, account, compared, document, picture, refused};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
@@ -8,7 +8,7 @@ use crate::options::{
 };
 use crate::parallel;
 use crate::terminal::{self, Style};
-use chatter::analysis::border::{BorderError, BorderSpec, border_near, borders_in};
+use chatter::analysis::border::{BorderSpec, border_near, borders_in};
 use chatter::analysis::universal::Argument;
 use chatter::numerics::{DoubleDouble, Real};
 use clap::{ArgGroup, Args};
@@ -200,19 +200,4 @@ fn answer<R: Real + Argument<Real = R>>(
     } else {
         account(subject, &answer, Style::of_stdout())
     })
-}
-
-/// A question that does not fit the model is wrong input; one without answer is an answer of its own kind.
-pub fn refused(error: BorderError) -> Failure {
-    match error {
-        BorderError::NoBorder { .. } => Failure::Unfinished {
-            message: error.to_string(),
-            help: Some("look elsewhere with another --near, or over a --range".to_owned()),
-        },
-        BorderError::NotConverged { .. } | BorderError::Flow(_) => Failure::Unfinished {
-            message: error.to_string(),
-            help: None,
-        },
-        error => Failure::input(error),
-    }
 }

@@ -1,7 +1,7 @@
 //! Theory against simulation: numbers of impacts, and windows over n.
 
 use super::{Advance, Part, Plate, Valve, WIDTH, sweep};
-use crate::commands::border::refused;
+use crate::border::refused;
 use crate::failure::Failure;
 use crate::numbers::concise;
 use crate::parallel;

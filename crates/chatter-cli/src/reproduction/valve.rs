@@ -1,7 +1,7 @@
 //! Figs. 5 and 6: the valve itself, beside and under the prediction of the one-dimensional map.
 
 use super::{Advance, Plate, WIDTH, sweep};
-use crate::commands::border::refused;
+use crate::border::refused;
 use crate::failure::Failure;
 use crate::parallel;
 use crate::shipped;

@@ -8,6 +8,7 @@ mod formula;
 mod fraction;
 mod graph;
 mod lexer;
+mod lowering;
 mod number;
 mod number_text;
 mod operand;

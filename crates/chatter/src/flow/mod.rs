@@ -11,6 +11,7 @@
 
 pub(crate) mod border_value;
 mod chatter;
+mod dense;
 mod error;
 mod fleet;
 mod occurrence;
@@ -22,12 +23,13 @@ mod touching;
 mod trajectory;
 mod variation;
 
+pub use dense::Dense;
 pub use error::FlowError;
 pub use fleet::{Next, run_fleet};
 pub use occurrence::Occurrence;
 pub use program::{Closed, GuardKind};
 pub use step::Workspace;
 pub use system::{Settings, System, SystemError};
-pub use trajectory::{Dense, Trajectory};
+pub use trajectory::Trajectory;
 pub use variation::Column;
 pub(crate) use variation::Direction;

@@ -3,7 +3,7 @@
 use super::error::{Break, BreakCause};
 use super::release::ReleasePoint;
 use super::root::Point;
-use super::search::Sample;
+use super::samples::Sample;
 use super::sequence::{SHORTEST, Sequence, Verdict};
 use crate::numerics::Real;
 

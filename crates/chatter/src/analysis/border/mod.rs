@@ -8,7 +8,9 @@
 //! forcing      states known up to whole periods: time, angles
 //! sequence     the impacts that follow it, and the verdict complete / incomplete
 //! coordinate   X and N: limits along the sequence, with derivatives
-//! search       a scan of the parameter; each change of the verdict is closed in on
+//! samples      the verdict at many parameter values
+//! closing_in   from a change of the verdict to the root between
+//! search       all of them, or the nearest first
 //! breaks       what ends complete chatter where no border is
 //! root         the smooth equation X(p) = 0
 //! exact        (M5): K, M and what they are made of
@@ -22,6 +24,7 @@
 
 mod branches;
 mod breaks;
+mod closing_in;
 mod coordinate;
 mod error;
 mod exact;
@@ -38,6 +41,7 @@ mod releases;
 mod return_map;
 mod root;
 mod rounded;
+mod samples;
 mod search;
 mod section;
 mod sequence;

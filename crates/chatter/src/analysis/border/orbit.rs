@@ -1,6 +1,7 @@
 //! A border orbit with its normal form, and the questions that find it.
 
 use super::breaks::grazing_start;
+use super::closing_in::Found;
 use super::coordinate::Limits;
 use super::error::{BorderError, Break, BreakCause};
 use super::exact::{Exact, SectionChart, exact};
@@ -10,7 +11,7 @@ use super::leading_order::{LeadingOrder, ReleaseSection, leading_order};
 use super::problem::{Problem, STATES, exactly};
 use super::release::ReleasePoint;
 use super::root::Root;
-use super::search::{Found, Sample};
+use super::samples::Sample;
 use super::sequence::Verdict;
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
@@ -90,7 +91,7 @@ pub fn borders_in<R: Real>(
     let samples = problem.scan(&even(low, high, spec.samples))?;
     let silent = |k: &usize| samples.iter().any(|branch| branch[*k].is_without_chatter());
     let without_chatter = (0..=spec.samples.max(1)).filter(silent).count();
-    let found = problem.changes(&samples, spec.extrapolation).all()?;
+    let found = problem.changes(&samples, spec.extrapolation).all();
     let mut breaks = found.breaks;
     let mut borders = Vec::new();
     for root in found.roots {

@@ -1,0 +1,352 @@
+//! One trajectory: its state, its phase, and the mode machine that says what an event leads to.
+//!
+//! The phase, not a nudge, says on which side of a surface the state is: a guard that is `touching` has so many roots at
+//! the start of the next step, which are divided out. Intervals are half open: an event at the end of a step belongs to
+//! it, one at the start does not.
+
+mod contact;
+mod sequence;
+mod start;
+
+use super::chatter::{Accumulation, ChatterTracker};
+use super::error::FlowError;
+use super::occurrence::Occurrence;
+use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
+use super::resolve::{Resolution, resolve};
+use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
+use super::system::System;
+use super::touching::Touching;
+use crate::numerics::{Real, two_sum};
+
+/// An order is used up to this part of the time that it reaches: a prediction is not exact.
+const REACH_USED: f64 = 0.95;
+
+/// A trajectory, at a time and state, in a phase.
+#[derive(Clone, Debug)]
+pub struct Trajectory<R> {
+    pub(crate) constants: Vec<Option<ProgramConstants<R>>>,
+    time: R,
+    time_low: R,
+    pub(crate) state: Vec<R>,
+    pub(crate) low: Vec<R>,
+    /// How many of the states are the model's own; columns of derivatives follow.
+    coordinates: usize,
+    pub(crate) closed: Closed,
+    /// Per guard of the phase's program: how many roots lie at the present state.
+    pub(crate) touching: Touching,
+    pub(crate) reach: [R; ORDER_CLASSES],
+    pub(crate) flight_time: R,
+    horizon: R,
+    tracker: ChatterTracker<R>,
+    /// How many impacts the sequence has so far: each slower than the one before, at one contact.
+    sequence: u64,
+    /// Contact and incoming rate of the latest impact.
+    latest_impact: Option<(usize, R)>,
+    instant_impacts: usize,
+    /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
+    completion: Option<(usize, Accumulation<R>)>,
+    pending: Option<Occurrence<R>>,
+}
+
+/// What the kernel found for one trajectory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepResult<R> {
+    pub step: R,
+    pub event: Option<usize>,
+    pub touched: Option<usize>,
+    pub at_horizon: bool,
+    pub impact: [R; IMPACT_SCALARS],
+    pub flight_time: R,
+}
+
+impl<R: Real> StepResult<R> {
+    /// Whether a step without event goes all the way of the time left, whose product with a unit of time is rounded.
+    pub(crate) fn reaches(step: R, remaining: R) -> bool {
+        step >= remaining * R::splat(1.0 - 4.0 * R::ROUNDOFF)
+    }
+}
+
+impl<R: Real> Trajectory<R> {
+    /// Time, as the sum of a leading part and its rounding remainder.
+    pub fn time_parts(&self) -> (R, R) {
+        (self.time, self.time_low)
+    }
+
+    /// Time.
+    pub fn time(&self) -> R {
+        self.time
+    }
+
+    /// State, in the order of the model.
+    pub fn state(&self) -> &[R] {
+        &self.state
+    }
+
+    /// The contacts that are closed.
+    pub fn closed(&self) -> Closed {
+        self.closed
+    }
+
+    /// The time at which the trajectory stops next.
+    pub fn horizon(&self) -> R {
+        self.horizon
+    }
+
+    /// Sets the time at which the trajectory stops next, for [`run_fleet`](super::run_fleet).
+    pub fn set_horizon(&mut self, horizon: R) {
+        self.horizon = horizon;
+    }
+
+    pub(crate) fn remaining(&self) -> R {
+        (self.horizon - self.time) - self.time_low
+    }
+
+    /// Whether the next call to [`advance`](Self::advance) needs no step.
+    pub(crate) fn has_pending(&self) -> bool {
+        self.pending.is_some() || self.completion.is_some() || self.remaining() <= R::ZERO
+    }
+
+    /// Moves by one step: to the next event, to `horizon`, or as far as one expansion reaches. Tells what happened, if
+    /// anything. The workspace's [`dense`](Workspace::dense) output covers the step.
+    ///
+    /// # Errors
+    /// The equations leave their domain, or the mechanics do not determine what follows.
+    pub fn advance(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        horizon: R,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        self.horizon = horizon;
+        work.step = R::ZERO;
+        if let Some(occurrence) = self.pending.take() {
+            return Ok(Some(occurrence));
+        }
+        if let Some((contact, end)) = self.completion.take() {
+            return self.complete(system, work, contact, &end).map(Some);
+        }
+        if self.remaining() <= R::ZERO {
+            return Ok(Some(Occurrence::Horizon));
+        }
+        let program = self.program(system)?;
+        let class = self.load(work);
+        if !work.try_step(program, class, self.touching) {
+            return self.advance_settled(system, work, program);
+        }
+        let result = self.result(work);
+        self.accept(work);
+        self.digest(system, work, program, &result)
+    }
+
+    /// Moves by a step that could not be certified, with full root isolation.
+    pub(crate) fn advance_settled(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        let result = match self.settle(work, program) {
+            Err(FlowError::UndecidedRelease { .. }) if self.sequence > 0 => {
+                // The rate after an impact is none any more.
+                let contact = self.latest_impact.map_or(0, |(contact, _)| contact);
+                return self.end_here(system, work, contact).map(Some);
+            }
+            settled => settled?,
+        };
+        self.accept(work);
+        self.digest(system, work, program, &result)
+    }
+
+    /// Redoes a step that could not be certified, from this trajectory's state, with full root isolation.
+    fn settle(
+        &self,
+        work: &mut Workspace<R>,
+        program: &Program,
+    ) -> Result<StepResult<R>, FlowError> {
+        let class = self.load(work);
+        let resolution = resolve(work, program, class, self.touching)
+            .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
+        work.finish(program);
+        let stalled = self.time + work.step == self.time
+            && work.event == R::splat(NO_EVENT)
+            && resolution.touched.is_none()
+            && work.step < self.remaining();
+        if stalled || !work.state.iter().all(|x| x.is_finite()) {
+            return Err(FlowError::LeftDomain {
+                time: self.time.to_f64(),
+                state: self.state.iter().map(|x| x.to_f64()).collect(),
+            });
+        }
+        let mut result = self.result(work);
+        let Resolution { touched, shortened } = resolution;
+        result.touched = touched;
+        result.at_horizon &= !shortened;
+        Ok(result)
+    }
+
+    fn program<'s>(&self, system: &'s System) -> Result<&'s Program, FlowError> {
+        system
+            .program(self.closed)
+            .ok_or_else(|| FlowError::DependentContacts {
+                time: self.time.to_f64(),
+                contacts: self.closed.contacts().collect(),
+            })
+    }
+
+    /// The order class of the next step and its unit of time.
+    pub(crate) fn plan(&self) -> (usize, R) {
+        // Every order is asked: where the answer cannot be foreseen, a branch costs more.
+        let mut covers = 0_u32;
+        for (class, &reach) in self.reach.iter().enumerate() {
+            covers |= u32::from(self.flight_time <= reach * R::splat(REACH_USED)) << class;
+        }
+        if covers == 0 {
+            let top = ORDER_CLASSES - 1;
+            return (top, self.reach[top]);
+        }
+        (covers.trailing_zeros() as usize, self.flight_time)
+    }
+
+    fn load(&self, work: &mut Workspace<R>) -> usize {
+        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+            work.load_constants(constants);
+        }
+        let (class, tau) = self.plan();
+        work.state.copy_from_slice(&self.state);
+        work.low.copy_from_slice(&self.low);
+        work.reach = self.reach;
+        work.horizon = self.remaining();
+        work.tau = tau;
+        class
+    }
+
+    fn result(&self, work: &Workspace<R>) -> StepResult<R> {
+        let remaining = self.remaining();
+        let event = work.event.to_f64();
+        StepResult {
+            step: work.step,
+            event: (event >= 0.0).then_some(event as usize),
+            touched: None,
+            at_horizon: event == NO_EVENT && StepResult::reaches(work.step, remaining),
+            impact: work.impact,
+            flight_time: work.flight_time,
+        }
+    }
+
+    /// Takes over where a step ended.
+    fn accept(&mut self, work: &Workspace<R>) {
+        self.state.copy_from_slice(&work.state);
+        self.low.copy_from_slice(&work.low);
+        self.reach = work.reach;
+    }
+
+    /// Says what a step means whose end (state, remainder and reach) is already in place.
+    #[inline(always)]
+    pub(crate) fn digest(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+        result: &StepResult<R>,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        self.advance_time(result.step);
+        let balanced = self.balanced(program);
+        self.touching = Touching::NONE;
+        if result.step > R::ZERO {
+            self.instant_impacts = 0;
+        }
+        let undisturbed = match result.event {
+            Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
+            None => true,
+        };
+        if undisturbed {
+            self.touching = balanced;
+        }
+        if let Some(index) = result.touched {
+            self.touching.set(index, 2);
+            self.flight_time = R::splat(FOREVER);
+            return self.graze(system, work, program, index);
+        }
+        let Some(index) = result.event else {
+            // The rest of a predicted flight, if a section or the horizon cut it.
+            self.flight_time = self.rest_of_flight(result.step);
+            if result.at_horizon {
+                self.time = self.horizon;
+                self.time_low = R::ZERO;
+                return Ok(Some(Occurrence::Horizon));
+            }
+            return Ok(None);
+        };
+        match program.guards[index].kind {
+            GuardKind::Section(section) => {
+                self.touching.set(index, 1);
+                self.flight_time = self.rest_of_flight(result.step);
+                Ok(Some(Occurrence::Section { section }))
+            }
+            GuardKind::Reaction(contact) => {
+                self.open(system, contact, 3)?;
+                self.tracker.interrupt();
+                Ok(Some(Occurrence::Release { contact }))
+            }
+            GuardKind::Gap(contact) => {
+                self.flight_time = result.flight_time;
+                self.touching.set(index, 1);
+                self.after_impact(system, work, contact, &result.impact)
+            }
+        }
+    }
+
+    /// What is left of a predicted flight after a step that did not end it.
+    fn rest_of_flight(&self, step: R) -> R {
+        if self.flight_time < R::splat(FOREVER) && self.flight_time > step {
+            self.flight_time - step
+        } else {
+            R::splat(FOREVER)
+        }
+    }
+
+    /// The closed contacts whose reaction vanishes for good.
+    fn balanced(&self, program: &Program) -> Touching {
+        let mut balanced = Touching::NONE;
+        if self.closed == Closed::NONE {
+            return balanced;
+        }
+        for (index, guard) in program.guards.iter().enumerate() {
+            if guard.is_balanced(self.touching.get(index)) {
+                balanced.set(index, Touching::BALANCED);
+            }
+        }
+        balanced
+    }
+
+    fn advance_time(&mut self, step: R) {
+        let (time, error) = two_sum(self.time, step);
+        let (time, low) = two_sum(time, error + self.time_low);
+        self.time = time;
+        self.time_low = low;
+    }
+
+    fn graze(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+        index: usize,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        self.tracker.interrupt();
+        match program.guards[index].kind {
+            GuardKind::Gap(contact) => {
+                let rate = self.local(system, work, contact)?[1];
+                Ok(Some(Occurrence::Graze { contact, rate }))
+            }
+            GuardKind::Reaction(_) | GuardKind::Section(_) => Ok(None),
+        }
+    }
+
+    fn left_domain(&self) -> FlowError {
+        FlowError::LeftDomain {
+            time: self.time.to_f64(),
+            state: self.state.iter().map(|x| x.to_f64()).collect(),
+        }
+    }
+}

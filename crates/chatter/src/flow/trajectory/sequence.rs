@@ -1,0 +1,198 @@
+//! The sequence that an impact belongs to: it goes on, or chatter ends.
+
+use super::{ORDER_CLASSES, Trajectory};
+use crate::expressions::Operand;
+use crate::flow::chatter::{Accumulation, LocalPoint};
+use crate::flow::error::FlowError;
+use crate::flow::occurrence::Occurrence;
+use crate::flow::program::{Closed, GuardKind};
+use crate::flow::step::{Workspace, legal_rates};
+use crate::flow::system::System;
+use crate::numerics::polynomial::magnitude;
+use crate::numerics::{Real, two_sum};
+
+/// A section contains the state at the end of a chatter sequence if it is this small there against what it was at the
+/// latest impact, or would become at the pace it had then.
+const AT_REST: f64 = 1e-12;
+
+/// Rounding errors of the flights of a sequence add up like the steps of a random walk of this many roundoffs each.
+const WALK_ROUNDOFFS: f64 = 4.0;
+
+/// More impacts at one instant than this are no sequence of collisions of several contacts.
+const INSTANT_IMPACTS: usize = 1000;
+
+impl<R: Real> Trajectory<R> {
+    #[inline(always)]
+    pub(super) fn after_impact(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        impact: &[R],
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        let &[rate_before, rate_after, acceleration, jerk, restitution] = impact else {
+            return Ok(None);
+        };
+        let finite = self.state.iter().all(|x| x.is_finite()) && rate_after.is_finite();
+        if !finite {
+            return Err(self.left_domain());
+        }
+        if rate_before >= R::ZERO && self.sequence > 0 {
+            return self.end_here(system, work, contact).map(Some);
+        }
+        self.instant_impacts += 1;
+        if self.instant_impacts > INSTANT_IMPACTS {
+            return Err(FlowError::ImpactsWithoutEnd {
+                time: self.time.to_f64(),
+                count: self.instant_impacts,
+            });
+        }
+        if !legal_rates(rate_before, rate_after) {
+            return Err(FlowError::Restitution {
+                time: self.time.to_f64(),
+                contact,
+                value: (-rate_after / rate_before).to_f64(),
+            });
+        }
+        let continues = |(before, rate)| before == contact && rate_before > rate;
+        if !self.latest_impact.is_some_and(continues) {
+            self.sequence = 0;
+        }
+        self.latest_impact = Some((contact, rate_before));
+        self.sequence += 1;
+        let occurrence = Occurrence::Impact {
+            contact,
+            rate_before,
+            rate_after,
+        };
+        let rebounds = rate_after > R::ZERO;
+        if !rebounds {
+            self.rest(system, work, contact)?;
+            return Ok(Some(occurrence));
+        }
+        if self.closed != Closed::NONE {
+            self.follow_impulse(system, work)?;
+        }
+        let local = LocalPoint {
+            rate: rate_after,
+            acceleration,
+            jerk,
+            restitution,
+        };
+        let end = self.tracker.observe(
+            contact,
+            local,
+            (self.time, self.time_low),
+            (&self.state, &self.low),
+        );
+        let negligible = self.reach[ORDER_CLASSES - 1] * R::splat(R::ROUNDOFF);
+        if let Some(end) = end
+            && self.ends_undisturbed(system, work, contact, &end)?
+        {
+            self.completion = Some((contact, end));
+        } else if acceleration < R::ZERO && self.flight_time <= negligible {
+            // Flights shorter than a roundoff of the time scale, as when several contacts chatter at once: what is left
+            // of the sequence is below rounding.
+            let after = self.flight_time / (R::ONE - restitution);
+            let end = Accumulation {
+                after,
+                change: vec![R::ZERO; self.state.len()],
+                error: after.to_f64(),
+            };
+            self.completion = Some((contact, end));
+        }
+        Ok(Some(occurrence))
+    }
+
+    /// Whether nothing else happens until the end of a chatter sequence: the trajectory does not stop before, no other
+    /// contact closes or opens, no section is crossed. Else the sequence is followed further, until what is left of it is
+    /// shorter. A section that contains the state at rest is crossed without end, and never in the way.
+    fn ends_undisturbed(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        end: &Accumulation<R>,
+    ) -> Result<bool, FlowError> {
+        /// Flights back and forth may change a guard by more than one free flight of the same length does.
+        const MARGIN: f64 = 2.0;
+        if end.after > self.remaining() {
+            return Ok(false);
+        }
+        let program = self.program(system)?;
+        let Some(constants) = &self.constants[self.closed.0 as usize] else {
+            return Ok(true);
+        };
+        if program.guards.len() < 2 {
+            return Ok(true);
+        }
+        let (state, low) = (&self.state, &self.low);
+        work.expand_at(&program.tape, &constants.tape, (state, low), end.after);
+        let guards = program
+            .guards
+            .iter()
+            .filter(|guard| guard.kind != GuardKind::Gap(contact));
+        let moving = guards.filter_map(|guard| match guard.series {
+            Operand::Series(slot) => {
+                let p = work.point.series(slot);
+                let change = magnitude(&p[1..], R::ONE) * R::splat(MARGIN);
+                let size = p[0].abs() + p[1].abs();
+                (p[0].abs() <= change).then_some((slot, size))
+            }
+            Operand::Constant(_) => None,
+        });
+        let moving: Vec<(usize, R)> = moving.collect();
+        if moving.is_empty() {
+            return Ok(true);
+        }
+        let rest: Vec<R> = (state.iter().zip(low).zip(&end.change))
+            .map(|((&x, &low), &change)| x + (low + change))
+            .collect();
+        let zero = vec![R::ZERO; rest.len()];
+        work.expand_at(&program.tape, &constants.tape, (&rest, &zero), R::ZERO);
+        Ok(moving
+            .iter()
+            .all(|&(slot, change)| work.point.series(slot)[0].abs() <= change * R::splat(AT_REST)))
+    }
+
+    /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero.
+    pub(super) fn end_here(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<Occurrence<R>, FlowError> {
+        let end = Accumulation {
+            after: R::ZERO,
+            change: vec![R::ZERO; self.state.len()],
+            error: self.flight_time.min(self.reach[0]).to_f64(),
+        };
+        self.complete(system, work, contact, &end)
+    }
+
+    /// Moves to the end of a chatter sequence.
+    pub(super) fn complete(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        end: &Accumulation<R>,
+    ) -> Result<Occurrence<R>, FlowError> {
+        for ((x, low), &change) in self.state.iter_mut().zip(&mut self.low).zip(&end.change) {
+            (*x, *low) = two_sum(*x, change + *low);
+        }
+        self.advance_time(end.after);
+        let impacts = self.sequence;
+        let walk = libm::sqrt(impacts as f64) * R::ROUNDOFF * WALK_ROUNDOFFS;
+        let relative = walk.max(work.tail.precision);
+        let error = relative.mul_add(self.time.to_f64().abs(), end.error);
+        self.rest(system, work, contact)?;
+        // The accumulation says more than the capture that ends it.
+        self.pending = None;
+        Ok(Occurrence::Accumulation {
+            contact,
+            impacts,
+            error,
+        })
+    }
+}
