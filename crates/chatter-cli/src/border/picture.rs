@@ -1,11 +1,13 @@
 //! The orbits of a model near a border, beside and under those that the one-dimensional map predicts.
 
 use super::refused::refused;
+use crate::diagram::picture::axis;
 use crate::failure::Failure;
 use crate::options::Counts;
 use crate::parallel;
 use crate::terminal::{self, Progress};
 use chatter::analysis::border::{Border, BorderSpec, Prediction, Simulator};
+use chatter::expressions::tex_name;
 use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_io::figures::{Axis, Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
@@ -90,15 +92,22 @@ pub fn picture<R: Real>(
     };
     let margin = ROOM * height;
     let range = (bottom - margin, top + margin);
-    let names = model.state_names();
+    let state = &model.states[coordinate];
+    // Less what does not depend on the passage before: the state of the next order in z alone.
+    let observed = format!(
+        "${}$ after first impact, less that for $z = 0$",
+        tex_name(&state.name)
+    );
+    let unit = state.label.as_ref().and_then(|label| label.unit.clone());
+    let vertical = match unit {
+        Some(unit) => Axis::new(observed).unit(unit),
+        None => Axis::new(observed),
+    }
+    .range(range.0, range.1);
     let panel = |layers: &[(&Points, Color, &str)]| {
         let mut panel = Panel::new(
-            Axis::new(spec.parameter.as_str()).range(low, high),
-            Axis::new(format!(
-                "{} after the first impact, sheared",
-                names[coordinate]
-            ))
-            .range(range.0, range.1),
+            axis(model, &spec.parameter).range(low, high),
+            vertical.clone(),
         );
         for (points, color, name) in layers {
             let mut density = Density::new((low, high), range)
