@@ -4,7 +4,7 @@
 //! the graze w = 0 included, where over the parameter it is a root: a multiplier m goes to infinity like 1 / w.
 
 use super::exact::SectionChart;
-use super::extrapolate::Estimate;
+use super::extrapolate::{Estimate, Plan, limit};
 use super::located::LocatedWindow;
 use super::problem::with_identity;
 use super::sequence::Until;
@@ -56,8 +56,10 @@ const STALLED: f64 = 1e3;
 const RATE_HALVINGS: u32 = 4;
 /// Rates towards the graze: each half of the one before.
 const GRAZE_POINTS: usize = 9;
-/// How many of the last of them are extrapolated.
-const GRAZE_ORDER: usize = 5;
+/// Ratios of the terms of a power series from one of them to the next.
+const HALVES: [f64; 5] = [0.5, 0.25, 0.125, 0.0625, 0.03125];
+/// Fewer of them are not extrapolated.
+const GRAZE_LEAST: usize = 4;
 /// Away from the graze the rate grows by this factor a step, so many times at most.
 const GROWTH: f64 = 1.15;
 const GROWTH_STEPS: usize = 40;
@@ -309,27 +311,26 @@ impl ReturnMap<'_> {
     }
 }
 
-/// The parameter at rate zero: a power series in the rate, of which each halving removes one more term.
+/// The parameter at rate zero: a power series in the rate, of which each halving removes one more term. The nearer to the
+/// graze, the less of the rate is left above rounding: of all beginnings of the sequence that counts which agrees best with
+/// the one before.
 fn graze(points: &[FixedPoint]) -> Option<Estimate<f64>> {
-    if points.len() <= GRAZE_ORDER {
-        return None;
-    }
-    let mut column: Vec<f64> = points[points.len() - GRAZE_ORDER - 1..]
-        .iter()
-        .map(|point| point.at[2])
+    let values: Vec<f64> = points.iter().map(|point| point.at[2]).collect();
+    let plan = Plan {
+        stride: 1,
+        orders: HALVES.len(),
+    };
+    let limits: Vec<Estimate<f64>> = (GRAZE_LEAST..=values.len())
+        .filter_map(|end| limit(&values[..end], &HALVES, plan))
         .collect();
-    let mut power = 1.0;
-    let mut before = column[column.len() - 1];
-    while column.len() > 1 {
-        before = column[column.len() - 1];
-        power *= 2.0;
-        column = (column.windows(2))
-            .map(|pair| pair[1] + (pair[1] - pair[0]) / (power - 1.0))
-            .collect();
-    }
     let rounding = points.iter().fold(0.0_f64, |most, p| most.max(p.error));
-    Some(Estimate {
-        value: column[0],
-        error: (column[0] - before).abs().max(rounding),
-    })
+    (limits.windows(2))
+        .map(|pair| {
+            let change = (pair[1].value - pair[0].value).abs();
+            Estimate {
+                value: pair[1].value,
+                error: pair[1].error.max(change).max(rounding),
+            }
+        })
+        .min_by(|a, b| a.error.total_cmp(&b.error))
 }
