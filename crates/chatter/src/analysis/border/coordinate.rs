@@ -38,7 +38,7 @@ const TAIL_POWER: f64 = 0.165;
 const NOISE_ROUNDOFFS: f64 = 10.0;
 
 /// Rounding moves neighbouring limits alike: by so many times their difference.
-const ALIKE: f64 = 4.0;
+const ALIKE: f64 = 8.0;
 
 /// A sequence settles where u comes this near to u* for good, relative to u*.
 const WITHIN: f64 = 0.5;
