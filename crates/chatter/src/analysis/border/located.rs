@@ -46,7 +46,7 @@ const MORE_LAPS: u32 = 12;
 /// predicted orbit near the end of its lap may have one impact more.
 const STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
-/// A window must lie so many roundoffs of the parameter from the border.
+/// A window must lie so many roundoffs from the border.
 const RESOLVED: f64 = 1e7;
 
 /// From a predicted orbit to the one found: of its state, at the same parameter value, and of its parameter value.
@@ -104,10 +104,7 @@ impl Simulator {
     /// out.
     pub fn compare(&self, prediction: &Prediction, first: u32, last: u32) -> Vec<WindowComparison> {
         let alone = |lap: u32| self.locate(prediction, &prediction.window(lap), &Offset::NONE);
-        let Some(nearest) = (first..=last)
-            .rev()
-            .find(|&lap| is_resolved(prediction, &prediction.window(lap)))
-        else {
+        let Some(nearest) = last_resolved(prediction, first, last) else {
             return Vec::new();
         };
         let mut start = nearest;
@@ -183,8 +180,30 @@ impl Simulator {
     }
 }
 
-/// Whether doubles tell a window from the border.
-fn is_resolved(prediction: &Prediction, window: &PredictedWindow) -> bool {
-    let distance = (window.grazing.parameter - prediction.border).abs();
-    distance > RESOLVED * f64::EPSILON * prediction.border.abs()
+/// The last of these laps whose window doubles tell from the border, in the parameter and in the states: windows come
+/// nearer to it from lap to lap.
+fn last_resolved(prediction: &Prediction, first: u32, last: u32) -> Option<u32> {
+    let least = RESOLVED * f64::EPSILON;
+    let border = prediction.border;
+    let origin = &prediction.states.origin;
+    let is_resolved = |lap: u32| {
+        let graze = prediction.window(lap).grazing;
+        let distance = graze.parameter - border;
+        let state = prediction.states.at(graze.z, distance);
+        distance.abs() > least * border.abs()
+            && (state.iter().zip(origin)).any(|(x, start)| (x - start).abs() > least * start.abs())
+    };
+    if is_resolved(last) {
+        return Some(last);
+    }
+    let (mut resolved, mut lost) = (is_resolved(first).then_some(first)?, last);
+    while lost - resolved > 1 {
+        let middle = resolved + (lost - resolved) / 2;
+        if is_resolved(middle) {
+            resolved = middle;
+        } else {
+            lost = middle;
+        }
+    }
+    Some(resolved)
 }
