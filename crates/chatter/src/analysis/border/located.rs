@@ -5,19 +5,9 @@ use super::extrapolate::Estimate;
 use super::prediction::Prediction;
 use super::return_map::ReturnMap;
 use super::simulated::Simulator;
+use super::window_curve::LocatedWindow;
 use super::windows::{PredictedPoint, PredictedWindow};
 use serde::{Deserialize, Serialize};
-
-/// A window of the system.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LocatedWindow {
-    /// Parameter value where the multiplier is 1.
-    pub fold: Option<Estimate<f64>>,
-    /// Parameter value where it is -1.
-    pub period_doubling: Option<Estimate<f64>>,
-    /// Parameter value where the last impact grazes.
-    pub grazing: Option<Estimate<f64>>,
-}
 
 /// Predicted against found, for one number of impacts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

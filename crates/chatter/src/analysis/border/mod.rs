@@ -19,7 +19,9 @@
 //! prediction   the one-dimensional map: impacts per passage, states after the first impact
 //! windows      fold, period doubling and graze of the n-impact orbit, predicted
 //! simulated    passages of the flow itself
-//! located      its windows, through the return map
+//! return_map   its return map and the fixed points
+//! window_curve the windows of these
+//! located      predicted windows and those beside each other
 //! ```
 
 mod branches;
@@ -47,6 +49,7 @@ mod section;
 mod sequence;
 mod simulated;
 mod spec;
+mod window_curve;
 mod windows;
 
 pub use coordinate::Extrapolation;
@@ -56,7 +59,7 @@ pub use extrapolate::Estimate;
 pub use forcing::Turn;
 pub use leading_order::{LeadingOrder, ReleaseSection};
 pub use local::LocalCoordinate;
-pub use located::{Discrepancy, LocatedWindow, WindowComparison};
+pub use located::{Discrepancy, WindowComparison};
 pub use orbit::{
     Border, Borders, FirstImpact, border_near, borders_in, leading_order_at, verdicts_in,
 };
@@ -66,4 +69,5 @@ pub use section::section_states;
 pub use sequence::Verdict;
 pub use simulated::{Passage, Simulated, Simulator};
 pub use spec::BorderSpec;
+pub use window_curve::LocatedWindow;
 pub use windows::{PredictedPoint, PredictedWindow};
