@@ -10,7 +10,7 @@ pub fn refused(error: BorderError) -> Failure {
             message: error.to_string(),
             help: Some("look elsewhere with another --near, or over a --range".to_owned()),
         },
-        BorderError::NotConverged { .. } | BorderError::Flow(_) => Failure::Unfinished {
+        BorderError::NotConverged { .. } | BorderError::Flow { .. } => Failure::Unfinished {
             message: error.to_string(),
             help: None,
         },

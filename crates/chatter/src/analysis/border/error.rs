@@ -94,7 +94,25 @@ pub enum BorderError {
     /// The model cannot be compiled.
     System(SystemError),
     /// A trajectory cannot go on.
-    Flow(FlowError),
+    Flow {
+        /// The parameter value, where it is known.
+        at: Option<f64>,
+        /// Why.
+        error: FlowError,
+    },
+}
+
+impl BorderError {
+    /// The same, where it is a trajectory's, with the parameter value at which it goes on no more.
+    pub(crate) fn with_parameter(self, value: f64) -> Self {
+        match self {
+            Self::Flow { error, .. } => Self::Flow {
+                at: Some(value),
+                error,
+            },
+            other => other,
+        }
+    }
 }
 
 /// A parameter value where the verdict complete or incomplete changes without a border orbit.
@@ -239,6 +257,7 @@ impl fmt::Display for BorderError {
                 "the border orbit does not cross the section `{name}` between release and its first impact"
             ),
             Self::NoBorder { low, high, breaks } => {
+                let (low, high) = (ParameterValue(*low), ParameterValue(*high));
                 write!(out, "there is no border between {low} and {high}")?;
                 (breaks.iter().take(BREAKS_TOLD)).try_for_each(|at| write!(out, "; {at}"))?;
                 match breaks.len().checked_sub(BREAKS_TOLD) {
@@ -248,10 +267,18 @@ impl fmt::Display for BorderError {
             }
             Self::NotConverged { value, residual } => write!(
                 out,
-                "the border near {value} could not be located to rounding: X = {residual:e} there"
+                "the border near {} could not be located to rounding: X = {residual:e} there",
+                ParameterValue(*value)
             ),
             Self::System(error) => error.fmt(out),
-            Self::Flow(error) => error.fmt(out),
+            Self::Flow { at: None, error } => error.fmt(out),
+            Self::Flow {
+                at: Some(value),
+                error,
+            } => {
+                let value = ParameterValue(*value);
+                write!(out, "with the parameter at {value} {error}")
+            }
         }
     }
 }
@@ -266,7 +293,7 @@ impl From<ReleaseSection> for BorderError {
 
 impl From<FlowError> for BorderError {
     fn from(error: FlowError) -> Self {
-        Self::Flow(error)
+        Self::Flow { at: None, error }
     }
 }
 

@@ -89,7 +89,8 @@ impl Search<'_> {
     /// The verdict at one parameter value.
     fn sample(&self, value: f64, release: ReleasePoint<f64>) -> Result<Sample, BorderError> {
         let constants = Problem::constants(value, &release)?;
-        let sequence = self.problem.sequence(value, &release, self.several)?;
+        let sequence = (self.problem.sequence(value, &release, self.several))
+            .map_err(|error| error.with_parameter(value))?;
         let limits = Limits::new(constants, &release, Extrapolation::default());
         Ok(Sample {
             value,
