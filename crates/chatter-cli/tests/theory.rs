@@ -254,6 +254,23 @@ fn windows_of_a_border_stand_beside_those_of_the_model() {
 }
 
 #[test]
+fn a_parameter_that_changes_nothing_is_refused() {
+    let folder = Folder::new("unused");
+    let file = folder.file("idle.toml");
+    let valve = chatter(&["models", VALVE]);
+    let text = String::from_utf8(valve.stdout).unwrap();
+    std::fs::write(
+        &file,
+        text.replacen("[parameters]", "[parameters]\nidle = 1.0", 1),
+    )
+    .unwrap();
+    let output = chatter(&["border", &file, "--parameter", "idle", "--near", "1"]);
+    assert_eq!(output.status.code(), Some(2));
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("no equation uses parameter `idle`"), "{told}");
+}
+
+#[test]
 fn a_range_lists_borders_or_none() {
     let range = |range: &str| {
         document(&[

@@ -5,6 +5,7 @@ use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 
 const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
+const LINEAR: &str = include_str!("../../../models/linear_impacting_system.toml");
 const CAM: &str = include_str!("../../../models/cam_follower.toml");
 const OSCILLATOR: &str = include_str!("../../../models/impact_oscillator.toml");
 const TWO_SIDED: &str = include_str!("../../../models/impact_oscillator_two_sided.toml");
@@ -480,6 +481,42 @@ fn windows_after_two_long_flights_approach_the_prediction() {
             before = largest;
         }
         assert!(before < 2e-3);
+    }
+}
+
+/// Which windows are asked for does not matter, and errors say how well they are known. K of the linear system is so large
+/// that its prediction is far off for n below 30.
+#[test]
+fn windows_do_not_depend_on_where_they_are_looked_for_from() {
+    for (text, parameter, near, first, last, beyond) in [
+        (VALVE, "q", 0.02, 9, 25, 34),
+        (OSCILLATOR, "sigma", 0.1234, 4, 12, 26),
+        (LINEAR, "r", 0.848, 6, 16, 30),
+        (CAM, "speed", 622.0, 4, 9, 12),
+    ] {
+        let model = read(text);
+        let spec = BorderSpec::new(parameter);
+        let border = border_near::<f64>(&model, &spec, near).unwrap();
+        let prediction = Prediction::exact(&border).unwrap();
+        let simulator = Simulator::new(&model, &spec, &border).unwrap();
+        let some = simulator.compare(&prediction, first, last);
+        let more = simulator.compare(&prediction, first, beyond);
+        assert_eq!(some.len(), (last - first + 1) as usize, "{parameter}");
+        for (a, b) in some.iter().zip(&more) {
+            assert_eq!(a.predicted, b.predicted);
+            let pairs = [
+                (a.located.fold, b.located.fold),
+                (a.located.period_doubling, b.located.period_doubling),
+                (a.located.grazing, b.located.grazing),
+            ];
+            for (a, b) in pairs {
+                assert_eq!(a.is_some(), b.is_some(), "{parameter} {some:?}");
+                if let (Some(a), Some(b)) = (a, b) {
+                    let off = (a.value - b.value).abs();
+                    assert!(off <= 2.0 * (a.error + b.error), "{parameter} {a:?} {b:?}");
+                }
+            }
+        }
     }
 }
 

@@ -285,3 +285,23 @@ fn questions_and_answers_are_stored() {
     let read: Vec<WindowComparison> = serde_json::from_str(&text).unwrap();
     assert_eq!(read, windows);
 }
+
+/// Far from a border impacts may go on for ever without a long flight.
+#[test]
+fn orbits_without_long_flights_are_given_up() {
+    let model = read(
+        "[parameters]\npreload = 0.2\n\
+         [flight]\nx = \"v\"\nv = \"-(x + preload) - 0.5*x^3 - 0.04*v + sin(phi)\"\nphi = \"0.5\"\n\
+         [[contact]]\nname = \"stop\"\ngap = \"x\"\nimpulse = { v = 1 }\nrestitution = \"0.75\"\n\
+         [initial]\nx = 0\nv = 0\nphi = 0\n",
+    );
+    let spec = BorderSpec::new("preload");
+    let border = border_near::<f64>(&model, &spec, 0.29).unwrap();
+    close(border.value.value, 0.291_394_858_6, 1e-9);
+    let simulator = Simulator::new(&model, &spec, &border).unwrap();
+    let far = simulator.orbit(-0.41, 150, 100).unwrap();
+    assert!(far.passages.is_empty() && far.settled == Settled::Unsettled);
+    // The first flight is local there by the acceleration at the first impact, but it is a long one.
+    let prediction = Prediction::exact(&border).unwrap();
+    assert_eq!(simulator.compare(&prediction, 8, 22).len(), 15);
+}

@@ -49,6 +49,9 @@ fn setting(subject: &Subject) -> String {
     parts.join(", ")
 }
 
+/// Digits of the ends of a range.
+const RANGE_DIGITS: u32 = 10;
+
 /// Breaks that are told one by one.
 const BREAKS_TOLD: usize = 6;
 
@@ -59,7 +62,9 @@ fn summary<R>(subject: &Subject, found: &Borders<R>, (low, high): (f64, f64)) ->
         count => format!("{count} borders"),
     };
     let mut text = format!(
-        "{count} between {low} and {high}, looked for at {} values\n",
+        "{count} between {} and {}, looked for at {} values\n",
+        concise(low, RANGE_DIGITS),
+        concise(high, RANGE_DIGITS),
         subject.samples + 1
     );
     for place in found.breaks.iter().take(BREAKS_TOLD) {
@@ -98,6 +103,7 @@ fn one<R: Real + Argument<Real = R>>(
     for (title, rows, sides) in blocks(subject, border, compared) {
         text += &format!("\n{}\n{}", style.title(&title), aligned(&rows, sides));
     }
+    text += &not_found(subject.laps(border), compared);
     if let Err(section) = &border.leading_order {
         let error = BorderError::from(section.clone());
         text += &format!(
@@ -106,6 +112,29 @@ fn one<R: Real + Argument<Real = R>>(
         );
     }
     text
+}
+
+/// The n asked for whose windows were not found in the model: those found are in a row.
+fn not_found((first, last): (u32, u32), compared: &[WindowComparison]) -> String {
+    let (begin, end) = match compared {
+        [] => (last + 1, last),
+        [begin, ..] => (
+            begin.predicted.lap,
+            compared[compared.len() - 1].predicted.lap,
+        ),
+    };
+    let runs: Vec<String> = [(first, begin), (end + 1, last + 1)]
+        .into_iter()
+        .filter(|(from, to)| from < to)
+        .map(|(from, to)| match to - from {
+            1 => from.to_string(),
+            _ => format!("{from} to {}", to - 1),
+        })
+        .collect();
+    if runs.is_empty() {
+        return String::new();
+    }
+    format!("not found in the model for n = {}\n", runs.join(", "))
 }
 
 /// Digits of an error estimate.

@@ -19,9 +19,8 @@ pub fn compared<R: Real>(
 ) -> Result<Vec<WindowComparison>, Failure> {
     let prediction = Prediction::exact(border).map_err(refused)?;
     let simulator = Simulator::new(subject.model, spec, border).map_err(refused)?;
-    let windows = subject.windows(border);
-    let lap = |n: i64| u32::try_from(n).unwrap_or(u32::MAX);
-    Ok(simulator.compare(&prediction, lap(windows.first), lap(windows.last)))
+    let (first, last) = subject.laps(border);
+    Ok(simulator.compare(&prediction, first, last))
 }
 
 /// Name, value, and by how much of its distance from the border the prediction misses it.
@@ -39,6 +38,9 @@ fn kinds(window: &WindowComparison, border: f64) -> [Kind; 3] {
         ("grazing", found.grazing, off.grazing),
     ]
 }
+
+/// Decimals of a percentage at most.
+const PERCENT_DECIMALS: f64 = 3.0;
 
 /// Rows of text with a heading, and the sides of their columns.
 pub fn rows(
@@ -58,7 +60,16 @@ pub fn rows(
             row.push(found.map_or_else(missing, |found| {
                 full(found.value, super::known(&found, digits))
             }));
-            row.push(off.map_or_else(missing, |off| format!("{:+.3} %", 100.0 * off)));
+            let percent = |off: f64, found: Estimate<f64>| {
+                let error = 100.0 * found.error / (found.value - border).abs();
+                // Up to the first digit of the error.
+                let decimals = (-error.log10()).ceil().clamp(0.0, PERCENT_DECIMALS) as usize;
+                format!("{:+.decimals$} %", 100.0 * off)
+            };
+            row.push(
+                off.zip(found)
+                    .map_or_else(missing, |(off, found)| percent(off, found)),
+            );
         }
         rows.push(row);
     }

@@ -1,4 +1,4 @@
-//! How border orbits are told: as text, as a JSON document.
+//! How border orbits are told: as text, as a JSON document, as a figure; with the windows of the model itself.
 
 mod account;
 mod compared;
@@ -36,7 +36,7 @@ pub struct Subject<'a> {
     pub samples: usize,
     /// Long flights that may come before chatter.
     pub excursions: usize,
-    /// Which windows are predicted; a few that a plot shows if not given.
+    /// Which windows are predicted and looked for in the model; a few that a plot shows if not given.
     pub windows: Option<Counts>,
 }
 
@@ -75,6 +75,15 @@ impl Subject<'_> {
                 last: first + SHOWN - 1,
             }
         })
+    }
+}
+
+impl Subject<'_> {
+    /// The first and the last lap of these windows.
+    pub fn laps<R: Real>(&self, border: &Border<R>) -> (u32, u32) {
+        let windows = self.windows(border);
+        let lap = |n: i64| u32::try_from(n).unwrap_or(u32::MAX);
+        (lap(windows.first), lap(windows.last))
     }
 }
 

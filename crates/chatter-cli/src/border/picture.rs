@@ -1,14 +1,15 @@
 //! The orbits of a model near a border, beside and under those that the one-dimensional map predicts.
 
+use super::Subject;
 use super::refused::refused;
 use crate::diagram::picture::axis;
 use crate::failure::Failure;
-use crate::options::Counts;
 use crate::parallel;
 use crate::terminal::{self, Progress};
-use chatter::analysis::border::{Border, BorderSpec, Prediction, Simulator};
+use chatter::analysis::border::{
+    Border, BorderSpec, PredictedWindow, Prediction, Simulator, WindowComparison,
+};
 use chatter::expressions::tex_name;
-use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_io::figures::{Axis, Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
 use std::sync::Mutex;
@@ -30,25 +31,35 @@ type Points = Vec<(f64, f64)>;
 
 /// Simulated, predicted, and both on top of each other, over the windows of these n.
 pub fn picture<R: Real>(
-    model: &Model,
+    subject: &Subject,
     spec: &BorderSpec,
     border: &Border<R>,
-    windows: Counts,
+    compared: &[WindowComparison],
 ) -> Result<Figure, Failure> {
+    let model = subject.model;
     let prediction = Prediction::exact(border).map_err(refused)?;
     let simulator = Simulator::new(model, spec, border).map_err(refused)?;
-    let lap = |n: i64| u32::try_from(n.max(0)).unwrap_or(u32::MAX);
-    let (first, last) = (
-        prediction.window(lap(windows.first)),
-        prediction.window(lap(windows.last)),
-    );
+    let (first, last) = subject.laps(border);
     // Far from the border an orbit is born at a fold or at its graze; the next lap begins where this one's graze is not.
-    let near = last.fold.map_or(last.grazing.mu, |fold| fold.mu);
-    let far = (first.period_doubling).map_or(first.grazing.mu, |doubling| doubling.mu);
-    let (near, far) = (near.min(last.superstable.mu), far.max(first.superstable.mu));
-    let room = ROOM * (far - near);
-    let ends = [near - room, far + room].map(|mu| prediction.parameter(mu));
-    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    let ends = |window: PredictedWindow| {
+        let begins = window.fold.unwrap_or(window.grazing);
+        let doubles = window.period_doubling.unwrap_or(window.grazing);
+        [begins, window.superstable, doubles].map(|point| point.parameter)
+    };
+    let predicted = [first, last].map(|lap| ends(prediction.window(lap)));
+    let located = compared.iter().filter(|window| {
+        let lap = window.predicted.lap;
+        lap == first || lap == last
+    });
+    let located = located.flat_map(|window| [window.located.fold, window.located.period_doubling]);
+    let all = || {
+        let located = located.clone().flatten().map(|point| point.value);
+        predicted.into_iter().flatten().chain(located)
+    };
+    let low = all().fold(f64::INFINITY, f64::min);
+    let high = all().fold(f64::NEG_INFINITY, f64::max);
+    let room = ROOM * (high - low);
+    let (low, high) = (low - room, high + room);
     let coordinate = coordinate(border);
 
     let value = |column: usize| low + (high - low) * column as f64 / (COLUMNS - 1) as f64;

@@ -4,12 +4,14 @@ use crate::border::{Answer, Subject, account, compared, document, picture, refus
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
-    Count, Counts, FigureFile, Loaded, ModelOptions, Precision, Quantity, SectionOption, Window,
+    Assignment, Count, Counts, FigureFile, Loaded, ModelOptions, Precision, Quantity,
+    SectionOption, Window,
 };
 use crate::parallel;
 use crate::terminal::{self, Style};
 use chatter::analysis::border::{BorderSpec, border_near, borders_in};
 use chatter::analysis::universal::Argument;
+use chatter::model::{Warning, check};
 use chatter::numerics::{DoubleDouble, Real};
 use clap::{ArgGroup, Args};
 
@@ -35,9 +37,11 @@ JSON
   first_impact (states by name), first_impact_time, period, forcing, long_flights, impacts, section (the coordinates
   that covector and A to F refer to), exact {slope, unfolding_rate, slope_error, unfolding_rate_error, amplitude,
   covector, covector_parameter, … each with its error}, leading_order {A, B, C, D, E, F, slope, unfolding_rate, section,
-  crossing}, windows {n, fold, …} as predicted, simulated_windows {n, fold, fold_error, fold_missed_by, …} as the model
-  has them. With --range: borders, a list of such objects, and breaks, where complete chatter ends without a border.
-  With more than 17 digits each number has a twin in decimals as text, under its name with `_digits` at the end.";
+  crossing} or null with leading_order_error, windows {n, fold, …} as predicted, simulated_windows {n, fold, fold_error,
+  fold_missed_by, …} as far as they are found in the model; what there is none of is null. With --range: borders, a list
+  of such objects, and breaks, where complete chatter ends without a border; without_chatter and unresolved count places
+  about which nothing is said. With more than 17 digits each number but those of simulated_windows has a twin in
+  decimals as text, under its name with `_digits` at the end.";
 
 /// Digits of text if nothing else is asked for.
 const TEXT_DIGITS: Digits = Digits(10);
@@ -105,6 +109,19 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Loaded { mut model, .. } = arguments.model.load()?;
+    let parameter = &arguments.parameter;
+    let mut set = arguments.model.set.iter().map(Assignment::pair);
+    if set.any(|(name, _)| name == parameter.as_str()) {
+        return Err(Failure::input(format!(
+            "`{parameter}` cannot be both set and varied: leave out --set {parameter}"
+        )));
+    }
+    let is_unused = |warning: &Warning| matches!(warning, Warning::UnusedParameter { name } if name == parameter);
+    if check(&model).warnings.iter().any(is_unused) {
+        return Err(Failure::input(format!(
+            "no equation uses parameter `{parameter}`: nothing changes with it"
+        )));
+    }
     let digits = arguments
         .digits
         .map_or(Digits::DOUBLE, |precision| precision.0);
@@ -173,14 +190,15 @@ fn answer<R: Real + Argument<Real = R>>(
     let answer = match place {
         Place::Near(value) => {
             let border = border_near::<R>(subject.model, spec, value).map_err(refused)?;
+            let compared = compared(subject, spec, &border)?;
             if let Some(FigureFile(path)) = plot {
-                picture(subject.model, spec, &border, subject.windows(&border))?
+                picture(subject, spec, &border, &compared)?
                     .write(path)
                     .map_err(|error| Failure::Output(error.to_string()))?;
             }
             Answer::One {
-                compared: compared(subject, spec, &border)?,
                 border: Box::new(border),
+                compared,
             }
         }
         Place::Range { low, high } => {

@@ -228,22 +228,27 @@ impl fmt::Display for BorderError {
             ),
             Self::Range { low, high } => write!(
                 out,
-                "no parameter values between {low} and {high}: the range must go from a smaller to a larger finite number"
+                "no parameter values between {} and {}: the range must go from a smaller to a larger finite number",
+                ParameterValue(*low),
+                ParameterValue(*high)
             ),
             Self::NoRelease { value } => write!(
                 out,
-                "with the parameter at {value} no release point was found: no state with gap, rate and acceleration zero \
-                 and positive jerk"
+                "with the parameter at {} no release point was found: no state with gap, rate and acceleration zero \
+                 and positive jerk",
+                ParameterValue(*value)
             ),
             Self::Aperiodic { value } => write!(
                 out,
-                "with the parameter at {value} the equations have no period in time, or in an angle that they depend on; \
-                 a border orbit is periodic"
+                "with the parameter at {} the equations have no period in time, or in an angle that they depend on; \
+                 a border orbit is periodic",
+                ParameterValue(*value)
             ),
             Self::Restitution { value, at } => write!(
                 out,
-                "with the parameter at {at} the restitution at release is {value}; a border orbit needs one between 0 \
-                 and 1, both excluded"
+                "with the parameter at {} the restitution at release is {value}; a border orbit needs one between 0 and \
+                 1, both excluded",
+                ParameterValue(*at)
             ),
             Self::Section { state, level } => write!(
                 out,

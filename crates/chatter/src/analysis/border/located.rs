@@ -5,7 +5,7 @@ use super::extrapolate::Estimate;
 use super::prediction::Prediction;
 use super::return_map::ReturnMap;
 use super::simulated::Simulator;
-use super::window_curve::LocatedWindow;
+use super::window_curve::{LocatedWindow, WindowEnds};
 use super::windows::{PredictedPoint, PredictedWindow};
 use serde::{Deserialize, Serialize};
 
@@ -29,36 +29,12 @@ pub struct Discrepancy {
     pub grazing: Option<f64>,
 }
 
-/// If nothing is found at the last lap asked for, the search begins so many laps nearer to the border, at most.
-const MORE_LAPS: u32 = 12;
-
 /// Where on the predicted orbits Newton's method starts, from the superstable one, 0, to the graze, 1: where n is small a
 /// predicted orbit near the end of its lap may have one impact more.
 const STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
 /// A window must lie so many roundoffs from the border.
 const RESOLVED: f64 = 1e7;
-
-/// From a predicted orbit to the one found: of its state, at the same parameter value, and of its parameter value.
-#[derive(Clone, Debug)]
-struct Offset {
-    state: [f64; 2],
-    parameter: f64,
-}
-
-impl Offset {
-    const NONE: Self = Self {
-        state: [0.0; 2],
-        parameter: 0.0,
-    };
-
-    fn times(&self, factor: f64) -> Self {
-        Self {
-            state: self.state.map(|off| off * factor),
-            parameter: self.parameter * factor,
-        }
-    }
-}
 
 impl WindowComparison {
     /// Relative differences, for a border at the parameter value `border`.
@@ -74,105 +50,146 @@ impl WindowComparison {
             grazing: off(located.grazing, Some(self.predicted.grazing)),
         }
     }
-
-    /// From the predicted parameter value to that of the system.
-    fn offset(&self) -> Option<f64> {
-        let located = self.located;
-        let off = |found: Option<Estimate<f64>>, predicted: Option<PredictedPoint>| {
-            Some(found?.value - predicted?.parameter)
-        };
-        off(located.fold, self.predicted.fold)
-            .or_else(|| off(located.period_doubling, self.predicted.period_doubling))
-            .or_else(|| off(located.grazing, Some(self.predicted.grazing)))
-    }
 }
 
 impl Simulator {
-    /// Compares the windows of laps `first` to `last`, as far as they are found. The prediction improves with n, so they are
-    /// located from the latter downwards, or from a lap beyond it if nothing is found there, until one is not found; what
-    /// the prediction was off by at one lap helps to find the next. Those that doubles do not tell from the border are left
-    /// out.
+    /// Compares the windows of laps `first` to `last`, as far as they are found: those that doubles do not tell from the
+    /// border are left out. The prediction improves with n, so what is not found from it alone is looked for from the next
+    /// window, whose offset from its prediction helps to find it.
     pub fn compare(&self, prediction: &Prediction, first: u32, last: u32) -> Vec<WindowComparison> {
-        let alone = |lap: u32| self.locate(prediction, &prediction.window(lap), &Offset::NONE);
-        let Some(nearest) = last_resolved(prediction, first, last) else {
+        let map = self.return_map(prediction);
+        let Some(nearest) = last_resolved(prediction, map.free) else {
             return Vec::new();
         };
-        let mut start = nearest;
-        let mut found = alone(start);
-        while found.is_none() && start < nearest.saturating_add(MORE_LAPS) {
-            start += 1;
-            found = alone(start);
-        }
-        // What the prediction leaves out is quadratic in x, which goes like lambda^n.
-        let lambda = prediction.universal().constants().lambda;
-        let growth = 1.0 / (lambda * lambda);
+        let last = last.min(nearest);
+        let alone = |lap: u32| map.locate(prediction, &prediction.window(lap), [0.0; 3]);
+        // Beyond the last one asked for, if need be, is where to begin.
+        let begin = (last..=nearest).find_map(|lap| Some((lap, alone(lap)?)));
+        let Some((begin, mut found)) = begin.map(|(lap, found)| (lap, Some(found))) else {
+            return Vec::new();
+        };
         let mut windows = Vec::new();
-        for lap in (first..=start).rev() {
-            let predicted = prediction.window(lap);
-            if lap < start
-                && let Some((_, offset)) = &found
-            {
-                found = (self.locate(prediction, &predicted, &offset.times(growth)))
+        for lap in (first..=begin).rev() {
+            if lap < begin {
+                found = found
+                    .and_then(|next| map.locate_beside(prediction, lap, &next))
                     .or_else(|| alone(lap));
             }
-            let Some((located, offset)) = &mut found else {
+            let Some(located) = found.and_then(|ends| ends.window()) else {
+                // Farther from the border nothing but other orbits would be found.
                 break;
             };
-            let located = *located;
-            let window = WindowComparison { predicted, located };
-            if let Some(parameter) = window.offset() {
-                offset.parameter = parameter;
-            }
             if lap <= last {
-                windows.push(window);
+                windows.push(WindowComparison {
+                    predicted: prediction.window(lap),
+                    located,
+                });
             }
         }
         windows.reverse();
         windows
     }
 
-    /// Locates the window of the orbit with as many impacts as predicted, starting at an offset from the prediction. `None`
-    /// where the orbit is not found.
+    fn return_map<'a>(&'a self, prediction: &'a Prediction) -> ReturnMap<'a> {
+        let origin = &prediction.states.origin;
+        let parameters = self.problem.parameters(prediction.border);
+        let chart = SectionChart::new(&self.problem, &parameters, origin);
+        ReturnMap {
+            simulator: self,
+            border: prediction.border,
+            origin,
+            free: [chart.free[0], chart.free[1]],
+            bound: chart.bound,
+            impacts: 0,
+        }
+    }
+}
+
+impl ReturnMap<'_> {
+    /// The coordinates and the parameter of a predicted point.
+    fn expected(&self, prediction: &Prediction, z: f64, parameter: f64) -> [f64; 3] {
+        let state = prediction.states.at(z, parameter - prediction.border);
+        [state[self.free[0]], state[self.free[1]], parameter]
+    }
+
+    /// Locates the window of the orbit with as many impacts as predicted, starting at this offset from predicted orbits.
+    /// `None` where the orbit is not found.
     fn locate(
-        &self,
+        self,
         prediction: &Prediction,
         predicted: &PredictedWindow,
-        offset: &Offset,
-    ) -> Option<(LocatedWindow, Offset)> {
+        offset: [f64; 3],
+    ) -> Option<WindowEnds> {
+        let map = self.with_lap(predicted.lap);
         let (begin, end) = (predicted.superstable.x, predicted.grazing.x);
         STARTS.into_iter().find_map(|share| {
             let x = begin + (end - begin) * share;
             let z = prediction.universal().value(x);
-            let parameter = prediction.parameter(x - prediction.slope * z) + offset.parameter;
-            let state = prediction.states.at(z, parameter - prediction.border);
-            let parameters = self.problem.parameters(parameter);
-            let chart = SectionChart::new(&self.problem, &parameters, &prediction.states.origin);
-            let map = ReturnMap {
-                simulator: self,
-                border: prediction.border,
-                origin: prediction.states.origin.clone(),
-                free: [chart.free[0], chart.free[1]],
-                bound: chart.bound,
-                impacts: predicted.lap as usize + 1,
-            };
-            let expected = map.free.map(|i| state[i]);
-            let guess = [
-                expected[0] + offset.state[0],
-                expected[1] + offset.state[1],
-                parameter,
-            ];
-            let middle = map.solve(guess, None)?;
-            let window = map.window(middle);
-            let state = [0, 1].map(|i| middle.at[i] - expected[i]);
-            let parameter = offset.parameter;
-            (window != LocatedWindow::default()).then_some((window, Offset { state, parameter }))
+            let parameter = prediction.parameter(x - prediction.slope * z);
+            let start = map.expected(prediction, z, parameter);
+            map.window_from([0, 1, 2].map(|i| start[i] + offset[i]), None)
         })
+    }
+
+    /// Locates the window of a lap, starting at what the next lap's ends are off by.
+    fn locate_beside(
+        self,
+        prediction: &Prediction,
+        lap: u32,
+        next: &WindowEnds,
+    ) -> Option<WindowEnds> {
+        // What the prediction leaves out is quadratic in x, which goes like eta^n; rates go like the square of the time to
+        // release, which goes like lambda^n.
+        let constants = prediction.universal().constants();
+        let growth = 1.0 / (constants.eta * constants.eta);
+        let faster = 1.0 / (constants.lambda * constants.lambda);
+        let [predicted, known] = [lap, lap + 1].map(|lap| prediction.window(lap));
+        let ends = [
+            (
+                next.period_doubling,
+                known.period_doubling,
+                predicted.period_doubling,
+            ),
+            (next.fold, known.fold, predicted.fold),
+        ];
+        let ends = ends.into_iter().filter_map(|(found, known, predicted)| {
+            let (found, known, predicted) = (found?, known?, predicted?);
+            let known = self.expected(prediction, known.z, known.parameter);
+            let start = self.expected(prediction, predicted.z, predicted.parameter);
+            let offset = [0, 1, 2].map(|i| (found.at[i] - known[i]) * growth);
+            Some((start, offset, found.rate * faster))
+        });
+        let map = self.with_lap(lap);
+        ends.clone()
+            .find_map(|(start, offset, rate)| {
+                map.window_from([0, 1, 2].map(|i| start[i] + offset[i]), Some(rate))
+            })
+            .or_else(|| {
+                let (_, offset, _) = ends.clone().next()?;
+                self.locate(prediction, &predicted, offset)
+            })
+    }
+
+    /// With n + 1 impacts in a loop.
+    fn with_lap(self, lap: u32) -> Self {
+        Self {
+            impacts: lap as usize + 1,
+            ..self
+        }
+    }
+
+    fn window_from(&self, guess: [f64; 3], rate: Option<f64>) -> Option<WindowEnds> {
+        let ends = self.window(self.solve(guess, rate)?);
+        ends.window().map(|_| ends)
     }
 }
 
-/// The last of these laps whose window doubles tell from the border, in the parameter and in the states: windows come
-/// nearer to it from lap to lap.
-fn last_resolved(prediction: &Prediction, first: u32, last: u32) -> Option<u32> {
+/// No window beyond this one is looked at.
+const LAST_LAP: u32 = 1 << 20;
+
+/// The last lap whose window doubles tell from the border, in the parameter and in these states: windows come nearer to it
+/// from lap to lap.
+fn last_resolved(prediction: &Prediction, free: [usize; 2]) -> Option<u32> {
     let least = RESOLVED * f64::EPSILON;
     let border = prediction.border;
     let origin = &prediction.states.origin;
@@ -180,13 +197,10 @@ fn last_resolved(prediction: &Prediction, first: u32, last: u32) -> Option<u32> 
         let graze = prediction.window(lap).grazing;
         let distance = graze.parameter - border;
         let state = prediction.states.at(graze.z, distance);
-        distance.abs() > least * border.abs()
-            && (state.iter().zip(origin)).any(|(x, start)| (x - start).abs() > least * start.abs())
+        let moved = |i: usize| (state[i] - origin[i]).abs() > least * origin[i].abs();
+        distance.abs() > least * border.abs() && free.into_iter().any(moved)
     };
-    if is_resolved(last) {
-        return Some(last);
-    }
-    let (mut resolved, mut lost) = (is_resolved(first).then_some(first)?, last);
+    let (mut resolved, mut lost) = (is_resolved(0).then_some(0)?, LAST_LAP);
     while lost - resolved > 1 {
         let middle = resolved + (lost - resolved) / 2;
         if is_resolved(middle) {

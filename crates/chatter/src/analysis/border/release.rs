@@ -8,6 +8,9 @@ use crate::numerics::linear::solve;
 use crate::numerics::{DoubleDouble, Real, Scalar};
 use serde::{Deserialize, Serialize};
 
+/// A state this small against the largest is zero: far below rounding of any number type.
+const NOTHING: f64 = 1e-50;
+
 /// Newton's method gives up after so many steps.
 const NEWTON_STEPS: usize = 40;
 
@@ -206,6 +209,13 @@ impl ReleaseEquations {
         if self.forcing.reduce(&self.graph, parameters, &mut state) {
             // A shift by many periods has lost digits.
             state = self.converge(parameters, &state, Third::Release)?;
+        }
+        // What Newton's method leaves of a zero.
+        let largest = state.iter().fold(R::ONE, |most, x| most.max(x.abs()));
+        for x in &mut state {
+            if x.abs() < largest * R::splat(NOTHING) {
+                *x = R::ZERO;
+            }
         }
         let rows: Vec<Vec<R>> = (self.jacobian.iter())
             .map(|row| self.values(&row[..states], &state, parameters))

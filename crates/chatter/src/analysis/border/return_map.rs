@@ -48,14 +48,20 @@ const STEP_HALVINGS: usize = 12;
 const NEWTON_DONE: f64 = 1e-11;
 const ROUNDOFFS: f64 = 16.0;
 const STALLED: f64 = 1e3;
+/// However near to the border orbit, no more of a correction is let pass.
+const VAGUE: f64 = 1e-6;
 
 /// The return map of the system near its border orbit.
+#[derive(Clone, Copy)]
 pub(super) struct ReturnMap<'a> {
     pub simulator: &'a Simulator,
     pub border: f64,
-    pub origin: Vec<f64>,
+    /// The state after the first impact of the border orbit.
+    pub origin: &'a [f64],
+    /// The two coordinates, and the state that follows from them.
     pub free: [usize; 2],
     pub bound: usize,
+    /// In a loop.
     pub impacts: usize,
 }
 
@@ -78,7 +84,7 @@ impl ReturnMap<'_> {
     fn follow(&self, at: [f64; 3]) -> Option<Loop> {
         let problem = &self.simulator.problem;
         let parameters = problem.parameters(at[2]);
-        let mut state = self.origin.clone();
+        let mut state = self.origin.to_vec();
         state[self.free[0]] = at[0];
         state[self.free[1]] = at[1];
         if !problem
@@ -95,10 +101,13 @@ impl ReturnMap<'_> {
             .follow(&parameters, &start, Until::Count(count))
             .ok()?;
         let impacts = &sequence.impacts;
+        let (long, count_long) = self.simulator.long_flight;
+        let started = problem.plain.time.map_or(0.0, |index| state[index]);
+        let is_long = |flight: f64| flight >= long;
         if impacts.len() != count
             || count < 2
-            || !impacts[count - 1].arrives
-            || sequence.arrivals() != self.simulator.long_flights
+            || !sequence.flights(started).last().is_some_and(is_long)
+            || sequence.flights(started).filter(|&f| is_long(f)).count() != count_long
         {
             return None;
         }
@@ -132,12 +141,12 @@ impl ReturnMap<'_> {
         let mut found = self.follow(at)?;
         let mut before = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
-            let last = match rate {
+            let (last, off) = match rate {
                 Some(rate) => (found.rate_slopes.to_vec(), rate - found.rate),
                 None => (vec![0.0, 0.0, 1.0], guess[2] - at[2]),
             };
-            let right = [at[0] - found.image[0], at[1] - found.image[1], last.1];
-            let step = solve(&found.fixed_point_rows(last.0), &right)?;
+            let right = [at[0] - found.image[0], at[1] - found.image[1], off];
+            let step = solve(&found.fixed_point_rows(last), &right)?;
             let origin = [
                 self.origin[self.free[0]],
                 self.origin[self.free[1]],
@@ -148,7 +157,9 @@ impl ReturnMap<'_> {
                 parts[0].max(parts[1]).max(parts[2])
             };
             let size = largest([step[0], step[1], step[2]]);
-            let done = NEWTON_DONE.max(ROUNDOFFS * f64::EPSILON * largest(at));
+            let done = NEWTON_DONE
+                .max(ROUNDOFFS * f64::EPSILON * largest(at))
+                .min(VAGUE);
             let mut part = 1.0;
             let mut moved = None;
             for _ in 0..STEP_HALVINGS {

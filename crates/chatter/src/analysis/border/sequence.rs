@@ -79,9 +79,10 @@ pub(crate) enum Until {
     Verdict { excursions: usize, after: usize },
     /// After `most` impacts, or at the end of the first chatter sequence after so many of them if that is earlier.
     Impacts { most: usize, after: usize },
-    /// After so many impacts that follow another, whatever lies between them; complete chatter alone ends it earlier.
+    /// After so many impacts, whatever lies between them; complete chatter alone ends it earlier.
     Count(usize),
-    /// After so many long flights, at the impact that ends the last of them; complete chatter alone ends it earlier.
+    /// After so many long flights, at the impact that ends the last of them; earlier at complete chatter, or where no long
+    /// flight follows.
     Arrivals(usize),
 }
 
@@ -125,13 +126,7 @@ impl Follower {
             begins: 0,
         };
         // Until when the present flight is local.
-        let mut limit: Option<R> = match until {
-            Until::Count(_) => {
-                let local = (self.local).at(&mut expansion, &constants, start, &trajectory.low);
-                local_flight(&local).map(|length| time + length)
-            }
-            _ => None,
-        };
+        let mut limit: Option<R> = None;
         let mut quiet = 0;
         let mut excursions = 0;
         let most_excursions = match until {
@@ -142,12 +137,16 @@ impl Follower {
             Until::Verdict { after, .. } | Until::Impacts { after, .. } => after,
             Until::Count(_) | Until::Arrivals(_) => usize::MAX,
         };
-        let most_impacts = if after == usize::MAX {
-            after
-        } else {
-            MOST_IMPACTS
+        let most_impacts = match until {
+            Until::Count(_) => usize::MAX,
+            _ => MOST_IMPACTS,
         };
-        while quiet < STEPS_WITHOUT_IMPACT && sequence.impacts.len() < most_impacts {
+        let each = matches!(until, Until::Arrivals(_));
+        while quiet < STEPS_WITHOUT_IMPACT {
+            let before = if each { sequence.begins } else { 0 };
+            if sequence.impacts.len() - before >= most_impacts {
+                break;
+            }
             quiet += 1;
             match trajectory.advance(system, &mut work, R::splat(NO_HORIZON))? {
                 Some(Occurrence::Impact { rate_before, .. }) => {
@@ -204,10 +203,17 @@ impl Follower {
     }
 }
 
-impl<R> Sequence<R> {
+impl<R: Real> Sequence<R> {
     /// Whether the latest impacts follow each other closely, the last of them later than impact number `after`.
     fn is_chatter(&self, after: usize) -> bool {
         self.impacts.len() > after.max(self.begins + SEQUENCE)
+    }
+
+    /// How long the flights are, the first from a time.
+    pub(crate) fn flights(&self, start: R) -> impl Iterator<Item = R> {
+        let times = self.impacts.iter().map(|impact| impact.time);
+        let starts = core::iter::once(start).chain(times.clone());
+        times.zip(starts).map(|(end, start)| end - start)
     }
 
     /// How many long flights there are.

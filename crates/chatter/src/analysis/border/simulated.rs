@@ -18,6 +18,8 @@ pub struct Simulator {
     pub(super) release: Vec<DoubleDouble>,
     /// By how many periods the phases of the border orbit advance.
     pub(super) turns: Vec<(usize, i64)>,
+    /// Flights at least this long come before the chatter of the border orbit, or early in it, and how many there are.
+    pub(super) long_flight: (f64, usize),
 }
 
 /// One passage: a chatter sequence between two long flights.
@@ -38,6 +40,9 @@ pub struct Simulated {
     pub settled: Settled,
 }
 
+/// Impacts of the chatter sequence whose flights are looked at: they get shorter.
+const FOLLOWED: usize = 8;
+
 /// Two passages are the same if their states agree to this, relative to their size.
 const SAME: f64 = 1e-9;
 
@@ -51,8 +56,16 @@ impl Simulator {
         spec: &BorderSpec,
         border: &Border<R>,
     ) -> Result<Self, BorderError> {
+        let problem = Problem::new(model, spec)?;
+        let value = border.value.value.to_f64();
+        let release: Vec<f64> = (border.release.state.iter().map(|x| x.to_f64())).collect();
+        let until = Until::Count(border.sequence_begins + FOLLOWED);
+        let begin = (problem.plain).follow(&problem.parameters(value), &release, until)?;
+        let start = problem.plain.time.map_or(0.0, |index| release[index]);
+        let flights: Vec<f64> = begin.flights(start).collect();
         Ok(Self {
-            problem: Problem::new(model, spec)?,
+            problem,
+            long_flight: widest_gap(&flights),
             long_flights: border.long_flights,
             release: exactly(&border.release.state),
             turns: (border.turns.iter())
@@ -76,11 +89,15 @@ impl Simulator {
         let arrivals = (transient + keep) * self.long_flights + 1;
         let follower = &self.problem.plain;
         let sequence = follower.follow(&parameters, &release.state, Until::Arrivals(arrivals))?;
-        if sequence.verdict == Verdict::Complete {
-            return Ok(Simulated {
-                passages: Vec::new(),
-                settled: Settled::Complete,
-            });
+        let without_passages = match sequence.verdict {
+            Verdict::Stopped => None,
+            Verdict::Complete => Some(Settled::Complete),
+            // Far from the border impacts may go on for ever without a long flight.
+            _ => Some(Settled::Unsettled),
+        };
+        if let Some(settled) = without_passages {
+            let passages = Vec::new();
+            return Ok(Simulated { passages, settled });
         }
         let mut passages: Vec<Passage> = Vec::new();
         let mut arrivals = 0;
@@ -113,5 +130,21 @@ impl Simulator {
         };
         let settled = settle(&passages, same, |passage| Some(passage.impacts));
         Ok(Simulated { passages, settled })
+    }
+}
+
+/// A length in the middle of the widest gap between flights no longer than the first, as a ratio, and how many flights are
+/// longer than that.
+fn widest_gap(flights: &[f64]) -> (f64, usize) {
+    let first = flights.first().copied().unwrap_or(0.0);
+    let mut sorted = flights.to_vec();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let gaps = sorted.windows(2).enumerate();
+    let widest = gaps
+        .filter(|(_, pair)| pair[0] <= first)
+        .max_by(|(_, a), (_, b)| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
+    match widest {
+        Some((place, pair)) => ((pair[0] * pair[1]).sqrt(), place + 1),
+        None => (first, 1),
     }
 }
