@@ -450,7 +450,8 @@ mod tests {
         fn logarithmic_ticks_cover_the_range(log_low in -12.0..12.0f64, decades in 0.05..30.0f64, most in 2usize..9) {
             let (low, high) = (10f64.powf(log_low), 10f64.powf(log_low + decades));
             let t = logarithmic(low, high, most);
-            prop_assert!(!t.major.is_empty() && t.major.len() <= most + 2);
+            // Within a decade they may be linear ones, of which there are up to five however few were asked for.
+            prop_assert!(!t.major.is_empty() && t.major.len() <= (most + 2).max(5));
             prop_assert!(t.major.iter().all(|t| t.at >= low && t.at <= high));
             prop_assert!(t.major.windows(2).all(|w| w[0].at < w[1].at));
         }
