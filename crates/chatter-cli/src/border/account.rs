@@ -21,30 +21,23 @@ pub fn account<R: Real + Argument<Real = R>>(
     let title = subject.model.title.as_deref().unwrap_or(subject.source);
     let mut text = format!("{}  {}\n", style.title(title), style.faint(subject.source));
     text += &format!("  {}\n", setting(subject));
-    match answer {
-        Answer::One { border, compared } => text += &one(subject, border, compared, style),
-        Answer::All {
-            found,
-            compared,
-            low,
-            high,
-        } => {
-            for (border, compared) in found.borders.iter().zip(compared) {
-                text += &one(subject, border, compared, style);
-            }
-            text += &format!("\n{}", summary(subject, found, (*low, *high)));
-        }
+    for (border, compared) in answer.borders() {
+        text += &one(subject, border, compared, style);
+    }
+    if let Answer::All {
+        found, low, high, ..
+    } = answer
+    {
+        text += &format!("\n{}", summary(subject, found, (*low, *high)));
     }
     text
 }
 
 /// The parameters that are not varied.
 fn setting(subject: &Subject) -> String {
-    let values = subject.model.parameter_values::<f64>(&[]);
-    let names = subject.model.parameter_names();
-    let fixed = names.iter().zip(values);
-    let fixed = fixed.filter(|(name, _)| **name != subject.parameter);
+    let (names, values) = subject.fixed::<f64>();
     let mut parts = vec![format!("{} varied", subject.parameter)];
+    let fixed = names.iter().zip(values);
     parts.extend(fixed.map(|(name, value)| format!("{name} = {}", concise(value, 8))));
     parts.join(", ")
 }

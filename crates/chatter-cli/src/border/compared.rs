@@ -23,20 +23,16 @@ pub fn compared<R: Real>(
     Ok(simulator.compare(&prediction, first, last))
 }
 
-/// Name, value, and by how much of its distance from the border the prediction misses it.
-type Kind = (&'static str, Option<Estimate<f64>>, Option<f64>);
+/// What is compared.
+const NAMES: [&str; 3] = ["fold", "period_doubling", "grazing"];
 
-fn kinds(window: &WindowComparison, border: f64) -> [Kind; 3] {
+/// Of each its value, and by how much of its distance from the border the prediction misses it.
+fn ends(
+    window: &WindowComparison,
+    border: f64,
+) -> impl Iterator<Item = (Option<Estimate<f64>>, Option<f64>)> {
     let (found, off) = (window.located, window.discrepancy(border));
-    [
-        ("fold", found.fold, off.fold),
-        (
-            "period_doubling",
-            found.period_doubling,
-            off.period_doubling,
-        ),
-        ("grazing", found.grazing, off.grazing),
-    ]
+    found.ends().into_iter().zip(off.ends())
 }
 
 /// Decimals of a percentage at most.
@@ -49,13 +45,12 @@ pub fn rows(
     digits: Digits,
 ) -> (Vec<Vec<String>>, &'static [Side]) {
     const NUMBERS: &[Side] = &[Side::Right; 7];
-    let mut rows = vec![vec!["n".to_owned()]];
+    let named = NAMES.map(|name| [name.replace('_', " "), "missed by".to_owned()]);
+    let heading = core::iter::once("n".to_owned()).chain(named.into_iter().flatten());
+    let mut rows = vec![heading.collect()];
     for window in windows {
         let mut row = vec![window.predicted.lap.to_string()];
-        for (name, found, off) in kinds(window, border) {
-            if rows[0].len() < NUMBERS.len() {
-                rows[0].extend([name.replace('_', " "), "missed by".to_owned()]);
-            }
+        for (found, off) in ends(window, border) {
             let missing = || "-".to_owned();
             row.push(found.map_or_else(missing, |found| {
                 full(found.value, super::known(&found, digits))
@@ -81,8 +76,8 @@ pub fn list(windows: &[WindowComparison], border: f64, digits: Digits) -> Json {
     let number = |value: Option<f64>| value.map_or(Json::Null, Json::Number);
     let object = |window: &WindowComparison| {
         let start = Object::new(digits).with("n", i64::from(window.predicted.lap));
-        (kinds(window, border).into_iter())
-            .fold(start, |object, (name, found, off)| {
+        (NAMES.into_iter().zip(ends(window, border)))
+            .fold(start, |object, (name, (found, off))| {
                 object
                     .with(name, number(found.map(|found| found.value)))
                     .with(

@@ -25,11 +25,7 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
                 .as_deref()
                 .map_or(Json::Null, Json::from),
         );
-    let values = subject.model.parameter_values::<R>(&[]);
-    let (names, values): (Vec<&str>, Vec<R>) = (subject.model.parameter_names().into_iter())
-        .zip(values)
-        .filter(|(name, _)| *name != subject.parameter)
-        .unzip();
+    let (names, values) = subject.fixed::<R>();
     let about = |object: Object| {
         object
             .with("model", model)
@@ -39,12 +35,9 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
     let object = match answer {
         Answer::One { border, compared } => about(one(subject, border, compared)),
         Answer::All {
-            found,
-            compared,
-            low,
-            high,
+            found, low, high, ..
         } => {
-            let borders = found.borders.iter().zip(compared);
+            let borders = answer.borders().into_iter();
             let borders: Vec<Json> = borders
                 .map(|(border, compared)| one(subject, border, compared).into())
                 .collect();

@@ -62,7 +62,30 @@ pub enum Answer<R> {
     },
 }
 
+impl<R> Answer<R> {
+    /// Each border with its windows.
+    fn borders(&self) -> Vec<(&Border<R>, &[WindowComparison])> {
+        match self {
+            Self::One { border, compared } => vec![(border, compared)],
+            Self::All {
+                found, compared, ..
+            } => (found.borders.iter())
+                .zip(compared.iter().map(Vec::as_slice))
+                .collect(),
+        }
+    }
+}
+
 impl Subject<'_> {
+    /// The parameters that are not varied, each with its value.
+    fn fixed<R: Real>(&self) -> (Vec<&str>, Vec<R>) {
+        let values = self.model.parameter_values::<R>(&[]);
+        (self.model.parameter_names().into_iter())
+            .zip(values)
+            .filter(|(name, _)| *name != self.parameter)
+            .unzip()
+    }
+
     /// The windows asked for, or five of which the first is nearer to the border than that with one impact by the same
     /// factor for every restitution: for the paper's valve 20 to 24.
     pub fn windows<R: Real>(&self, border: &Border<R>) -> Counts {
@@ -76,9 +99,7 @@ impl Subject<'_> {
             }
         })
     }
-}
 
-impl Subject<'_> {
     /// The first and the last lap of these windows.
     pub fn laps<R: Real>(&self, border: &Border<R>) -> (u32, u32) {
         let windows = self.windows(border);

@@ -5,13 +5,15 @@ use super::refused::refused;
 use crate::diagram::picture::axis;
 use crate::failure::Failure;
 use crate::parallel;
+use crate::simulation::picture::axis_of;
 use crate::terminal::{self, Progress};
 use chatter::analysis::border::{
     Border, BorderSpec, PredictedWindow, Prediction, Simulator, WindowComparison,
 };
 use chatter::expressions::tex_name;
+use chatter::model::Label;
 use chatter::numerics::Real;
-use chatter_io::figures::{Axis, Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
+use chatter_io::figures::{Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -109,12 +111,11 @@ pub fn picture<R: Real>(
         "${}$ after first impact, less that for $z = 0$",
         tex_name(&state.name)
     );
-    let unit = state.label.as_ref().and_then(|label| label.unit.clone());
-    let vertical = match unit {
-        Some(unit) => Axis::new(observed).unit(unit),
-        None => Axis::new(observed),
-    }
-    .range(range.0, range.1);
+    let label = Label {
+        text: Some(observed),
+        unit: state.label.as_ref().and_then(|label| label.unit.clone()),
+    };
+    let vertical = axis_of(&state.name, Some(&label)).range(range.0, range.1);
     let panel = |layers: &[(&Points, Color, &str)]| {
         let mut panel = Panel::new(
             axis(model, &spec.parameter).range(low, high),

@@ -91,15 +91,14 @@ const KINDS: [(&str, Color); 3] = [
 impl Compared {
     /// Values of q.
     fn simulated(&self) -> Values {
-        let found = self.exact.located;
-        [found.fold, found.period_doubling, found.grazing].map(|found| Some(found?.value))
+        let ends = self.exact.located.ends();
+        ends.map(|found| Some(found?.value))
     }
 }
 
 /// By how much a prediction misses the distance from the border.
 fn off(valve: &Valve, window: &WindowComparison) -> Values {
-    let off = window.discrepancy(valve.border.value.value);
-    [off.fold, off.period_doubling, off.grazing]
+    window.discrepancy(valve.border.value.value).ends()
 }
 
 fn compare(valve: &Valve) -> Result<Vec<Compared>, Failure> {

@@ -31,7 +31,7 @@ impl Problem {
                 Vec::new()
             });
             for point in found {
-                if self.is_known(&branches, k, value, &point) {
+                if self.is_known(&branches, k, &self.parameters(value), &point) {
                     continue;
                 }
                 let mut branch = Branch {
@@ -46,7 +46,7 @@ impl Problem {
                     let Some((point, _)) = followed else {
                         break;
                     };
-                    if self.is_known(&branches, earlier, there, &point) {
+                    if self.is_known(&branches, earlier, &self.parameters(there), &point) {
                         break;
                     }
                     branch.points[earlier] = Some(point);
@@ -73,11 +73,7 @@ impl Problem {
             .collect();
         reached.sort_by(|a, b| a.2.total_cmp(&b.2));
         for (i, point, _) in reached {
-            let taken = (branches
-                .iter()
-                .filter_map(|branch| branch.points[k].as_ref()))
-            .any(|known| self.release.is_same(known, &point, &parameters));
-            if !taken {
+            if !self.is_known(branches, k, &parameters, &point) {
                 branches[i].points[k] = Some(point);
             }
         }
@@ -101,13 +97,12 @@ impl Problem {
         &self,
         branches: &[Branch],
         k: usize,
-        value: f64,
+        parameters: &[f64],
         point: &ReleasePoint<f64>,
     ) -> bool {
-        let parameters = self.parameters(value);
         (branches
             .iter()
             .filter_map(|branch| branch.points[k].as_ref()))
-        .any(|known| self.release.is_same(known, point, &parameters))
+        .any(|known| self.release.is_same(known, point, parameters))
     }
 }

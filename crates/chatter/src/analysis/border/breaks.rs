@@ -13,11 +13,9 @@ const GRAZE: f64 = 1e-4;
 
 /// The rate of the first impact of a border orbit if it is a graze: then the normal form has no finite slope.
 pub(crate) fn grazing_start<R: Real>(point: &Point<R>) -> Option<f64> {
-    let rates = (point.sequence.impacts.iter()).map(|impact| impact.rate_before.to_f64());
-    let largest = rates
-        .clone()
-        .fold(0.0_f64, |most, rate| most.max(rate.abs()));
-    rates.take(1).find(|rate| rate.abs() <= GRAZE * largest)
+    let sequence = &point.sequence;
+    let rate = sequence.impacts.first()?.rate_before.to_f64();
+    (rate.abs() <= GRAZE * sequence.largest_rate()).then_some(rate)
 }
 
 /// What makes the verdict change where no root is.
@@ -26,14 +24,11 @@ pub(crate) fn break_between(left: &Sample, right: &Sample) -> Break {
         .into_iter()
         .filter_map(|sample| sample.found.as_ref())
         .filter_map(|(_, sequence)| {
-            let rates: Vec<f64> = sequence.impacts.iter().map(|i| i.rate_before).collect();
-            let largest = rates
-                .iter()
-                .fold(0.0_f64, |most, rate| most.max(rate.abs()));
+            let largest = sequence.largest_rate();
             // Within the sequence rates shrink as they should: a graze stands before it or at its beginning.
-            let until = (sequence.begins + 1).min(rates.len());
-            (rates[..until].iter().enumerate())
-                .map(|(impact, &rate)| (impact, rate, rate.abs() / largest))
+            let until = sequence.impacts.iter().take(sequence.begins + 1);
+            (until.map(|impact| impact.rate_before).enumerate())
+                .map(|(impact, rate)| (impact, rate, rate.abs() / largest))
                 .min_by(|a, b| a.2.total_cmp(&b.2))
         })
         .min_by(|a, b| a.2.total_cmp(&b.2));

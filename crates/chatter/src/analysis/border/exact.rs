@@ -140,7 +140,7 @@ pub(crate) fn exact<R: Real>(
             .map(|(column, &weight)| (column.state[i] * weight).abs().to_f64())
             .fold(0.0, f64::max)
     };
-    // So does a border that lies where X is not quite zero, or between two numbers.
+    // X misses zero at the border that was found, and the parameter is rounded: derivatives are those at that place.
     let place = point.value.abs().to_f64() * point.slope.value.abs().to_f64();
     let relative_error = R::ROUNDOFF + point.x.error.max(R::ROUNDOFF * place);
     let known = |value: R, size: f64| Estimate {

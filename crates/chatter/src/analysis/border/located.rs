@@ -29,6 +29,13 @@ pub struct Discrepancy {
     pub grazing: Option<f64>,
 }
 
+impl Discrepancy {
+    /// Of fold, period doubling and graze.
+    pub fn ends(&self) -> [Option<f64>; 3] {
+        [self.fold, self.period_doubling, self.grazing]
+    }
+}
+
 /// Where on the predicted orbits Newton's method starts, from the superstable one, 0, to the graze, 1: where n is small a
 /// predicted orbit near the end of its lap may have one impact more.
 const STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
@@ -52,6 +59,13 @@ impl WindowComparison {
     }
 }
 
+/// A window of the system with the prediction that led to it.
+#[derive(Clone, Copy)]
+struct Found {
+    predicted: PredictedWindow,
+    ends: WindowEnds,
+}
+
 impl Simulator {
     /// Compares the windows of laps `first` to `last`, as far as they are found: those that doubles do not tell from the
     /// border are left out. The prediction improves with n, so what is not found from it alone is looked for from the next
@@ -62,30 +76,25 @@ impl Simulator {
             return Vec::new();
         };
         let last = last.min(nearest);
-        let alone = |lap: u32| map.locate(prediction, &prediction.window(lap), [0.0; 3]);
-        // Beyond the last one asked for, if need be, is where to begin.
-        let begin = (last..=nearest).find_map(|lap| Some((lap, alone(lap)?)));
-        let Some((begin, mut found)) = begin.map(|(lap, found)| (lap, Some(found))) else {
-            return Vec::new();
+        let alone = |predicted: PredictedWindow| {
+            let ends = map.locate(prediction, &predicted, [0.0; 3])?;
+            Some(Found { predicted, ends })
         };
-        let mut windows = Vec::new();
-        for lap in (first..=begin).rev() {
-            if lap < begin {
-                found = found
-                    .and_then(|next| map.locate_beside(prediction, lap, &next))
-                    .or_else(|| alone(lap));
-            }
-            let Some(located) = found.and_then(|ends| ends.window()) else {
-                // Farther from the border nothing but other orbits would be found.
-                break;
-            };
-            if lap <= last {
-                windows.push(WindowComparison {
-                    predicted: prediction.window(lap),
-                    located,
-                });
-            }
-        }
+        // Beyond the last one asked for, if need be, is where to begin.
+        let begin = (last..=nearest).find_map(|lap| alone(prediction.window(lap)));
+        // Farther from the border than a window that is not found nothing but other orbits would be.
+        let found = core::iter::successors(begin, |next| {
+            let lap = next.predicted.lap;
+            let predicted = prediction.window((lap > first).then(|| lap - 1)?);
+            (map.locate_beside(prediction, predicted, next)).or_else(|| alone(predicted))
+        });
+        let mut windows: Vec<WindowComparison> = found
+            .filter(|found| (first..=last).contains(&found.predicted.lap))
+            .map(|Found { predicted, ends }| WindowComparison {
+                predicted,
+                located: ends.window(),
+            })
+            .collect();
         windows.reverse();
         windows
     }
@@ -135,39 +144,41 @@ impl ReturnMap<'_> {
     fn locate_beside(
         self,
         prediction: &Prediction,
-        lap: u32,
-        next: &WindowEnds,
-    ) -> Option<WindowEnds> {
+        predicted: PredictedWindow,
+        next: &Found,
+    ) -> Option<Found> {
         // What the prediction leaves out is quadratic in x, which goes like eta^n; rates go like the square of the time to
         // release, which goes like lambda^n.
         let constants = prediction.universal().constants();
         let growth = 1.0 / (constants.eta * constants.eta);
         let faster = 1.0 / (constants.lambda * constants.lambda);
-        let [predicted, known] = [lap, lap + 1].map(|lap| prediction.window(lap));
-        let ends = [
+        let known = &next.predicted;
+        let starts = [
             (
-                next.period_doubling,
+                next.ends.period_doubling,
                 known.period_doubling,
                 predicted.period_doubling,
             ),
-            (next.fold, known.fold, predicted.fold),
+            (next.ends.fold, known.fold, predicted.fold),
         ];
-        let ends = ends.into_iter().filter_map(|(found, known, predicted)| {
+        let starts = starts.into_iter().filter_map(|(found, known, predicted)| {
             let (found, known, predicted) = (found?, known?, predicted?);
             let known = self.expected(prediction, known.z, known.parameter);
             let start = self.expected(prediction, predicted.z, predicted.parameter);
             let offset = [0, 1, 2].map(|i| (found.at[i] - known[i]) * growth);
             Some((start, offset, found.rate * faster))
         });
-        let map = self.with_lap(lap);
-        ends.clone()
+        let map = self.with_lap(predicted.lap);
+        let ends = starts
+            .clone()
             .find_map(|(start, offset, rate)| {
                 map.window_from([0, 1, 2].map(|i| start[i] + offset[i]), Some(rate))
             })
             .or_else(|| {
-                let (_, offset, _) = ends.clone().next()?;
+                let (_, offset, _) = starts.clone().next()?;
                 self.locate(prediction, &predicted, offset)
-            })
+            })?;
+        Some(Found { predicted, ends })
     }
 
     /// With n + 1 impacts in a loop.
@@ -180,7 +191,7 @@ impl ReturnMap<'_> {
 
     fn window_from(&self, guess: [f64; 3], rate: Option<f64>) -> Option<WindowEnds> {
         let ends = self.window(self.solve(guess, rate)?);
-        ends.window().map(|_| ends)
+        (ends.window() != LocatedWindow::default()).then_some(ends)
     }
 }
 

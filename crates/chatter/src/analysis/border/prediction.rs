@@ -105,7 +105,7 @@ impl AffineStates {
     }
 }
 
-fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
+pub(super) fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
     values.iter().map(|x| x.to_f64()).collect()
 }
 

@@ -2,6 +2,7 @@
 
 use super::forcing::Turn;
 use super::release::{ReleaseEquations, ReleasePoint, Third};
+use super::sequence::NO_HORIZON;
 use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
 
@@ -19,9 +20,6 @@ const HALVINGS: usize = 10;
 
 /// Release points this near to each other, relative to their size, are one.
 const SAME: f64 = 1e-7;
-
-/// A horizon that no step reaches.
-const NO_HORIZON: f64 = 1e12;
 
 impl ReleaseEquations {
     /// The release points in a period of the forcing, from the initial phase on; without forcing those that are found from

@@ -102,12 +102,11 @@ impl ReturnMap<'_> {
             .ok()?;
         let impacts = &sequence.impacts;
         let (long, count_long) = self.simulator.long_flight;
-        let started = problem.plain.time.map_or(0.0, |index| state[index]);
-        let is_long = |flight: f64| flight >= long;
+        let is_long: Vec<bool> = sequence.flights().map(|flight| flight >= long).collect();
         if impacts.len() != count
             || count < 2
-            || !sequence.flights(started).last().is_some_and(is_long)
-            || sequence.flights(started).filter(|&f| is_long(f)).count() != count_long
+            || is_long.last() != Some(&true)
+            || is_long.iter().filter(|&&is_long| is_long).count() != count_long
         {
             return None;
         }

@@ -24,7 +24,7 @@ const STEPS_WITHOUT_IMPACT: usize = 2_000;
 const MOST_IMPACTS: usize = 5_000;
 
 /// A horizon that no flight reaches.
-const NO_HORIZON: f64 = 1e12;
+pub(crate) const NO_HORIZON: f64 = 1e12;
 
 /// How an impact sequence ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,6 +56,8 @@ pub(crate) struct Impact<R> {
 /// The impacts from a state on.
 #[derive(Clone, Debug)]
 pub(crate) struct Sequence<R> {
+    /// Time at the state that they follow.
+    pub start: R,
     pub impacts: Vec<Impact<R>>,
     pub verdict: Verdict,
     /// Number of the first impact after which flights are local up to the end.
@@ -121,6 +123,7 @@ impl Follower {
         let time = self.time.map_or(R::ZERO, |index| start[index]);
         let mut trajectory = Trajectory::start(system, &mut work, parameters, time, start)?;
         let mut sequence = Sequence {
+            start: time,
             impacts: Vec::new(),
             verdict: Verdict::NoChatter,
             begins: 0,
@@ -209,11 +212,20 @@ impl<R: Real> Sequence<R> {
         self.impacts.len() > after.max(self.begins + SEQUENCE)
     }
 
-    /// How long the flights are, the first from a time.
-    pub(crate) fn flights(&self, start: R) -> impl Iterator<Item = R> {
+    /// How long the flights are.
+    pub(crate) fn flights(&self) -> impl Iterator<Item = R> {
         let times = self.impacts.iter().map(|impact| impact.time);
-        let starts = core::iter::once(start).chain(times.clone());
+        let starts = core::iter::once(self.start).chain(times.clone());
         times.zip(starts).map(|(end, start)| end - start)
+    }
+
+    /// The largest rate before an impact.
+    pub(crate) fn largest_rate(&self) -> f64 {
+        let rates = self
+            .impacts
+            .iter()
+            .map(|impact| impact.rate_before.to_f64());
+        rates.fold(0.0_f64, |most, rate| most.max(rate.abs()))
     }
 
     /// How many long flights there are.

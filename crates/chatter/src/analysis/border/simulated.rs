@@ -2,7 +2,7 @@
 
 use super::error::BorderError;
 use super::orbit::Border;
-use super::prediction::{Settled, settle};
+use super::prediction::{Settled, settle, to_f64};
 use super::problem::{Problem, exactly};
 use super::sequence::{Until, Verdict};
 use super::spec::BorderSpec;
@@ -58,14 +58,12 @@ impl Simulator {
     ) -> Result<Self, BorderError> {
         let problem = Problem::new(model, spec)?;
         let value = border.value.value.to_f64();
-        let release: Vec<f64> = (border.release.state.iter().map(|x| x.to_f64())).collect();
+        let release = to_f64(&border.release.state);
         let until = Until::Count(border.sequence_begins + FOLLOWED);
         let begin = (problem.plain).follow(&problem.parameters(value), &release, until)?;
-        let start = problem.plain.time.map_or(0.0, |index| release[index]);
-        let flights: Vec<f64> = begin.flights(start).collect();
         Ok(Self {
             problem,
-            long_flight: widest_gap(&flights),
+            long_flight: widest_gap(begin.flights().collect()),
             long_flights: border.long_flights,
             release: exactly(&border.release.state),
             turns: (border.turns.iter())
@@ -89,13 +87,12 @@ impl Simulator {
         let arrivals = (transient + keep) * self.long_flights + 1;
         let follower = &self.problem.plain;
         let sequence = follower.follow(&parameters, &release.state, Until::Arrivals(arrivals))?;
-        let without_passages = match sequence.verdict {
-            Verdict::Stopped => None,
-            Verdict::Complete => Some(Settled::Complete),
+        if sequence.verdict != Verdict::Stopped {
             // Far from the border impacts may go on for ever without a long flight.
-            _ => Some(Settled::Unsettled),
-        };
-        if let Some(settled) = without_passages {
+            let settled = match sequence.verdict {
+                Verdict::Complete => Settled::Complete,
+                _ => Settled::Unsettled,
+            };
             let passages = Vec::new();
             return Ok(Simulated { passages, settled });
         }
@@ -135,11 +132,10 @@ impl Simulator {
 
 /// A length in the middle of the widest gap between flights no longer than the first, as a ratio, and how many flights are
 /// longer than that.
-fn widest_gap(flights: &[f64]) -> (f64, usize) {
+fn widest_gap(mut flights: Vec<f64>) -> (f64, usize) {
     let first = flights.first().copied().unwrap_or(0.0);
-    let mut sorted = flights.to_vec();
-    sorted.sort_by(|a, b| b.total_cmp(a));
-    let gaps = sorted.windows(2).enumerate();
+    flights.sort_by(|a, b| b.total_cmp(a));
+    let gaps = flights.windows(2).enumerate();
     let widest = gaps
         .filter(|(_, pair)| pair[0] <= first)
         .max_by(|(_, a), (_, b)| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));

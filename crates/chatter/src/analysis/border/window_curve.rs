@@ -18,6 +18,13 @@ pub struct LocatedWindow {
     pub grazing: Option<Estimate<f64>>,
 }
 
+impl LocatedWindow {
+    /// Fold, period doubling and graze.
+    pub fn ends(&self) -> [Option<Estimate<f64>>; 3] {
+        [self.fold, self.period_doubling, self.grazing]
+    }
+}
+
 /// The fixed points at which a window begins and ends.
 #[derive(Clone, Copy)]
 pub(super) struct WindowEnds {
@@ -27,40 +34,56 @@ pub(super) struct WindowEnds {
 }
 
 impl WindowEnds {
-    /// Their parameter values; `None` if there are none.
-    pub fn window(&self) -> Option<LocatedWindow> {
+    /// Their parameter values.
+    pub fn window(&self) -> LocatedWindow {
         let parameter = |point: FixedPoint| Estimate {
             value: point.at[2],
             error: point.error,
         };
-        let window = LocatedWindow {
+        LocatedWindow {
             fold: self.fold.map(parameter),
             period_doubling: self.period_doubling.map(parameter),
             grazing: self.grazing,
-        };
-        (window != LocatedWindow::default()).then_some(window)
+        }
     }
 }
 
 /// Where a step of the rate fails it is halved so often.
 const RATE_HALVINGS: u32 = 4;
-/// Rates towards the graze: each half of the one before.
-const GRAZE_POINTS: usize = 9;
-/// Beginnings of that sequence with fewer of them are not extrapolated.
+/// Beginnings of the sequence towards the graze with fewer of them are not extrapolated.
 const GRAZE_LEAST: usize = 4;
 /// Ratios of the terms of a power series from one rate to the next.
 const HALVES: [f64; 5] = [0.5, 0.25, 0.125, 0.0625, 0.03125];
-/// Elsewhere the rate grows or shrinks by this factor a step, so many times at most; where there is no orbit with N impacts
-/// so far away, by its root, so many times in turn.
-const GROWTH: f64 = 1.15;
-const STEPS: usize = 40;
-const ROOTS: usize = 8;
 const SECANT_STEPS: usize = 60;
 /// A multiplier is met to this, or to what rounding leaves of it, which may not be more than a hundredth.
 const MULTIPLIER_DONE: f64 = 1e-9;
 const MULTIPLIER_VAGUE: f64 = 1e-2;
 /// So many secant steps without gain are enough.
 const PATIENCE: usize = 3;
+
+/// How the rate changes from one fixed point to the next: by this factor, so many times at most; where there is no orbit
+/// with N impacts so far away, by its root, so many times in turn.
+struct Walk {
+    factor: f64,
+    steps: usize,
+    roots: usize,
+}
+
+/// Each half of the one before, as the extrapolation needs them.
+const TOWARDS_GRAZE: Walk = Walk {
+    factor: 0.5,
+    steps: 9,
+    roots: 0,
+};
+const AWAY: Walk = Walk {
+    factor: 1.15,
+    steps: 40,
+    roots: 8,
+};
+const NEARER: Walk = Walk {
+    factor: 1.0 / AWAY.factor,
+    ..AWAY
+};
 
 /// The end of a bracket that moved.
 #[derive(Clone, Copy, PartialEq)]
@@ -88,52 +111,41 @@ impl ReturnMap<'_> {
 
     /// The whole window, from one of its orbits.
     pub fn window(&self, middle: FixedPoint) -> WindowEnds {
-        let mut towards = vec![middle];
-        while towards.len() <= GRAZE_POINTS {
-            let last = towards[towards.len() - 1];
-            match self.at_rate(&last, last.rate * 0.5) {
-                Some(next) => towards.push(next),
-                None => break,
-            }
+        let towards = self.walk(middle, TOWARDS_GRAZE, |_| false);
+        let mut nearest = towards[towards.len() - 1];
+        let mut nearer = Vec::new();
+        if towards.len() <= TOWARDS_GRAZE.steps {
+            // The orbit ends before its graze: as far as it goes.
+            nearer = self.walk(nearest, NEARER, |_| false);
+            nearest = nearer[nearer.len() - 1];
         }
-        // Where the orbit ends before its graze, as far as it goes.
-        let nearer = if towards.len() <= GRAZE_POINTS {
-            self.walk(towards[towards.len() - 1], 1.0 / GROWTH, |_| false)
-        } else {
-            Vec::new()
-        };
-        let nearest = nearer.last().unwrap_or(&towards[towards.len() - 1]);
         let wanted = -nearest.multiplier.signum();
-        let away = self.walk(middle, GROWTH, |point| point.multiplier * wanted > 1.0);
-        let meet = |multiplier: f64| -> Option<FixedPoint> {
-            for branch in [&towards, &nearer, &away] {
-                let crossed = |pair: &&[FixedPoint]| {
-                    (pair[0].multiplier - multiplier) * (pair[1].multiplier - multiplier) <= 0.0
-                };
-                if let Some(pair) = branch.windows(2).find(crossed) {
-                    return self.meet(pair[0], pair[1], multiplier);
-                }
-            }
-            None
+        let away = self.walk(middle, AWAY, |point| point.multiplier * wanted > 1.0);
+        let end = |multiplier: f64| {
+            let crossed = |pair: &&[FixedPoint]| {
+                (pair[0].multiplier - multiplier) * (pair[1].multiplier - multiplier) <= 0.0
+            };
+            let mut branches = [&towards, &nearer, &away].into_iter();
+            let pair = branches.find_map(|branch| branch.windows(2).find(crossed))?;
+            self.meet(pair[0], pair[1], multiplier)
         };
         WindowEnds {
-            fold: meet(1.0),
-            period_doubling: meet(-1.0),
+            fold: end(1.0),
+            period_doubling: end(-1.0),
             grazing: graze(&towards),
         }
     }
 
-    /// Fixed points whose rates are multiplied by a factor from one to the next, the first given, until one of them is far
-    /// enough.
+    /// Fixed points one after the other, the first given, until one of them is far enough.
     fn walk(
         &self,
         first: FixedPoint,
-        factor: f64,
+        walk: Walk,
         is_far: impl Fn(&FixedPoint) -> bool,
     ) -> Vec<FixedPoint> {
         let mut points = vec![first];
-        let (mut factor, mut roots) = (factor, 0);
-        while points.len() <= STEPS && roots <= ROOTS {
+        let (mut factor, mut roots) = (walk.factor, 0);
+        while points.len() <= walk.steps && roots <= walk.roots {
             let last = points[points.len() - 1];
             if is_far(&last) {
                 break;
