@@ -81,8 +81,15 @@ impl Failure {
         let style = terminal::Style::new(colored);
         let titled = |message: &str| format!("{} {message}", style.error("error:"));
         let text = match self {
-            Self::Model(errors) => errors.render(palette),
-            Self::ModelPart(error) => error.render(palette),
+            // Made visible where they are rendered.
+            Self::Model(errors) => {
+                terminal::tell(&errors.render(palette));
+                return BAD_INPUT.into();
+            }
+            Self::ModelPart(error) => {
+                terminal::tell(&error.render(palette));
+                return BAD_INPUT.into();
+            }
             Self::Input { message, help } | Self::Unfinished { message, help } => match help {
                 Some(help) => format!("{}\n  help: {help}", titled(message)),
                 None => titled(message),
@@ -90,7 +97,7 @@ impl Failure {
             Self::Output(message) => titled(message),
             Self::Interrupted => titled("broken off"),
         };
-        eprintln!("{text}");
+        terminal::remark(&text);
         match self {
             Self::Output(_) | Self::Unfinished { .. } => UNFINISHED.into(),
             Self::Interrupted => INTERRUPTED.into(),

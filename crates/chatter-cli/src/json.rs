@@ -104,14 +104,6 @@ impl Object {
         let digits = self.digits.0;
         self.with(&format!("{name}_digits"), value(digits))
     }
-
-    /// As text with line breaks, one at the end.
-    pub fn document(self) -> String {
-        let mut text =
-            serde_json::to_string_pretty(&Json::Object(self)).expect("names and numbers are JSON");
-        text.push('\n');
-        text
-    }
 }
 
 fn list<R: Real>(values: &[R], json: impl Fn(R) -> Json) -> Json {
@@ -154,6 +146,16 @@ impl From<Object> for Json {
     }
 }
 
+impl Serialize for Object {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.members.len()))?;
+        for (name, value) in &self.members {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
 impl Serialize for Json {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
@@ -169,13 +171,7 @@ impl Serialize for Json {
                 }
                 sequence.end()
             }
-            Self::Object(object) => {
-                let mut map = serializer.serialize_map(Some(object.members.len()))?;
-                for (name, value) in &object.members {
-                    map.serialize_entry(name, value)?;
-                }
-                map.end()
-            }
+            Self::Object(object) => object.serialize(serializer),
         }
     }
 }

@@ -42,8 +42,25 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    match Arguments::parse().command.run() {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return answer(&error),
+    };
+    match arguments.command.run() {
         Ok(code) => code.into(),
         Err(failure) => failure.report(),
+    }
+}
+
+/// Help, the version, or what is wrong with the command line.
+fn answer(error: &clap::Error) -> ExitCode {
+    let text = error.render().to_string();
+    if error.use_stderr() {
+        terminal::remark(text.trim_end());
+        return failure::BAD_INPUT.into();
+    }
+    match terminal::print(&text) {
+        Ok(()) => failure::SUCCESS.into(),
+        Err(message) => failure::Failure::Output(message).report(),
     }
 }

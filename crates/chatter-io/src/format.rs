@@ -64,6 +64,18 @@ impl Format {
         }
     }
 
+    /// Whether a file that begins with these bytes may be of this format. Text of separated values has no mark.
+    pub fn begins(self, bytes: &[u8]) -> bool {
+        let marks: &[&[u8]] = match self {
+            Format::Svg => &[b"<svg", b"<?xml"],
+            Format::Png => &[b"\x89PNG\r\n\x1a\n"],
+            Format::Pdf => &[b"%PDF"],
+            Format::Npz => &[b"PK\x03\x04"],
+            Format::Csv => &[b""],
+        };
+        marks.iter().any(|mark| bytes.starts_with(mark))
+    }
+
     /// The format of a figure file from its extension, in capitals or not.
     pub fn of_figure(path: impl AsRef<Path>) -> Result<Format, FormatError> {
         Format::of(path.as_ref(), Content::Figure)

@@ -14,7 +14,7 @@ use chatter::numerics::Real;
 const STATES: usize = 3;
 
 /// The whole answer.
-pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer<R>) -> String {
+pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer<R>) -> Object {
     let model = Object::new(subject.digits)
         .with("source", subject.source)
         .with(
@@ -60,7 +60,7 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
             )
         }
     };
-    object.document()
+    object
 }
 
 fn one<R: Real + Argument<Real = R>>(

@@ -8,7 +8,7 @@ use crate::options::{
     SectionOption, Window,
 };
 use crate::parallel;
-use crate::terminal::{self, Style};
+use crate::terminal::{self, Style, Waiting};
 use chatter::analysis::border::{BorderSpec, border_near, borders_in};
 use chatter::analysis::universal::Argument;
 use chatter::model::{Warning, check};
@@ -164,12 +164,15 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         windows: arguments.windows,
     };
     let plot = arguments.plot.as_ref();
-    let text = if digits.fit_double() {
+    terminal::end_on_interrupt();
+    let waiting = Waiting::new("looking for border orbits");
+    let answer = if digits.fit_double() {
         answer::<f64>(&subject, &spec, place, plot, arguments.json)?
     } else {
         answer::<DoubleDouble>(&subject, &spec, place, plot, arguments.json)?
     };
-    terminal::print(&text).map_err(Failure::Output)?;
+    drop(waiting);
+    answer.print()?;
     Ok(failure::SUCCESS)
 }
 
@@ -186,7 +189,7 @@ fn answer<R: Real + Argument<Real = R>>(
     place: Place,
     plot: Option<&FigureFile>,
     json: bool,
-) -> Result<String, Failure> {
+) -> Result<terminal::Answer, Failure> {
     let answer = match place {
         Place::Near(value) => {
             let border = border_near::<R>(subject.model, spec, value).map_err(refused)?;
@@ -214,8 +217,8 @@ fn answer<R: Real + Argument<Real = R>>(
         }
     };
     Ok(if json {
-        document(subject, &answer)
+        terminal::Answer::Document(document(subject, &answer))
     } else {
-        account(subject, &answer, Style::of_stdout())
+        terminal::Answer::Text(account(subject, &answer, Style::of_stdout()))
     })
 }

@@ -4,10 +4,14 @@ use crate::failure::{self, Failure};
 use crate::named::Named;
 use crate::numbers::{Digits, full};
 use crate::options::{Initial, Loaded, ModelOptions};
+use crate::simulation::sentence;
 use crate::terminal::{self, Style};
+use chatter::analysis::simulate::{SimulateError, Spec, simulate};
 use chatter::expressions::{Expr, Names};
+use chatter::flow::{FlowError, SystemError};
 use chatter::model::{Check, ContactFormulas, Model, NamedFormula, check};
 use clap::Args;
+use core::ops::ControlFlow;
 use serde::Serialize;
 
 const EXAMPLES: &str = "\
@@ -42,13 +46,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         model: &model,
         source,
         check: check(&model),
+        refusal: refusal(&model),
     };
-    let text = if arguments.json {
-        report.document()
+    let printed = if arguments.json {
+        terminal::print_json(&report.document())
     } else {
-        report.text(Style::of_stdout())
+        terminal::print(&report.text(Style::of_stdout()))
     };
-    terminal::print(&text).map_err(Failure::Output)?;
+    printed.map_err(Failure::Output)?;
     Ok(failure::SUCCESS)
 }
 
@@ -56,6 +61,27 @@ struct Report<'a> {
     model: &'a Model,
     source: &'a str,
     check: Check,
+    /// Why there are no trajectories, where no warning says so already.
+    refusal: Option<String>,
+}
+
+/// Why `chatter simulate` would not begin.
+fn refusal(model: &Model) -> Option<String> {
+    let parameters = model.parameter_values::<f64>(&[]);
+    let start = model.time.map_or(0.0, |time| model.initial_state(&parameters)[time]);
+    // Until any later time: what matters is whether there is a first step.
+    let later = start + 1.0_f64.max(start.abs());
+    let begun = simulate::<f64>(model, &Spec::until(later), &mut |_| ControlFlow::Break(()));
+    match begun {
+        Ok(_) => None,
+        // A warning names these with the contact.
+        Err(SimulateError::Start(
+            FlowError::Penetrates { .. } | FlowError::Restitution { .. },
+        )) => None,
+        Err(SimulateError::System(SystemError::Model(_))) => None,
+        Err(SimulateError::Start(error)) => Some(sentence(&error, model)),
+        Err(error) => Some(error.to_string()),
+    }
 }
 
 #[derive(Serialize)]
@@ -184,7 +210,9 @@ impl Report<'_> {
         for warning in &self.check.warnings {
             text += &format!("{} {warning}\n", style.warning("warning:"));
         }
-        if self.check.warnings.is_empty() {
+        if let Some(refusal) = &self.refusal {
+            text += &format!("{} no trajectory begins: {refusal}\n", style.warning("warning:"));
+        } else if self.check.warnings.is_empty() {
             text += "nothing looks wrong\n";
         }
         text
@@ -221,7 +249,7 @@ impl Report<'_> {
         text
     }
 
-    fn document(&self) -> String {
+    fn document(&self) -> Document<'_> {
         let (parameters, initial) = self.values();
         let flight = self.flight();
         let named = |formulas: Vec<&NamedFormula>| {
@@ -236,7 +264,7 @@ impl Report<'_> {
             let pairs = formulas.into_iter();
             Named(pairs.map(|f| (f.name.clone(), f.text.as_str())).collect())
         }
-        let document = Document {
+        Document {
             source: self.source,
             title: self.model.title.as_deref(),
             parameters,
@@ -266,11 +294,9 @@ impl Report<'_> {
                 .warnings
                 .iter()
                 .map(ToString::to_string)
+                .chain(self.refusal.iter().map(|why| format!("no trajectory begins: {why}")))
                 .collect(),
-        };
-        let mut text = serde_json::to_string_pretty(&document).expect("names and numbers are JSON");
-        text.push('\n');
-        text
+        }
     }
 }
 

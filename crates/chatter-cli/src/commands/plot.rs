@@ -4,7 +4,7 @@ use crate::diagram::picture::{self, Words};
 use crate::diagram::{Show, Stored, Subject, View, Zoom};
 use crate::failure::{self, Failure};
 use crate::options::{FigureFile, ShearOption, SpanOption};
-use crate::terminal;
+use crate::terminal::{self, Waiting};
 use crate::universal;
 use chatter_io::figures::Axis;
 use clap::{Args, ValueEnum};
@@ -57,6 +57,8 @@ enum ShowOption {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    terminal::end_on_interrupt();
+    let waiting = Waiting::new("drawing");
     let mut stored = Stored::open(&arguments.file)?;
     let mut view = View {
         zooms: Vec::new(),
@@ -76,6 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let drawn = match stored.subject.clone() {
         Subject::Flow(job) => {
             let mut ready = job.prepare(&stored.model_text)?;
+            stored.check(&ready.sweep)?;
             for span in &arguments.zoom {
                 view.zooms
                     .push(zoom(span, span.ends(&mut ready.model, "--zoom")?));
@@ -90,6 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         Subject::Universal(job) => {
             let (_, sweep) = job.prepare()?;
+            stored.check(&sweep)?;
             for span in &arguments.zoom {
                 view.zooms.push(zoom(span, span.plain_ends("--zoom")?));
             }
@@ -105,6 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let path = &arguments.out.0;
     let outcome = drawn.figure.write(path);
     outcome.map_err(|error| Failure::Output(error.to_string()))?;
+    drop(waiting);
     let mut text = format!("wrote {}\n", path.display());
     if drawn.slanted {
         text += picture::SLANTED;

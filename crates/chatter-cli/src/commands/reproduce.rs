@@ -90,7 +90,7 @@ impl<'a> Job<'a> {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    terminal::catch_interrupts();
+    terminal::end_on_interrupt();
     let folder = &arguments.out;
     std::fs::create_dir_all(folder).map_err(|error| {
         Failure::Output(format!(

@@ -6,17 +6,21 @@ use crate::options::{
     Count, FigureFile, Initial, Loaded, ModelOptions, Precision, Quantity, StopOption, TableFile,
     Window,
 };
+use crate::simulation::table::{self, SampleTable};
 use crate::simulation::{
-    Listing, SampleOption, Subject, account, document, picture, sentence, table,
+    Expectation, Listing, SampleOption, StepWatch, Subject, account, document, picture, sentence,
 };
-use crate::terminal::{self, Progress, Style};
+use crate::terminal::{self, Progress, Style, Waiting};
 use chatter::analysis::simulate::{
-    Outcome, Progress as Reached, SimulateError, Simulation, Spec, SpecError, Stop, simulate,
+    Outcome, Progress as Reached, Samples, SimulateError, Simulation, Spec, SpecError, Stop,
+    simulate_into,
 };
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 use clap::Args;
+use core::cell::RefCell;
 use core::ops::ControlFlow;
+use std::time::Instant;
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -185,19 +189,74 @@ fn follow<R: Real>(
     window: Option<(f64, f64)>,
 ) -> Result<u8, Failure> {
     terminal::catch_interrupts();
-    let mut progress = Progress::new();
-    let mut simulation: Simulation<R> = simulate(subject.model, subject.spec, &mut |reached| {
-        progress.show(part_done(reached), || {
-            format!("time {:.6}, {} impacts", reached.time, reached.impacts)
-        });
-        if terminal::interrupted() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
+    let sampled = arguments.out.as_ref().filter(|_| {
+        let rows = arguments.sample.clone().unwrap_or_default();
+        rows != SampleOption::Events
+    });
+    let output = |error: chatter_io::Error| Failure::Output(error.to_string());
+    let mut table = match sampled {
+        Some(TableFile(path)) => {
+            Expectation::of_table(subject, path).tell();
+            Some(SampleTable::create(subject, path).map_err(output)?)
         }
-    })
+        None => None,
+    };
+    let progress = RefCell::new(Progress::new());
+    let began = Instant::now();
+    let mut stiffness = Some(StepWatch::new(subject));
+    let last = RefCell::new(None);
+    let going_on = || match terminal::interrupted() {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    };
+    let show = |reached: &Reached, rows: u64| {
+        progress.borrow_mut().show(part_done(reached), || {
+            let rate = reached.steps as f64 / began.elapsed().as_secs_f64();
+            let (time, impacts) = (reached.time, reached.impacts);
+            let rows = match rows {
+                0 => String::new(),
+                rows => format!(", {rows} rows"),
+            };
+            format!("time {time:.6}, {impacts} impacts{rows}, {rate:.2e} steps/s")
+        });
+    };
+    let mut failure = None;
+    let mut rows = 0;
+    let mut simulation: Simulation<R> = simulate_into(
+        subject.model,
+        subject.spec,
+        &mut |reached| {
+            if stiffness.as_ref().is_some_and(|watch| watch.tell(reached)) {
+                stiffness = None;
+            }
+            show(reached, 0);
+            *last.borrow_mut() = Some(*reached);
+            going_on()
+        },
+        &mut |_, samples: &Samples<R>| {
+            let Some(table) = &mut table else {
+                return ControlFlow::Continue(());
+            };
+            if let Err(error) = table.take(samples) {
+                failure = Some(output(error));
+                return ControlFlow::Break(());
+            }
+            rows += samples.len() as u64;
+            if let (Some(mut reached), Some(time)) = (*last.borrow(), samples.times.last()) {
+                reached.time = time.to_f64();
+                show(&reached, rows);
+            }
+            going_on()
+        },
+    )
     .map_err(|error| refused(&error, subject.model))?;
-    progress.finish();
+    progress.into_inner().finish();
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    // What is written now is all that is done.
+    terminal::end_on_interrupt();
+    let waiting = Waiting::new("writing");
 
     let drawn = arguments
         .plot
@@ -205,9 +264,11 @@ fn follow<R: Real>(
         .and_then(|_| simulation.samples.pop());
     let mut written = Vec::new();
     if let Some(TableFile(path)) = &arguments.out {
-        let files = table::write(subject, &simulation, path)
-            .map_err(|error| Failure::Output(error.to_string()))?;
-        written.extend(files);
+        let files = match table {
+            Some(table) => table.finish(&simulation),
+            None => table::write_events(subject, &simulation, path),
+        };
+        written.extend(files.map_err(output)?);
     }
     let mut remarks = Vec::new();
     if let (Some(FigureFile(path)), Some(samples)) = (&arguments.plot, &drawn) {
@@ -222,8 +283,9 @@ fn follow<R: Real>(
             ));
         }
     }
-    let text = if arguments.json {
-        document::document(subject, &simulation)
+    drop(waiting);
+    if arguments.json {
+        terminal::print_json(&document::document(subject, &simulation)).map_err(Failure::Output)?;
     } else {
         let listing = if arguments.events {
             Listing::EveryEvent
@@ -237,9 +299,8 @@ fn follow<R: Real>(
         for remark in &remarks {
             text += &format!("{remark}\n");
         }
-        text
-    };
-    terminal::print(&text).map_err(Failure::Output)?;
+        terminal::print(&text).map_err(Failure::Output)?;
+    }
     if let Outcome::Failed(error) = &simulation.outcome {
         terminal::complain(&sentence(error, subject.model));
     }

@@ -2,18 +2,21 @@
 
 use super::picture::Shear;
 use crate::failure::Failure;
+use crate::terminal;
 use chatter::analysis::diagram::{DiagramError, Spec, Sweep};
 use chatter::analysis::return_map::{ReturnMap, ReturnMapError, ReturnSpec};
 use chatter::model::{Model, ModelError};
+use chatter_io::Format;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 /// A diagram. Equal jobs have equal results, to the bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// Version of this program.
     pub version: String,
-    /// The model as the user named it.
+    /// The model as the user named it, without the folder.
     pub model: String,
     /// Parameters set by the user: name and expression.
     pub set: Vec<(String, String)>,
@@ -26,7 +29,7 @@ pub struct Job {
 }
 
 /// A job and what becomes of its result.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Order {
     /// What is computed.
     pub job: Job,
@@ -38,6 +41,113 @@ pub struct Order {
     pub plot: Option<PathBuf>,
     /// How the vertical axis of the figure is sheared.
     pub shear: Option<Shear>,
+}
+
+/// What a journal keeps of an order. It names no folder: files are written beside the one that is resumed, wherever that
+/// is by then.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// What is computed.
+    pub job: Job,
+    /// Text of the model's file.
+    pub model_text: String,
+    /// The figure to be drawn beside the table.
+    plot: Option<Figure>,
+    /// How the vertical axis of the figure is sheared.
+    shear: Option<Shear>,
+}
+
+/// Where a figure is to be drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Figure {
+    /// In the folder of the journal, under this name.
+    Beside(String),
+    /// In another folder, which is to be named again.
+    Elsewhere,
+}
+
+impl Order {
+    /// The file that the journal is named after.
+    pub fn target(&self) -> Option<&Path> {
+        self.out.as_deref().or(self.plot.as_deref())
+    }
+
+    /// What a journal keeps of it.
+    pub fn header(&self) -> Header {
+        let beside = |plot: &PathBuf| {
+            let folder = self.target().and_then(Path::parent);
+            let name = plot.file_name().and_then(|name| name.to_str());
+            match name {
+                Some(name) if plot.parent() == folder => Figure::Beside(name.to_owned()),
+                _ => Figure::Elsewhere,
+            }
+        };
+        Header {
+            job: self.job.clone(),
+            model_text: self.model_text.clone(),
+            plot: self.plot.as_ref().map(beside),
+            shear: self.shear,
+        }
+    }
+
+    /// What to add to `--resume` so that nothing is left out.
+    pub fn resume_options(&self) -> String {
+        let target = self.target().map_or_else(String::new, shown);
+        match (self.header().plot, &self.plot) {
+            (Some(Figure::Elsewhere), Some(plot)) => format!("{target} --plot {}", shown(plot)),
+            _ => target,
+        }
+    }
+}
+
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+impl Header {
+    /// The order that is gone on with: what was to be written to `target`, and a figure where the user says now.
+    pub fn order(self, target: &Path, plot: Option<PathBuf>) -> Result<Order, Failure> {
+        let is_table = Format::of_table(target).is_ok();
+        let (out, drawn) = if is_table {
+            let drawn = match (plot, self.plot) {
+                (Some(plot), _) => Some(plot),
+                (None, Some(Figure::Beside(name))) => Some(beside(target, &name)?),
+                (None, Some(Figure::Elsewhere)) => {
+                    terminal::remark(
+                        "the figure was to be drawn in another folder, and is left out; --plot FILE draws it",
+                    );
+                    None
+                }
+                (None, None) => None,
+            };
+            (Some(target.to_path_buf()), drawn)
+        } else {
+            Format::of_figure(target).map_err(Failure::input)?;
+            (None, Some(plot.unwrap_or_else(|| target.to_path_buf())))
+        };
+        Ok(Order {
+            job: self.job,
+            model_text: self.model_text,
+            out,
+            plot: drawn,
+            shear: self.shear,
+        })
+    }
+}
+
+/// The figure of this name in the folder of `target`.
+fn beside(target: &Path, name: &str) -> Result<PathBuf, Failure> {
+    let path = target.with_file_name(name);
+    let bare = Path::new(name).file_name() == Some(OsStr::new(name));
+    if bare && Format::of_figure(&path).is_ok() {
+        return Ok(path);
+    }
+    Err(Failure::input(format!(
+        "the journal of `{}` names `{name}` as its figure, which is none beside it",
+        target.display()
+    ))
+    .help("--plot FILE says where the figure is to be drawn"))
 }
 
 /// A job made ready.

@@ -11,5 +11,5 @@ pub mod table;
 pub use job::{Job, Order};
 pub use picture::{Shear, Show, View, Zoom};
 pub use source::{Class, InMemory, Source};
-pub use store::{Store, check_size, journal_of};
+pub use store::{Begun, Found, Store, check_size, journal_of};
 pub use stored::{Stored, Subject};

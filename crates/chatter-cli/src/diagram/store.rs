@@ -1,10 +1,10 @@
 //! The journal of a diagram: its rows, in the order in which they were done.
 
-use super::job::Order;
+use super::job::Header;
 use super::source::Rows;
 use crate::failure::Failure;
-use chatter::analysis::diagram::{Outcome, Row, Standing, Sweep};
-use chatter_io::journal::{Journal, JournalError, Place};
+use chatter::analysis::diagram::{Outcome, Record, Row, Standing, Sweep};
+use chatter_io::journal::{self, Journal, JournalError, Place, Unread};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ pub fn journal_of(output: &Path) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// More orbits than this, 16 bytes each for where they stand in the journal, are a slip of the keyboard.
+/// More orbits than this, 8 bytes each for where they stand in the journal, are a slip of the keyboard.
 const MOST_ROWS: u64 = 100_000_000;
 
 /// Whether a diagram is small enough to be kept.
@@ -30,7 +30,25 @@ pub fn check_size(sweep: &Sweep) -> Result<(), Failure> {
     .help("sweep parts of the range into files of their own"))
 }
 
-/// An open journal and where its rows stand in it. Memory holds 16 bytes a row.
+/// Most bytes of a row beside its samples and its points.
+const ROW_ROOM: u64 = 1 << 20;
+
+/// A journal that was begun before: what it is about is known, its rows are not. No other process can have it meanwhile.
+pub struct Begun {
+    unread: Unread,
+    /// What it is about.
+    pub header: Header,
+}
+
+/// The journal of a diagram that is to be computed.
+pub enum Found {
+    /// A new one.
+    New(Store),
+    /// One that was there.
+    Old(Begun),
+}
+
+/// An open journal and where its rows stand in it. Memory holds 8 bytes a row.
 pub struct Store {
     journal: Journal,
     sweep: Sweep,
@@ -39,12 +57,84 @@ pub struct Store {
     bytes: Vec<u8>,
 }
 
+impl Begun {
+    /// Opens a journal; `None` if there is none.
+    pub fn open(path: &Path) -> Result<Option<Self>, Failure> {
+        let unread = Unread::open(path).map_err(Failure::input)?;
+        unread.map(Self::of).transpose()
+    }
+
+    fn of(unread: Unread) -> Result<Self, Failure> {
+        match serde_json::from_slice(unread.header()) {
+            Ok(header) => Ok(Self { unread, header }),
+            Err(error) => Err(Failure::input(format!(
+                "`{}` is not a journal of an orbit diagram of this version of chatter: {error}",
+                unread.path().display()
+            ))),
+        }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        self.unread.path()
+    }
+
+    /// Notes the rows that are there. The points of the map have so many coordinates.
+    pub fn read(self, sweep: &Sweep, coordinates: usize) -> Result<(Store, Standing), Failure> {
+        let spec = sweep.spec();
+        let numbers = (spec.keep)
+            .saturating_mul(spec.observe.len() as u64)
+            .saturating_add(coordinates as u64);
+        let longest = numbers.saturating_mul(8).saturating_add(ROW_ROOM);
+        let mut standing = Standing::default();
+        let mut places = vec![None; sweep.rows() as usize];
+        let mut counts = BTreeMap::new();
+        let read = self.unread.read(longest, |place, bytes| {
+            // Rows that another program wrote are made again.
+            if let Ok(row) = Row::from_bytes(bytes)
+                && fits(&row, sweep, coordinates)
+                && standing.note(sweep, &row)
+            {
+                places[row.row as usize] = Some(place);
+                *counts.entry(row.outcome).or_default() += 1;
+            }
+        });
+        let mut store = Store::new(read.map_err(Failure::input)?, sweep);
+        (store.places, store.counts) = (places, counts);
+        Ok((store, standing))
+    }
+}
+
+/// Whether a row has as many numbers as one of this diagram can have.
+fn fits(row: &Row, sweep: &Sweep, coordinates: usize) -> bool {
+    let spec = sweep.spec();
+    let samples = match spec.record {
+        Record::Samples => {
+            let observed = spec.observe.len();
+            row.samples.len().is_multiple_of(observed)
+                && (row.samples.len() / observed) as u64 <= spec.keep
+        }
+        Record::Classes => row.samples.is_empty(),
+    };
+    samples && (row.end.is_empty() || row.end.len() == coordinates)
+}
+
 impl Store {
-    /// Starts a journal.
-    pub fn create(path: &Path, order: &Order, sweep: &Sweep) -> Result<Self, Failure> {
-        let header =
-            serde_json::to_vec(order).map_err(|error| Failure::input(error.to_string()))?;
-        let journal = Journal::create(path, &header).map_err(output)?;
+    /// The journal of a diagram: the one that is there, or a new one.
+    pub fn find(path: &Path, header: &Header, sweep: &Sweep) -> Result<Found, Failure> {
+        let bytes =
+            serde_json::to_vec(header).map_err(|error| Failure::input(error.to_string()))?;
+        match Journal::find(path, &bytes) {
+            Ok(journal::Found::New(journal)) => Ok(Found::New(Self::new(journal, sweep))),
+            Ok(journal::Found::Old(unread)) => Begun::of(unread).map(Found::Old),
+            Err(error @ JournalError::File(_)) => Err(output(error)),
+            Err(error) => Err(Failure::input(error)),
+        }
+    }
+
+    /// Rows that are kept as long as the process lasts, on the disk of `folder`.
+    pub fn scratch(folder: &Path, sweep: &Sweep) -> Result<Self, Failure> {
+        let journal = Journal::nameless(folder).map_err(output)?;
         Ok(Self::new(journal, sweep))
     }
 
@@ -56,37 +146,6 @@ impl Store {
             counts: BTreeMap::new(),
             bytes: Vec::new(),
         }
-    }
-
-    /// Opens a journal and reads what it is about; its rows only once the sweep is known.
-    pub fn order_of(path: &Path) -> Result<Order, Failure> {
-        let (_, header) = Journal::open(path, |_, _| {}).map_err(input)?;
-        serde_json::from_slice(&header).map_err(|error| {
-            Failure::input(format!(
-                "`{}` is not a journal of an orbit diagram of this version of chatter: {error}",
-                path.display()
-            ))
-        })
-    }
-
-    /// Opens a journal whose order is known, and notes the rows that are there.
-    pub fn open(path: &Path, sweep: &Sweep) -> Result<(Self, Standing), Failure> {
-        let mut standing = Standing::default();
-        let mut places = vec![None; sweep.rows() as usize];
-        let mut counts = BTreeMap::new();
-        let (journal, _) = Journal::open(path, |place, bytes| {
-            // Rows that another program wrote are made again.
-            if let Ok(row) = Row::from_bytes(bytes)
-                && standing.note(sweep, &row)
-            {
-                places[row.row as usize] = Some(place);
-                *counts.entry(row.outcome).or_default() += 1;
-            }
-        })
-        .map_err(input)?;
-        let mut store = Self::new(journal, sweep);
-        (store.places, store.counts) = (places, counts);
-        Ok((store, standing))
     }
 
     /// Keeps a row.
@@ -119,10 +178,6 @@ impl Rows for Store {
         self.journal.read(place, &mut self.bytes).map_err(output)?;
         Row::from_bytes(&self.bytes).map_err(|error| Failure::Output(error.to_string()))
     }
-}
-
-fn input(error: JournalError) -> Failure {
-    Failure::input(error)
 }
 
 fn output(error: JournalError) -> Failure {

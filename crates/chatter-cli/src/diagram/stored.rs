@@ -5,7 +5,7 @@ use super::source::{Class, Source};
 use super::table::{MODEL, SPECIFICATION};
 use crate::failure::Failure;
 use crate::universal::UniversalJob;
-use chatter::analysis::diagram::{Outcome, Spec, Sweep};
+use chatter::analysis::diagram::{Exponent, Outcome, Record, Spec, Sweep};
 use chatter_io::tables::NpzReader;
 use serde::Deserialize;
 use std::path::Path;
@@ -32,6 +32,8 @@ impl Subject {
 /// An open file.
 pub struct Stored {
     file: NpzReader,
+    /// Rows of the diagram, once its arrays have been compared with what it says it is.
+    rows: Option<u64>,
     /// What it holds.
     pub subject: Subject,
     /// Text of the model's file.
@@ -55,9 +57,48 @@ impl Stored {
         let model_text = text(MODEL)?;
         Ok(Self {
             file,
+            rows: None,
             subject,
             model_text,
         })
+    }
+
+    /// Whether the arrays have the lengths of this diagram, which is the one that the file says it is. Nothing can be drawn
+    /// of it before: what a specification claims may take for ever, what is there does not.
+    pub fn check(&mut self, sweep: &Sweep) -> Result<(), Failure> {
+        let length = |name: &str| -> Result<u64, Failure> {
+            Ok(self.file.info(name).map_err(Failure::input)?.len() as u64)
+        };
+        let expect = |name: &str, expected: u64, found: u64| {
+            if found == expected {
+                return Ok(());
+            }
+            Err(Failure::input(format!(
+                "array `{name}` has {found} values, where the specification beside it asks for {expected}"
+            )))
+        };
+        let spec = sweep.spec();
+        let [outcome, period, impacts, exponent, start] = Sweep::CLASS_NAMES;
+        let mut classes = vec![outcome, period, impacts, start];
+        if spec.exponent == Exponent::Largest {
+            classes.push(exponent);
+        }
+        for name in classes {
+            expect(name, sweep.rows(), length(name)?)?;
+        }
+        if spec.record == Record::Samples {
+            let samples = length(Sweep::COLUMN_NAME)?;
+            for observed in &spec.observe {
+                expect(&observed.name, samples, length(&observed.name)?)?;
+            }
+        }
+        self.rows = Some(sweep.rows());
+        Ok(())
+    }
+
+    fn checked_rows(&self) -> Result<u64, Failure> {
+        self.rows
+            .ok_or_else(|| Failure::input("the arrays have not been compared with the specification"))
     }
 
     fn numbers(
@@ -83,18 +124,26 @@ impl Source for Stored {
             streams.push(self.numbers(&observed.name)?);
         }
         let mut sample = vec![0.0; streams.len()];
+        let rows = self.checked_rows()?;
         for column in columns {
             for (value, stream) in sample.iter_mut().zip(&mut streams) {
                 *value = following(stream)?;
             }
-            visit(column? as u64, &sample);
+            let column = column?;
+            if !(column >= 0.0 && column < rows as f64) {
+                return Err(Failure::input(format!(
+                    "a sample belongs to column {column}, but there are {rows}"
+                )));
+            }
+            visit(column as u64, &sample);
         }
         Ok(())
     }
 
     fn classes(&mut self, visit: &mut dyn FnMut(u64, &Class)) -> Result<(), Failure> {
         let [outcome, period, impacts, exponent, _] = Sweep::CLASS_NAMES;
-        let outcomes = self.file.texts(outcome).map_err(Failure::input)?;
+        self.checked_rows()?;
+        let outcomes = self.file.stream_texts(outcome).map_err(Failure::input)?;
         let mut periods = self.numbers(period)?;
         let mut impacts = self.numbers(impacts)?;
         let mut exponents = match self.file.contains(exponent) {
@@ -102,6 +151,7 @@ impl Source for Stored {
             false => None,
         };
         for (row, name) in (0..).zip(outcomes) {
+            let name = name.map_err(Failure::input)?;
             let outcome = Outcome::ALL.into_iter().find(|known| known.name() == name);
             let unknown = || Failure::input(format!("`{name}` is no known outcome"));
             let class = Class {

@@ -229,9 +229,14 @@ fn write_csv(
     let about = Table::new("metadata")
         .column("name", names)
         .column("text", texts);
-    let path = file("metadata");
+    let path = metadata_file(path);
     written.extend(Dataset::new().table(about).write(&path).map_err(output)?);
     Ok(written)
+}
+
+/// The file that says what a diagram in CSV is about.
+pub fn metadata_file(path: &Path) -> PathBuf {
+    path.with_extension("metadata.csv")
 }
 
 fn csv(path: &Path, headings: &[String]) -> Result<CsvWriter, Failure> {

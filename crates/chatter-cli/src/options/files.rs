@@ -1,6 +1,7 @@
 //! Files to be written: their kind is known, and their folder there, before anything is computed.
 
 use chatter_io::Format;
+use chatter_io::atomic_file::check_target;
 use std::path::{Path, PathBuf};
 
 /// A table: `.csv` or `.npz`.
@@ -38,8 +39,8 @@ fn writable(text: &str) -> Result<PathBuf, String> {
     if !folder.is_dir() {
         return Err(format!("the folder `{}` does not exist", folder.display()));
     }
-    if path.is_dir() {
-        return Err("it is a folder".to_owned());
+    match check_target(&path) {
+        Ok(()) => Ok(path),
+        Err(error) => Err(error.source.to_string()),
     }
-    Ok(path)
 }

@@ -1,6 +1,7 @@
 //! Figs. 2, 3 and 4: the universal function and the orbits of its map.
 
 use super::{Advance, Plate, WIDTH, sweep};
+use crate::diagram::InMemory;
 use crate::failure::Failure;
 use crate::parallel;
 use crate::universal::picture;
@@ -59,7 +60,11 @@ fn panel(
         )
     };
     let (sweep, rows) = sweep(map, &spec, advance)?;
-    picture::orbit_panel(&sweep, &rows)
+    let source = &mut InMemory {
+        sweep: &sweep,
+        rows: &rows,
+    };
+    picture::orbit_panel(&sweep, source)
 }
 
 fn map(universal: &Universal<f64>) -> Result<UniversalMap<f64>, Failure> {

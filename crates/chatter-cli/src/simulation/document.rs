@@ -5,7 +5,7 @@ use crate::named::Named;
 use crate::numbers::significant;
 use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation};
 use chatter::numerics::Real;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// A number, and its digits where a double does not hold them.
 struct Value {
@@ -14,7 +14,8 @@ struct Value {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+#[serde(bound = "")]
+struct Document<'a, R: Real> {
     outcome: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<ErrorObject>,
@@ -26,7 +27,7 @@ struct Document<'a> {
     state_digits: Option<Named<String>>,
     closed: Vec<&'a str>,
     counts: Counts,
-    events: Vec<EventObject<'a>>,
+    events: Events<'a, R>,
     contact_phases: Vec<Phase<'a>>,
     model: ModelObject<'a>,
     parameters: Named<f64>,
@@ -101,13 +102,16 @@ struct EventObject<'a> {
     state_digits: Option<Named<String>>,
 }
 
-/// The document, with a line break at its end.
-pub fn document<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> String {
+/// The document.
+pub fn document<'a, R: Real>(
+    subject: &'a Subject,
+    simulation: &'a Simulation<R>,
+) -> impl Serialize + 'a {
     let writer = Writer { subject };
     let (time, state) = (writer.value(simulation.time), &simulation.state);
     let counts = simulation.counts;
     let parameters = subject.model.parameter_values::<f64>(&[]);
-    let document = Document {
+    Document {
         outcome: simulation.outcome.name(),
         error: match &simulation.outcome {
             Outcome::Failed(error) => Some(ErrorObject {
@@ -129,11 +133,10 @@ pub fn document<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> Strin
             grazes: counts.grazes,
             sections: counts.sections,
         },
-        events: simulation
-            .events
-            .iter()
-            .map(|event| writer.event(event))
-            .collect(),
+        events: Events {
+            subject,
+            events: &simulation.events,
+        },
         contact_phases: (simulation.contact_phases.iter())
             .map(|phase| Phase {
                 contact: &subject.model.contacts[phase.contact].name,
@@ -154,10 +157,22 @@ pub fn document<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> Strin
         impact_budget: subject.spec.impacts,
         tolerance: subject.spec.tolerance,
         version: env!("CARGO_PKG_VERSION"),
-    };
-    let mut text = serde_json::to_string_pretty(&document).expect("names and numbers are JSON");
-    text.push('\n');
-    text
+    }
+}
+
+/// Events become objects one by one, as they are written.
+struct Events<'a, R> {
+    subject: &'a Subject<'a>,
+    events: &'a [Event<R>],
+}
+
+impl<R: Real> Serialize for Events<'_, R> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let writer = Writer {
+            subject: self.subject,
+        };
+        serializer.collect_seq(self.events.iter().map(|event| writer.event(event)))
+    }
 }
 
 struct Writer<'a> {

@@ -2,12 +2,14 @@
 
 pub mod account;
 pub mod document;
+mod expectation;
 pub mod picture;
 mod sample;
 mod sentence;
 pub mod table;
 
 pub use account::Listing;
+pub use expectation::{Expectation, StepWatch};
 pub use sample::SampleOption;
 pub use sentence::sentence;
 

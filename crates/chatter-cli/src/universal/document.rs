@@ -7,7 +7,7 @@ use chatter::analysis::diagram::{Row, Sweep};
 use chatter::numerics::Real;
 
 /// The whole document.
-pub fn document<R: Real>(findings: &Findings<R>) -> String {
+pub fn document<R: Real>(findings: &Findings<R>) -> Object {
     let digits = findings.digits;
     let constants = findings.universal.constants();
     let (begin, end) = findings.universal.window();
@@ -61,7 +61,7 @@ pub fn document<R: Real>(findings: &Findings<R>) -> String {
         let columns = rows.iter().map(|row| column(findings, sweep, row).into());
         object = object.with("columns", columns.collect::<Vec<Json>>());
     }
-    object.with("version", env!("CARGO_PKG_VERSION")).document()
+    object.with("version", env!("CARGO_PKG_VERSION"))
 }
 
 fn column<R: Real>(findings: &Findings<R>, sweep: &Sweep, row: &Row) -> Object {

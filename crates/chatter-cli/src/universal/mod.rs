@@ -38,7 +38,7 @@ pub struct Findings<'a, R> {
     pub sheets: Vec<Sheet>,
     /// Intervals of mu that may hold windows of periodic orbits and were given up.
     pub undecided: usize,
-    /// The orbit diagram.
+    /// The orbit diagram, without its samples.
     pub diagram: Option<(&'a Sweep, &'a [Row])>,
     /// How many digits the user wants.
     pub digits: Digits,

@@ -1,7 +1,7 @@
 //! The universal map in pictures: Upsilon, orbit diagrams, exponents, cobwebs.
 
 use crate::diagram::picture::densities;
-use crate::diagram::{InMemory, View};
+use crate::diagram::{Source, View};
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Row, Sweep};
 use chatter::analysis::universal::{Universal, UniversalMap};
@@ -68,9 +68,8 @@ pub fn curve(universal: &Universal<f64>, begin: f64, end: f64) -> (Vec<f64>, Vec
 }
 
 /// An orbit diagram over mu or the slope, drawn as those of flows are.
-pub fn orbit_panel(sweep: &Sweep, rows: &[Row]) -> Result<Panel, Failure> {
+pub fn orbit_panel(sweep: &Sweep, source: &mut dyn Source) -> Result<Panel, Failure> {
     let axis = |name: &str| Axis::new(label(name));
-    let source = &mut InMemory { sweep, rows };
     let range = &sweep.spec().sweeps[0];
     let drawn = densities(sweep, range, &axis, source, &View::default())?;
     let none = || Panel::new(axis(&range.parameter), axis("z"));

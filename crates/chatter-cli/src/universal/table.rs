@@ -1,7 +1,7 @@
 //! What `chatter universal --out` writes.
 
 use super::{Findings, UniversalJob, window_table};
-use crate::diagram::{InMemory, table as orbit_table};
+use crate::diagram::{Store, table as orbit_table};
 use crate::failure::Failure;
 use crate::named::Named;
 use chatter::numerics::Real;
@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 /// Writes what `--out` holds: the last thing asked for.
 pub fn write<R: Real>(
     findings: &Findings<R>,
-    job: Option<&UniversalJob>,
+    diagram: Option<(&UniversalJob, &mut Store)>,
     path: &Path,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let (Some((sweep, rows)), Some(job)) = (findings.diagram, job) else {
+    let Some((job, store)) = diagram else {
         let data = dataset(findings, path)?;
         return data
             .write(path)
@@ -30,7 +30,7 @@ pub fn write<R: Real>(
         (orbit_table::PARAMETERS, orbit_table::json(&parameters)?),
         (orbit_table::VERSION, job.version.clone()),
     ];
-    orbit_table::write(&mut InMemory { sweep, rows }, &texts, path)
+    orbit_table::write(store, &texts, path)
 }
 
 /// What else `--out` may hold: with windows all of the atlas.

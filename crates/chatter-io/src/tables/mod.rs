@@ -5,11 +5,13 @@ mod error;
 mod npy;
 mod npz_reader;
 mod npz_writer;
+mod spool;
 mod table;
 
 pub use csv::{Cell, CsvWriter, csv_text, write_csv};
 pub use error::TableError;
 pub use npy::{ArrayInfo, Element, Kind};
-pub use npz_reader::{FloatStream, NpzReader};
+pub use npz_reader::{FloatStream, NpzReader, TextStream};
+pub use spool::Spool;
 pub use npz_writer::{ArrayWriter, NpzWriter};
 pub use table::{Column, Dataset, Table, Values};

@@ -44,6 +44,8 @@ impl Kind {
             "|b1" => Some(Kind::Boolean),
             _ => {
                 let width = descr.strip_prefix("<U")?.parse().ok()?;
+                // Wider than memory can be is no width.
+                let _: usize = 4_usize.checked_mul(width)?;
                 Some(Kind::Text { width })
             }
         }
@@ -90,6 +92,8 @@ pub trait Element: Copy + sealed::Sealed {
     const KIND: Kind;
     /// Appends its bytes, little end first.
     fn put(self, bytes: &mut Vec<u8>);
+    /// The value of that many bytes.
+    fn take(bytes: &[u8]) -> Self;
 }
 
 mod sealed {
@@ -104,6 +108,9 @@ impl Element for f64 {
     fn put(self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&self.to_le_bytes());
     }
+    fn take(bytes: &[u8]) -> Self {
+        f64::from_le_bytes(bytes.try_into().expect("eight bytes"))
+    }
 }
 
 impl Element for i64 {
@@ -111,12 +118,18 @@ impl Element for i64 {
     fn put(self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&self.to_le_bytes());
     }
+    fn take(bytes: &[u8]) -> Self {
+        i64::from_le_bytes(bytes.try_into().expect("eight bytes"))
+    }
 }
 
 impl Element for bool {
     const KIND: Kind = Kind::Boolean;
     fn put(self, bytes: &mut Vec<u8>) {
         bytes.push(u8::from(self));
+    }
+    fn take(bytes: &[u8]) -> Self {
+        bytes[0] != 0
     }
 }
 
@@ -149,15 +162,28 @@ pub(super) fn header(kind: Kind, shape: &[usize]) -> [u8; HEADER_LENGTH] {
 /// Bytes from the start of an array file that tell how long its header is.
 pub(super) const PREFIX_LENGTH: usize = 12;
 
+/// Most bytes of a header that is read: NumPy's own limit is 10,000.
+const LONGEST_HEADER: usize = 1 << 20;
+
 /// Total length of the header, from its first [`PREFIX_LENGTH`] bytes.
 pub(super) fn header_length(prefix: &[u8; PREFIX_LENGTH]) -> Result<usize, String> {
+    match claimed_length(prefix)? {
+        length if length > LONGEST_HEADER => Err(format!(
+            "its header has {length} bytes, more than {LONGEST_HEADER}"
+        )),
+        length => Ok(length),
+    }
+}
+
+fn claimed_length(prefix: &[u8; PREFIX_LENGTH]) -> Result<usize, String> {
     if &prefix[..6] != MAGIC {
         return Err("it does not start as an array file does".to_string());
     }
     match prefix[6] {
         1 => Ok(10 + usize::from(u16::from_le_bytes([prefix[8], prefix[9]]))),
         2 | 3 => {
-            Ok(12 + u32::from_le_bytes([prefix[8], prefix[9], prefix[10], prefix[11]]) as usize)
+            let length = u32::from_le_bytes([prefix[8], prefix[9], prefix[10], prefix[11]]);
+            Ok((length as usize).saturating_add(12))
         }
         other => Err(format!("its format version {other} is unknown")),
     }
@@ -194,10 +220,13 @@ pub(super) fn parse_header(header: &[u8]) -> Result<(Kind, Vec<usize>), String> 
         .filter(|s| !s.is_empty())
         .map(|s| s.parse().map_err(|_| format!("its shape holds `{s}`")))
         .collect::<Result<_, _>>()?;
-    shape
+    let size = shape
         .iter()
         .try_fold(kind.size().max(1), |n, &k| n.checked_mul(k.max(1)))
         .ok_or_else(|| "its shape is larger than memory can be".to_string())?;
+    if kind.size() == 0 && size > 1 {
+        return Err("its texts have no width, and nothing says that there are so many".to_string());
+    }
     if value("fortran_order")?.starts_with("True") && shape.len() > 1 {
         return Err("it is stored in column-major order, which is not read".to_string());
     }

@@ -13,6 +13,9 @@ use crate::error::{Error, FileAction, FileError};
 /// Bytes read at a time.
 const CHUNK: usize = 1 << 16;
 
+/// Most characters of a text, which has to be in memory as a whole: longer than any model's.
+const LONGEST_TEXT: usize = 1 << 24;
+
 struct Entry {
     info: ArrayInfo,
     /// Where the array's header begins, and how long it is.
@@ -109,36 +112,36 @@ impl NpzReader {
 
     /// An array of texts; a scalar is an array of one.
     pub fn texts(&self, name: &str) -> Result<Vec<String>, Error> {
+        self.stream_texts(name)?.collect()
+    }
+
+    /// An array of texts, one after the other in flat memory.
+    ///
+    /// The checksum is verified when the last one has been read.
+    pub fn stream_texts(&self, name: &str) -> Result<TextStream, Error> {
         let entry = self.entry(name)?;
         let Kind::Text { width } = entry.info.kind else {
             return Err(self.wrong_kind(entry, Kind::Text { width: 0 }));
         };
-        let bytes = self.bytes(name, entry.info.kind)?;
-        if width == 0 {
-            return Ok(vec![String::new(); entry.info.len()]);
+        if width > LONGEST_TEXT {
+            let what = format!("the texts of array `{name}` have {width} characters, more than {LONGEST_TEXT}");
+            return Err(malformed(&self.path, what));
         }
-        bytes
-            .chunks_exact(4 * width)
-            .map(|cell| {
-                let codes = cell.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b));
-                let text: Option<String> = codes.map(char::from_u32).collect();
-                let text = text.ok_or_else(|| {
-                    malformed(
-                        &self.path,
-                        format!("array `{name}` holds what is no character"),
-                    )
-                })?;
-                Ok(text.trim_end_matches('\0').to_string())
-            })
-            .collect()
+        Ok(TextStream {
+            width: 4 * width,
+            remaining: entry.info.len(),
+            bytes: ArrayBytes::open(self, entry)?,
+            pending: Vec::new(),
+            at: 0,
+        })
     }
 
     /// A scalar text entry.
     pub fn text(&self, name: &str) -> Result<String, Error> {
-        let mut texts = self.texts(name)?;
-        match texts.len() {
-            1 => Ok(texts.remove(0)),
-            n => Err(malformed(
+        let mut texts = self.stream_texts(name)?;
+        match (texts.remaining, texts.next()) {
+            (1, Some(text)) => text,
+            (n, _) => Err(malformed(
                 &self.path,
                 format!("array `{name}` holds {n} texts, where one was expected"),
             )),
@@ -219,6 +222,55 @@ impl Iterator for FloatStream {
 
     fn size_hint(&self) -> (usize, Option<usize>) {
         (0, Some(self.remaining))
+    }
+}
+
+/// The texts of one array, read as they are asked for.
+pub struct TextStream {
+    /// Bytes of a text.
+    width: usize,
+    remaining: usize,
+    bytes: ArrayBytes,
+    pending: Vec<u8>,
+    at: usize,
+}
+
+impl TextStream {
+    fn read(&mut self) -> Result<String, Error> {
+        while self.pending.len() - self.at < self.width {
+            self.pending.drain(..self.at);
+            self.at = 0;
+            if !self.bytes.next(&mut self.pending)? {
+                let what = format!("array `{}` is cut short", self.bytes.name);
+                return Err(malformed(&self.bytes.path, what));
+            }
+        }
+        let cell = &self.pending[self.at..self.at + self.width];
+        self.at += self.width;
+        let codes = cell.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b));
+        let text: Option<String> = codes.map(char::from_u32).collect();
+        let text = text.ok_or_else(|| {
+            let what = format!("array `{}` holds what is no character", self.bytes.name);
+            malformed(&self.bytes.path, what)
+        })?;
+        if self.remaining == 0 {
+            // Nothing more is there: this verifies the checksum.
+            self.bytes.next(&mut Vec::new())?;
+        }
+        Ok(text.trim_end_matches('\0').to_string())
+    }
+}
+
+impl Iterator for TextStream {
+    type Item = Result<String, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.remaining = self.remaining.checked_sub(1)?;
+        let text = self.read();
+        if text.is_err() {
+            self.remaining = 0;
+        }
+        Some(text)
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::error::TableError;
 use super::npy::{self, Element, Kind};
+use super::spool::Spool;
 use super::table::{Column, Values, check_name};
 use crate::atomic_file::AtomicFile;
 use crate::crc32::Crc32;
@@ -75,6 +76,13 @@ impl NpzWriter {
     ) -> Result<(), Error> {
         let mut array = self.begin(name)?;
         array.extend(values)?;
+        array.finish()
+    }
+
+    /// Writes a one-dimensional array that has waited on disk.
+    pub fn spooled<T: Element>(&mut self, name: &str, values: Spool<T>) -> Result<(), Error> {
+        let mut array = self.begin(name)?;
+        values.read(|value| array.push(value))?;
         array.finish()
     }
 

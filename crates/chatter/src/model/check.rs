@@ -2,7 +2,7 @@
 
 use super::Model;
 use super::identically_zero::is_identically_zero;
-use super::mechanics::{ContactMechanics, Mechanics};
+use super::mechanics::{ContactMechanics, Mechanics, MechanicsError};
 use super::model::Contact;
 use super::warning::Warning;
 use crate::expressions::{Expr, Graph, Names, Symbol};
@@ -49,6 +49,9 @@ pub struct NamedFormula {
 
 /// Distances and rates below this are taken for the rounding of a start that is meant to be in contact.
 const ROUNDING: f64 = 1e-12;
+
+/// Contacts that are compared with each other: more than any flow takes.
+const MOST_COMPARED: usize = 64;
 
 /// Derives the mechanics of a model and looks for what its author may not have meant.
 pub fn check(model: &Model) -> Check {
@@ -100,9 +103,38 @@ impl<'a> Inspection<'a> {
             };
             match Mechanics::new(&alone) {
                 Ok(mut mechanics) => self.contact(contact, &mut mechanics),
-                Err(_) => {
-                    let contact = contact.name.clone();
+                Err(MechanicsError::ImpulseLeavesRate { contact }) => {
                     self.warnings.push(Warning::ImpulseLeavesRate { contact });
+                }
+                Err(error) => {
+                    self.warnings.push(Warning::NotDerived { error });
+                    return;
+                }
+            }
+        }
+        self.like_contacts();
+    }
+
+    /// Contacts that are one surface, or would be but for a constant factor.
+    fn like_contacts(&mut self) {
+        let contacts = &self.model.contacts;
+        let mut graph = self.model.graph.clone();
+        for (second, like) in contacts.iter().enumerate().take(MOST_COMPARED) {
+            for contact in &contacts[..second] {
+                // Proportional gaps a and b: a b(x0) - b a(x0) vanishes for every x.
+                let [a, b] = [contact.gap, like.gap];
+                let [a_start, b_start] = [a, b].map(|gap| {
+                    let value = graph.evaluate(gap, &self.initial, &self.parameters);
+                    if value == 0.0 { 1.0 } else { value }
+                });
+                let factors = [a_start, b_start].map(|value: f64| graph.number(value));
+                let (left, right) = (graph.mul(factors[1], a), graph.mul(factors[0], b));
+                let scaled = graph.sub(left, right);
+                let plain = graph.sub(a, b);
+                if [scaled, plain].iter().any(|&zero| self.vanishes(&graph, zero)) {
+                    self.warnings.push(Warning::LikeContacts {
+                        contacts: [contact.name.clone(), like.name.clone()],
+                    });
                 }
             }
         }
@@ -146,7 +178,12 @@ impl<'a> Inspection<'a> {
         let rate = self.at_start(graph, derived.rate);
         let acceleration = self.at_start(graph, derived.acceleration);
         let per_impulse = self.at_start(graph, derived.rate_per_impulse);
-        let values = [("gap", gap), ("rate", rate), ("acceleration", acceleration)];
+        let values = [
+            ("gap", gap),
+            ("rate", rate),
+            ("acceleration", acceleration),
+            ("rate per impulse", per_impulse),
+        ];
         let mut finite = true;
         for (what, value) in values {
             if !value.is_finite() {

@@ -1,6 +1,7 @@
 //! How errors look: the line, the characters underlined, what was expected, what may have been meant.
 
 use super::error::{ModelError, ModelErrors};
+use super::visible::visible;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use core::fmt;
 
@@ -27,14 +28,14 @@ impl ModelError {
         let mut group = Group::with_title(Level::ERROR.primary_title(self.kind.to_string()));
         let source = &self.place.source;
         if source.text.is_empty() {
-            group = group.element(Origin::path(&*source.name));
+            group = group.element(Origin::path(shown(&source.name)));
         } else {
             let mut primary = AnnotationKind::Primary.span(self.place.span.clone());
             if let Some(label) = self.kind.label() {
                 primary = primary.label(label);
             }
             let mut snippet = Snippet::source(&*source.text)
-                .path(&*source.name)
+                .path(shown(&source.name))
                 .annotation(primary);
             let mut elsewhere = None;
             if let Some((place, label)) = self.related.as_deref() {
@@ -44,16 +45,21 @@ impl ModelError {
                 if place.source == *source {
                     snippet = snippet.annotation(annotation);
                 } else if !place.source.text.is_empty() {
-                    let other = Snippet::source(&*place.source.text).path(&*place.source.name);
+                    let other = Snippet::source(&*place.source.text).path(shown(&place.source.name));
                     elsewhere = Some(other.annotation(annotation));
                 }
             }
             group = group.element(snippet).elements(elsewhere);
         }
         let help = self.kind.help();
-        group = group.elements(help.map(|help| Level::HELP.message(help)));
+        group = group.elements(help.map(|help| Level::HELP.message(shown(&help))));
         renderer.term_width(WIDTH).render(&[group])
     }
+}
+
+/// Names and help, which the renderer takes as they are; titles and sources it makes visible itself.
+fn shown(text: &str) -> String {
+    text.chars().map(visible).collect()
 }
 
 impl fmt::Display for ModelError {

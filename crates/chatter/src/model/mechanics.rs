@@ -2,6 +2,7 @@
 
 use super::Model;
 use super::identically_zero::is_identically_zero;
+use super::size::check_size;
 use crate::expressions::{Expr, Graph};
 use core::fmt;
 
@@ -65,6 +66,20 @@ pub enum MechanicsError {
         /// Names of the contacts.
         contacts: Vec<String>,
     },
+    /// Expressions are nested too deep to be compiled.
+    TooDeep {
+        /// How deep, definitions written out.
+        depth: usize,
+        /// How deep they may be.
+        most: usize,
+    },
+    /// Products have too many factors that change with the state.
+    TooManyFactors {
+        /// How many operations their derivatives take: for each product the square of the number of such factors.
+        operations: usize,
+        /// How many they may take.
+        most: usize,
+    },
     /// There is no contact of this number.
     UnknownContact {
         /// The number asked for, from 0.
@@ -86,6 +101,16 @@ impl fmt::Display for MechanicsError {
                 "contacts {} cannot be closed at once: their impulses do not determine the contact forces",
                 contacts.join(", ")
             ),
+            Self::TooDeep { depth, most } => write!(
+                f,
+                "the model's expressions are nested {depth} deep, definitions written out: at most {most} is supported"
+            ),
+            Self::TooManyFactors { operations, most } => write!(
+                f,
+                "the model's products have so many factors that their derivatives take {operations} operations: at most \
+                 {most} are supported, a product of {} factors",
+                most.isqrt()
+            ),
             Self::UnknownContact { index, count } => {
                 write!(
                     f,
@@ -102,9 +127,17 @@ impl Mechanics {
     /// Derives everything from the equations.
     ///
     /// # Errors
-    /// [`MechanicsError::ImpulseLeavesRate`] where b = L_W v vanishes identically.
+    /// [`MechanicsError::ImpulseLeavesRate`] where b = L_W v vanishes identically, and
+    /// [`MechanicsError::TooDeep`] or [`MechanicsError::TooManyFactors`] for a model that is too large.
     pub fn new(model: &Model) -> Result<Self, MechanicsError> {
         let field = model.field();
+        let contacts = model.contacts.iter().flat_map(|contact| {
+            let impulse = contact.impulse.iter().copied();
+            impulse.chain([contact.gap, contact.restitution])
+        });
+        let surfaces = model.sections.iter().map(|section| section.surface);
+        let roots: Vec<Expr> = (field.iter().copied().chain(contacts).chain(surfaces)).collect();
+        check_size(&model.graph, &roots)?;
         let mut mechanics = Self {
             graph: model.graph.clone(),
             field,

@@ -27,8 +27,10 @@ mod overrides;
 mod phase;
 mod scope;
 mod sensitivity;
+mod size;
 mod syntax;
 mod table;
+mod visible;
 mod warning;
 
 pub use builder::{ModelBuilder, Value};
@@ -39,4 +41,5 @@ pub use error::{ModelError, ModelErrorKind, ModelErrors, Role};
 pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};
 pub use model::{Contact, Definition, Label, Model, Parameter, Section, State};
 pub use phase::Phase;
+pub use visible::visible;
 pub use warning::Warning;

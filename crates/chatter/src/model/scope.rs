@@ -4,6 +4,7 @@ use super::draft::{Content, Formula};
 use super::error::{ModelError, ModelErrorKind, Role};
 use crate::expressions::{Expr, Graph, ParseErrorKind};
 use crate::numerics::Scalar;
+use core::cell::OnceCell;
 use std::collections::HashMap;
 
 /// What an expression is for, where that restricts what it may depend on.
@@ -23,6 +24,8 @@ pub(super) struct Scope<'a> {
     known: HashMap<&'a str, Expr>,
     /// Names of the model that are of no use for this purpose.
     barred: HashMap<&'a str, Role>,
+    /// The names in order, once they have been asked for: there may be as many formulas as names.
+    sorted: OnceCell<Vec<&'a str>>,
 }
 
 impl<'a> Scope<'a> {
@@ -31,12 +34,14 @@ impl<'a> Scope<'a> {
             purpose,
             known: HashMap::new(),
             barred: HashMap::new(),
+            sorted: OnceCell::new(),
         }
     }
 
     /// Lets `name` stand for `expr`, unless it stands for something already.
     pub fn allow(&mut self, name: &'a str, expr: Expr) {
         self.known.entry(name).or_insert(expr);
+        self.sorted.take();
     }
 
     /// Remembers that `name` exists but must not be used.
@@ -58,11 +63,14 @@ impl<'a> Scope<'a> {
             Content::Broken => return Ok(None),
             Content::Text(text) => text,
         };
-        let mut known: Vec<&str> = self.known.keys().copied().collect();
-        known.sort_unstable();
+        let known = self.sorted.get_or_init(|| {
+            let mut known: Vec<&str> = self.known.keys().copied().collect();
+            known.sort_unstable();
+            known
+        });
         let resolve = |name: &str| self.known.get(name).copied();
         graph
-            .parse(text, &resolve, &known)
+            .parse(text, &resolve, known)
             .map(Some)
             .map_err(|error| {
                 let place = formula.place.inside(error.span.clone());

@@ -1,5 +1,6 @@
 //! What looks wrong about a model that can be simulated all the same.
 
+use super::mechanics::MechanicsError;
 use core::fmt;
 
 /// Something the author of a model may not have meant.
@@ -11,6 +12,16 @@ pub enum Warning {
     ImpulseLeavesRate {
         /// Name of the contact.
         contact: String,
+    },
+    /// Nothing can be derived.
+    NotDerived {
+        /// Why.
+        error: MechanicsError,
+    },
+    /// The gaps of two contacts are the same, or proportional.
+    LikeContacts {
+        /// Their names.
+        contacts: [String; 2],
     },
     /// L_W v is zero at the initial state.
     NoImpactAtStart {
@@ -87,6 +98,14 @@ impl fmt::Display for Warning {
                 f,
                 "contact `{contact}`: the impulse does not change the rate of the gap, so no impact can happen; \
                  does it act on the right state?"
+            ),
+            Self::NotDerived { error } => error.fmt(f),
+            Self::LikeContacts {
+                contacts: [first, second],
+            } => write!(
+                f,
+                "contacts `{first}` and `{second}` have the same gap, so they close together and their forces are not \
+                 determined; is one of them left over?"
             ),
             Self::NoImpactAtStart { contact } => write!(
                 f,

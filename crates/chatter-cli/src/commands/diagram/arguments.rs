@@ -36,7 +36,8 @@ pub struct Arguments {
     #[arg(value_name = "MODEL", required_unless_present = "resume")]
     pub model: Option<String>,
 
-    /// Go on with the diagram that was to be written to this file
+    /// Go on with the diagram that was to be written to this file; everything is written beside it, but --plot may say
+    /// where the figure goes
     #[arg(long, value_name = "FILE", conflicts_with_all = Self::SETTLED)]
     pub resume: Option<PathBuf>,
 
@@ -160,8 +161,8 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// What a diagram that is resumed has been told already: everything but the number of threads.
-    const SETTLED: [&'static str; 25] = [
+    /// What a diagram that is resumed has been told already: everything but the number of threads, and where a figure goes.
+    const SETTLED: [&'static str; 24] = [
         "model",
         "set",
         "initial",
@@ -185,7 +186,6 @@ impl Arguments {
         "most_impacts",
         "tolerance",
         "out",
-        "plot",
         "shear",
     ];
 }

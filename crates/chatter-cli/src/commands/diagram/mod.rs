@@ -6,66 +6,106 @@ mod produce;
 
 pub use arguments::Arguments;
 
-use crate::diagram::{Store, journal_of};
+use crate::diagram::{Begun, Stored, journal_of, table};
 use crate::failure::{self, Failure};
 use crate::options::Count;
 use crate::terminal;
 use chatter::analysis::diagram::Threads;
 use order::order;
-use produce::produce;
+use chatter_io::Format;
+use produce::{Beginning, produce};
+use std::io::Read;
 use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let (order, journal) = match &arguments.resume {
-        Some(path) => {
-            let journal = journal_of(path);
-            if !journal.exists() {
-                return nothing_to_resume(path, &journal);
-            }
-            (Store::order_of(&journal)?, journal)
-        }
-        None => {
-            let order = order(arguments)?;
-            let target = order.out.as_ref().or(order.plot.as_ref());
-            let journal = target.map(|path| journal_of(path)).ok_or_else(|| {
-                Failure::input("the diagram goes nowhere")
-                    .help("write it with --out FILE.npz or --plot FILE.png")
-            })?;
-            (order, journal)
-        }
-    };
-    let version = env!("CARGO_PKG_VERSION");
-    if order.job.version != version {
-        return Err(Failure::input(format!(
-            "`{}` was begun by chatter {}; this is chatter {version}, whose results may differ in their last digits",
-            journal.display(),
-            order.job.version
-        ))
-        .help(format!(
-            "go on with the version that began it, or delete `{}` and compute the diagram anew",
-            journal.display()
-        )));
-    }
     let threads = match arguments.threads {
         Some(Count(count)) => Threads::new(usize::try_from(count).unwrap_or(usize::MAX)),
         None => Threads::available(),
     };
-    produce(&order, &journal, threads)
+    let Some(target) = &arguments.resume else {
+        let order = order(arguments)?;
+        let journal = order.target().map(journal_of).ok_or_else(|| {
+            Failure::input("the diagram goes nowhere")
+                .help("write it with --out FILE.npz or --plot FILE.png")
+        })?;
+        return produce(&order, Beginning::At(journal), threads);
+    };
+    let Some(begun) = Begun::open(&journal_of(target))? else {
+        return nothing_to_resume(target);
+    };
+    same_version(&begun)?;
+    let plot = arguments.plot.as_ref().map(|file| file.0.clone());
+    let order = begun.header.clone().order(target, plot)?;
+    produce(&order, Beginning::Resumed(begun), threads)
 }
 
-fn nothing_to_resume(path: &Path, journal: &Path) -> Result<u8, Failure> {
-    if path.exists() {
+fn same_version(begun: &Begun) -> Result<(), Failure> {
+    let version = env!("CARGO_PKG_VERSION");
+    let (journal, began) = (begun.path().display(), &begun.header.job.version);
+    if began == version {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "`{journal}` was begun by chatter {began}; this is chatter {version}, whose results may differ in their last digits",
+    ))
+    .help(format!(
+        "go on with the version that began it, or delete `{journal}` and compute the diagram anew",
+    )))
+}
+
+/// No journal: the diagram is complete, or there never was one.
+fn nothing_to_resume(target: &Path) -> Result<u8, Failure> {
+    if is_diagram(target)? {
         let text = format!(
             "{} is complete: there is nothing to resume\n",
-            path.display()
+            target.display()
         );
         terminal::print(&text).map_err(Failure::Output)?;
         return Ok(failure::SUCCESS);
     }
     Err(Failure::input(format!(
         "there is nothing to resume: no `{}`",
-        journal.display()
+        journal_of(target).display()
     ))
     .help("--resume takes the name that was given to --out, or to --plot where there was no --out"))
 }
+
+/// Whether a finished diagram stands there.
+///
+/// # Errors
+/// Something else does.
+fn is_diagram(target: &Path) -> Result<bool, Failure> {
+    let foreign = |why: &str| {
+        let target = target.display();
+        Err(Failure::input(format!("`{target}` is no orbit diagram: {why}")))
+    };
+    let format = Format::of_table(target).or_else(|_| Format::of_figure(target));
+    match format {
+        // The tables of a diagram have names of their own, made from this one.
+        Ok(Format::Csv) => {
+            let about = std::fs::read_to_string(table::metadata_file(target));
+            match about {
+                Ok(text) if text.contains(table::SPECIFICATION) => Ok(true),
+                _ if target.exists() => foreign("the file of metadata is not beside it"),
+                _ => Ok(false),
+            }
+        }
+        _ if !target.exists() => Ok(false),
+        Ok(Format::Npz) => Stored::open(target).map(|_| true),
+        Ok(figure) => {
+            let mut start = Vec::new();
+            let read = std::fs::File::open(target)
+                .and_then(|file| file.take(SIGNATURE_ROOM).read_to_end(&mut start));
+            match read {
+                Ok(_) if figure.begins(&start) => Ok(true),
+                Ok(_) => foreign("it is not what its name says"),
+                Err(error) => foreign(&error.to_string()),
+            }
+        }
+        Err(_) => foreign("one is .npz, .csv, .svg, .png or .pdf"),
+    }
+}
+
+/// Bytes that tell what a file is.
+const SIGNATURE_ROOM: u64 = 64;

@@ -8,6 +8,7 @@ use chatter::analysis::diagram::{Bounds, Exponent, Observed, Record, Spec, Start
 use chatter::analysis::return_map::{ReturnSpec, Sampling};
 use chatter::analysis::simulate::EventKind;
 use chatter::model::Model;
+use std::path::Path;
 
 /// What the command line asks for.
 pub fn order(arguments: &Arguments) -> Result<Order, Failure> {
@@ -21,7 +22,7 @@ pub fn order(arguments: &Arguments) -> Result<Order, Failure> {
     let pairs = |assignments: &[Assignment]| assignments.iter().map(Assignment::pair).collect();
     let job = Job {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        model: name,
+        model: file_name(&name),
         set: pairs(&arguments.set),
         initial: pairs(&arguments.initial.initial),
         returns: returns(arguments, &mut model)?,
@@ -34,6 +35,12 @@ pub fn order(arguments: &Arguments) -> Result<Order, Failure> {
         plot: arguments.plot.as_ref().map(|file| file.0.clone()),
         shear: arguments.shear.map(|shear| shear.0),
     })
+}
+
+/// Without the folder: results do not depend on where a model's file was.
+fn file_name(name: &str) -> String {
+    let last = Path::new(name).file_name();
+    last.map_or_else(|| name.to_owned(), |last| last.to_string_lossy().into_owned())
 }
 
 fn returns(arguments: &Arguments, model: &mut Model) -> Result<ReturnSpec, Failure> {

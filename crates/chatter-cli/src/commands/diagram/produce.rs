@@ -1,19 +1,31 @@
 //! Computes what is missing of a diagram, then writes everything.
 
 use crate::diagram::picture::Words;
-use crate::diagram::{Order, Show, Store, View, account, check_size, picture, table};
+use crate::diagram::job::Ready;
+use crate::diagram::{
+    Begun, Found, Order, Show, Store, View, account, check_size, picture, table,
+};
 use crate::failure::{self, Failure};
-use crate::terminal::{self, Progress, Style};
+use crate::terminal::{self, Progress, Style, Waiting};
 use chatter::analysis::diagram::{
     Ending, Executor, Record, Standing, Sweep, Threads, run as compute,
 };
+use chatter::analysis::map::Map;
 use chatter::analysis::return_map::ReturnMap;
 use core::ops::ControlFlow;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Instant;
 
+/// What is gone on with.
+pub enum Beginning {
+    /// Whatever stands at this path; nothing as a rule.
+    At(PathBuf),
+    /// A diagram that was broken off.
+    Resumed(Begun),
+}
+
 /// Computes what is missing, then writes everything.
-pub fn produce(order: &Order, journal: &Path, threads: Threads) -> Result<u8, Failure> {
+pub fn produce(order: &Order, beginning: Beginning, threads: Threads) -> Result<u8, Failure> {
     let job = &order.job;
     let ready = job.prepare(&order.model_text)?;
     check_size(&ready.sweep)?;
@@ -27,18 +39,23 @@ pub fn produce(order: &Order, journal: &Path, threads: Threads) -> Result<u8, Fa
         return Err(Failure::input("a diagram without samples cannot be drawn")
             .help("leave out --record classes, or --plot"));
     }
-    let (mut store, standing) = open(order, journal, &ready.sweep)?;
+    if let (Some(_), [first, second]) = (&order.plot, &ready.sweep.spec().sweeps[..]) {
+        picture::check_cells(first.count, second.count)?;
+    }
+    let (mut store, standing) = open(order, beginning, &ready)?;
     let ending = fill(&ready.map, &ready.sweep, &mut store, &standing, threads)?;
     if ending == Ending::Stopped {
         let done: u64 = store.counts().values().sum();
-        let target = order.out.as_ref().or(order.plot.as_ref());
         terminal::remark(&format!(
             "stopped with {done} of {} orbits done; go on with: chatter diagram --resume {}",
             ready.sweep.rows(),
-            target.map_or_else(String::new, |path| path.display().to_string())
+            order.resume_options()
         ));
         return Ok(failure::INTERRUPTED);
     }
+    // The journal has everything: what is being written now can be written again.
+    terminal::end_on_interrupt();
+    let waiting = Waiting::new("writing");
     let mut written = Vec::new();
     let mut slanted = false;
     if let Some(path) = &order.out {
@@ -63,6 +80,7 @@ pub fn produce(order: &Order, journal: &Path, threads: Threads) -> Result<u8, Fa
         written.push(path.clone());
         slanted = picture.slanted;
     }
+    drop(waiting);
     let style = Style::of_stdout();
     let mut text = account::account(job, &ready.model, &ready.sweep, store.counts(), style);
     store.remove()?;
@@ -77,32 +95,47 @@ pub fn produce(order: &Order, journal: &Path, threads: Threads) -> Result<u8, Fa
 }
 
 /// The journal: the one that is there if it is about the same diagram, else a new one.
-fn open(order: &Order, journal: &Path, sweep: &Sweep) -> Result<(Store, Standing), Failure> {
-    if !journal.exists() {
-        return Ok((Store::create(journal, order, sweep)?, Standing::default()));
-    }
-    let found = Store::order_of(journal)?;
-    let same_model = found.model_text == order.model_text && found.job.model == order.job.model;
-    if found.job != order.job || !same_model {
-        let difference = if same_model {
-            found.job.difference(&order.job)
-        } else {
-            "another model"
-        };
-        return Err(Failure::input(format!(
-            "`{}` holds an unfinished diagram with {difference}",
-            journal.display()
-        ))
-        .help("finish it with --resume, delete it, or write this diagram to another file"));
-    }
-    let (store, standing) = Store::open(journal, sweep)?;
+fn open(
+    order: &Order,
+    beginning: Beginning,
+    ready: &Ready,
+) -> Result<(Store, Standing), Failure> {
+    let sweep = &ready.sweep;
+    let begun = match beginning {
+        Beginning::Resumed(begun) => begun,
+        Beginning::At(path) => match Store::find(&path, &order.header(), sweep)? {
+            Found::New(store) => return Ok((store, Standing::default())),
+            Found::Old(begun) => same(order, begun)?,
+        },
+    };
+    let path = begun.path().to_path_buf();
+    let (store, standing) = begun.read(sweep, ready.map.coordinates().len())?;
     terminal::remark(&format!(
         "going on from `{}`: {} of {} orbits are done",
-        journal.display(),
+        path.display(),
         standing.rows(),
         sweep.rows()
     ));
     Ok((store, standing))
+}
+
+/// A journal that was there, if it is about the same diagram.
+fn same(order: &Order, begun: Begun) -> Result<Begun, Failure> {
+    let found = &begun.header;
+    let same_model = found.model_text == order.model_text && found.job.model == order.job.model;
+    if found.job == order.job && same_model {
+        return Ok(begun);
+    }
+    let difference = if same_model {
+        found.job.difference(&order.job)
+    } else {
+        "another model"
+    };
+    Err(Failure::input(format!(
+        "`{}` holds an unfinished diagram with {difference}",
+        begun.path().display()
+    ))
+    .help("finish it with --resume, delete it, or write this diagram to another file"))
 }
 
 fn fill(

@@ -2,6 +2,7 @@
 
 use super::arguments::CobwebOption;
 use super::{Arguments, refused};
+use crate::diagram::Store;
 use crate::failure::Failure;
 use crate::universal::{Findings, branches, picture};
 use chatter::analysis::universal::{Universal, UniversalMap};
@@ -20,6 +21,7 @@ const PERIOD_HEIGHT: f64 = 0.1;
 pub fn figure<R: Real>(
     arguments: &Arguments,
     findings: &Findings<R>,
+    samples: Option<&mut Store>,
     universal: &Universal<f64>,
     map: &UniversalMap<f64>,
 ) -> Result<Figure, Failure> {
@@ -38,7 +40,7 @@ pub fn figure<R: Real>(
             .height(NARROW);
         return Ok(figure.title("Cobweb").caption(format!("{caption} {made}")));
     }
-    let Some((sweep, rows)) = &findings.diagram else {
+    let (Some((sweep, rows)), Some(samples)) = (&findings.diagram, samples) else {
         let [lap, whole] = picture::upsilon_panels(universal);
         let figure = Figure::new().panel(lap).panel(whole).columns(2).width(WIDE);
         let caption =
@@ -51,7 +53,7 @@ pub fn figure<R: Real>(
          on.",
         arguments.keep, arguments.transient, range.count
     );
-    let mut orbits = picture::orbit_panel(sweep, rows)?;
+    let mut orbits = picture::orbit_panel(sweep, samples)?;
     let mut below = Vec::new();
     if let (Some(laps), "mu") = (arguments.windows, range.parameter.as_str()) {
         let shown = (range.from, range.to);

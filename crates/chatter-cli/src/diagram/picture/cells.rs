@@ -35,6 +35,20 @@ const OTHERS: [(Outcome, &str, Color); 7] = [
     (Outcome::Undetermined, "undetermined", Color::BLACK),
 ];
 
+/// Most cells of a map: more than any page or screen shows, and some hundred bytes each.
+const MOST_CELLS: u64 = 10_000_000;
+
+/// Whether a map of so many cells can be drawn.
+pub fn check_cells(across: u64, up: u64) -> Result<(), Failure> {
+    match across.checked_mul(up) {
+        Some(0..=MOST_CELLS) => Ok(()),
+        _ => Err(Failure::input(format!(
+            "a map of {across} by {up} cells cannot be drawn: at most {MOST_CELLS} can"
+        ))
+        .help("chatter plot FILE.npz --zoom NAME=FROM:TO draws a part")),
+    }
+}
+
 /// Draws the map. `axis` labels the swept parameters.
 pub fn panel(
     sweep: &Sweep,
@@ -56,6 +70,7 @@ pub fn panel(
     let values = |range: &Range, places: &[u64]| -> Vec<f64> {
         places.iter().map(|&index| range.value(index)).collect()
     };
+    check_cells(places[0].len() as u64, places[1].len() as u64)?;
     let grid = (values(first, &places[0]), values(second, &places[1]));
     let starts = sweep.rows() / (first.count * second.count);
     let mut classes = vec![None; grid.0.len() * grid.1.len()];

@@ -154,10 +154,15 @@ impl Shown<'_> {
     }
 }
 
+/// Largest values that are drawn: differences and squares of pixels stay finite. Whatever lies beyond is none of what an
+/// orbit settles to.
+const LARGEST: f64 = 1e300;
+
 fn padded(low: f64, high: f64) -> (f64, f64) {
     if low > high {
         return (0.0, 1.0);
     }
+    let (low, high) = (low.max(-LARGEST), high.min(LARGEST));
     let extent = high - low;
     let room = if extent > 0.0 {
         extent * ROOM

@@ -5,6 +5,7 @@ mod densities;
 mod line_fit;
 mod window;
 
+pub use cells::check_cells;
 pub use densities::densities;
 
 use super::source::Source;

@@ -16,6 +16,15 @@ use std::sync::{Mutex, PoisonError};
 /// states stay in the processor's cache.
 const IN_FLIGHT: u64 = 256;
 
+/// All orbits that are followed at once hold no more numbers than this, 256 MiB, unless a few do so alone.
+const MOST_HELD: u64 = 1 << 25;
+
+/// Numbers that an orbit holds in the end: its samples, and for each of them impacts, time and chatter.
+fn held_by(sweep: &Sweep) -> u64 {
+    let a_sample = sweep.spec().observe.len() as u64 + 3;
+    sweep.spec().keep.saturating_mul(a_sample).max(1)
+}
+
 /// So many random points are drawn for a start before it is given up: none in that many is admissible.
 const DRAWS: u64 = 1000;
 
@@ -88,7 +97,9 @@ pub fn run(
         map,
         sweep,
         supply: &supply,
-        in_flight: open.div_ceil(workers).clamp(1, IN_FLIGHT),
+        in_flight: (open.div_ceil(workers))
+            .min(MOST_HELD / held_by(sweep) / workers)
+            .clamp(1, IN_FLIGHT),
         stop,
         broken_off: AtomicBool::new(false),
         sink: Mutex::new(sink),

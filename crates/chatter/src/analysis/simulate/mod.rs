@@ -31,6 +31,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod fastest_rate;
 mod place;
 mod recorder;
 mod result;
@@ -41,9 +42,10 @@ mod tolerance;
 #[cfg(test)]
 mod tests;
 
+pub use fastest_rate::FastestRate;
 pub use place::UnknownPlace;
 pub use result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
-pub use samples::Samples;
+pub use samples::{Samples, Sink};
 pub use spec::{EventKind, EventTarget, Sampling, Spec, SpecError, Stop};
 pub use tolerance::WrongTolerance;
 pub(crate) use tolerance::check_tolerance;
@@ -56,7 +58,7 @@ use core::ops::ControlFlow;
 use recorder::Recorder;
 
 /// The observer is asked every so many steps: often enough for a reaction within a millisecond, too rarely to cost.
-const STEPS_BETWEEN_REPORTS: u32 = 64;
+const STEPS_BETWEEN_REPORTS: u64 = 64;
 
 /// A chatter sequence is integrated until this share of its duration is left: no more than a line's width in a picture.
 const LONGEST_TAIL: f64 = 1e-3;
@@ -64,6 +66,8 @@ const LONGEST_TAIL: f64 = 1e-3;
 /// How far a run is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
+    /// Steps made.
+    pub steps: u64,
     /// Time where it began.
     pub start: f64,
     /// Time reached.
@@ -89,6 +93,29 @@ pub fn simulate<R: Real>(
     spec: &Spec,
     observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Simulation<R>, SimulateError> {
+    follow(model, spec, observer, None)
+}
+
+/// Like [`simulate`], with samples handed over as they come, so that memory does not grow with them: a few at a time, and
+/// all of them by the end. Those for a picture ([`Sampling::Smooth`]) are kept. The sink may break off, too.
+///
+/// # Errors
+/// As for [`simulate`].
+pub fn simulate_into<R: Real>(
+    model: &Model,
+    spec: &Spec,
+    observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    sink: &mut Sink<'_, R>,
+) -> Result<Simulation<R>, SimulateError> {
+    follow(model, spec, observer, Some(sink))
+}
+
+fn follow<R: Real>(
+    model: &Model,
+    spec: &Spec,
+    observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    mut sink: Option<&mut Sink<'_, R>>,
+) -> Result<Simulation<R>, SimulateError> {
     let mut targets = spec.targets(model)?;
     let system = System::new(model).map_err(SimulateError::System)?;
     let settings = Settings {
@@ -112,11 +139,12 @@ pub fn simulate<R: Real>(
         .map_err(SimulateError::Start)?;
     let mut recorder = Recorder::new(&spec.sampling, &trajectory);
     let stops_at_rest = spec.stops.contains(&Stop::Rest) && model.time.is_none();
-    let mut steps: u32 = 0;
+    let mut steps: u64 = 0;
 
     let outcome = loop {
         if steps.is_multiple_of(STEPS_BETWEEN_REPORTS) {
             let progress = Progress {
+                steps,
                 start: start.to_f64(),
                 time: trajectory.time().to_f64(),
                 until: until.to_f64(),
@@ -127,18 +155,20 @@ pub fn simulate<R: Real>(
                 break Outcome::Interrupted;
             }
         }
-        steps = steps.wrapping_add(1);
+        steps += 1;
         let occurrence = match trajectory.advance(&system, &mut work, until) {
             Ok(occurrence) => occurrence,
             Err(error) => break Outcome::Failed(error),
         };
-        recorder.motion(&work.dense(), &trajectory);
+        if occurrence.is_none() && stops_at_rest && recorder.at_rest(&work.dense(), &trajectory) {
+            break Outcome::Rest;
+        }
+        let sampled = recorder.motion(&work.dense(), &trajectory, &mut sink);
+        if sampled.is_break() {
+            break Outcome::Interrupted;
+        }
         match occurrence {
-            None => {
-                if stops_at_rest && recorder.at_rest(&work.dense(), &trajectory) {
-                    break Outcome::Rest;
-                }
-            }
+            None => {}
             Some(Occurrence::Horizon) => break Outcome::Horizon,
             Some(occurrence) => {
                 recorder.event(occurrence, &trajectory);
@@ -151,7 +181,7 @@ pub fn simulate<R: Real>(
             }
         }
     };
-    Ok(recorder.finish(outcome, &trajectory))
+    Ok(recorder.finish(outcome, &trajectory, &mut sink))
 }
 
 /// A restitution that depends on parameters alone is wrong from the start, not only at the first impact.

@@ -1,10 +1,11 @@
 //! Takes note of a trajectory while it moves.
 
 use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
-use super::samples::Sampler;
+use super::samples::{Sampler, Sink};
 use super::spec::Sampling;
 use crate::flow::{Closed, Dense, Occurrence, Trajectory};
 use crate::numerics::Real;
+use core::ops::ControlFlow;
 
 pub(super) struct Recorder<R> {
     pub(super) counts: Counts,
@@ -16,8 +17,6 @@ pub(super) struct Recorder<R> {
     /// Time and closed contacts before the next step.
     before: (R, Closed),
     in_flight: bool,
-    /// Where the step just made began.
-    step_began: R,
     samplers: Vec<Sampler<R>>,
 }
 
@@ -31,7 +30,6 @@ impl<R: Real> Recorder<R> {
             start: (trajectory.time(), trajectory.state().to_vec()),
             before: (trajectory.time(), Closed::NONE),
             in_flight: false,
-            step_began: trajectory.time(),
             samplers: (sampling.iter())
                 .map(|&sampling| Sampler::new(sampling, trajectory))
                 .collect(),
@@ -41,17 +39,26 @@ impl<R: Real> Recorder<R> {
     }
 
     /// Notes the step just made.
-    pub(super) fn motion(&mut self, dense: &Dense<'_, R>, trajectory: &Trajectory<R>) {
+    pub(super) fn motion(
+        &mut self,
+        dense: &Dense<'_, R>,
+        trajectory: &Trajectory<R>,
+        sink: &mut Option<&mut Sink<'_, R>>,
+    ) -> ControlFlow<()> {
         let (time, closed) = self.before;
-        self.step_began = time;
         if dense.step() > R::ZERO && closed == Closed::NONE && !self.in_flight {
             self.in_flight = true;
             self.counts.flights += 1;
         }
-        for sampler in &mut self.samplers {
-            sampler.motion(dense, time, closed, trajectory);
+        let mut goes_on = ControlFlow::Continue(());
+        for (list, sampler) in self.samplers.iter_mut().enumerate() {
+            let sampled = sampler.motion(dense, time, closed, trajectory, (list, sink));
+            if sampled.is_break() {
+                goes_on = sampled;
+            }
         }
         self.follow_phases(trajectory);
+        goes_on
     }
 
     /// Opens and ends contact phases where the set of closed contacts has changed.
@@ -138,8 +145,8 @@ impl<R: Real> Recorder<R> {
         self.events.last().filter(|_| self.fresh)
     }
 
-    /// Whether a contact is closed and the state has not changed during the step just made: then, in an autonomous
-    /// system, it never will.
+    /// Whether a contact is closed and the state does not change during the step just made: then, in an autonomous
+    /// system, it never will. Asked before the step is noted: it is no part of the run.
     pub(super) fn at_rest(&self, dense: &Dense<'_, R>, trajectory: &Trajectory<R>) -> bool {
         let still = |(index, &value): (usize, &R)| {
             [0.0, 0.5]
@@ -151,11 +158,19 @@ impl<R: Real> Recorder<R> {
             && trajectory.state().iter().enumerate().all(still)
     }
 
-    pub(super) fn finish(self, outcome: Outcome, trajectory: &Trajectory<R>) -> Simulation<R> {
+    pub(super) fn finish(
+        mut self,
+        outcome: Outcome,
+        trajectory: &Trajectory<R>,
+        sink: &mut Option<&mut Sink<'_, R>>,
+    ) -> Simulation<R> {
+        for (list, sampler) in self.samplers.iter_mut().enumerate() {
+            // Nothing comes after this.
+            let _ = sampler.hand_over(list, 0, sink);
+        }
         let (start_time, start_state) = self.start;
-        // The step that showed the rest is no part of the run.
         let time = match outcome {
-            Outcome::Rest => self.step_began,
+            Outcome::Rest => self.before.0,
             _ => trajectory.time(),
         };
         Simulation {
@@ -169,7 +184,7 @@ impl<R: Real> Recorder<R> {
             events: self.events,
             contact_phases: self.contact_phases,
             samples: (self.samplers.into_iter())
-                .map(|sampler| sampler.finish(time))
+                .map(Sampler::finish)
                 .collect(),
         }
     }

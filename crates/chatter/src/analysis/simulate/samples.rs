@@ -3,6 +3,7 @@
 use super::spec::Sampling;
 use crate::flow::{Closed, Dense, Trajectory};
 use crate::numerics::Real;
+use core::ops::ControlFlow;
 
 /// States at a sequence of times that never falls.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +35,12 @@ impl<R: Real> Samples<R> {
         }
     }
 
+    fn clear(&mut self) {
+        self.times.clear();
+        self.closed.clear();
+        self.states.iter_mut().for_each(Vec::clear);
+    }
+
     /// Drops the first `count` samples.
     fn forget(&mut self, count: usize) {
         self.times.drain(..count);
@@ -58,6 +65,12 @@ const FEWEST_IN_STEP: f64 = 4.0;
 
 /// A picture needs no more samples than this.
 const MOST_IN_PICTURE: usize = 500_000;
+
+/// Hears of samples as they come: of which list, and the next of it.
+pub type Sink<'a, R> = dyn FnMut(usize, &Samples<R>) -> ControlFlow<()> + 'a;
+
+/// Samples that are handed over at once.
+const BLOCK: usize = 1024;
 
 /// Takes samples while a trajectory moves.
 pub(super) struct Sampler<R> {
@@ -93,6 +106,25 @@ impl<R: Real> Sampler<R> {
         }
     }
 
+    /// Hands over what there is, if that is enough or is all that will come. What a picture shows is kept, since it
+    /// shows the end of a long run.
+    pub(super) fn hand_over(
+        &mut self,
+        list: usize,
+        least: usize,
+        sink: &mut Option<&mut Sink<'_, R>>,
+    ) -> ControlFlow<()> {
+        let kept = matches!(self.sampling, Sampling::Smooth { .. });
+        match sink {
+            Some(sink) if !kept && self.samples.len() >= least => {
+                let goes_on = sink(list, &self.samples);
+                self.samples.clear();
+                goes_on
+            }
+            _ => ControlFlow::Continue(()),
+        }
+    }
+
     /// Samples the step from `before` that the trajectory has just made, in the phase `closed`.
     pub(super) fn motion(
         &mut self,
@@ -100,7 +132,8 @@ impl<R: Real> Sampler<R> {
         before: R,
         closed: Closed,
         trajectory: &Trajectory<R>,
-    ) {
+        (list, sink): (usize, &mut Option<&mut Sink<'_, R>>),
+    ) -> ControlFlow<()> {
         match self.sampling {
             Sampling::Dense { per_step } => {
                 self.fractions(dense, before, closed, trajectory, per_step);
@@ -111,7 +144,7 @@ impl<R: Real> Sampler<R> {
                 });
                 if outside {
                     self.outside = true;
-                    return;
+                    return ControlFlow::Continue(());
                 }
                 if core::mem::take(&mut self.outside) {
                     let start = |index| dense.state(index, R::ZERO);
@@ -126,7 +159,8 @@ impl<R: Real> Sampler<R> {
             }
             Sampling::Every(interval) => {
                 let interval = R::from_double_double(interval);
-                let due = |taken: u64| interval.mul_add(R::splat(taken as f64), self.start);
+                let start = self.start;
+                let due = |taken: u64| interval.mul_add(R::splat(taken as f64), start);
                 while due(self.taken) <= trajectory.time() {
                     let time = due(self.taken);
                     self.taken += 1;
@@ -138,9 +172,12 @@ impl<R: Real> Sampler<R> {
                         let state = trajectory.state();
                         self.samples.push(time, closed, |index| state[index]);
                     }
+                    // One step may have more samples than memory holds.
+                    self.hand_over(list, BLOCK, sink)?;
                 }
             }
         }
+        self.hand_over(list, BLOCK, sink)
     }
 
     /// Samples the end of each of so many equal parts of the step.
@@ -179,14 +216,8 @@ impl<R: Real> Sampler<R> {
         }
     }
 
-    /// The samples up to the end of the run.
-    pub(super) fn finish(mut self, end: R) -> Samples<R> {
-        let kept = self.samples.times.partition_point(|&time| time <= end);
-        self.samples.times.truncate(kept);
-        self.samples.closed.truncate(kept);
-        for values in &mut self.samples.states {
-            values.truncate(kept);
-        }
+    /// The samples that have not been handed over.
+    pub(super) fn finish(self) -> Samples<R> {
         self.samples
     }
 }

@@ -1,0 +1,348 @@
+//! What a user's files can count on: outputs stand where they were asked for, two processes do not share one, links and
+//! permissions stay, and text from files does nothing to a terminal.
+
+#![cfg(unix)]
+
+use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A folder of its own for each test, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("chatter-{test}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.file(name), text).unwrap();
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.file(name)).unwrap()
+    }
+
+    fn names(&self, folder: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(self.file(folder)).unwrap();
+        let name = |entry: std::io::Result<std::fs::DirEntry>| {
+            entry.unwrap().file_name().into_string().unwrap()
+        };
+        let mut names: Vec<String> = entries.map(name).collect();
+        names.sort();
+        names
+    }
+
+    /// The command, as typed in a folder of this one.
+    fn command(&self, folder: &str, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
+        command.args(line.split_whitespace());
+        command.current_dir(self.file(folder));
+        command
+    }
+
+    fn run(&self, folder: &str, line: &str) -> Output {
+        self.command(folder, line).output().unwrap()
+    }
+
+    fn succeeds(&self, folder: &str, line: &str) -> String {
+        let output = self.run(folder, line);
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{line}: {errors}");
+        String::from_utf8(output.stdout).unwrap() + &errors
+    }
+
+    fn fails(&self, folder: &str, line: &str) -> String {
+        let output = self.run(folder, line);
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        String::from_utf8(output.stderr).unwrap()
+    }
+
+    /// Begins a diagram and kills it once so much of it is done.
+    fn kill(&self, folder: &str, line: &str, journal: &str, bytes: u64) {
+        let mut child = self.begin(folder, line);
+        self.wait_for(journal, bytes);
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+
+    fn begin(&self, folder: &str, line: &str) -> Child {
+        let mut command = self.command(folder, line);
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().unwrap()
+    }
+
+    fn wait_for(&self, journal: &str, bytes: u64) {
+        let began = Instant::now();
+        while std::fs::metadata(self.file(journal)).map_or(0, |file| file.len()) < bytes {
+            assert!(began.elapsed() < Duration::from_secs(120), "{journal}");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Long enough to be broken off.
+const LONG: &str = "diagram pressure_relief_valve --section closing --observe y2 --start carry \
+                    --sweep q=0.0201:0.0225:400 --transient 400 --keep 100";
+
+#[test]
+fn a_resumed_diagram_is_written_where_it_was_begun() {
+    let folder = Folder::new("elsewhere");
+    for sub in ["sub", "moved"] {
+        std::fs::create_dir(folder.file(sub)).unwrap();
+    }
+    folder.write("o.npz", "another file");
+    folder.write("o.png", "another picture");
+    let line = format!("{LONG} --out o.npz --plot o.png");
+    folder.succeeds("moved", &line);
+    let (whole, picture) = (folder.bytes("moved/o.npz"), folder.bytes("moved/o.png"));
+    std::fs::remove_file(folder.file("moved/o.npz")).unwrap();
+    std::fs::remove_file(folder.file("moved/o.png")).unwrap();
+
+    folder.kill("sub", &line, "sub/o.npz.journal", 20_000);
+    let journal = String::from_utf8_lossy(&folder.bytes("sub/o.npz.journal")).into_owned();
+    assert!(!journal.contains(folder.0.to_str().unwrap()));
+    folder.succeeds(".", "diagram --resume sub/o.npz");
+    assert!(folder.bytes("sub/o.npz") == whole);
+    assert!(folder.bytes("sub/o.png") == picture);
+    assert_eq!(folder.names("sub"), ["o.npz", "o.png"]);
+
+    // A journal goes with its folder, and an absolute path is no different.
+    let absolute = folder.file("sub/a.npz");
+    let line = format!("{LONG} --out {}", absolute.display());
+    folder.kill(".", &line, "sub/a.npz.journal", 20_000);
+    let journal = String::from_utf8_lossy(&folder.bytes("sub/a.npz.journal")).into_owned();
+    assert!(!journal.contains(folder.0.to_str().unwrap()));
+    std::fs::rename(
+        folder.file("sub/a.npz.journal"),
+        folder.file("moved/b.npz.journal"),
+    )
+    .unwrap();
+    folder.succeeds(".", "diagram --resume moved/b.npz");
+    assert!(folder.bytes("moved/b.npz") == whole);
+    assert_eq!(folder.names("moved"), ["b.npz"]);
+    assert_eq!(folder.bytes("o.npz"), b"another file");
+    assert_eq!(folder.bytes("o.png"), b"another picture");
+}
+
+#[test]
+fn a_figure_in_another_folder_is_asked_for_again() {
+    let folder = Folder::new("figure");
+    for sub in ["a", "b"] {
+        std::fs::create_dir(folder.file(sub)).unwrap();
+    }
+    let line = format!("{LONG} --out a/o.npz --plot b/p.png");
+    folder.kill(".", &line, "a/o.npz.journal", 10_000);
+    let said = folder.succeeds(".", "diagram --resume a/o.npz --plot b/q.png");
+    assert!(said.contains("wrote b/q.png"), "{said}");
+    folder.kill(".", &line, "a/o.npz.journal", 10_000);
+    let said = folder.succeeds(".", "diagram --resume a/o.npz");
+    assert!(said.contains("--plot FILE draws it"), "{said}");
+    // One without a table loses nothing either.
+    let line = format!("{LONG} --plot b/p.svg");
+    folder.kill(".", &line, "b/p.svg.journal", 10_000);
+    folder.succeeds(".", "diagram --resume b/p.svg");
+    assert_eq!(folder.names("a"), ["o.npz"]);
+    assert_eq!(folder.names("b"), ["p.svg", "q.png"]);
+}
+
+#[test]
+fn what_is_no_diagram_is_not_called_complete() {
+    let folder = Folder::new("complete");
+    folder.write("notes.txt", "notes");
+    folder.write("a.png", "no picture");
+    folder.write("a.npz", "no archive");
+    folder.write("a.csv", "x\r\n1\r\n");
+    for name in ["notes.txt", "a.png", "a.npz", "a.csv"] {
+        folder.fails(".", &format!("diagram --resume {name}"));
+    }
+    let line = "diagram bouncing_ball_on_table --at impact --observe v --sweep Gamma=1.2:2:3 --keep 5 --transient 5";
+    for name in ["b.npz", "b.csv", "b.svg"] {
+        let option = if name.ends_with("svg") { "plot" } else { "out" };
+        folder.succeeds(".", &format!("{line} --{option} {name}"));
+        let said = folder.succeeds(".", &format!("diagram --resume {name}"));
+        assert!(said.contains("nothing to resume"), "{said}");
+    }
+}
+
+#[test]
+fn of_two_processes_on_one_output_one_computes() {
+    let folder = Folder::new("two");
+    let line = "diagram bouncing_ball_on_table --at impact --observe v --sweep Gamma=1.2:2:40 --transient 2000 --out o.npz";
+    folder.succeeds(".", line);
+    let whole = folder.bytes("o.npz");
+    for _ in 0..10 {
+        std::fs::remove_file(folder.file("o.npz")).unwrap();
+        let children: Vec<Child> = (0..4)
+            .map(|_| {
+                let mut command = folder.command(".", line);
+                command.stdout(Stdio::piped()).stderr(Stdio::piped());
+                command.spawn().unwrap()
+            })
+            .collect();
+        let mut computed = 0;
+        for child in children {
+            let output = child.wait_with_output().unwrap();
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            match output.status.code() {
+                Some(0) => computed += 1,
+                Some(2) => assert!(said.contains("is in use: another process"), "{said}"),
+                other => panic!("{other:?}: {said}"),
+            }
+        }
+        assert!(computed >= 1);
+        assert!(folder.bytes("o.npz") == whole);
+        assert_eq!(folder.names("."), ["o.npz"]);
+    }
+    // Nor does one that goes on share it with another.
+    let mut first = folder.begin(".", &format!("{LONG} --out long.npz"));
+    folder.wait_for("long.npz.journal", 10_000);
+    for line in [
+        format!("{LONG} --out long.npz"),
+        "diagram --resume long.npz".to_owned(),
+    ] {
+        let said = folder.fails(".", &line);
+        assert!(said.contains("is in use"), "{said}");
+    }
+    first.kill().unwrap();
+    first.wait().unwrap();
+    folder.succeeds(".", "diagram --resume long.npz");
+}
+
+#[test]
+fn links_permissions_and_pipes_stay() {
+    let folder = Folder::new("targets");
+    std::fs::create_dir(folder.file("far")).unwrap();
+    let line = "simulate bouncing_ball --until 1 --out";
+    folder.write("secret.csv", "old");
+    let mode = |name: &str| std::fs::metadata(folder.file(name)).unwrap().mode() & 0o777;
+    let only_mine = std::fs::Permissions::from_mode(0o600);
+    std::fs::set_permissions(folder.file("secret.csv"), only_mine).unwrap();
+    folder.succeeds(".", &format!("{line} secret.csv"));
+    assert_eq!(mode("secret.csv"), 0o600);
+    folder.write("far/real.csv", "old");
+    symlink("far/real.csv", folder.file("link.csv")).unwrap();
+    folder.succeeds(".", &format!("{line} link.csv"));
+    assert!(folder.file("link.csv").is_symlink());
+    assert!(folder.bytes("far/real.csv") == folder.bytes("secret.csv"));
+    let pipe = folder.file("pipe.csv");
+    assert!(
+        Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
+    let said = folder.fails(".", &format!("{line} pipe.csv"));
+    assert!(said.contains("it is a pipe"), "{said}");
+    assert!(!std::fs::metadata(&pipe).unwrap().is_file());
+    assert_eq!(folder.names("far"), ["real.csv"]);
+}
+
+#[test]
+fn what_a_killed_process_was_writing_is_removed_by_the_one_that_goes_on() {
+    let folder = Folder::new("litter");
+    let line = format!("{LONG} --out o.npz --plot o.png");
+    folder.kill(".", &line, "o.npz.journal", 10_000);
+    for left in [".o.npz.aB3dE6.tmp", ".o.png.aB3dE6.tmp"] {
+        folder.write(left, "half of it");
+    }
+    folder.succeeds(".", "diagram --resume o.npz");
+    assert_eq!(folder.names("."), ["o.npz", "o.png"]);
+}
+
+#[test]
+fn a_journal_with_wrong_rows_is_gone_on_with_from_the_right_ones() {
+    let folder = Folder::new("rows");
+    folder.succeeds(".", &format!("{LONG} --out whole.npz"));
+    folder.kill(".", &format!("{LONG} --out o.npz"), "o.npz.journal", 20_000);
+    let good = folder.bytes("o.npz.journal");
+    // The last point of the first row, with one coordinate less, and the checksum that goes with it.
+    let length = |at: usize| u64::from_le_bytes(good[at..at + 8].try_into().unwrap()) as usize;
+    let row = 16 + 12 + length(16);
+    let body = row + 12;
+    let end = body + 34;
+    let coordinates = length(end);
+    assert_eq!(coordinates, 3);
+    let mut changed = good[body..body + length(row)].to_vec();
+    changed.splice(34..42, 2_u64.to_le_bytes());
+    changed.drain(42..50);
+    let mut record = (changed.len() as u64).to_le_bytes().to_vec();
+    let sum = crc32(&[&record[..], &changed[..]].concat());
+    record.extend(sum.to_le_bytes());
+    record.extend(&changed);
+    let mut bytes = good[..row].to_vec();
+    bytes.extend(record);
+    bytes.extend(&good[body + length(row)..]);
+    std::fs::write(folder.file("o.npz.journal"), bytes).unwrap();
+    folder.succeeds(".", "diagram --resume o.npz");
+    assert!(folder.bytes("o.npz") == folder.bytes("whole.npz"));
+}
+
+/// CRC-32 as in ZIP, bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |sum: u32, _| (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
+    !bytes.iter().fold(!0, |sum, &byte| {
+        (0..8).fold(sum ^ u32::from(byte), step)
+    })
+}
+
+#[test]
+fn text_from_files_does_nothing_to_a_terminal() {
+    let folder = Folder::new("escapes");
+    let model = "title = \"T\\u001b]0;gone\\u0007\\u009b31m\"\nsource = \"\\u001b[2J\"\n[flight]\ny = \"v\"\nv = \"-1\"\n\
+                 [[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = \"0.5\"\n[initial]\ny = 1\nv = 0\n";
+    let name = "a\u{1b}[31m.toml";
+    folder.write(name, model);
+    folder.write("broken\u{1b}[31m.toml", "[flight\n\u{1b}[2J");
+    let lines = [
+        format!("simulate {name}"),
+        format!("simulate {name} --json"),
+        format!("check {name}"),
+        format!("check {name} --json"),
+        "simulate broken\u{1b}[31m.toml".to_owned(),
+        "simulate missing\u{1b}[31m.toml".to_owned(),
+        format!("simulate {name} --set \u{1b}[31mq=1"),
+        format!("simulate {name} --\u{1b}[31m"),
+        format!("simulate {name} --out \u{1b}[31m/x.csv"),
+        format!("diagram --resume {name}"),
+        "plot \u{1b}[31m.npz --out a.png".to_owned(),
+    ];
+    for line in lines {
+        let output = folder.run(".", &line);
+        for said in [&output.stdout, &output.stderr] {
+            let said = String::from_utf8_lossy(said);
+            let raw = said.chars().find(|c| c.is_control() && *c != '\n');
+            assert_eq!(raw, None, "{line:?}: {said:?}");
+        }
+    }
+    // A document still says what the title is.
+    let json: serde_json::Value =
+        serde_json::from_slice(&folder.run(".", &format!("check {name} --json")).stdout).unwrap();
+    assert_eq!(json["title"], "T\u{1b}]0;gone\u{7}\u{9b}31m");
+}
+
+#[test]
+fn a_full_device_is_an_exit_code_and_no_panic() {
+    let folder = Folder::new("full");
+    let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut nothing = folder.command(".", "simulate no_such_model");
+    nothing.stderr(full()).stdout(full());
+    assert_eq!(nothing.status().unwrap().code(), Some(2));
+    let mut ball = folder.command(".", "simulate bouncing_ball --until 1");
+    ball.stderr(full()).stdout(full());
+    assert_eq!(ball.status().unwrap().code(), Some(1));
+}

@@ -1,0 +1,299 @@
+//! Requests that are more than meant, files that claim more than they hold, models that are more than can be done: each says
+//! so, ends, or is ended by Ctrl-C, in memory that is in proportion.
+
+#![cfg(unix)]
+
+use chatter_io::tables::{Kind, NpzReader, NpzWriter, Values};
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("chatter-{test}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.file(name), text).unwrap();
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).unwrap();
+        let name = |entry: std::io::Result<std::fs::DirEntry>| {
+            entry.unwrap().file_name().into_string().unwrap()
+        };
+        let mut names: Vec<String> = entries.map(name).collect();
+        names.sort();
+        names
+    }
+
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
+        command.args(line.split_whitespace()).current_dir(&self.0);
+        command
+    }
+
+    fn run(&self, line: &str) -> Output {
+        self.command(line).output().unwrap()
+    }
+
+    /// With no more than so many megabytes of address space.
+    fn run_within(&self, megabytes: u64, line: &str) -> Output {
+        let program = env!("CARGO_BIN_EXE_chatter");
+        let limited = format!("ulimit -v {}; exec {program} {line}", megabytes * 1024);
+        Command::new("sh")
+            .args(["-c", &limited])
+            .current_dir(&self.0)
+            .output()
+            .unwrap()
+    }
+
+    /// Wrong input, and what is said about it.
+    fn fails(&self, line: &str) -> String {
+        told(&self.run_within(4000, line), 2, line)
+    }
+
+    /// Presses Ctrl-C after so long; what was said.
+    fn interrupt(&self, line: &str, after: Duration) -> String {
+        let mut command = self.command(line);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = command.spawn().unwrap();
+        std::thread::sleep(after);
+        let id = child.id().to_string();
+        let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
+        assert!(sent.success(), "{line} has ended already");
+        let began = Instant::now();
+        let output = child.wait_with_output().unwrap();
+        // A second on a machine with nothing else to do.
+        assert!(
+            began.elapsed() < Duration::from_secs(4),
+            "{line}: {:?}",
+            began.elapsed()
+        );
+        told(&output, 130, line)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn told(output: &Output, code: i32, line: &str) -> String {
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{line}: {said}");
+    said
+}
+
+/// A ball on a floor, under this force.
+fn ball(force: &str, definitions: &str) -> String {
+    format!(
+        "[flight]\ny = \"v\"\nv = \"{force}\"\n{definitions}\n[[contact]]\nname = \"floor\"\ngap = \"y\"\n\
+         impulse = {{ v = 1 }}\nrestitution = 0.5\n[initial]\ny = 1\nv = 0\n"
+    )
+}
+
+#[test]
+fn more_rows_than_a_disk_holds_are_told_first_and_stopped_by_ctrl_c() {
+    let folder = Folder::new("rows");
+    let second = Duration::from_secs(1);
+    for (interval, out) in [("1e-12", "a.npz"), ("1e-9", "a.csv")] {
+        let line = format!("simulate bouncing_ball_on_table --until 90 --sample {interval} --out {out}");
+        let said = folder.interrupt(&line, second);
+        assert!(said.contains("rows are asked for"), "{said}");
+    }
+    // What was done stays.
+    assert_eq!(folder.names(), ["a.csv", "a.npz"]);
+    let time = NpzReader::open(folder.file("a.npz")).unwrap().floats("time").unwrap();
+    assert!(time.len() > 1000 && time.is_sorted());
+}
+
+#[test]
+fn a_stiff_model_says_what_limits_its_steps() {
+    let folder = Folder::new("stiff");
+    folder.write("damped.toml", &ball("-1e9*v - y - 1", ""));
+    folder.write("spring.toml", &ball("1 - 1e18*(y - 1)", ""));
+    let second = Duration::from_secs(1);
+    let said = folder.interrupt("simulate damped.toml --until 1000", second);
+    assert!(said.contains("stiff: `v` changes at a rate of 1.0e9"), "{said}");
+    let said = folder.interrupt("simulate spring.toml --until 1000", second);
+    assert!(said.contains("`v` and `y` change each other at a rate of 1.0e9"), "{said}");
+    let said = folder.interrupt("simulate impact_oscillator --until 1e40 --impacts 100000000000", second);
+    assert!(said.contains("to time 1e40 there are about") || said.contains("there are about"), "{said}");
+}
+
+#[test]
+fn ctrl_c_ends_every_long_command() {
+    let folder = Folder::new("ctrlc");
+    let short = Duration::from_millis(300);
+    for line in [
+        "border impact_oscillator --parameter sigma --range -1:1 --samples 20000",
+        "universal --restitution 0.8 --windows 0:60 --periods 1:6 --chaos --out a.csv",
+        "universal --restitution 0.8 --sweep mu=0:0.05:100000 --keep 10000 --out a.npz",
+        "reproduce --out r",
+    ] {
+        let said = folder.interrupt(line, short);
+        assert!(said.contains("broken off"), "{said}");
+    }
+    assert_eq!(folder.names(), ["r"]);
+}
+
+#[test]
+fn memory_does_not_grow_with_the_table() {
+    let folder = Folder::new("memory");
+    // Some five million rows of four columns.
+    let line = "simulate bouncing_ball_on_table --impacts 250000 --out a.npz --sample dense:20";
+    told(&folder.run_within(300, line), 0, line);
+    let rows = NpzReader::open(folder.file("a.npz")).unwrap().info("time").unwrap().len();
+    assert!(rows > 4_000_000, "{rows}");
+    // 160 MB of samples.
+    let line = "universal --restitution 0.8 --sweep mu=0.01:0.05:200 --keep 100000 --out b.npz";
+    told(&folder.run_within(1000, line), 0, line);
+}
+
+#[test]
+fn models_that_are_too_large_are_refused_and_long_ones_are_not() {
+    let folder = Folder::new("large");
+    let chain = |count: usize, next: &dyn Fn(usize) -> String| {
+        let lines: Vec<String> = (1..=count)
+            .map(|k| format!("d{k} = \"{}\"", next(k - 1)))
+            .collect();
+        ball(
+            &format!("-1 + 1e-9*d{count}"),
+            &format!("[definitions]\nd0 = \"y\"\n{}", lines.join("\n")),
+        )
+    };
+    folder.write("sines.toml", &chain(20_000, &|k| format!("sin(d{k})")));
+    folder.write("sums.toml", &chain(20_000, &|k| format!("d{k} + 1")));
+    let factors: Vec<String> = (1..=5000).map(|k| format!("(y+{k})")).collect();
+    folder.write("product.toml", &ball(&format!("-1 + 1e-300*{}", factors.join("*")), ""));
+    let said = folder.fails("simulate sines.toml");
+    assert!(said.contains("nested 20"), "{said}");
+    let said = folder.fails("simulate product.toml");
+    assert!(said.contains("so many factors"), "{said}");
+    for name in ["sines", "product"] {
+        let line = format!("check {name}.toml");
+        let output = folder.run_within(2000, &line);
+        told(&output, 0, &line);
+        assert!(String::from_utf8_lossy(&output.stdout).contains("supported"));
+    }
+    let line = "simulate sums.toml";
+    told(&folder.run_within(1000, line), 0, line);
+}
+
+#[test]
+fn check_tells_what_simulate_would_refuse() {
+    let folder = Folder::new("check");
+    let contact = |name: &str, gap: &str| {
+        format!("[[contact]]\nname = \"{name}\"\ngap = \"{gap}\"\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n")
+    };
+    let contacts: String = (0..9).map(|k| contact(&format!("c{k}"), &format!("y + {k} + 1"))).collect();
+    let cases = [
+        (ball("-1", &contacts), "no trajectory begins: the model has 10 contacts"),
+        (ball("-1", &contact("again", "y")), "`again` and `floor` have the same gap"),
+        (ball("-1", &contact("again", "3*y")), "`again` and `floor` have the same gap"),
+        (
+            ball("-1", "[section.s]\nsurface = \"3\"\ndirection = \"rising\""),
+            "nothing crosses it",
+        ),
+        (
+            ball("-1", "[parameters]\ng = 0").replace("v = 1 }", "v = \"1/g\" }"),
+            "rate per impulse",
+        ),
+    ];
+    for (text, expected) in cases {
+        folder.write("m.toml", &text);
+        let output = folder.run("check m.toml");
+        let said = String::from_utf8_lossy(&output.stdout).into_owned()
+            + &String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(expected), "{expected}: {said}");
+        assert!(!said.contains("nothing looks wrong"));
+    }
+}
+
+/// Writes an archive again, with some of its texts and numbers changed.
+fn changed(
+    from: PathBuf,
+    to: PathBuf,
+    text: impl Fn(&str, String) -> String,
+    number: impl Fn(&str, usize, f64) -> f64,
+) {
+    let reader = NpzReader::open(from).unwrap();
+    let mut writer = NpzWriter::create(to).unwrap();
+    for array in reader.arrays() {
+        let name = &array.name;
+        match (array.kind, array.shape.is_empty()) {
+            (Kind::Text { .. }, true) => {
+                let new = text(name, reader.text(name).unwrap());
+                writer.text(name, &new).unwrap();
+            }
+            _ => {
+                let mut column = reader.column(name).unwrap();
+                if let Values::Floats(values) = &mut column.values {
+                    for (place, value) in values.iter_mut().enumerate() {
+                        *value = number(name, place, *value);
+                    }
+                }
+                writer.column(&column).unwrap();
+            }
+        }
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn an_archive_that_claims_more_than_it_holds_is_refused() {
+    let folder = Folder::new("claims");
+    let line = "diagram bouncing_ball_on_table --at impact --observe v --sweep Gamma=1.2:2:5 --keep 20 --transient 5 --out";
+    told(&folder.run(&format!("{line} one.npz")), 0, line);
+    let map = line.replace("--keep", "--sweep r=0.1:0.5:3 --keep");
+    told(&folder.run(&format!("{map} two.npz")), 0, &map);
+    let counts = ["1000000000000000000", "100000000", "6", "0"];
+    for (name, old) in [("one", "\"count\":5"), ("two", "\"count\":3")] {
+        for count in counts {
+            changed(
+                folder.file(&format!("{name}.npz")),
+                folder.file("claims.npz"),
+                |_, text| text.replace(old, &format!("\"count\":{count}")),
+                |_, _, value| value,
+            );
+            folder.fails("plot claims.npz --out a.png");
+            folder.fails("plot claims.npz --out a.png --zoom Gamma=5:6");
+        }
+    }
+    // Values that overflow are drawn, or refused.
+    let huge = [f64::MAX, f64::MIN, f64::INFINITY, f64::NAN, 1e300, -5e307, 5e-324];
+    for count in 1..huge.len() {
+        changed(
+            folder.file("one.npz"),
+            folder.file("huge.npz"),
+            |_, text| text,
+            |name, place, value| if name == "v" { huge[place % count] } else { value },
+        );
+        for options in ["a.svg", "b.png", "c.svg --shear auto", "d.svg --shear 1e308"] {
+            let line = format!("plot huge.npz --out {options}");
+            let output = folder.run_within(2000, &line);
+            let code = output.status.code();
+            assert!(code == Some(0) || code == Some(2), "{line}: {code:?}");
+        }
+    }
+}
+
+#[test]
+fn maps_that_cannot_be_drawn_are_refused_before_they_are_computed() {
+    let folder = Folder::new("cells");
+    let said = folder.fails(
+        "diagram bouncing_ball_on_table --at impact --observe v --sweep Gamma=1.2:2:10000 --sweep r=0.1:0.5:10000 --plot a.png",
+    );
+    assert!(said.contains("10000 by 10000 cells"), "{said}");
+    assert!(folder.names().is_empty());
+}

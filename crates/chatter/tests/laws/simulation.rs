@@ -1,0 +1,116 @@
+//! A short run of a model made from any bytes: no gap is ever negative, time rises, and the run ends.
+
+use chatter::analysis::simulate::{Outcome, Sampling, Spec, simulate};
+use chatter::model::Model;
+use std::ops::ControlFlow;
+
+/// How long runs last, how many impacts and how many steps they may have: far more than such models need.
+const UNTIL: f64 = 5.0;
+const IMPACTS: u64 = 300;
+const STEPS: u64 = 200_000;
+
+/// Share of the largest gap by which a gap may seem negative.
+const ROUNDING: f64 = 1e-9;
+
+/// Takes numbers from bytes; zeros once they are used up.
+struct Numbers<'a>(core::slice::Iter<'a, u8>);
+
+impl Numbers<'_> {
+    fn byte(&mut self) -> u8 {
+        self.0.next().copied().unwrap_or(0)
+    }
+
+    /// A multiple of 1/32 from -4 to 4.
+    fn signed(&mut self) -> f64 {
+        f64::from(self.byte() as i8) / 32.0
+    }
+
+    /// From 0 to 2.
+    fn positive(&mut self) -> f64 {
+        f64::from(self.byte()) / 128.0
+    }
+
+    fn restitution(&mut self) -> f64 {
+        f64::from(self.byte()) / 266.0
+    }
+}
+
+/// A mass above a floor, with forces linear in its state and in that of an actuator, a forcing, and perhaps a ceiling.
+fn model(bytes: &[u8]) -> (String, bool) {
+    let mut n = Numbers(bytes.iter());
+    let has_ceiling = n.byte() & 1 == 1;
+    let force: Vec<String> = ["1", "y", "v", "w", "w*y", "sin(3*t)", "cos(y)"]
+        .iter()
+        .map(|term| format!("{} * {term}", n.signed()))
+        .collect();
+    let actuator: Vec<String> = ["1", "w", "y", "v", "sqrt(1 + y^2)"]
+        .iter()
+        .map(|term| format!("{} * {term}", n.signed()))
+        .collect();
+    let (r, s) = (n.restitution(), n.restitution());
+    let start = n.positive();
+    let mut text = format!(
+        "[flight]\ny = \"v\"\nv = \"{}\"\nw = \"{}\"\n[[contact]]\nname = \"floor\"\ngap = \"y\"\nimpulse = {{ v = 1 }}\n\
+         restitution = {r}\n",
+        force.join(" + "),
+        actuator.join(" + ")
+    );
+    if has_ceiling {
+        text += &format!(
+            "[[contact]]\nname = \"ceiling\"\ngap = \"2 - y\"\nimpulse = {{ v = 1 }}\nrestitution = {s}\n"
+        );
+    }
+    text += &format!(
+        "[section.up]\nsurface = \"v\"\ndirection = \"rising\"\n[initial]\ny = {start}\nv = {}\nw = {}\n",
+        n.signed(),
+        n.signed()
+    );
+    (text, has_ceiling)
+}
+
+/// Runs the model that the bytes stand for.
+pub fn law(bytes: &[u8]) {
+    let (text, has_ceiling) = model(bytes);
+    let model = Model::from_toml(&text, "any.toml").unwrap();
+    let spec = Spec {
+        impacts: IMPACTS,
+        sampling: vec![Sampling::Dense { per_step: 3 }],
+        ..Spec::until(UNTIL)
+    };
+    let run = simulate::<f64>(&model, &spec, &mut |reached| {
+        if reached.steps > STEPS {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    let Ok(run) = run else {
+        // It starts beyond a contact, or pressed into both.
+        return;
+    };
+    assert!(run.outcome != Outcome::Interrupted, "no end\n{text}");
+    if run.outcome == Outcome::Horizon {
+        assert_eq!(run.time, UNTIL, "{text}");
+    }
+    let samples = &run.samples[0];
+    let event_times: Vec<f64> = run.events.iter().map(|event| event.time).collect();
+    for times in [&samples.times, &event_times] {
+        assert!(times.is_sorted(), "time falls\n{text}");
+        let inside = times.iter().all(|time| (0.0..=UNTIL).contains(time));
+        assert!(inside, "time leaves the run\n{text}");
+    }
+    let heights = &samples.states[0];
+    let heights = heights
+        .iter()
+        .chain(run.events.iter().map(|event| &event.state[0]));
+    let heights: Vec<f64> = heights.copied().filter(|y| y.is_finite()).collect();
+    let largest = heights.iter().fold(2.0_f64, |most, y| most.max(y.abs()));
+    for y in heights {
+        assert!(y >= -ROUNDING * largest, "gap {y} at the floor\n{text}");
+        assert!(
+            !has_ceiling || 2.0 - y >= -ROUNDING * largest,
+            "gap {} at the ceiling\n{text}",
+            2.0 - y
+        );
+    }
+}

@@ -1,0 +1,10 @@
+//! A short run of a model made from any bytes.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+#[path = "../../crates/chatter/tests/laws/simulation.rs"]
+mod law;
+
+fuzz_target!(|bytes: &[u8]| law::law(bytes));
