@@ -295,9 +295,9 @@ fn a_journal_with_wrong_rows_is_gone_on_with_from_the_right_ones() {
 /// CRC-32 as in ZIP, bit by bit.
 fn crc32(bytes: &[u8]) -> u32 {
     let step = |sum: u32, _| (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
-    !bytes.iter().fold(!0, |sum, &byte| {
-        (0..8).fold(sum ^ u32::from(byte), step)
-    })
+    !bytes
+        .iter()
+        .fold(!0, |sum, &byte| (0..8).fold(sum ^ u32::from(byte), step))
 }
 
 #[test]
@@ -338,7 +338,12 @@ fn text_from_files_does_nothing_to_a_terminal() {
 #[test]
 fn a_full_device_is_an_exit_code_and_no_panic() {
     let folder = Folder::new("full");
-    let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let full = || {
+        std::fs::File::options()
+            .write(true)
+            .open("/dev/full")
+            .unwrap()
+    };
     let mut nothing = folder.command(".", "simulate no_such_model");
     nothing.stderr(full()).stdout(full());
     assert_eq!(nothing.status().unwrap().code(), Some(2));

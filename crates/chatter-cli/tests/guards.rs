@@ -107,13 +107,17 @@ fn more_rows_than_a_disk_holds_are_told_first_and_stopped_by_ctrl_c() {
     let folder = Folder::new("rows");
     let second = Duration::from_secs(1);
     for (interval, out) in [("1e-12", "a.npz"), ("1e-9", "a.csv")] {
-        let line = format!("simulate bouncing_ball_on_table --until 90 --sample {interval} --out {out}");
+        let line =
+            format!("simulate bouncing_ball_on_table --until 90 --sample {interval} --out {out}");
         let said = folder.interrupt(&line, second);
         assert!(said.contains("rows are asked for"), "{said}");
     }
     // What was done stays.
     assert_eq!(folder.names(), ["a.csv", "a.npz"]);
-    let time = NpzReader::open(folder.file("a.npz")).unwrap().floats("time").unwrap();
+    let time = NpzReader::open(folder.file("a.npz"))
+        .unwrap()
+        .floats("time")
+        .unwrap();
     assert!(time.len() > 1000 && time.is_sorted());
 }
 
@@ -121,14 +125,32 @@ fn more_rows_than_a_disk_holds_are_told_first_and_stopped_by_ctrl_c() {
 fn a_stiff_model_says_what_limits_its_steps() {
     let folder = Folder::new("stiff");
     folder.write("damped.toml", &ball("-1e9*v - y - 1", ""));
-    folder.write("spring.toml", &ball("1 - 1e18*(y - 1)", ""));
+    folder.write("spring.toml", &ball("-1e18*(y - 2)", ""));
     let second = Duration::from_secs(1);
     let said = folder.interrupt("simulate damped.toml --until 1000", second);
-    assert!(said.contains("stiff: `v` changes at a rate of 1.0e9"), "{said}");
+    assert!(
+        said.contains("stiff: `v` changes at a rate of 1.0e9"),
+        "{said}"
+    );
     let said = folder.interrupt("simulate spring.toml --until 1000", second);
-    assert!(said.contains("`v` and `y` change each other at a rate of 1.0e9"), "{said}");
-    let said = folder.interrupt("simulate impact_oscillator --until 1e40 --impacts 100000000000", second);
-    assert!(said.contains("to time 1e40 there are about") || said.contains("there are about"), "{said}");
+    assert!(
+        said.contains("`v` and `y` change each other at a rate of 1.0e9"),
+        "{said}"
+    );
+    let damped = "simulate impact_oscillator --set zeta=1e8 --until 10000";
+    assert!(
+        folder
+            .interrupt(damped, second)
+            .contains("the model is stiff")
+    );
+    let said = folder.interrupt(
+        "simulate impact_oscillator --until 1e40 --impacts 100000000000",
+        second,
+    );
+    assert!(
+        said.contains("to time 1e40 there are about") && !said.contains("stiff"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -153,7 +175,11 @@ fn memory_does_not_grow_with_the_table() {
     // Some five million rows of four columns.
     let line = "simulate bouncing_ball_on_table --impacts 250000 --out a.npz --sample dense:20";
     told(&folder.run_within(300, line), 0, line);
-    let rows = NpzReader::open(folder.file("a.npz")).unwrap().info("time").unwrap().len();
+    let rows = NpzReader::open(folder.file("a.npz"))
+        .unwrap()
+        .info("time")
+        .unwrap()
+        .len();
     assert!(rows > 4_000_000, "{rows}");
     // 160 MB of samples.
     let line = "universal --restitution 0.8 --sweep mu=0.01:0.05:200 --keep 100000 --out b.npz";
@@ -175,7 +201,10 @@ fn models_that_are_too_large_are_refused_and_long_ones_are_not() {
     folder.write("sines.toml", &chain(20_000, &|k| format!("sin(d{k})")));
     folder.write("sums.toml", &chain(20_000, &|k| format!("d{k} + 1")));
     let factors: Vec<String> = (1..=5000).map(|k| format!("(y+{k})")).collect();
-    folder.write("product.toml", &ball(&format!("-1 + 1e-300*{}", factors.join("*")), ""));
+    folder.write(
+        "product.toml",
+        &ball(&format!("-1 + 1e-300*{}", factors.join("*")), ""),
+    );
     let said = folder.fails("simulate sines.toml");
     assert!(said.contains("nested 20"), "{said}");
     let said = folder.fails("simulate product.toml");
@@ -194,13 +223,26 @@ fn models_that_are_too_large_are_refused_and_long_ones_are_not() {
 fn check_tells_what_simulate_would_refuse() {
     let folder = Folder::new("check");
     let contact = |name: &str, gap: &str| {
-        format!("[[contact]]\nname = \"{name}\"\ngap = \"{gap}\"\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n")
+        format!(
+            "[[contact]]\nname = \"{name}\"\ngap = \"{gap}\"\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n"
+        )
     };
-    let contacts: String = (0..9).map(|k| contact(&format!("c{k}"), &format!("y + {k} + 1"))).collect();
+    let contacts: String = (0..9)
+        .map(|k| contact(&format!("c{k}"), &format!("y + {k} + 1")))
+        .collect();
     let cases = [
-        (ball("-1", &contacts), "no trajectory begins: the model has 10 contacts"),
-        (ball("-1", &contact("again", "y")), "`again` and `floor` have the same gap"),
-        (ball("-1", &contact("again", "3*y")), "`again` and `floor` have the same gap"),
+        (
+            ball("-1", &contacts),
+            "no trajectory begins: the model has 10 contacts",
+        ),
+        (
+            ball("-1", &contact("again", "y")),
+            "`again` and `floor` have the same gap",
+        ),
+        (
+            ball("-1", &contact("again", "3*y")),
+            "`again` and `floor` have the same gap",
+        ),
         (
             ball("-1", "[section.s]\nsurface = \"3\"\ndirection = \"rising\""),
             "nothing crosses it",
@@ -271,15 +313,34 @@ fn an_archive_that_claims_more_than_it_holds_is_refused() {
         }
     }
     // Values that overflow are drawn, or refused.
-    let huge = [f64::MAX, f64::MIN, f64::INFINITY, f64::NAN, 1e300, -5e307, 5e-324];
+    let huge = [
+        f64::MAX,
+        f64::MIN,
+        f64::INFINITY,
+        f64::NAN,
+        1e300,
+        -5e307,
+        5e-324,
+    ];
     for count in 1..huge.len() {
         changed(
             folder.file("one.npz"),
             folder.file("huge.npz"),
             |_, text| text,
-            |name, place, value| if name == "v" { huge[place % count] } else { value },
+            |name, place, value| {
+                if name == "v" {
+                    huge[place % count]
+                } else {
+                    value
+                }
+            },
         );
-        for options in ["a.svg", "b.png", "c.svg --shear auto", "d.svg --shear 1e308"] {
+        for options in [
+            "a.svg",
+            "b.png",
+            "c.svg --shear auto",
+            "d.svg --shear 1e308",
+        ] {
             let line = format!("plot huge.npz --out {options}");
             let output = folder.run_within(2000, &line);
             let code = output.status.code();

@@ -331,7 +331,11 @@ mod tests {
         let path = folder.path("a.txt");
         // Nobody holds a lock on these.
         fs::write(folder.path(".a.txt.x7Yz01.tmp"), "left behind").unwrap();
-        let others = [".a.txt.backups.tmp", ".a.txt.x7Yz0é.tmp", ".b.txt.x7Yz01.tmp"];
+        let others = [
+            ".a.txt.backups.tmp",
+            ".a.txt.x7Yz0é.tmp",
+            ".b.txt.x7Yz01.tmp",
+        ];
         for other in others {
             fs::write(folder.path(other), "another's").unwrap();
         }

@@ -79,9 +79,8 @@ impl Unread {
         let Some(file) = open(path)? else {
             return Ok(None);
         };
-        let header = header_of(&file).map_err(|error| {
-            JournalError::File(FileError::new(path, FileAction::Read, error))
-        })?;
+        let header = header_of(&file)
+            .map_err(|error| JournalError::File(FileError::new(path, FileAction::Read, error)))?;
         let path = path.to_path_buf();
         match header {
             Some(header) => Ok(Some(Self { path, file, header })),
@@ -110,8 +109,7 @@ impl Unread {
         mut record: impl FnMut(Place, &[u8]),
     ) -> Result<Journal, JournalError> {
         let Self { path, file, header } = self;
-        let read_error =
-            |error| JournalError::File(FileError::new(&path, FileAction::Read, error));
+        let read_error = |error| JournalError::File(FileError::new(&path, FileAction::Read, error));
         let start = (MAGIC.len() + PREFIX + header.len()) as u64;
         let mut left = file
             .metadata()
@@ -127,9 +125,8 @@ impl Unread {
             end += (PREFIX + bytes.len()) as u64;
         }
         drop(reader);
-        file.set_len(end).map_err(|error| {
-            JournalError::File(FileError::new(&path, FileAction::Write, error))
-        })?;
+        file.set_len(end)
+            .map_err(|error| JournalError::File(FileError::new(&path, FileAction::Write, error)))?;
         Journal::new(path, file, end)
     }
 }
@@ -159,8 +156,7 @@ impl Journal {
 
     /// Starts a journal; `None` if there is a file of this name already, whatever it holds.
     fn create(path: &Path, header: &[u8]) -> Result<Option<Self>, JournalError> {
-        let fail =
-            |action| move |error| JournalError::File(FileError::new(path, action, error));
+        let fail = |action| move |error| JournalError::File(FileError::new(path, action, error));
         let mut bytes = MAGIC.to_vec();
         bytes.extend(prefix(header));
         bytes.extend(header);

@@ -68,16 +68,18 @@ struct Report<'a> {
 /// Why `chatter simulate` would not begin.
 fn refusal(model: &Model) -> Option<String> {
     let parameters = model.parameter_values::<f64>(&[]);
-    let start = model.time.map_or(0.0, |time| model.initial_state(&parameters)[time]);
+    let start = model
+        .time
+        .map_or(0.0, |time| model.initial_state(&parameters)[time]);
     // Until any later time: what matters is whether there is a first step.
     let later = start + 1.0_f64.max(start.abs());
     let begun = simulate::<f64>(model, &Spec::until(later), &mut |_| ControlFlow::Break(()));
     match begun {
         Ok(_) => None,
         // A warning names these with the contact.
-        Err(SimulateError::Start(
-            FlowError::Penetrates { .. } | FlowError::Restitution { .. },
-        )) => None,
+        Err(SimulateError::Start(FlowError::Penetrates { .. } | FlowError::Restitution { .. })) => {
+            None
+        }
         Err(SimulateError::System(SystemError::Model(_))) => None,
         Err(SimulateError::Start(error)) => Some(sentence(&error, model)),
         Err(error) => Some(error.to_string()),
@@ -211,7 +213,10 @@ impl Report<'_> {
             text += &format!("{} {warning}\n", style.warning("warning:"));
         }
         if let Some(refusal) = &self.refusal {
-            text += &format!("{} no trajectory begins: {refusal}\n", style.warning("warning:"));
+            text += &format!(
+                "{} no trajectory begins: {refusal}\n",
+                style.warning("warning:")
+            );
         } else if self.check.warnings.is_empty() {
             text += "nothing looks wrong\n";
         }
@@ -294,7 +299,11 @@ impl Report<'_> {
                 .warnings
                 .iter()
                 .map(ToString::to_string)
-                .chain(self.refusal.iter().map(|why| format!("no trajectory begins: {why}")))
+                .chain(
+                    self.refusal
+                        .iter()
+                        .map(|why| format!("no trajectory begins: {why}")),
+                )
                 .collect(),
         }
     }

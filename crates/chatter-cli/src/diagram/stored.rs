@@ -97,8 +97,9 @@ impl Stored {
     }
 
     fn checked_rows(&self) -> Result<u64, Failure> {
-        self.rows
-            .ok_or_else(|| Failure::input("the arrays have not been compared with the specification"))
+        self.rows.ok_or_else(|| {
+            Failure::input("the arrays have not been compared with the specification")
+        })
     }
 
     fn numbers(

@@ -1,6 +1,7 @@
 //! What a run is going to take, said before it has taken it.
 
 use super::Subject;
+use crate::numbers::{Digits, full};
 use crate::terminal;
 use chatter::analysis::simulate::{FastestRate, Progress, Sampling};
 use chatter::numerics::Real;
@@ -12,6 +13,8 @@ const MANY_ROWS: f64 = 1e8;
 
 /// Steps that are many: they take half an hour or more.
 const MANY_STEPS: f64 = 1e9;
+/// The same for a stiff model, whose author may not know: some ten seconds.
+const MANY_STIFF_STEPS: f64 = 1e7;
 
 /// Steps from which the others are estimated: some hundredths of a second.
 const FIRST_STEPS: u64 = 20_000;
@@ -86,12 +89,14 @@ fn size(bytes: f64) -> String {
 /// Looks at how far steps lead, and says once that there will be many.
 pub struct StepWatch<'a> {
     subject: &'a Subject<'a>,
+    fastest: Option<FastestRate>,
 }
 
 impl<'a> StepWatch<'a> {
     /// For a run that begins.
     pub fn new(subject: &'a Subject<'a>) -> Self {
-        Self { subject }
+        let fastest = FastestRate::at_start(subject.model);
+        Self { subject, fastest }
     }
 
     /// Whether what there is to say has been said.
@@ -106,12 +111,13 @@ impl<'a> StepWatch<'a> {
         let by_impacts = left * reached.steps as f64 / reached.impacts as f64;
         // Whichever comes first ends the run; no impact so far says nothing.
         let steps = by_time.min(by_impacts);
+        let limit = (self.fastest).filter(|fastest| fastest.rate * mean > SLOWEST);
+        let stiff = limit.is_some_and(|limit| limit.is_stiff());
         // Also where no time has passed at all.
-        if steps < MANY_STEPS {
+        if steps < if stiff { MANY_STIFF_STEPS } else { MANY_STEPS } {
             return false;
         }
         let model = self.subject.model;
-        let limit = FastestRate::at_start(model).filter(|fastest| fastest.rate * mean > SLOWEST);
         let why = match limit {
             Some(fastest) => {
                 let name = |index: usize| &model.states[index].name;
@@ -120,8 +126,9 @@ impl<'a> StepWatch<'a> {
                     true => format!("`{state}` changes"),
                     false => format!("`{state}` and `{with}` change each other"),
                 };
+                let stiff = if stiff { "the model is stiff: " } else { "" };
                 format!(
-                    "the model is stiff: {between} at a rate of {:.1e}, and steps cannot be longer than some of its turns; they are",
+                    "{stiff}{between} at a rate of {:.1e}, which limits the steps; they are",
                     fastest.rate
                 )
             }
@@ -130,7 +137,7 @@ impl<'a> StepWatch<'a> {
         terminal::remark(&format!(
             "{why} {mean:.1e} long on average: to time {} there are about {steps:.1e} of them; Ctrl-C ends the run and keeps \
              what is done",
-            reached.until
+            full(reached.until, Digits::DOUBLE)
         ));
         true
     }

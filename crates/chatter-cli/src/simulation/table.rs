@@ -248,9 +248,7 @@ impl Writer<'_> {
             .iter()
             .map(|value| value.to_double_double().low())
             .collect();
-        table
-            .column(name, doubles())
-            .column(self::low(name), low)
+        table.column(name, doubles()).column(self::low(name), low)
     }
 
     fn events<R: Real>(&self, simulation: &Simulation<R>) -> Table {

@@ -12,6 +12,6 @@ pub use csv::{Cell, CsvWriter, csv_text, write_csv};
 pub use error::TableError;
 pub use npy::{ArrayInfo, Element, Kind};
 pub use npz_reader::{FloatStream, NpzReader, TextStream};
-pub use spool::Spool;
 pub use npz_writer::{ArrayWriter, NpzWriter};
+pub use spool::Spool;
 pub use table::{Column, Dataset, Table, Values};

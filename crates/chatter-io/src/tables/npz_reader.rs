@@ -124,7 +124,9 @@ impl NpzReader {
             return Err(self.wrong_kind(entry, Kind::Text { width: 0 }));
         };
         if width > LONGEST_TEXT {
-            let what = format!("the texts of array `{name}` have {width} characters, more than {LONGEST_TEXT}");
+            let what = format!(
+                "the texts of array `{name}` have {width} characters, more than {LONGEST_TEXT}"
+            );
             return Err(malformed(&self.path, what));
         }
         Ok(TextStream {

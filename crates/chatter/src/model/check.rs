@@ -131,7 +131,10 @@ impl<'a> Inspection<'a> {
                 let (left, right) = (graph.mul(factors[1], a), graph.mul(factors[0], b));
                 let scaled = graph.sub(left, right);
                 let plain = graph.sub(a, b);
-                if [scaled, plain].iter().any(|&zero| self.vanishes(&graph, zero)) {
+                if [scaled, plain]
+                    .iter()
+                    .any(|&zero| self.vanishes(&graph, zero))
+                {
                     self.warnings.push(Warning::LikeContacts {
                         contacts: [contact.name.clone(), like.name.clone()],
                     });

@@ -45,7 +45,8 @@ impl ModelError {
                 if place.source == *source {
                     snippet = snippet.annotation(annotation);
                 } else if !place.source.text.is_empty() {
-                    let other = Snippet::source(&*place.source.text).path(shown(&place.source.name));
+                    let other =
+                        Snippet::source(&*place.source.text).path(shown(&place.source.name));
                     elsewhere = Some(other.annotation(annotation));
                 }
             }

@@ -11,8 +11,8 @@ use crate::failure::{self, Failure};
 use crate::options::Count;
 use crate::terminal;
 use chatter::analysis::diagram::Threads;
-use order::order;
 use chatter_io::Format;
+use order::order;
 use produce::{Beginning, produce};
 use std::io::Read;
 use std::path::Path;
@@ -78,7 +78,9 @@ fn nothing_to_resume(target: &Path) -> Result<u8, Failure> {
 fn is_diagram(target: &Path) -> Result<bool, Failure> {
     let foreign = |why: &str| {
         let target = target.display();
-        Err(Failure::input(format!("`{target}` is no orbit diagram: {why}")))
+        Err(Failure::input(format!(
+            "`{target}` is no orbit diagram: {why}"
+        )))
     };
     let format = Format::of_table(target).or_else(|_| Format::of_figure(target));
     match format {

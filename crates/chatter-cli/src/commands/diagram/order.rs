@@ -40,7 +40,10 @@ pub fn order(arguments: &Arguments) -> Result<Order, Failure> {
 /// Without the folder: results do not depend on where a model's file was.
 fn file_name(name: &str) -> String {
     let last = Path::new(name).file_name();
-    last.map_or_else(|| name.to_owned(), |last| last.to_string_lossy().into_owned())
+    last.map_or_else(
+        || name.to_owned(),
+        |last| last.to_string_lossy().into_owned(),
+    )
 }
 
 fn returns(arguments: &Arguments, model: &mut Model) -> Result<ReturnSpec, Failure> {

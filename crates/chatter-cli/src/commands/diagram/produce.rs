@@ -1,10 +1,8 @@
 //! Computes what is missing of a diagram, then writes everything.
 
-use crate::diagram::picture::Words;
 use crate::diagram::job::Ready;
-use crate::diagram::{
-    Begun, Found, Order, Show, Store, View, account, check_size, picture, table,
-};
+use crate::diagram::picture::Words;
+use crate::diagram::{Begun, Found, Order, Show, Store, View, account, check_size, picture, table};
 use crate::failure::{self, Failure};
 use crate::terminal::{self, Progress, Style, Waiting};
 use chatter::analysis::diagram::{
@@ -95,11 +93,7 @@ pub fn produce(order: &Order, beginning: Beginning, threads: Threads) -> Result<
 }
 
 /// The journal: the one that is there if it is about the same diagram, else a new one.
-fn open(
-    order: &Order,
-    beginning: Beginning,
-    ready: &Ready,
-) -> Result<(Store, Standing), Failure> {
+fn open(order: &Order, beginning: Beginning, ready: &Ready) -> Result<(Store, Standing), Failure> {
     let sweep = &ready.sweep;
     let begun = match beginning {
         Beginning::Resumed(begun) => begun,

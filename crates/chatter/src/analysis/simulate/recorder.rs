@@ -183,9 +183,7 @@ impl<R: Real> Recorder<R> {
             counts: self.counts,
             events: self.events,
             contact_phases: self.contact_phases,
-            samples: (self.samplers.into_iter())
-                .map(Sampler::finish)
-                .collect(),
+            samples: (self.samplers.into_iter()).map(Sampler::finish).collect(),
         }
     }
 }
