@@ -2,7 +2,7 @@
 
 use super::Number;
 use crate::numerics::DoubleDouble;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Handle of an expression in the [`Graph`] that made it. Equal handles are equal expressions.
 ///
@@ -71,6 +71,10 @@ pub enum Node {
     /// A function and its argument.
     Call(Function, Expr),
 }
+
+/// A graph of so many nodes is looked through as a whole: in a larger one of many small formulas that would take time
+/// with the square of their number.
+const SMALL: usize = 4096;
 
 /// A set of expressions that share their common subexpressions.
 ///
@@ -181,6 +185,9 @@ impl Graph {
     /// All expressions that `roots` are made of, themselves included, operands before what uses them.
     pub fn reachable(&self, roots: &[Expr]) -> Vec<Expr> {
         let size = roots.iter().map(|root| root.index() + 1).max();
+        if size.is_some_and(|size| size > SMALL) {
+            return self.walked(roots);
+        }
         let mut used = vec![false; size.unwrap_or(0)];
         for root in roots {
             used[root.index()] = true;
@@ -195,6 +202,22 @@ impl Graph {
             .filter(|&index| used[index])
             .map(|index| Expr(index as u32))
             .collect()
+    }
+
+    /// The same in time that grows with what is reached, not with the graph.
+    fn walked(&self, roots: &[Expr]) -> Vec<Expr> {
+        let mut pending = roots.to_vec();
+        let mut used: HashSet<Expr> = roots.iter().copied().collect();
+        while let Some(expr) = pending.pop() {
+            self.for_each_operand(expr, |operand| {
+                if used.insert(operand) {
+                    pending.push(operand);
+                }
+            });
+        }
+        let mut order: Vec<Expr> = used.into_iter().collect();
+        order.sort_unstable();
+        order
     }
 
     /// Calls `visit` with each operand of `expr`, in order.
@@ -228,6 +251,24 @@ mod tests {
         let size = graph.len();
         assert_eq!(graph.mul(x, y), xy);
         assert_eq!(graph.len(), size);
+    }
+
+    #[test]
+    fn both_ways_to_look_for_parts_find_the_same() {
+        let mut graph = Graph::default();
+        let (x, p) = (graph.state(0), graph.parameter(0));
+        let mut roots = Vec::new();
+        let mut last = x;
+        for k in 1..40 {
+            let number = graph.number(f64::from(k));
+            let sine = graph.call(Function::Sin, last);
+            let product = graph.product(&[number, p, sine]);
+            last = graph.add(product, x);
+            roots.push(product);
+        }
+        for some in roots.chunks(3) {
+            assert_eq!(graph.walked(some), graph.reachable(some));
+        }
     }
 
     #[test]

@@ -31,7 +31,12 @@ impl Graph {
 
     /// The symbols that `expr` is made of, states before parameters, each in order.
     pub fn symbols(&self, expr: Expr) -> BTreeSet<Symbol> {
-        self.reachable(&[expr])
+        self.symbols_of(&[expr])
+    }
+
+    /// The symbols that any of `exprs` is made of.
+    pub fn symbols_of(&self, exprs: &[Expr]) -> BTreeSet<Symbol> {
+        self.reachable(exprs)
             .into_iter()
             .filter_map(|part| match *self.node(part) {
                 Node::Symbol(symbol) => Some(symbol),

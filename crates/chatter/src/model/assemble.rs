@@ -172,7 +172,10 @@ impl<'a> Assembly<'a> {
             Symbol::Parameter(index) => index.checked_sub(first),
             Symbol::State(_) => None,
         };
-        for used in self.graph.symbols(raw).into_iter().filter_map(definition) {
+        let symbols = self.graph.symbols(raw);
+        let time = Symbol::State(self.states.len());
+        let names_time = symbols.contains(&time);
+        for used in symbols.into_iter().filter_map(definition) {
             if let Some(flag) = self.used.get_mut(used) {
                 *flag = true;
             }
@@ -181,8 +184,10 @@ impl<'a> Assembly<'a> {
         let settled = self
             .graph
             .substitute(raw, &|symbol| meanings.get(definition(symbol)?).copied());
-        let time = Symbol::State(self.states.len());
-        self.uses_time |= self.graph.symbols(settled).contains(&time);
+        // Time that comes in by a definition was met when that was settled.
+        if names_time && !self.uses_time {
+            self.uses_time = self.graph.symbols(settled).contains(&time);
+        }
         settled
     }
 

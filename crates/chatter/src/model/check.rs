@@ -273,13 +273,13 @@ impl<'a> Inspection<'a> {
         });
         let sections = model.sections.iter().map(|section| section.surface);
         let definitions = model.definitions.iter().map(|definition| definition.value);
-        (states
+        let all: Vec<Expr> = (states
             .chain(parameters)
             .chain(contacts)
             .chain(sections)
             .chain(definitions))
-        .flat_map(|expr| model.graph.symbols(expr))
-        .collect()
+        .collect();
+        model.graph.symbols_of(&all)
     }
 
     fn formulas_of(
