@@ -45,6 +45,18 @@ impl Graph {
             .collect()
     }
 
+    /// Whether each of `exprs` has a state in it, looked at together.
+    pub fn depend_on_state(&self, exprs: &[Expr]) -> Vec<bool> {
+        let parts = self.reachable(exprs);
+        let mut changes = vec![false; parts.last().map_or(0, |last| last.index() + 1)];
+        for part in parts {
+            let mut changing = matches!(self.node(part), Node::Symbol(Symbol::State(_)));
+            self.for_each_operand(part, |operand| changing |= changes[operand.index()]);
+            changes[part.index()] = changing;
+        }
+        exprs.iter().map(|expr| changes[expr.index()]).collect()
+    }
+
     /// Whether `expr` has a state in it, so that it may change along a trajectory.
     pub fn depends_on_state(&self, expr: Expr) -> bool {
         self.symbols(expr)
@@ -73,6 +85,10 @@ mod tests {
         let both = graph.substitute(expr, &|symbol| (symbol == Symbol::State(0)).then_some(y));
         assert_eq!(both, p);
         assert!(graph.depends_on_state(expr) && !graph.depends_on_state(both));
+        assert_eq!(
+            graph.depend_on_state(&[both, expr, p, x]),
+            [false, true, false, true]
+        );
         let symbols: Vec<Symbol> = graph.symbols(expr).into_iter().collect();
         assert_eq!(
             symbols,

@@ -54,8 +54,10 @@ impl Model {
         for (index, parameter) in self.parameters.iter().enumerate() {
             scope.allow(&parameter.name, self.graph.parameter(index));
         }
-        for definition in &self.definitions {
-            if self.graph.depends_on_state(definition.value) {
+        let values: Vec<Expr> = self.definitions.iter().map(|one| one.value).collect();
+        let changes = self.graph.depend_on_state(&values);
+        for (definition, changes) in self.definitions.iter().zip(changes) {
+            if changes {
                 scope.bar(&definition.name, Role::Definition);
             } else {
                 scope.allow(&definition.name, definition.value);

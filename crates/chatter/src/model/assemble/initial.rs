@@ -14,8 +14,9 @@ impl<'a> Assembly<'a> {
         for (index, entry) in self.parameters.iter().enumerate() {
             scope.allow(&entry.name.text, self.graph.parameter(index));
         }
+        let changes = self.graph.depend_on_state(&self.meanings);
         for (index, entry) in self.definitions.iter().enumerate() {
-            if self.graph.depends_on_state(self.meanings[index]) {
+            if changes[index] {
                 scope.bar(&entry.name.text, Role::Definition);
             } else {
                 scope.allow(&entry.name.text, self.placeholder(index));
