@@ -6,6 +6,7 @@ use crate::terminal;
 use chatter::analysis::simulate::{FastestRate, Progress, Sampling};
 use chatter::numerics::Real;
 use chatter_io::atomic_file::free_space;
+use core::cell::OnceCell;
 use std::path::Path;
 
 /// Rows that are many: their table has gigabytes, and takes minutes.
@@ -89,14 +90,17 @@ fn size(bytes: f64) -> String {
 /// Looks at how far steps lead, and says once that there will be many.
 pub struct StepWatch<'a> {
     subject: &'a Subject<'a>,
-    fastest: Option<FastestRate>,
+    /// Once it has been asked for: a model that is refused has none, and a short run needs none.
+    fastest: OnceCell<Option<FastestRate>>,
 }
 
 impl<'a> StepWatch<'a> {
     /// For a run that begins.
     pub fn new(subject: &'a Subject<'a>) -> Self {
-        let fastest = FastestRate::at_start(subject.model);
-        Self { subject, fastest }
+        Self {
+            subject,
+            fastest: OnceCell::new(),
+        }
     }
 
     /// Whether what there is to say has been said.
@@ -111,7 +115,8 @@ impl<'a> StepWatch<'a> {
         let by_impacts = left * reached.steps as f64 / reached.impacts as f64;
         // Whichever comes first ends the run; no impact so far says nothing.
         let steps = by_time.min(by_impacts);
-        let limit = (self.fastest).filter(|fastest| fastest.rate * mean > SLOWEST);
+        let fastest = (self.fastest).get_or_init(|| FastestRate::at_start(self.subject.model));
+        let limit = (*fastest).filter(|fastest| fastest.rate * mean > SLOWEST);
         let stiff = limit.is_some_and(|limit| limit.is_stiff());
         // Also where no time has passed at all.
         if steps < if stiff { MANY_STIFF_STEPS } else { MANY_STEPS } {

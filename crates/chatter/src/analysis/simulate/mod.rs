@@ -60,6 +60,10 @@ use recorder::Recorder;
 /// The observer is asked every so many steps: often enough for a reaction within a millisecond, too rarely to cost.
 const STEPS_BETWEEN_REPORTS: u64 = 64;
 
+/// So many steps one after the other, without an event, that do not change the time: the equations grow without bound at
+/// a time that is reached to rounding, where each step is a part of what is left.
+const MOST_AT_ONE_TIME: u32 = 10_000;
+
 /// A chatter sequence is integrated until this share of its duration is left: no more than a line's width in a picture.
 const LONGEST_TAIL: f64 = 1e-3;
 
@@ -140,6 +144,7 @@ fn follow<R: Real>(
     let mut recorder = Recorder::new(&spec.sampling, &trajectory);
     let stops_at_rest = spec.stops.contains(&Stop::Rest) && model.time.is_none();
     let mut steps: u64 = 0;
+    let (mut latest, mut at_one_time) = (trajectory.time(), 0);
 
     let outcome = loop {
         if steps.is_multiple_of(STEPS_BETWEEN_REPORTS) {
@@ -166,6 +171,16 @@ fn follow<R: Real>(
         let sampled = recorder.motion(&work.dense(), &trajectory, &mut sink);
         if sampled.is_break() {
             break Outcome::Interrupted;
+        }
+        if occurrence.is_some() || trajectory.time() != latest {
+            (latest, at_one_time) = (trajectory.time(), 0);
+        }
+        at_one_time += 1;
+        if at_one_time > MOST_AT_ONE_TIME {
+            break Outcome::Failed(FlowError::LeftDomain {
+                time: trajectory.time().to_f64(),
+                state: trajectory.state().iter().map(|x| x.to_f64()).collect(),
+            });
         }
         match occurrence {
             None => {}
