@@ -39,7 +39,7 @@ impl Numbers<'_> {
 fn model(bytes: &[u8]) -> (String, bool) {
     let mut n = Numbers(bytes.iter());
     let has_ceiling = n.byte() & 1 == 1;
-    let force: Vec<String> = ["1", "y", "v", "w", "w*y", "sin(3*t)", "cos(y)"]
+    let force: Vec<String> = ["1", "y", "v", "w", "w*y", "sin(3*t)", "tanh(y)"]
         .iter()
         .map(|term| format!("{} * {term}", n.signed()))
         .collect();

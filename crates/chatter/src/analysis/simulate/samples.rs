@@ -195,7 +195,8 @@ impl<R: Real> Sampler<R> {
                 let time = if k == parts {
                     trajectory.time()
                 } else {
-                    dense.step().mul_add(fraction, before)
+                    // Where steps are below the rounding of time, that could lie beyond their end.
+                    (dense.step().mul_add(fraction, before)).min(trajectory.time())
                 };
                 self.samples
                     .push(time, closed, |index| dense.state(index, fraction));
