@@ -35,11 +35,12 @@ impl Numbers<'_> {
     }
 }
 
-/// A mass above a floor, with forces linear in its state and in that of an actuator, a forcing, and perhaps a ceiling.
+/// A mass above a floor, with forces that grow no faster than its state and that of an actuator, so that no rate is beyond
+/// a few tens; a forcing, and perhaps a ceiling.
 fn model(bytes: &[u8]) -> (String, bool) {
     let mut n = Numbers(bytes.iter());
     let has_ceiling = n.byte() & 1 == 1;
-    let force: Vec<String> = ["1", "y", "v", "w", "w*y", "sin(3*t)", "tanh(y)"]
+    let force: Vec<String> = ["1", "y", "v", "w", "w*tanh(y)", "sin(3*t)", "tanh(y)"]
         .iter()
         .map(|term| format!("{} * {term}", n.signed()))
         .collect();

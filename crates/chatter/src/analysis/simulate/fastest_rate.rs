@@ -41,8 +41,12 @@ impl FastestRate {
         let mut fastest: Option<Self> = None;
         for state in 0..rows.len() {
             for with in 0..=state {
-                // Each root by itself: the product may overflow.
-                let rate = rows[state][with].abs().sqrt() * rows[with][state].abs().sqrt();
+                let rate = if state == with {
+                    rows[state][state].abs()
+                } else {
+                    // Each root by itself: the product may overflow.
+                    rows[state][with].abs().sqrt() * rows[with][state].abs().sqrt()
+                };
                 if !rate.is_finite() || rate == 0.0 {
                     continue;
                 }
