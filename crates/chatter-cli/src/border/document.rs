@@ -32,7 +32,7 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
             .named("parameters", &names, &values)
             .with("version", env!("CARGO_PKG_VERSION"))
     };
-    let object = match answer {
+    match answer {
         Answer::One { border, compared } => about(one(subject, border, compared)),
         Answer::All {
             found, low, high, ..
@@ -59,8 +59,7 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
                     .with("unresolved", found.unresolved as i64),
             )
         }
-    };
-    object
+    }
 }
 
 fn one<R: Real + Argument<Real = R>>(

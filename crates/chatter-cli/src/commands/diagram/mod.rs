@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     same_version(&begun)?;
     let plot = arguments.plot.as_ref().map(|file| file.0.clone());
     let order = begun.header.clone().order(target, plot)?;
-    produce(&order, Beginning::Resumed(begun), threads)
+    produce(&order, Beginning::Resumed(Box::new(begun)), threads)
 }
 
 fn same_version(begun: &Begun) -> Result<(), Failure> {

@@ -19,7 +19,7 @@ pub enum Beginning {
     /// Whatever stands at this path; nothing as a rule.
     At(PathBuf),
     /// A diagram that was broken off.
-    Resumed(Begun),
+    Resumed(Box<Begun>),
 }
 
 /// Computes what is missing, then writes everything.
@@ -96,7 +96,7 @@ pub fn produce(order: &Order, beginning: Beginning, threads: Threads) -> Result<
 fn open(order: &Order, beginning: Beginning, ready: &Ready) -> Result<(Store, Standing), Failure> {
     let sweep = &ready.sweep;
     let begun = match beginning {
-        Beginning::Resumed(begun) => begun,
+        Beginning::Resumed(begun) => *begun,
         Beginning::At(path) => match Store::find(&path, &order.header(), sweep)? {
             Found::New(store) => return Ok((store, Standing::default())),
             Found::Old(begun) => same(order, begun)?,

@@ -39,13 +39,13 @@ impl FastestRate {
             .collect();
         let mut slowest = f64::INFINITY;
         let mut fastest: Option<Self> = None;
-        for state in 0..rows.len() {
+        for (state, row) in rows.iter().enumerate() {
             for with in 0..=state {
                 let rate = if state == with {
-                    rows[state][state].abs()
+                    row[state].abs()
                 } else {
                     // Each root by itself: the product may overflow.
-                    rows[state][with].abs().sqrt() * rows[with][state].abs().sqrt()
+                    row[with].abs().sqrt() * rows[with][state].abs().sqrt()
                 };
                 if !rate.is_finite() || rate == 0.0 {
                     continue;
