@@ -133,7 +133,7 @@ fn check_restitution(model: &Model, sweep: &Sweep) -> Result<(), Failure> {
                 .evaluate(contact.restitution, &state, &parameters);
             if !model.graph.depends_on_state(contact.restitution) && !(0.0..1.0).contains(&value) {
                 return Err(Failure::input(format!(
-                    "at {} contact `{}` has restitution {value}, outside 0 <= r < 1",
+                    "at {} contact `{}` has restitution {value}, outside 0 <= r <= 1",
                     told.join(", "),
                     contact.name
                 )));

@@ -57,6 +57,7 @@ struct Counts {
     releases: u64,
     grazes: u64,
     sections: u64,
+    ambiguities: u64,
 }
 
 #[derive(Serialize)]
@@ -80,6 +81,8 @@ struct EventObject<'a> {
     time_digits: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     contact: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    other: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     section: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -128,6 +131,7 @@ pub fn document<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> Strin
             releases: counts.releases,
             grazes: counts.grazes,
             sections: counts.sections,
+            ambiguities: counts.ambiguities,
         },
         events: simulation
             .events
@@ -223,7 +227,11 @@ impl<'a> Writer<'a> {
                 object.closes = Some(closes);
             }
             EventDetail::Graze { rate, .. } => rates(rate, rate),
-            EventDetail::Accumulation { impacts, error, .. } => {
+            EventDetail::Ambiguity { other, .. } => {
+                object.other = Some(&self.subject.model.contacts[other].name);
+            }
+            EventDetail::Accumulation { impacts, error, .. }
+            | EventDetail::Cascade { impacts, error, .. } => {
                 object.impacts = Some(impacts);
                 object.error = Some(error);
             }

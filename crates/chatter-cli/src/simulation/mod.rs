@@ -58,7 +58,9 @@ impl Subject<'_> {
             EventDetail::Impact { contact, .. }
             | EventDetail::Accumulation { contact, .. }
             | EventDetail::Release { contact }
-            | EventDetail::Graze { contact, .. } => &self.model.contacts[contact].name,
+            | EventDetail::Graze { contact, .. }
+            | EventDetail::Cascade { contact, .. }
+            | EventDetail::Ambiguity { contact, .. } => &self.model.contacts[contact].name,
         }
     }
 }

@@ -48,13 +48,13 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
             contact,
             value,
         } => format!(
-            "at time {} {} has restitution {}, outside 0 <= r < 1",
+            "at time {} {} has restitution {}, outside 0 <= r <= 1",
             number(*time),
             name(*contact),
             number(*value)
         ),
-        FlowError::TooManyContacts { .. }
-        | FlowError::TooManySurfaces { .. }
-        | FlowError::ImpactsWithoutEnd { .. } => error.to_string(),
+        FlowError::TooManySurfaces { .. } | FlowError::ImpactsWithoutEnd { .. } => {
+            error.to_string()
+        }
     }
 }

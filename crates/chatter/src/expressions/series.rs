@@ -170,6 +170,7 @@ impl<S: Scalar> Expansion<S> {
         low: &[S],
         values: &mut [S],
     ) {
+        self.make_room(tape);
         self.order = 0;
         self.start(tape, state, low);
         self.run_order(tape, constants, S::splat(0.0), 0);
@@ -194,6 +195,7 @@ impl<S: Scalar> Expansion<S> {
         tau: S,
         order: usize,
     ) {
+        self.make_room(tape);
         self.order = order;
         self.start(tape, state, low);
         for k in 0..order {
@@ -217,6 +219,32 @@ impl<S: Scalar> Expansion<S> {
             };
             self.set(slot, k + 1, value);
         }
+    }
+
+    /// The rounding remainder of an output of the latest [`evaluate`](Self::evaluate), where it is known.
+    #[inline(always)]
+    pub(crate) fn output_remainder(&self, tape: &Tape, index: usize) -> S {
+        match tape.outputs[index] {
+            Operand::Series(slot) => self.lows[slot],
+            Operand::Constant(_) => S::splat(0.0),
+        }
+    }
+
+    /// Modes are compiled when they are met, and may need more room than those before.
+    #[inline(always)]
+    fn make_room(&mut self, tape: &Tape) {
+        if self.lows.len() < tape.slots || self.auxiliaries.len() < tape.auxiliaries {
+            self.grow(tape);
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self, tape: &Tape) {
+        let slots = tape.slots.max(self.lows.len());
+        self.values.resize(slots * Self::STRIDE, S::splat(0.0));
+        self.lows.resize(slots, S::splat(0.0));
+        let auxiliaries = tape.auxiliaries.max(self.auxiliaries.len());
+        self.auxiliaries.resize(auxiliaries, S::splat(0.0));
     }
 
     /// Puts the state into its slots.

@@ -33,13 +33,6 @@ pub enum FlowError {
         /// Index of the contact.
         contact: usize,
     },
-    /// A model with more contacts than closed sets can be enumerated for.
-    TooManyContacts {
-        /// How many it has.
-        count: usize,
-        /// How many are allowed.
-        limit: usize,
-    },
     /// A model with more contacts and sections than can be watched at once.
     TooManySurfaces {
         /// How many it has.
@@ -47,7 +40,7 @@ pub enum FlowError {
         /// How many are allowed.
         limit: usize,
     },
-    /// A restitution outside [0, 1) at an impact.
+    /// A restitution outside [0, 1] at an impact.
     Restitution {
         /// Time of the impact.
         time: f64,
@@ -73,7 +66,6 @@ impl FlowError {
             Self::Penetrates { .. } => "penetrates",
             Self::DependentContacts { .. } => "dependent_contacts",
             Self::UndecidedRelease { .. } => "undecided_release",
-            Self::TooManyContacts { .. } => "too_many_contacts",
             Self::Restitution { .. } => "restitution",
             Self::ImpactsWithoutEnd { .. } => "impacts_without_end",
             Self::TooManySurfaces { .. } => "too_many_surfaces",
@@ -103,12 +95,6 @@ impl fmt::Display for FlowError {
                  whether it opens",
                 contact + 1
             ),
-            Self::TooManyContacts { count, limit } => {
-                write!(
-                    out,
-                    "the model has {count} contacts; at most {limit} are supported"
-                )
-            }
             Self::TooManySurfaces { count, limit } => write!(
                 out,
                 "the model has {count} contacts and sections; at most {limit} are supported"
@@ -119,7 +105,7 @@ impl fmt::Display for FlowError {
                 value,
             } => write!(
                 out,
-                "at time {time} contact {} has restitution {value}, outside [0, 1)",
+                "at time {time} contact {} has restitution {value}, outside [0, 1]",
                 contact + 1
             ),
             Self::ImpactsWithoutEnd { time, count } => write!(

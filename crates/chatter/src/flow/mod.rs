@@ -1,7 +1,8 @@
 //! The hybrid flow: flight, impact, chatter, sticking, release.
 //!
 //! ```text
-//! model -> System      compiled once: a Program (field, guards, impact tapes) for each set of closed contacts
+//! model -> System      a Program (field, guards, impact tapes) for each set of closed contacts that is met
+//!          touch       all contacts at one state: rates, couplings, directions, for impacts of several at one instant
 //!          variation derivatives as further states of the same system: columns, saltation at impacts
 //!       -> Trajectory  the mode machine: one state, its phase, what happened (Occurrence)
 //!            step      expand, locate the first guard, move, collide: branch-free, any number type
@@ -14,11 +15,13 @@ mod chatter;
 mod dense;
 mod error;
 mod fleet;
+mod modes;
 mod occurrence;
 mod program;
 mod resolve;
 mod step;
 mod system;
+mod touch;
 mod touching;
 mod trajectory;
 mod variation;

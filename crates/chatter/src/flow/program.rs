@@ -8,7 +8,7 @@ use crate::numerics::roots::Crossing;
 
 /// A set of contacts in persistent contact, one bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
-pub struct Closed(pub u32);
+pub struct Closed(pub u128);
 
 impl Closed {
     /// No contact is closed: free flight.
@@ -33,7 +33,12 @@ impl Closed {
 
     /// Contacts of the set, ascending.
     pub fn contacts(self) -> impl Iterator<Item = usize> {
-        (0..32).filter(move |&contact| self.contains(contact))
+        let mut rest = self.0;
+        core::iter::from_fn(move || {
+            let first = (rest != 0).then(|| rest.trailing_zeros() as usize)?;
+            rest &= rest - 1;
+            Some(first)
+        })
     }
 }
 
@@ -71,13 +76,15 @@ impl Guard {
 #[derive(Clone, Debug)]
 pub struct ImpactTape {
     pub(crate) tape: Tape,
-    /// Components that change; their new values are the outputs after the five scalars.
+    /// Components that change; their new values are the outputs after the scalars.
     pub(crate) changed: Vec<usize>,
+    /// Whether its impulse leaves the rates of all closed contacts as they are. Else it is one of several collisions.
+    pub(crate) is_alone: bool,
 }
 
-/// Outputs of an impact tape before the changed components: rate before and after, acceleration and jerk after, and the
-/// restitution that an impact of vanishing rate would have here.
-pub(crate) const IMPACT_SCALARS: usize = 5;
+/// Outputs of an impact tape before the changed components: rate before and after, acceleration and jerk after, the
+/// restitution here and that of an impact of vanishing rate.
+pub(crate) const IMPACT_SCALARS: usize = 6;
 
 /// Gap, rate, acceleration and jerk of a contact at a state, in a program's field.
 pub(crate) const LOCAL_SCALARS: usize = 4;
@@ -87,14 +94,16 @@ pub(crate) const LOCAL_SCALARS: usize = 4;
 pub struct Program {
     pub(crate) tape: Tape,
     pub(crate) guards: Vec<Guard>,
+    /// How many of them are gaps.
+    pub(crate) gaps: usize,
     /// Per contact; none where it is closed.
     pub(crate) impacts: Vec<Option<ImpactTape>>,
     /// Per contact: gap, rate, acceleration, jerk.
     pub(crate) locals: Vec<Tape>,
     /// Per contact: the state brought to rest on it (gap and rate zero).
     pub(crate) captures: Vec<Tape>,
-    /// Minus the reactions of the closed contacts, in order.
-    pub(crate) reactions: Tape,
+    /// Gap and rate of each closed contact, in order.
+    pub(crate) residuals: Tape,
 }
 
 /// The constants of a program's tapes at one parameter set.
@@ -104,7 +113,7 @@ pub(crate) struct ProgramConstants<R> {
     pub impacts: Vec<Vec<R>>,
     pub locals: Vec<Vec<R>>,
     pub captures: Vec<Vec<R>>,
-    pub reactions: Vec<R>,
+    pub residuals: Vec<R>,
 }
 
 /// What holds while a set of contacts is closed, as expressions.
@@ -250,6 +259,7 @@ impl Program {
                 rate_after,
                 acceleration_after,
                 jerk_after,
+                contact.restitution,
                 restitution_at_rest,
             ];
             let mut changed = Vec::new();
@@ -260,19 +270,30 @@ impl Program {
                     outputs.push(value);
                 }
             }
+            let is_alone = closed.contacts().all(|other| {
+                let change = graph.lie_derivative(contacts[other].rate, &contact.jump);
+                graph
+                    .as_number(change)
+                    .is_some_and(|value| value.high() == 0.0)
+            });
             impacts.push(Some(ImpactTape {
                 tape: Tape::new(graph, dimension, &[], &outputs),
                 changed,
+                is_alone,
             }));
         }
-        let reactions = Tape::new(graph, dimension, &[], &pushes);
+        let residuals: Vec<Expr> = (closed.contacts())
+            .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
+            .collect();
+        let residuals = Tape::new(graph, dimension, &[], &residuals);
         Self {
             tape,
+            gaps: contacts.len() - closed.contacts().count(),
             guards,
             impacts,
             locals,
             captures,
-            reactions,
+            residuals,
         }
     }
 
@@ -291,13 +312,13 @@ impl Program {
                 .collect(),
             locals: self.locals.iter().map(of).collect(),
             captures: self.captures.iter().map(of).collect(),
-            reactions: of(&self.reactions),
+            residuals: of(&self.residuals),
         }
     }
 
     /// Every tape, for sizing scratch space.
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
-        [&self.tape, &self.reactions]
+        [&self.tape, &self.residuals]
             .into_iter()
             .chain(&self.locals)
             .chain(&self.captures)

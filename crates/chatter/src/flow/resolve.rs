@@ -22,8 +22,8 @@ pub(crate) struct Resolution {
 const SHRINK: f64 = 1e-6;
 const SHRINKS: usize = 8;
 
-/// A first root may lie this many halvings of the step close to its start.
-const HALVINGS: usize = 60;
+/// A first root may lie this many halvings of the step close to its start: all that a double can be halved.
+const HALVINGS: usize = 1100;
 
 /// Expands again at the highest order and finds the first event with certainty. The workspace holds the inputs of the
 /// step; afterwards its step and event are set, the state is not moved yet.

@@ -69,7 +69,8 @@ pub struct Workspace<S> {
     pub(crate) scaled_step: S,
     pub(crate) step: S,
     pub(crate) event: S,
-    /// After an impact: rate before and after, acceleration, jerk, restitution at rest, predicted length of the flight.
+    /// After an impact: rate before and after, acceleration, jerk, restitution here and at rest, predicted length of the
+    /// flight.
     pub(crate) impact: [S; IMPACT_SCALARS],
     pub(crate) flight_time: S,
     /// Base-two logarithm of the relative tolerance.
@@ -224,12 +225,63 @@ impl<S: Scalar> Workspace<S> {
             self.scaled_step = S::select(found, at, self.scaled_step);
             self.event = S::select(found, S::splat(index as f64), self.event);
         }
-        certain
+        certain & !self.is_crowded(program, touching)
+    }
+
+    /// Where a gap closes at the end of the step and that of another contact cannot be told from zero there.
+    #[inline(always)]
+    fn is_crowded(&self, program: &Program, touching: Touching) -> S::Mask {
+        let mut crowded = S::Mask::splat(false);
+        if program.gaps < 2 {
+            return crowded;
+        }
+        for (index, guard) in program.guards.iter().enumerate() {
+            if matches!(guard.kind, GuardKind::Gap(_)) {
+                let here = self.ends_step(index);
+                for other in 0..program.guards.len() {
+                    if other != index && here.any() {
+                        crowded = crowded | (here & self.closes_too(program, other, touching));
+                    }
+                }
+            }
+        }
+        crowded
+    }
+
+    /// Where this guard ended the step.
+    #[inline(always)]
+    fn ends_step(&self, index: usize) -> S::Mask {
+        let code = S::splat(index as f64);
+        code.at_most(self.event) & self.event.at_most(code)
+    }
+
+    /// Where the gap that is this guard cannot be told from zero at the end of the step.
+    #[inline(always)]
+    pub(crate) fn closes_too(
+        &self,
+        program: &Program,
+        index: usize,
+        touching: Touching,
+    ) -> S::Mask {
+        let guard = &program.guards[index];
+        let (GuardKind::Gap(_), Operand::Series(slot)) = (guard.kind, guard.series) else {
+            return S::Mask::splat(false);
+        };
+        let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
+        let noise = magnitude(p, self.scaled_step) * S::splat(self.noise);
+        horner(p, self.scaled_step).abs().at_most(noise)
     }
 
     /// Moves the state to the end of the step and applies the impact where one ended it.
     #[inline(always)]
     pub(crate) fn finish(&mut self, program: &Program) {
+        self.travel();
+        self.collide(program);
+    }
+
+    /// Moves the state to the end of the step.
+    #[inline(always)]
+    pub(crate) fn travel(&mut self) {
         let s = self.scaled_step;
         for (slot, (state, low)) in self.state.iter_mut().zip(&mut self.low).enumerate() {
             let increment = horner(&self.expansion.series(slot)[1..], s).mul_add(s, *low);
@@ -237,22 +289,26 @@ impl<S: Scalar> Workspace<S> {
         }
         self.step = s * self.tau;
         self.flight_time = S::splat(FOREVER);
+    }
+
+    /// Applies the impact that ended the step, if it is one that leaves the rates of closed contacts as they are.
+    #[inline(always)]
+    pub(crate) fn collide(&mut self, program: &Program) {
         for (index, guard) in program.guards.iter().enumerate() {
             let GuardKind::Gap(contact) = guard.kind else {
                 continue;
             };
-            let code = S::splat(index as f64);
-            let here = code.at_most(self.event) & self.event.at_most(code);
+            let here = self.ends_step(index);
             if here.any() {
-                self.collide(program, contact, here);
+                self.collide_at(program, contact, here);
             }
         }
     }
 
     /// Applies the impact map (M1) of a contact in the lanes of `here`, and predicts how long the next flight lasts.
     #[inline(always)]
-    fn collide(&mut self, program: &Program, contact: usize, here: S::Mask) {
-        let Some(impact) = &program.impacts[contact] else {
+    fn collide_at(&mut self, program: &Program, contact: usize, here: S::Mask) {
+        let Some(impact) = program.impacts[contact].as_ref().filter(|i| i.is_alone) else {
             return;
         };
         let constants = &self.impact_constants[contact];
@@ -266,19 +322,21 @@ impl<S: Scalar> Workspace<S> {
         for (i, scalar) in self.impact.iter_mut().enumerate() {
             *scalar = S::select(here, self.outputs[i], *scalar);
         }
-        // An impact that no restitution in [0, 1) explains is reported, and leaves the state as it was before.
+        // An impact that no restitution in [0, 1] explains is reported, and leaves the state as it was before.
         let legal = here & legal_rates(self.impact[0], self.impact[1]);
-        for (&i, &value) in impact.changed.iter().zip(&self.outputs[IMPACT_SCALARS..]) {
-            self.state[i] = S::select(legal, value, self.state[i]);
-            self.low[i] = S::select(legal, S::splat(0.0), self.low[i]);
+        for (k, &i) in impact.changed.iter().enumerate() {
+            let place = IMPACT_SCALARS + k;
+            let low = self.point.output_remainder(&impact.tape, place);
+            self.state[i] = S::select(legal, self.outputs[place], self.state[i]);
+            self.low[i] = S::select(legal, low, self.low[i]);
         }
-        let [_, rate, acceleration, jerk, _] = self.impact;
+        let [_, rate, acceleration, jerk, _, _] = self.impact;
         let time = flight_time(rate, acceleration, jerk);
         self.flight_time = S::select(here, time, self.flight_time);
     }
 }
 
-/// Whether the rate after an impact is one that a restitution in [0, 1) gives, up to rounding.
+/// Whether the rate after an impact is one that a restitution in [0, 1] gives, up to rounding.
 #[inline(always)]
 pub(crate) fn legal_rates<S: Scalar>(before: S, after: S) -> S::Mask {
     let slack = before.abs() * S::splat(RESTITUTION_SLACK);

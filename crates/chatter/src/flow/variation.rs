@@ -33,6 +33,7 @@ pub enum Column {
 }
 
 /// One column of a variational system: where its components lie, and how parameters change along it.
+#[derive(Clone, Debug)]
 pub(crate) struct Direction {
     /// First state that holds the column.
     offset: usize,

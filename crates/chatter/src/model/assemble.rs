@@ -120,6 +120,7 @@ impl<'a> Assembly<'a> {
             states,
             time,
             parameters,
+            simultaneous: draft.simultaneous,
             contacts,
             sections,
             definitions,

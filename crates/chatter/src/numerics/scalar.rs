@@ -68,6 +68,13 @@ pub trait Scalar:
     fn from_double_double(value: DoubleDouble) -> Self;
     /// `self * factor + addend`, fused where the hardware number is an `f64`.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `self + other` exactly, as rounded sum and remainder.
+    #[inline(always)]
+    fn two_sum(self, other: Self) -> (Self, Self) {
+        let sum = self + other;
+        let shadow = sum - self;
+        (sum, (self - (sum - shadow)) + (other - shadow))
+    }
     /// Absolute value.
     fn abs(self) -> Self;
     /// Square root; NaN below zero.

@@ -86,7 +86,7 @@ impl Tangent {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trail {
     points: Vec<f64>,
-    phases: Vec<u32>,
+    phases: Vec<u128>,
     dimension: usize,
 }
 

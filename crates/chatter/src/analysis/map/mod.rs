@@ -94,7 +94,7 @@ pub enum Origin {
         /// The displaced point.
         point: Vec<f64>,
         /// [`Passage::phase`] where the undisplaced one was reached.
-        phase: u32,
+        phase: u128,
     },
 }
 

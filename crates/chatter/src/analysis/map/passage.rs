@@ -15,7 +15,7 @@ pub struct Passage {
     /// Length of the latest flight that was completed on the way; NaN if there was none, or for a map without flights.
     pub flight_time: f64,
     /// In which phase the next point is (for a flow: which contacts are closed). Means nothing outside the map.
-    pub phase: u32,
+    pub phase: u128,
 }
 
 impl Passage {

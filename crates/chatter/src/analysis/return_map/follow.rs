@@ -250,6 +250,16 @@ impl<'m, 'v> Follower<'m, 'v> {
                     return self.returned(orbit, trajectory);
                 }
             }
+            Occurrence::Cascade { contact, .. } => {
+                if self.map.look.sees(EventKind::Cascade, contact) {
+                    return self.returned(orbit, trajectory);
+                }
+            }
+            Occurrence::Ambiguity { contact, .. } => {
+                if self.map.look.sees(EventKind::Ambiguity, contact) {
+                    return self.returned(orbit, trajectory);
+                }
+            }
             Occurrence::Capture { .. } => orbit.takeoff = f64::NAN,
             Occurrence::Release { contact } => {
                 orbit.takeoff = trajectory.time();

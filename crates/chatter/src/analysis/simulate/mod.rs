@@ -164,7 +164,7 @@ fn check_restitution<R: Real>(
     for (contact, described) in model.contacts.iter().enumerate() {
         let restitution = described.restitution;
         let value = (model.graph.evaluate(restitution, state, parameters)).to_f64();
-        if !model.graph.depends_on_state(restitution) && !(0.0..1.0).contains(&value) {
+        if !model.graph.depends_on_state(restitution) && !(0.0..=1.0).contains(&value) {
             let time = time.to_f64();
             return Err(SimulateError::Start(FlowError::Restitution {
                 time,

@@ -90,7 +90,7 @@ impl<R: Real> Recorder<R> {
                     contact,
                     rate_before,
                     rate_after,
-                    closes: trajectory.closed().contains(contact),
+                    closes: rate_after <= R::ZERO && trajectory.closed().contains(contact),
                 }
             }
             Occurrence::Accumulation {
@@ -116,6 +116,19 @@ impl<R: Real> Recorder<R> {
             Occurrence::Section { section } => {
                 self.counts.sections += 1;
                 EventDetail::Section { section }
+            }
+            Occurrence::Cascade {
+                contact,
+                impacts,
+                error,
+            } => EventDetail::Cascade {
+                contact,
+                impacts,
+                error,
+            },
+            Occurrence::Ambiguity { contact, other } => {
+                self.counts.ambiguities += 1;
+                EventDetail::Ambiguity { contact, other }
             }
             // The impact before it says so already.
             Occurrence::Capture { .. } | Occurrence::Horizon => {

@@ -75,6 +75,8 @@ pub struct Counts {
     pub grazes: u64,
     /// Sections crossed.
     pub sections: u64,
+    /// Simultaneous impacts whose order changes what follows, and is not said by the equations.
+    pub ambiguities: u64,
 }
 
 /// Something that happened.
@@ -97,6 +99,8 @@ impl<R> Event<R> {
             EventDetail::Release { .. } => EventKind::Release,
             EventDetail::Graze { .. } => EventKind::Graze,
             EventDetail::Section { .. } => EventKind::Section,
+            EventDetail::Cascade { .. } => EventKind::Cascade,
+            EventDetail::Ambiguity { .. } => EventKind::Ambiguity,
         }
     }
 }
@@ -141,6 +145,22 @@ pub enum EventDetail<R> {
     Section {
         /// Which.
         section: usize,
+    },
+    /// Binary collisions at one instant that have no last one converged.
+    Cascade {
+        /// The contact of the latest of them.
+        contact: usize,
+        /// How many were carried out one by one, those told as impacts among them.
+        impacts: u64,
+        /// Estimated error of the rates after it, as a part of the greatest rate before.
+        error: f64,
+    },
+    /// Two contacts close at one instant, and what follows depends on which of them collides first.
+    Ambiguity {
+        /// The contact that collides first, closing fastest.
+        contact: usize,
+        /// The contact that could as well.
+        other: usize,
     },
 }
 

@@ -136,16 +136,22 @@ pub enum EventKind {
     Graze,
     /// A section was crossed.
     Section,
+    /// Collisions of several contacts at one instant without a last one.
+    Cascade,
+    /// Impacts of several contacts at one instant whose order matters.
+    Ambiguity,
 }
 
 impl EventKind {
     /// All kinds.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Impact,
         Self::Accumulation,
         Self::Release,
         Self::Graze,
         Self::Section,
+        Self::Cascade,
+        Self::Ambiguity,
     ];
 
     /// Its name in results.
@@ -156,6 +162,8 @@ impl EventKind {
             Self::Release => "release",
             Self::Graze => "graze",
             Self::Section => "section",
+            Self::Cascade => "cascade",
+            Self::Ambiguity => "ambiguity",
         }
     }
 }
@@ -253,7 +261,9 @@ impl Targets {
             EventDetail::Impact { contact, .. }
             | EventDetail::Accumulation { contact, .. }
             | EventDetail::Release { contact }
-            | EventDetail::Graze { contact, .. } => contact,
+            | EventDetail::Graze { contact, .. }
+            | EventDetail::Cascade { contact, .. }
+            | EventDetail::Ambiguity { contact, .. } => contact,
         };
         for open in &mut self.0 {
             if open.target.kind == kind && open.place.is_none_or(|wanted| wanted == place) {

@@ -1,10 +1,12 @@
-//! One trajectory: its state, its phase, and the mode machine that says what an event leads to.
+//! One trajectory: its state, its mode, and the mode machine that says what an event leads to.
 //!
-//! The phase, not a nudge, says on which side of a surface the state is: a guard that is `touching` has so many roots at
+//! The mode, not a nudge, says on which side of a surface the state is: a guard that is `touching` has so many roots at
 //! the start of the next step, which are divided out. Intervals are half open: an event at the end of a step belongs to
 //! it, one at the start does not.
 
+mod collisions;
 mod contact;
+mod projection;
 mod sequence;
 mod start;
 
@@ -15,16 +17,24 @@ use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstant
 use super::resolve::{Resolution, resolve};
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
+use super::touch::TouchConstants;
 use super::touching::Touching;
+use crate::model::Simultaneous;
 use crate::numerics::{Real, two_sum};
+use collisions::Collisions;
+use std::collections::VecDeque;
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
 const REACH_USED: f64 = 0.95;
 
-/// A trajectory, at a time and state, in a phase.
+/// A trajectory, at a time and state, in a mode.
 #[derive(Clone, Debug)]
 pub struct Trajectory<R> {
+    parameters: Vec<R>,
+    /// By number of the mode; none where it was never entered.
     pub(crate) constants: Vec<Option<ProgramConstants<R>>>,
+    touch_constants: TouchConstants<R>,
+    law: Simultaneous,
     time: R,
     time_low: R,
     pub(crate) state: Vec<R>,
@@ -32,7 +42,9 @@ pub struct Trajectory<R> {
     /// How many of the states are the model's own; columns of derivatives follow.
     coordinates: usize,
     pub(crate) closed: Closed,
-    /// Per guard of the phase's program: how many roots lie at the present state.
+    /// Number of the mode in which these are closed.
+    pub(crate) mode: usize,
+    /// Per guard of the mode's program: how many roots lie at the present state.
     pub(crate) touching: Touching,
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
@@ -42,10 +54,15 @@ pub struct Trajectory<R> {
     sequence: u64,
     /// Contact and incoming rate of the latest impact.
     latest_impact: Option<(usize, R)>,
-    instant_impacts: usize,
+    /// The longest step since the start.
+    longest_step: R,
+    /// Impacts since the last flight that was longer than rounding.
+    burst: usize,
+    /// Collisions that are still to come at this instant.
+    collisions: Option<Collisions<R>>,
     /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
     completion: Option<(usize, Accumulation<R>)>,
-    pending: Option<Occurrence<R>>,
+    pending: VecDeque<Occurrence<R>>,
 }
 
 /// What the kernel found for one trajectory.
@@ -54,6 +71,8 @@ pub(crate) struct StepResult<R> {
     pub step: R,
     pub event: Option<usize>,
     pub touched: Option<usize>,
+    /// Other contacts that close at the same instant: the impact has not been applied then.
+    pub crowd: Closed,
     pub at_horizon: bool,
     pub impact: [R; IMPACT_SCALARS],
     pub flight_time: R,
@@ -103,7 +122,10 @@ impl<R: Real> Trajectory<R> {
 
     /// Whether the next call to [`advance`](Self::advance) needs no step.
     pub(crate) fn has_pending(&self) -> bool {
-        self.pending.is_some() || self.completion.is_some() || self.remaining() <= R::ZERO
+        !self.pending.is_empty()
+            || self.collisions.is_some()
+            || self.completion.is_some()
+            || self.remaining() <= R::ZERO
     }
 
     /// Moves by one step: to the next event, to `horizon`, or as far as one expansion reaches. Tells what happened, if
@@ -119,8 +141,11 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.horizon = horizon;
         work.step = R::ZERO;
-        if let Some(occurrence) = self.pending.take() {
+        if let Some(occurrence) = self.pending.pop_front() {
             return Ok(Some(occurrence));
+        }
+        if self.collisions.is_some() {
+            return self.collide_on(system, work);
         }
         if let Some((contact, end)) = self.completion.take() {
             return self.complete(system, work, contact, &end).map(Some);
@@ -166,7 +191,11 @@ impl<R: Real> Trajectory<R> {
         let class = self.load(work);
         let resolution = resolve(work, program, class, self.touching)
             .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
-        work.finish(program);
+        work.travel();
+        let crowd = self.crowd(work, program);
+        if crowd == Closed::NONE {
+            work.collide(program);
+        }
         let stalled = self.time + work.step == self.time
             && work.event == R::splat(NO_EVENT)
             && resolution.touched.is_none()
@@ -181,16 +210,32 @@ impl<R: Real> Trajectory<R> {
         let Resolution { touched, shortened } = resolution;
         result.touched = touched;
         result.at_horizon &= !shortened;
+        result.crowd = crowd;
         Ok(result)
+    }
+
+    /// The contacts beside the one that ended the step whose gaps cannot be told from zero there.
+    fn crowd(&self, work: &Workspace<R>, program: &Program) -> Closed {
+        let event = work.event.to_f64();
+        let at = |index: usize| index as f64 == event;
+        let mut crowd = Closed::NONE;
+        for (index, guard) in program.guards.iter().enumerate() {
+            if let GuardKind::Gap(contact) = guard.kind
+                && !at(index)
+                && work.closes_too(program, index, self.touching)
+            {
+                crowd = crowd.with(contact);
+            }
+        }
+        let impact = (program.guards.iter().enumerate())
+            .any(|(index, guard)| at(index) && matches!(guard.kind, GuardKind::Gap(_)));
+        if impact { crowd } else { Closed::NONE }
     }
 
     fn program<'s>(&self, system: &'s System) -> Result<&'s Program, FlowError> {
         system
-            .program(self.closed)
-            .ok_or_else(|| FlowError::DependentContacts {
-                time: self.time.to_f64(),
-                contacts: self.closed.contacts().collect(),
-            })
+            .program(self.mode)
+            .ok_or_else(|| self.dependent(&self.closed.contacts().collect::<Vec<_>>()))
     }
 
     /// The order class of the next step and its unit of time.
@@ -208,7 +253,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     fn load(&self, work: &mut Workspace<R>) -> usize {
-        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+        if let Some(constants) = &self.constants[self.mode] {
             work.load_constants(constants);
         }
         let (class, tau) = self.plan();
@@ -227,6 +272,7 @@ impl<R: Real> Trajectory<R> {
             step: work.step,
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
+            crowd: Closed::NONE,
             at_horizon: event == NO_EVENT && StepResult::reaches(work.step, remaining),
             impact: work.impact,
             flight_time: work.flight_time,
@@ -252,8 +298,12 @@ impl<R: Real> Trajectory<R> {
         self.advance_time(result.step);
         let balanced = self.balanced(program);
         self.touching = Touching::NONE;
-        if result.step > R::ZERO {
-            self.instant_impacts = 0;
+        if result.step > self.negligible() {
+            self.burst = 0;
+            self.longest_step = self.longest_step.max(result.step);
+        }
+        if self.closed != Closed::NONE {
+            self.stay_on_contacts(system, work)?;
         }
         let undisturbed = match result.event {
             Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
@@ -288,12 +338,23 @@ impl<R: Real> Trajectory<R> {
                 self.tracker.interrupt();
                 Ok(Some(Occurrence::Release { contact }))
             }
+            GuardKind::Gap(contact) if !self.is_alone(program, contact, result.crowd) => {
+                let touching = Closed(self.closed.0 | result.crowd.0).with(contact);
+                self.collide(system, work, contact, touching)
+            }
             GuardKind::Gap(contact) => {
                 self.flight_time = result.flight_time;
                 self.touching.set(index, 1);
                 self.after_impact(system, work, contact, &result.impact)
             }
         }
+    }
+
+    /// Whether an impact here was applied by the step itself.
+    #[inline(always)]
+    fn is_alone(&self, program: &Program, contact: usize, crowd: Closed) -> bool {
+        crowd == Closed::NONE
+            && (program.impacts[contact].as_ref()).is_some_and(|impact| impact.is_alone)
     }
 
     /// What is left of a predicted flight after a step that did not end it.
@@ -336,7 +397,7 @@ impl<R: Real> Trajectory<R> {
         self.tracker.interrupt();
         match program.guards[index].kind {
             GuardKind::Gap(contact) => {
-                let rate = self.local(system, work, contact)?[1];
+                let rate = self.local(system, work, contact)?[1].value;
                 Ok(Some(Occurrence::Graze { contact, rate }))
             }
             GuardKind::Reaction(_) | GuardKind::Section(_) => Ok(None),

@@ -1,6 +1,6 @@
 //! The sequence that an impact belongs to: it goes on, or chatter ends.
 
-use super::{ORDER_CLASSES, Trajectory};
+use super::Trajectory;
 use crate::expressions::Operand;
 use crate::flow::chatter::{Accumulation, LocalPoint};
 use crate::flow::error::FlowError;
@@ -18,8 +18,11 @@ const AT_REST: f64 = 1e-12;
 /// Rounding errors of the flights of a sequence add up like the steps of a random walk of this many roundoffs each.
 const WALK_ROUNDOFFS: f64 = 4.0;
 
-/// More impacts at one instant than this are no sequence of collisions of several contacts.
-const INSTANT_IMPACTS: usize = 1000;
+/// After so many impacts in a time that is below rounding it is asked which contacts have come to rest together; …
+const BURST: usize = 64;
+
+/// … and more than these do not happen at one instant.
+const LONGEST_BURST: usize = 100_000;
 
 impl<R: Real> Trajectory<R> {
     #[inline(always)]
@@ -30,7 +33,15 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
         impact: &[R],
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let &[rate_before, rate_after, acceleration, jerk, restitution] = impact else {
+        let &[
+            rate_before,
+            rate_after,
+            acceleration,
+            jerk,
+            restitution,
+            at_rest,
+        ] = impact
+        else {
             return Ok(None);
         };
         let finite = self.state.iter().all(|x| x.is_finite()) && rate_after.is_finite();
@@ -39,13 +50,6 @@ impl<R: Real> Trajectory<R> {
         }
         if rate_before >= R::ZERO && self.sequence > 0 {
             return self.end_here(system, work, contact).map(Some);
-        }
-        self.instant_impacts += 1;
-        if self.instant_impacts > INSTANT_IMPACTS {
-            return Err(FlowError::ImpactsWithoutEnd {
-                time: self.time.to_f64(),
-                count: self.instant_impacts,
-            });
         }
         if !legal_rates(rate_before, rate_after) {
             return Err(FlowError::Restitution {
@@ -65,19 +69,30 @@ impl<R: Real> Trajectory<R> {
             rate_before,
             rate_after,
         };
-        let rebounds = rate_after > R::ZERO;
+        let rebounds = restitution > R::ZERO && rate_after > R::ZERO;
         if !rebounds {
-            self.rest(system, work, contact)?;
+            self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
             return Ok(Some(occurrence));
         }
-        if self.closed != Closed::NONE {
-            self.follow_impulse(system, work)?;
+        self.burst += 1;
+        let negligible = self.negligible();
+        let is_short = self.flight_time <= negligible;
+        if system.contacts() > 1 && (is_short || self.burst.is_multiple_of(BURST)) {
+            if self.end_burst(system, work)? != Closed::NONE {
+                return Ok(Some(occurrence));
+            }
+            if self.burst > LONGEST_BURST {
+                return Err(FlowError::ImpactsWithoutEnd {
+                    time: self.time.to_f64(),
+                    count: self.burst,
+                });
+            }
         }
         let local = LocalPoint {
             rate: rate_after,
             acceleration,
             jerk,
-            restitution,
+            restitution: at_rest,
         };
         let end = self.tracker.observe(
             contact,
@@ -85,15 +100,13 @@ impl<R: Real> Trajectory<R> {
             (self.time, self.time_low),
             (&self.state, &self.low),
         );
-        let negligible = self.reach[ORDER_CLASSES - 1] * R::splat(R::ROUNDOFF);
         if let Some(end) = end
             && self.ends_undisturbed(system, work, contact, &end)?
         {
             self.completion = Some((contact, end));
-        } else if acceleration < R::ZERO && self.flight_time <= negligible {
-            // Flights shorter than a roundoff of the time scale, as when several contacts chatter at once: what is left
-            // of the sequence is below rounding.
-            let after = self.flight_time / (R::ONE - restitution);
+        } else if acceleration < R::ZERO && is_short {
+            // What is left of the sequence is below rounding.
+            let after = self.flight_time / (R::ONE - at_rest);
             let end = Accumulation {
                 after,
                 change: vec![R::ZERO; self.state.len()],
@@ -120,7 +133,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(false);
         }
         let program = self.program(system)?;
-        let Some(constants) = &self.constants[self.closed.0 as usize] else {
+        let Some(constants) = &self.constants[self.mode] else {
             return Ok(true);
         };
         if program.guards.len() < 2 {
@@ -186,9 +199,9 @@ impl<R: Real> Trajectory<R> {
         let walk = libm::sqrt(impacts as f64) * R::ROUNDOFF * WALK_ROUNDOFFS;
         let relative = walk.max(work.tail.precision);
         let error = relative.mul_add(self.time.to_f64().abs(), end.error);
-        self.rest(system, work, contact)?;
+        self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
         // The accumulation says more than the capture that ends it.
-        self.pending = None;
+        self.pending.clear();
         Ok(Occurrence::Accumulation {
             contact,
             impacts,
