@@ -104,6 +104,8 @@ pub struct Program {
     pub(crate) captures: Vec<Tape>,
     /// Gap and rate of each closed contact, in order.
     pub(crate) residuals: Tape,
+    /// The field of the model's own states, at a point.
+    pub(crate) field: Tape,
 }
 
 /// The constants of a program's tapes at one parameter set.
@@ -114,6 +116,7 @@ pub(crate) struct ProgramConstants<R> {
     pub locals: Vec<Vec<R>>,
     pub captures: Vec<Vec<R>>,
     pub residuals: Vec<R>,
+    pub field: Vec<R>,
 }
 
 /// What holds while a set of contacts is closed, as expressions.
@@ -286,6 +289,7 @@ impl Program {
             .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
             .collect();
         let residuals = Tape::new(graph, dimension, &[], &residuals);
+        let at_point = Tape::new(graph, dimension, &[], &field[..mechanics.field.len()]);
         Self {
             tape,
             gaps: contacts.len() - closed.contacts().count(),
@@ -294,6 +298,7 @@ impl Program {
             locals,
             captures,
             residuals,
+            field: at_point,
         }
     }
 
@@ -313,12 +318,13 @@ impl Program {
             locals: self.locals.iter().map(of).collect(),
             captures: self.captures.iter().map(of).collect(),
             residuals: of(&self.residuals),
+            field: of(&self.field),
         }
     }
 
     /// Every tape, for sizing scratch space.
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
-        [&self.tape, &self.residuals]
+        [&self.tape, &self.residuals, &self.field]
             .into_iter()
             .chain(&self.locals)
             .chain(&self.captures)

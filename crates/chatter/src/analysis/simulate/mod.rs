@@ -135,7 +135,7 @@ pub fn simulate<R: Real>(
         recorder.motion(&work.dense(), &trajectory);
         match occurrence {
             None => {
-                if stops_at_rest && recorder.at_rest(&work.dense(), &trajectory) {
+                if stops_at_rest && recorder.at_rest(&system, &work.dense(), &trajectory) {
                     break Outcome::Rest;
                 }
             }

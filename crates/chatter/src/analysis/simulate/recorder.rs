@@ -3,7 +3,7 @@
 use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
 use super::samples::Sampler;
 use super::spec::Sampling;
-use crate::flow::{Closed, Dense, Occurrence, Trajectory};
+use crate::flow::{Closed, Dense, Occurrence, System, Trajectory};
 use crate::numerics::Real;
 
 pub(super) struct Recorder<R> {
@@ -151,17 +151,16 @@ impl<R: Real> Recorder<R> {
         self.events.last().filter(|_| self.fresh)
     }
 
-    /// Whether a contact is closed and the state has not changed during the step just made: then, in an autonomous
-    /// system, it never will.
-    pub(super) fn at_rest(&self, dense: &Dense<'_, R>, trajectory: &Trajectory<R>) -> bool {
-        let still = |(index, &value): (usize, &R)| {
-            [0.0, 0.5]
-                .iter()
-                .all(|&fraction| dense.state(index, R::splat(fraction)) == value)
-        };
+    /// Whether a contact is closed and nothing moves: then, in an autonomous system, nothing ever will.
+    pub(super) fn at_rest(
+        &self,
+        system: &System,
+        dense: &Dense<'_, R>,
+        trajectory: &Trajectory<R>,
+    ) -> bool {
         trajectory.closed() != Closed::NONE
             && dense.step() > R::ZERO
-            && trajectory.state().iter().enumerate().all(still)
+            && trajectory.is_in_equilibrium(system)
     }
 
     pub(super) fn finish(self, outcome: Outcome, trajectory: &Trajectory<R>) -> Simulation<R> {

@@ -275,6 +275,25 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
+    /// Whether nothing moves any more: no component of the field can be told from zero by its terms.
+    pub fn is_in_equilibrium(&self, system: &System) -> bool {
+        let (Some(program), Some(constants)) = (
+            system.program(self.mode),
+            self.constants.get(self.mode).and_then(Option::as_ref),
+        ) else {
+            return false;
+        };
+        let mut field = vec![WithTerms::exact(R::ZERO); self.coordinates];
+        Expansion::new(&[&program.field]).evaluate(
+            &program.field,
+            &WithTerms::all(&constants.field),
+            &WithTerms::all(&self.state),
+            &WithTerms::remainders(&self.low),
+            &mut field,
+        );
+        field.iter().all(|f| f.value.abs() <= f.level())
+    }
+
     /// Gap, rate, acceleration and jerk of a contact in the present mode.
     pub(super) fn local(
         &self,
