@@ -2,8 +2,8 @@
 
 use super::error::FlowError;
 use super::program::{GuardKind, Program};
-use super::step::{NO_EVENT, Workspace};
-use super::touching::Touching;
+use super::step::{LEAST_GROWTH, NO_EVENT, Workspace};
+use super::touching::{Left, Touching};
 use crate::expressions::Operand;
 use crate::numerics::Real;
 use crate::numerics::polynomial::magnitude;
@@ -18,9 +18,9 @@ pub(crate) struct Resolution {
     pub shortened: bool,
 }
 
-/// The unit of time shrinks by this factor while an expansion overflows, this many times at most.
-const SHRINK: f64 = 1e-6;
-const SHRINKS: usize = 8;
+/// The unit of time shrinks by [`LEAST_GROWTH`] while an expansion overflows or reaches less far than that, this many
+/// times at most.
+const SHRINKS: usize = 40;
 
 /// A first root may lie this many halvings of the step close to its start.
 const HALVINGS: usize = 60;
@@ -31,20 +31,21 @@ pub(crate) fn resolve<R: Real>(
     work: &mut Workspace<R>,
     program: &Program,
     class: usize,
-    touching: Touching,
+    (touching, left): (Touching, Left<R>),
 ) -> Result<Resolution, Unsettled> {
     let mut tries = 0;
     loop {
         work.expand_only(program, class);
         let is_step = work.scaled_step.is_finite() && work.scaled_step > R::ZERO;
-        if is_step && expansion_is_finite(work, program) {
+        let is_finite = is_step && expansion_is_finite(work, program);
+        if is_finite && (work.growth >= R::splat(LEAST_GROWTH) || tries == SHRINKS) {
             break;
         }
         tries += 1;
         if tries > SHRINKS {
             return Err(Unsettled::NotFinite);
         }
-        work.tau *= R::splat(SHRINK);
+        work.tau *= R::splat(LEAST_GROWTH);
     }
     work.event = R::splat(NO_EVENT);
     let mut touched = None;
@@ -59,7 +60,10 @@ pub(crate) fn resolve<R: Real>(
         };
         let width = work.scaled_step;
         let found = if one_sided {
-            first_closing(p, width, work.noise(), touching.get(index) > 0)?
+            match left.positive_coefficients(index, p, work.tau) {
+                0 => first_closing(p, width, work.noise(), touching.get(index) > 0)?,
+                count => first_closing(&risen(p, count), width, work.noise(), true)?,
+            }
         } else {
             first_crossing(p, width, work.noise(), guard.crossing)
         };
@@ -126,6 +130,13 @@ fn expansion_is_finite<R: Real>(work: &Workspace<R>, program: &Program) -> bool 
     (0..work.state.len())
         .chain(guards)
         .all(|slot| magnitude(work.expansion.series(slot), work.scaled_step).is_finite())
+}
+
+/// A guard whose so many lowest coefficients are known not to be negative, without those that vanish at its start.
+fn risen<R: Real>(p: &[R], count: usize) -> Vec<R> {
+    let known = p[..count].iter().map(|&c| c.max(R::ZERO));
+    let zeros = known.clone().take_while(|&c| c == R::ZERO).count();
+    known.chain(p[count..].iter().copied()).skip(zeros).collect()
 }
 
 /// The first zero of a gap or reaction, which is positive at the start up to noise.

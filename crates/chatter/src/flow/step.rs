@@ -22,6 +22,11 @@ pub(crate) const ORDER_CLASSES: usize = f64::ORDERS.len();
 /// A step may outgrow the predicted one by this factor at most: beyond it the scaled coefficients say little.
 const GROWTH: f64 = 4.0;
 
+/// And it must not fall below this part of the unit of time that the expansion was scaled with: so far inside, the sizes
+/// of coefficients, which grow like powers of that unit, say nothing of how far the expansion reaches. A step as long as
+/// they do say, after a release from a long rest, may be too short to leave the contact by more than rounding.
+pub(crate) const LEAST_GROWTH: f64 = 1.0 / 16.0;
+
 /// A value is told from zero if it exceeds this many roundoffs of the terms that it is the sum of. The sums have some
 /// fifty terms of falling size, each wrong by a few roundoffs.
 pub(crate) const NOISE_ROUNDOFFS: f64 = 32.0;
@@ -64,6 +69,8 @@ pub struct Workspace<S> {
     pub(crate) horizon: S,
     /// How far an expansion of each order reaches; entries above the order used are kept.
     pub(crate) reach: [S; ORDER_CLASSES],
+    /// How far the latest expansion reaches, in its unit of time.
+    pub(crate) growth: S,
 
     /// Results: the scaled and the true length of the step, the index of the guard that ended it or [`NO_EVENT`].
     pub(crate) scaled_step: S,
@@ -106,6 +113,7 @@ impl<S: Scalar> Workspace<S> {
             tau: zero,
             horizon: zero,
             reach: [zero; ORDER_CLASSES],
+            growth: zero,
             scaled_step: zero,
             step: zero,
             event: zero,
@@ -156,6 +164,7 @@ impl<S: Scalar> Workspace<S> {
         }
         let resolved = (self.expansion).resolved(&program.tape, &self.constants, GROWTH);
         self.reach[class] = self.reach[class].min(self.tau * resolved);
+        self.growth = self.reach[class] / self.tau;
         self.scaled_step = (self.reach[class]).min(self.horizon) / self.tau;
     }
 
@@ -172,7 +181,9 @@ impl<S: Scalar> Workspace<S> {
     #[inline(always)]
     pub(crate) fn locate(&mut self, program: &Program, touching: Touching) -> S::Mask {
         self.event = S::splat(NO_EVENT);
-        let mut certain = self.scaled_step.is_finite() & S::splat(0.0).less(self.scaled_step);
+        let mut certain = self.scaled_step.is_finite()
+            & S::splat(0.0).less(self.scaled_step)
+            & S::splat(LEAST_GROWTH).at_most(self.growth);
         for (index, guard) in program.guards.iter().enumerate() {
             let Operand::Series(slot) = guard.series else {
                 continue;

@@ -7,7 +7,7 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, GuardKind, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
-use crate::flow::touching::Touching;
+use crate::flow::touching::{Left, Touching};
 use crate::numerics::Real;
 
 /// A quantity this small against the state and its rate of change counts as zero where a trajectory starts, or where a
@@ -191,6 +191,7 @@ impl<R: Real> Trajectory<R> {
         self.closed = closed;
         let program = self.program(system)?;
         self.touching = Touching::NONE;
+        self.left = Left::NONE;
         for (index, guard) in program.guards.iter().enumerate() {
             let same =
                 old.and_then(|old| old.guards.iter().position(|other| other.kind == guard.kind));

@@ -15,7 +15,7 @@ use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstant
 use super::resolve::{Resolution, resolve};
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
-use super::touching::Touching;
+use super::touching::{Left, Touching};
 use crate::numerics::{Real, two_sum};
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
@@ -34,6 +34,8 @@ pub struct Trajectory<R> {
     pub(crate) closed: Closed,
     /// Per guard of the phase's program: how many roots lie at the present state.
     pub(crate) touching: Touching,
+    /// The guards that were last left from rest, and how long ago.
+    left: Left<R>,
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
     horizon: R,
@@ -164,13 +166,13 @@ impl<R: Real> Trajectory<R> {
         program: &Program,
     ) -> Result<StepResult<R>, FlowError> {
         let class = self.load(work);
-        let resolution = resolve(work, program, class, self.touching)
+        let resolution = resolve(work, program, class, (self.touching, self.left))
             .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
         work.finish(program);
         let stalled = self.time + work.step == self.time
             && work.event == R::splat(NO_EVENT)
             && resolution.touched.is_none()
-            && work.step < self.remaining();
+            && !StepResult::reaches(work.step, self.remaining());
         if stalled || !work.state.iter().all(|x| x.is_finite()) {
             return Err(FlowError::LeftDomain {
                 time: self.time.to_f64(),
@@ -250,17 +252,24 @@ impl<R: Real> Trajectory<R> {
         result: &StepResult<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.advance_time(result.step);
-        let balanced = self.balanced(program);
-        self.touching = Touching::NONE;
-        if result.step > R::ZERO {
-            self.instant_impacts = 0;
-        }
         let undisturbed = match result.event {
             Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
             None => true,
         };
-        if undisturbed {
+        self.left = if undisturbed {
+            self.left.after(self.touching, result.step)
+        } else {
+            Left::NONE
+        };
+        let negligible = self.reach[ORDER_CLASSES - 1] * R::splat(R::ROUNDOFF);
+        let balanced = self.balanced(program);
+        if !undisturbed {
+            self.touching = Touching::NONE;
+        } else if result.step > negligible {
             self.touching = balanced;
+        }
+        if result.step > R::ZERO {
+            self.instant_impacts = 0;
         }
         if let Some(index) = result.touched {
             self.touching.set(index, 2);

@@ -6,7 +6,7 @@ use crate::flow::error::FlowError;
 use crate::flow::program::{Closed, GuardKind};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
-use crate::flow::touching::Touching;
+use crate::flow::touching::{Left, Touching};
 use crate::numerics::Real;
 
 /// First guess of the unit of time, before anything is known; a step finds its own size from there.
@@ -33,6 +33,7 @@ impl<R: Real> Trajectory<R> {
             coordinates: system.coordinates(),
             closed: Closed::NONE,
             touching: Touching::NONE,
+            left: Left::NONE,
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
             horizon: R::splat(FOREVER),
@@ -133,6 +134,7 @@ impl<R: Real> Trajectory<R> {
         self.pending = None;
         self.enter(system, closed)?;
         self.touching = Touching::NONE;
+        self.left = Left::NONE;
         Ok(())
     }
 }
