@@ -1,12 +1,13 @@
 //! Settles the steps that [`step`](super::step) could not certify: full root isolation on every guard.
 
+use super::crossing::SectionPath;
 use super::error::FlowError;
-use super::program::{GuardKind, Program};
+use super::program::{Guard, GuardKind, Program};
 use super::step::{LEAST_GROWTH, NO_EVENT, Workspace};
 use super::touching::{Left, Touching};
 use crate::expressions::Operand;
 use crate::numerics::Real;
-use crate::numerics::polynomial::magnitude;
+use crate::numerics::polynomial::{horner_with_slope, magnitude};
 use crate::numerics::roots::{Crossing, Root, RootKind, first_root};
 
 /// How a settled step ends, beyond the workspace's event code.
@@ -16,6 +17,8 @@ pub(crate) struct Resolution {
     pub touched: Option<usize>,
     /// The step ends within the remaining time, not at it.
     pub shortened: bool,
+    /// A section was crossed without the state lying on it: an impact made its function jump.
+    pub jumped: bool,
 }
 
 /// The unit of time shrinks by [`LEAST_GROWTH`] while an expansion overflows or reaches less far than that, this many
@@ -50,22 +53,26 @@ pub(crate) fn resolve<R: Real>(
     work.event = R::splat(NO_EVENT);
     let mut touched = None;
     let whole = work.scaled_step;
+    let ends_the_run = whole * work.tau >= work.horizon;
     for (index, guard) in program.guards.iter().enumerate() {
         if guard.is_balanced(touching.get(index)) {
             continue;
         }
-        let one_sided = !matches!(guard.kind, GuardKind::Section(_));
         let Some(p) = work.guard_series(guard.series, touching.get(index)) else {
             continue;
         };
         let width = work.scaled_step;
-        let found = if one_sided {
+        let busy = touched.is_some() || work.event >= R::ZERO;
+        let at_end = ends_the_run && !busy;
+        let found = if let GuardKind::Section(section) = guard.kind {
+            let path = section_path(work, program, guard, (p, section), touching.get(index));
+            (path.first(width)).or_else(|| path.at_end(width).filter(|_| at_end))
+        } else {
             match left.positive_coefficients(index, p, work.tau) {
                 0 => first_closing(p, width, work.noise(), touching.get(index) > 0)?,
                 count => first_closing(&risen(p, count), width, work.noise(), true)?,
             }
-        } else {
-            first_crossing(p, width, work.noise(), guard.crossing)
+            .or_else(|| closing_at_end(p, width, work.noise()).filter(|_| at_end))
         };
         let Some(root) = found else { continue };
         work.scaled_step = root.at;
@@ -80,10 +87,87 @@ pub(crate) fn resolve<R: Real>(
             }
         }
     }
+    let jumped = find_sides(work, program, touching);
     Ok(Resolution {
         touched,
         shortened: work.scaled_step < whole,
+        jumped,
     })
+}
+
+/// The first section that is crossed where the trajectory is, by the sides that it comes from, and whether by a jump. The
+/// workspace holds the inputs of a step; afterwards its sides and event are those of a step of no length.
+pub(crate) fn crossed_here<R: Real>(
+    work: &mut Workspace<R>,
+    program: &Program,
+    class: usize,
+    touching: Touching,
+) -> Option<bool> {
+    work.expand_only(program, class);
+    work.scaled_step = R::ZERO;
+    work.event = R::splat(NO_EVENT);
+    for (index, guard) in program.guards.iter().enumerate() {
+        let (GuardKind::Section(section), Some(p)) = (
+            guard.kind,
+            work.guard_series(guard.series, touching.get(index)),
+        ) else {
+            continue;
+        };
+        if let Some(jumped) =
+            section_path(work, program, guard, (p, section), touching.get(index)).crossed_at_start()
+        {
+            work.event = R::splat(index as f64);
+            find_sides(work, program, touching);
+            return Some(jumped);
+        }
+    }
+    None
+}
+
+fn section_path<'p, R: Real>(
+    work: &Workspace<R>,
+    program: &Program,
+    guard: &Guard,
+    (series, section): (&'p [R], usize),
+    touching: u8,
+) -> SectionPath<'p, R> {
+    let terms = match guard.series {
+        Operand::Series(slot) if touching == 0 => {
+            (work.expansion).size_of_terms(&program.tape, &work.constants, slot)
+        }
+        _ => R::ZERO,
+    };
+    SectionPath {
+        series,
+        crossing: guard.crossing,
+        side: work.sides[section],
+        terms,
+        reach: work.growth,
+        noise: work.noise(),
+    }
+}
+
+/// Finds on which side of each section the step ends. Returns whether it ends by a jump across one.
+fn find_sides<R: Real>(work: &mut Workspace<R>, program: &Program, touching: Touching) -> bool {
+    let width = work.scaled_step;
+    let mut jumped = false;
+    for (index, guard) in program.guards.iter().enumerate() {
+        let (GuardKind::Section(section), Some(p)) = (
+            guard.kind,
+            work.guard_series(guard.series, touching.get(index)),
+        ) else {
+            continue;
+        };
+        let path = section_path(work, program, guard, (p, section), touching.get(index));
+        let side = if work.event == R::splat(index as f64) {
+            jumped = width == R::ZERO && path.crossed_at_start() == Some(true);
+            path.side_after(width)
+        } else {
+            path.side_at(width)
+        };
+        work.sides[section] = side;
+    }
+    jumped
 }
 
 /// Why a step cannot be settled; the caller knows time and state.
@@ -132,11 +216,25 @@ fn expansion_is_finite<R: Real>(work: &Workspace<R>, program: &Program) -> bool 
         .all(|slot| magnitude(work.expansion.series(slot), work.scaled_step).is_finite())
 }
 
+/// The zero at the end of a step that stops short of it by no more than rounding.
+fn closing_at_end<R: Real>(p: &[R], width: R, noise: f64) -> Option<Root<R>> {
+    let (value, slope) = horner_with_slope(p, width);
+    let level = magnitude(p, width) * R::splat(noise);
+    let closes = p[0] > level && value <= level && slope * width < -level;
+    closes.then_some(Root {
+        at: width,
+        kind: RootKind::Crossing,
+    })
+}
+
 /// A guard whose so many lowest coefficients are known not to be negative, without those that vanish at its start.
 fn risen<R: Real>(p: &[R], count: usize) -> Vec<R> {
     let known = p[..count].iter().map(|&c| c.max(R::ZERO));
     let zeros = known.clone().take_while(|&c| c == R::ZERO).count();
-    known.chain(p[count..].iter().copied()).skip(zeros).collect()
+    known
+        .chain(p[count..].iter().copied())
+        .skip(zeros)
+        .collect()
 }
 
 /// The first zero of a gap or reaction, which is positive at the start up to noise.
@@ -187,21 +285,6 @@ fn first_closing<R: Real>(
         end = end + end;
     }
     Ok(None)
-}
-
-/// The first zero of a section in (0, width]; a start on the section does not count.
-fn first_crossing<R: Real>(p: &[R], width: R, noise: f64, crossing: Crossing) -> Option<Root<R>> {
-    let level = magnitude(p, width) * R::splat(noise);
-    if level == R::ZERO {
-        // The trajectory runs within the surface, as one at rest does in that of its velocity: no crossing.
-        return None;
-    }
-    if p[0].abs() > level || p.len() < 3 {
-        return first_root(p, width, crossing, level);
-    }
-    let rest = &p[1..];
-    let level = magnitude(rest, width) * R::splat(noise);
-    first_root(rest, width, crossing, level)
 }
 
 /// Coefficients of s -> p(begin + s).

@@ -45,6 +45,10 @@ const RESTITUTION_SLACK: f64 = 1e-12;
 /// Longer than any time of interest, yet finite, so that products with zero stay zero.
 pub(crate) const FOREVER: f64 = 1e30;
 
+/// A step this short against what its expansion reaches, as from an event to the end of a run, says nothing of signs: what
+/// changes within it is rounding.
+const INSTANT: f64 = 1e-12;
+
 /// Result code for a step without event.
 pub(crate) const NO_EVENT: f64 = -1.0;
 
@@ -63,6 +67,8 @@ pub struct Workspace<S> {
     /// State before the step, overwritten by the state after it; `low` is its rounding remainder.
     pub(crate) state: Vec<S>,
     pub(crate) low: Vec<S>,
+    /// For each section its side, 1 or -1, or 0 where that is not known: before the step, then after it.
+    pub(crate) sides: Vec<S>,
     /// Unit of the scaled time.
     pub(crate) tau: S,
     /// The step is at most this long.
@@ -90,7 +96,7 @@ impl<S: Scalar> Workspace<S> {
     /// Scratch space for programs whose tapes are given.
     pub(crate) fn new<'a>(
         tapes: impl Iterator<Item = &'a Tape>,
-        dimension: usize,
+        (dimension, sections): (usize, usize),
         settings: &Settings,
     ) -> Self {
         let zero = S::splat(0.0);
@@ -110,6 +116,7 @@ impl<S: Scalar> Workspace<S> {
             impact_constants: Vec::new(),
             state: vec![zero; dimension],
             low: vec![zero; dimension],
+            sides: vec![zero; sections],
             tau: zero,
             horizon: zero,
             reach: [zero; ORDER_CLASSES],
@@ -184,6 +191,7 @@ impl<S: Scalar> Workspace<S> {
         let mut certain = self.scaled_step.is_finite()
             & S::splat(0.0).less(self.scaled_step)
             & S::splat(LEAST_GROWTH).at_most(self.growth);
+        let mut sections_met = 0_u64;
         for (index, guard) in program.guards.iter().enumerate() {
             let Operand::Series(slot) = guard.series else {
                 continue;
@@ -194,17 +202,34 @@ impl<S: Scalar> Workspace<S> {
             let rest = magnitude(&p[1..], end) * end;
             let noise = (rest + start.abs()) * S::splat(self.noise);
             let mut settled = (rest + noise).less(start.abs());
-            let must_be_positive = !matches!(guard.kind, GuardKind::Section(_));
-            if must_be_positive {
+            let must_be_positive = if let GuardKind::Section(section) = guard.kind {
+                let side = &mut self.sides[section];
+                let here = sign(start);
+                let is_known = S::splat(0.0).less(side.abs());
+                let agrees = S::splat(0.0).less(*side * here) & S::splat(0.0).less(start.abs());
+                certain = certain
+                    & (agrees | (!is_known & noise.less(start.abs())))
+                    & (self.growth * S::splat(INSTANT)).less(end);
+                *side = here;
+                false
+            } else {
                 certain = certain & noise.less(start);
-            }
+                true
+            };
             if settled.all() {
                 continue;
+            }
+            if !must_be_positive {
+                sections_met |= 1 << index;
             }
             let (root, converged) = newton(p, quadratic_root(p), end);
             let root_inside = S::splat(0.0).less(root) & root.at_most(end) & converged;
             let falls = falls_steadily(p, root) & noise.less(start);
             let mut found = root_inside & falls;
+            if !must_be_positive && found.any() {
+                // A root that cannot be told from the end of the step may coincide with what happens there.
+                found = found & noise.less(horner(p, end).abs());
+            }
             settled = settled | found;
             let mut at = root;
             if !settled.all() {
@@ -234,6 +259,32 @@ impl<S: Scalar> Workspace<S> {
             certain = certain & settled;
             self.scaled_step = S::select(found, at, self.scaled_step);
             self.event = S::select(found, S::splat(index as f64), self.event);
+        }
+        if sections_met != 0 {
+            certain = certain & self.find_sides(program, touching, sections_met);
+        }
+        certain
+    }
+
+    /// Finds on which side of these sections (guards, one bit each) the step ends. Returns where this is certain.
+    #[inline(always)]
+    fn find_sides(&mut self, program: &Program, touching: Touching, guards: u64) -> S::Mask {
+        let mut certain = S::Mask::splat(true);
+        let end = self.scaled_step;
+        for (index, guard) in program.guards.iter().enumerate() {
+            let (GuardKind::Section(section), true) = (guard.kind, guards >> index & 1 == 1) else {
+                continue;
+            };
+            let Some(p) = self.guard_series(guard.series, touching.get(index)) else {
+                continue;
+            };
+            let value = horner(p, end);
+            let noise = magnitude(p, end) * S::splat(self.noise);
+            let code = S::splat(index as f64);
+            let crossed = code.at_most(self.event) & self.event.at_most(code);
+            certain = certain & (crossed | noise.less(value.abs()));
+            let begins = self.sides[section];
+            self.sides[section] = S::select(crossed, -begins, sign(value));
         }
         certain
     }
@@ -287,6 +338,12 @@ impl<S: Scalar> Workspace<S> {
         let time = flight_time(rate, acceleration, jerk);
         self.flight_time = S::select(here, time, self.flight_time);
     }
+}
+
+/// 1, or -1 for what is negative.
+#[inline(always)]
+fn sign<S: Scalar>(value: S) -> S {
+    S::select(value.less(S::splat(0.0)), S::splat(-1.0), S::splat(1.0))
 }
 
 /// Whether the rate after an impact is one that a restitution in [0, 1) gives, up to rounding.

@@ -168,7 +168,7 @@ impl System {
     /// Scratch space for steps of this system.
     pub fn workspace<S: Scalar>(&self, settings: &Settings) -> Workspace<S> {
         let tapes = self.programs.iter().flatten().flat_map(Program::tapes);
-        Workspace::new(tapes, self.dimension, settings)
+        Workspace::new(tapes, (self.dimension, self.sections), settings)
     }
 }
 

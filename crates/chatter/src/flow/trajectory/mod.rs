@@ -12,7 +12,8 @@ use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
 use super::occurrence::Occurrence;
 use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
-use super::resolve::{Resolution, resolve};
+use super::resolve::{Resolution, crossed_here, resolve};
+use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
 use super::touching::{Left, Touching};
@@ -36,6 +37,7 @@ pub struct Trajectory<R> {
     pub(crate) touching: Touching,
     /// The guards that were last left from rest, and how long ago.
     left: Left<R>,
+    pub(crate) sides: Sides,
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
     horizon: R,
@@ -47,6 +49,8 @@ pub struct Trajectory<R> {
     instant_impacts: usize,
     /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
     completion: Option<(usize, Accumulation<R>)>,
+    /// What happened last may have moved the state across a section, of which nothing has been told yet.
+    may_have_crossed: bool,
     pending: Option<Occurrence<R>>,
 }
 
@@ -56,6 +60,8 @@ pub(crate) struct StepResult<R> {
     pub step: R,
     pub event: Option<usize>,
     pub touched: Option<usize>,
+    /// A section was crossed by a jump: the state does not lie on it.
+    pub jumped: bool,
     pub at_horizon: bool,
     pub impact: [R; IMPACT_SCALARS],
     pub flight_time: R,
@@ -124,13 +130,20 @@ impl<R: Real> Trajectory<R> {
         if let Some(occurrence) = self.pending.take() {
             return Ok(Some(occurrence));
         }
+        let program = self.program(system)?;
+        let stays = self.completion.is_some() || self.remaining() <= R::ZERO;
+        if stays && self.may_have_crossed {
+            self.may_have_crossed = false;
+            if let Some(told) = self.cross_here(system, work, program)? {
+                return Ok(Some(told));
+            }
+        }
         if let Some((contact, end)) = self.completion.take() {
             return self.complete(system, work, contact, &end).map(Some);
         }
         if self.remaining() <= R::ZERO {
             return Ok(Some(Occurrence::Horizon));
         }
-        let program = self.program(system)?;
         let class = self.load(work);
         if !work.try_step(program, class, self.touching) {
             return self.advance_settled(system, work, program);
@@ -180,10 +193,42 @@ impl<R: Real> Trajectory<R> {
             });
         }
         let mut result = self.result(work);
-        let Resolution { touched, shortened } = resolution;
+        let Resolution {
+            touched,
+            shortened,
+            jumped,
+        } = resolution;
         result.touched = touched;
+        result.jumped = jumped;
         result.at_horizon &= !shortened;
         Ok(result)
+    }
+
+    /// Tells of a section that the latest event took the trajectory across, before the next event or the end.
+    fn cross_here(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        if system.sections() == 0 {
+            return Ok(None);
+        }
+        let class = self.load(work);
+        let Some(jumped) = crossed_here(work, program, class, self.touching) else {
+            return Ok(None);
+        };
+        let result = StepResult {
+            step: R::ZERO,
+            event: Some(work.event.to_f64() as usize),
+            jumped,
+            ..self.result(work)
+        };
+        self.keep_sides(work);
+        let told = self.digest(system, work, program, &result)?;
+        // There may be another.
+        self.may_have_crossed = true;
+        Ok(told)
     }
 
     fn program<'s>(&self, system: &'s System) -> Result<&'s Program, FlowError> {
@@ -216,6 +261,9 @@ impl<R: Real> Trajectory<R> {
         let (class, tau) = self.plan();
         work.state.copy_from_slice(&self.state);
         work.low.copy_from_slice(&self.low);
+        for (section, side) in work.sides.iter_mut().enumerate() {
+            *side = self.sides.get(section);
+        }
         work.reach = self.reach;
         work.horizon = self.remaining();
         work.tau = tau;
@@ -229,6 +277,7 @@ impl<R: Real> Trajectory<R> {
             step: work.step,
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
+            jumped: false,
             at_horizon: event == NO_EVENT && StepResult::reaches(work.step, remaining),
             impact: work.impact,
             flight_time: work.flight_time,
@@ -239,7 +288,14 @@ impl<R: Real> Trajectory<R> {
     fn accept(&mut self, work: &Workspace<R>) {
         self.state.copy_from_slice(&work.state);
         self.low.copy_from_slice(&work.low);
+        self.keep_sides(work);
         self.reach = work.reach;
+    }
+
+    fn keep_sides(&mut self, work: &Workspace<R>) {
+        for (section, &side) in work.sides.iter().enumerate() {
+            self.sides.set(section, side);
+        }
     }
 
     /// Says what a step means whose end (state, remainder and reach) is already in place.
@@ -256,6 +312,7 @@ impl<R: Real> Trajectory<R> {
             Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
             None => true,
         };
+        self.may_have_crossed = !undisturbed || result.touched.is_some();
         self.left = if undisturbed {
             self.left.after(self.touching, result.step)
         } else {
@@ -288,7 +345,9 @@ impl<R: Real> Trajectory<R> {
         };
         match program.guards[index].kind {
             GuardKind::Section(section) => {
-                self.touching.set(index, 1);
+                if !result.jumped {
+                    self.touching.set(index, 1);
+                }
                 self.flight_time = self.rest_of_flight(result.step);
                 Ok(Some(Occurrence::Section { section }))
             }

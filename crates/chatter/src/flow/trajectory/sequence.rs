@@ -187,6 +187,7 @@ impl<R: Real> Trajectory<R> {
         let relative = walk.max(work.tail.precision);
         let error = relative.mul_add(self.time.to_f64().abs(), end.error);
         self.rest(system, work, contact)?;
+        self.may_have_crossed = true;
         // The accumulation says more than the capture that ends it.
         self.pending = None;
         Ok(Occurrence::Accumulation {

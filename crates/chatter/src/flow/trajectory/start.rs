@@ -4,6 +4,7 @@ use super::{ORDER_CLASSES, Trajectory};
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
 use crate::flow::program::{Closed, GuardKind};
+use crate::flow::sides::Sides;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touching::{Left, Touching};
@@ -34,6 +35,7 @@ impl<R: Real> Trajectory<R> {
             closed: Closed::NONE,
             touching: Touching::NONE,
             left: Left::NONE,
+            sides: Sides::UNKNOWN,
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
             horizon: R::splat(FOREVER),
@@ -42,6 +44,7 @@ impl<R: Real> Trajectory<R> {
             latest_impact: None,
             instant_impacts: 0,
             completion: None,
+            may_have_crossed: false,
             pending: None,
         };
         trajectory.restart(system, work, time, state)?;
@@ -131,10 +134,12 @@ impl<R: Real> Trajectory<R> {
         self.latest_impact = None;
         self.instant_impacts = 0;
         self.completion = None;
+        self.may_have_crossed = false;
         self.pending = None;
         self.enter(system, closed)?;
         self.touching = Touching::NONE;
         self.left = Left::NONE;
+        self.sides = Sides::UNKNOWN;
         Ok(())
     }
 }

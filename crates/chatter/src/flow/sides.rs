@@ -1,0 +1,44 @@
+//! On which side of each section a trajectory is: the sign that the section's function had last.
+//!
+//! A section is crossed where that sign changes, be it that the function runs through zero or that an impact makes it
+//! jump. Zero is no sign: a trajectory that reaches the surface and turns back has not crossed it, nor has one that rests in
+//! it and leaves to the side it came from, nor one that starts on it. So each crossing is told once, at whatever instant
+//! it happens: one that cannot be told in time from an impact, graze, accumulation or release is decided by the signs before
+//! and after, and told after it.
+
+use crate::numerics::Real;
+
+/// The sides of all sections, each as seen from the guard's function: positive, negative, or not known yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) struct Sides(u64);
+
+impl Sides {
+    /// None is known.
+    pub const UNKNOWN: Self = Self(0);
+
+    const NEGATIVE: u64 = 1;
+    const POSITIVE: u64 = 2;
+
+    /// 1, -1, or 0 where the side is not known.
+    #[inline(always)]
+    pub fn get<R: Real>(self, section: usize) -> R {
+        match self.0 >> (2 * section) & 3 {
+            Self::NEGATIVE => R::splat(-1.0),
+            Self::POSITIVE => R::ONE,
+            _ => R::ZERO,
+        }
+    }
+
+    /// Takes over a side that a step ended with.
+    #[inline(always)]
+    pub fn set<R: Real>(&mut self, section: usize, side: R) {
+        let bits = if side > R::ZERO {
+            Self::POSITIVE
+        } else if side < R::ZERO {
+            Self::NEGATIVE
+        } else {
+            0
+        };
+        self.0 = self.0 & !(3 << (2 * section)) | bits << (2 * section);
+    }
+}
