@@ -68,9 +68,15 @@ pub(crate) fn resolve<R: Real>(
             let path = section_path(work, program, guard, (p, section), touching.get(index));
             (path.first(width)).or_else(|| path.at_end(width).filter(|_| at_end))
         } else {
+            let is_left = touching.get(index) > 0;
+            let terms = if is_left || guard.is_affine {
+                R::ZERO
+            } else {
+                size_of_terms(work, program, guard)
+            };
             match left.positive_coefficients(index, p, work.tau) {
-                0 => first_closing(p, width, work.noise(), touching.get(index) > 0)?,
-                count => first_closing(&risen(p, count), width, work.noise(), true)?,
+                0 => first_closing(p, width, (work.noise(), terms), is_left)?,
+                count => first_closing(&risen(p, count), width, (work.noise(), terms), true)?,
             }
             .or_else(|| closing_at_end(p, width, work.noise()).filter(|_| at_end))
         };
@@ -131,11 +137,10 @@ fn section_path<'p, R: Real>(
     (series, section): (&'p [R], usize),
     touching: u8,
 ) -> SectionPath<'p, R> {
-    let terms = match guard.series {
-        Operand::Series(slot) if touching == 0 => {
-            (work.expansion).size_of_terms(&program.tape, &work.constants, slot)
-        }
-        _ => R::ZERO,
+    let terms = if touching == 0 {
+        size_of_terms(work, program, guard)
+    } else {
+        R::ZERO
     };
     SectionPath {
         series,
@@ -144,6 +149,16 @@ fn section_path<'p, R: Real>(
         terms,
         reach: work.growth,
         noise: work.noise(),
+    }
+}
+
+/// What the value of a guard where the step begins is rounded against.
+fn size_of_terms<R: Real>(work: &Workspace<R>, program: &Program, guard: &Guard) -> R {
+    match guard.series {
+        Operand::Series(slot) => {
+            (work.expansion).size_of_terms(&program.tape, &work.constants, slot)
+        }
+        Operand::Constant(_) => R::ZERO,
     }
 }
 
@@ -237,15 +252,26 @@ fn risen<R: Real>(p: &[R], count: usize) -> Vec<R> {
         .collect()
 }
 
-/// The first zero of a gap or reaction, which is positive at the start up to noise.
+/// The first zero of a gap or reaction, which is positive at the start up to noise; and the value there is the sum of terms
+/// of this size.
 fn first_closing<R: Real>(
     p: &[R],
     width: R,
-    noise: f64,
+    (noise, terms): (f64, R),
     left: bool,
 ) -> Result<Option<Root<R>>, Unsettled> {
     let start = p[0];
     let noise_within = |end: R| magnitude(p, end) * R::splat(noise);
+    let level = noise_within(width).max(terms * R::splat(noise));
+    if start > level {
+        return Ok(first_root(p, width, Crossing::Falling, level));
+    }
+    if !left && let Some(at) = turns_at_once(p, level).filter(|&at| at <= width) {
+        return Ok(Some(Root {
+            at,
+            kind: RootKind::Touching,
+        }));
+    }
     if start > noise_within(width) {
         return Ok(first_root(p, width, Crossing::Falling, noise_within(width)));
     }
@@ -260,7 +286,7 @@ fn first_closing<R: Real>(
                 kind: RootKind::Crossing,
             }));
         }
-        return first_closing(&p[1..], width, noise, true);
+        return first_closing(&p[1..], width, (noise, R::ZERO), true);
     }
     // Positive, but small against what the guard reaches later: search pieces that double in length, each with the
     // noise of its own size.
@@ -285,6 +311,16 @@ fn first_closing<R: Real>(
         end = end + end;
     }
     Ok(None)
+}
+
+/// Where a guard that is zero up to rounding falls no deeper than rounding before it rises: a graze, whatever sign its value
+/// has.
+fn turns_at_once<R: Real>(p: &[R], level: R) -> Option<R> {
+    let &[_, slope, bend, ..] = p else {
+        return None;
+    };
+    let turns = slope <= R::ZERO && bend > R::ZERO && slope * slope <= R::splat(4.0) * bend * level;
+    turns.then(|| -slope / (bend + bend))
 }
 
 /// Coefficients of s -> p(begin + s).

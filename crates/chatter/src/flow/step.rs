@@ -35,6 +35,11 @@ pub(crate) const NOISE_ROUNDOFFS: f64 = 32.0;
 /// a quarter costs one step in twenty and makes errors after a hundred impacts in chaos four times smaller.
 const TRUNCATION_SHARE: f64 = 0.25;
 
+/// A guard falls below zero by at least p'^2 / (2 p'') after a root: certainly further than noise if (p' s)^2 exceeds the
+/// noise by this factor times the sum of the terms' sizes, of which s^2 p'' is at most the square of the order. Else it
+/// may be a graze.
+const GRAZE: f64 = 2.0 * (MAX_ORDER * MAX_ORDER) as f64;
+
 /// Newton's method stops once a correction is this small relative to the root: the next would be its square.
 const NEWTON_DONE: f64 = 1e-8;
 const NEWTON_STEPS: usize = 6;
@@ -222,10 +227,12 @@ impl<S: Scalar> Workspace<S> {
             if !must_be_positive {
                 sections_met |= 1 << index;
             }
-            let (root, converged) = newton(p, quadratic_root(p), end);
+            let (root, converged, slope) = newton(p, quadratic_root(p), end);
             let root_inside = S::splat(0.0).less(root) & root.at_most(end) & converged;
+            let drop = slope * root;
+            let is_clear = (noise * (rest + start.abs()) * S::splat(GRAZE)).less(drop * drop);
             let falls = falls_steadily(p, root) & noise.less(start);
-            let mut found = root_inside & falls;
+            let mut found = root_inside & falls & is_clear;
             if !must_be_positive && found.any() {
                 // A root that cannot be told from the end of the step may coincide with what happens there.
                 found = found & noise.less(horner(p, end).abs());
@@ -247,7 +254,7 @@ impl<S: Scalar> Workspace<S> {
                 let need = one & !settled;
                 if need.any() {
                     let guess = count.first_change * end * S::splat(1.0 / (n - 1) as f64);
-                    let (second, converged) = newton(p, guess, end);
+                    let (second, converged, _) = newton(p, guess, end);
                     let inside = S::splat(0.0).less(second) & second.at_most(end) & converged;
                     let good = need & inside;
                     at = S::select(good, second, at);
@@ -378,15 +385,18 @@ fn quadratic_root<S: Scalar>(p: &[S]) -> S {
     two_c / (radicand.max(S::splat(0.0)).sqrt() - b)
 }
 
-/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do.
+/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do. Also tells the
+/// slope at the root.
 #[inline(always)]
-fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask) {
+fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
     let usable = S::splat(0.0).less(guess) & guess.at_most(end + end);
     let mut at = S::select(usable, guess, end);
     let mut done = !usable;
+    let mut last_slope = S::splat(0.0);
     for _ in 0..NEWTON_STEPS {
         let (value, slope) = horner_with_slope(p, at);
         let correction = value / slope;
+        last_slope = S::select(done, last_slope, slope);
         at = S::select(done, at, at - correction);
         // The square of what double-double has to reach is not reached by what suffices for a double.
         let small = correction
@@ -397,7 +407,7 @@ fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask) {
             break;
         }
     }
-    (at, done & usable)
+    (at, done & usable, last_slope)
 }
 
 /// Whether p' < 0 on all of [0, s], by bounding what follows the quadratic: then p has no other root there.
