@@ -2,7 +2,7 @@
 
 use chatter::analysis::border::*;
 use chatter::model::Model;
-use chatter::numerics::{DoubleDouble, Scalar};
+use chatter::numerics::{DoubleDouble, Real, Scalar};
 
 const MODELS: [(&str, &str, f64); 8] = [
     (
