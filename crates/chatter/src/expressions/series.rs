@@ -83,6 +83,27 @@ impl<S: Scalar> Expansion<S> {
         &self.values[slot * Self::STRIDE + from..slot * Self::STRIDE + to]
     }
 
+    /// The sizes, added up, of the terms that a series is the sum of at its start: what its value there is rounded against.
+    pub fn size_of_terms(&self, tape: &Tape, constants: &[S], slot: usize) -> S {
+        let sum = tape.ops.iter().find_map(|op| match *op {
+            Op::Linear {
+                out,
+                offset,
+                first,
+                end,
+            } if out == slot => Some((offset, &tape.terms[first..end])),
+            _ => None,
+        });
+        let Some((offset, terms)) = sum else {
+            return self.get(slot, 0).abs();
+        };
+        let mut size = offset.map_or(S::splat(0.0), |index| constants[index].abs());
+        for &(coefficient, slot) in terms {
+            size += (constants[coefficient] * self.get(slot, 0)).abs();
+        }
+        size
+    }
+
     /// How large the last terms of a series are against its leading ones, for each of several truncation orders: each
     /// entry of `worst` is raised to that ratio.
     ///

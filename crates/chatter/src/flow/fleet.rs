@@ -310,6 +310,9 @@ where
             for (wide, &value) in self.wide.low.iter_mut().zip(&trajectory.low) {
                 wide.0[lane] = value;
             }
+            for (section, wide) in self.wide.sides.iter_mut().enumerate() {
+                wide.0[lane] = trajectory.sides.get(section);
+            }
             self.wide.tau.0[lane] = tau;
             remaining[lane] = trajectory.remaining();
             let Some(own) = &trajectory.constants[mode] else {
@@ -344,6 +347,9 @@ where
         for (value, wide) in trajectory.low.iter_mut().zip(&self.wide.low) {
             *value = wide.0[lane];
         }
+        for (section, wide) in self.wide.sides.iter().enumerate() {
+            trajectory.sides.set(section, wide.0[lane]);
+        }
         for (reach, wide) in trajectory
             .reach
             .iter_mut()
@@ -374,6 +380,7 @@ where
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
             crowd: Closed::NONE,
+            jumped: false,
             at_horizon: event == NO_EVENT && StepResult::reaches(self.wide.step.0[lane], remaining),
             impact: [0.0; IMPACT_SCALARS],
             flight_time: self.wide.flight_time.0[lane],

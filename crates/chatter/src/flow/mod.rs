@@ -7,11 +7,13 @@
 //!       -> Trajectory  the mode machine: one state, its phase, what happened (Occurrence)
 //!            step      expand, locate the first guard, move, collide: branch-free, any number type
 //!            resolve   the rare cases a step cannot certify, settled with full root isolation
+//!            crossing  where a section is crossed, by the side of it that the trajectory comes from (sides)
 //!            chatter   the end of an infinite impact sequence, extrapolated
 //! ```
 
 pub(crate) mod border_value;
 mod chatter;
+mod crossing;
 mod dense;
 mod error;
 mod fleet;
@@ -19,6 +21,7 @@ mod modes;
 mod occurrence;
 mod program;
 mod resolve;
+mod sides;
 mod step;
 mod system;
 mod touch;

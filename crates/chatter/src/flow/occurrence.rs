@@ -57,7 +57,9 @@ pub enum Occurrence<R> {
         /// Where.
         contact: usize,
     },
-    /// A section was crossed in its direction.
+    /// A section was crossed in its direction: the sign of its function has changed. At the instant of another event that it
+    /// cannot be told apart from it comes after that; the state then lies on the section only if nothing made its function
+    /// jump.
     Section {
         /// Which.
         section: usize,

@@ -63,6 +63,8 @@ pub struct Guard {
     pub(crate) series: Operand,
     /// Whether its series may need shorter steps than those of the states.
     pub(crate) is_expanded: bool,
+    /// Whether it is a combination of states, which are summed without rounding.
+    pub(crate) is_affine: bool,
 }
 
 impl Guard {
@@ -212,6 +214,7 @@ impl Program {
                 kind,
                 crossing,
                 series,
+                is_affine: is_affine(graph, function, dimension),
                 is_expanded: match kind {
                     GuardKind::Gap(_) => !is_state(graph, function),
                     GuardKind::Reaction(_) | GuardKind::Section(_) => {

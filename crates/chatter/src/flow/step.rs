@@ -22,6 +22,11 @@ pub(crate) const ORDER_CLASSES: usize = f64::ORDERS.len();
 /// A step may outgrow the predicted one by this factor at most: beyond it the scaled coefficients say little.
 const GROWTH: f64 = 4.0;
 
+/// And it must not fall below this part of the unit of time that the expansion was scaled with: so far inside, the sizes
+/// of coefficients, which grow like powers of that unit, say nothing of how far the expansion reaches. A step as long as
+/// they do say, after a release from a long rest, may be too short to leave the contact by more than rounding.
+pub(crate) const LEAST_GROWTH: f64 = 1.0 / 16.0;
+
 /// A value is told from zero if it exceeds this many roundoffs of the terms that it is the sum of. The sums have some
 /// fifty terms of falling size, each wrong by a few roundoffs.
 pub(crate) const NOISE_ROUNDOFFS: f64 = 32.0;
@@ -29,6 +34,11 @@ pub(crate) const NOISE_ROUNDOFFS: f64 = 32.0;
 /// Truncation may take this part of the tolerance, so that at rounding level it adds little to what rounding does anyway:
 /// a quarter costs one step in twenty and makes errors after a hundred impacts in chaos four times smaller.
 const TRUNCATION_SHARE: f64 = 0.25;
+
+/// A guard falls below zero by at least p'^2 / (2 p'') after a root: certainly further than noise if (p' s)^2 exceeds the
+/// noise by this factor times the sum of the terms' sizes, of which s^2 p'' is at most the square of the order. Else it
+/// may be a graze.
+const GRAZE: f64 = 2.0 * (MAX_ORDER * MAX_ORDER) as f64;
 
 /// Newton's method stops once a correction is this small relative to the root: the next would be its square.
 const NEWTON_DONE: f64 = 1e-8;
@@ -39,6 +49,10 @@ const RESTITUTION_SLACK: f64 = 1e-12;
 
 /// Longer than any time of interest, yet finite, so that products with zero stay zero.
 pub(crate) const FOREVER: f64 = 1e30;
+
+/// A step this short against what its expansion reaches, as from an event to the end of a run, says nothing of signs: what
+/// changes within it is rounding.
+const INSTANT: f64 = 1e-12;
 
 /// Result code for a step without event.
 pub(crate) const NO_EVENT: f64 = -1.0;
@@ -58,12 +72,16 @@ pub struct Workspace<S> {
     /// State before the step, overwritten by the state after it; `low` is its rounding remainder.
     pub(crate) state: Vec<S>,
     pub(crate) low: Vec<S>,
+    /// For each section its side, 1 or -1, or 0 where that is not known: before the step, then after it.
+    pub(crate) sides: Vec<S>,
     /// Unit of the scaled time.
     pub(crate) tau: S,
     /// The step is at most this long.
     pub(crate) horizon: S,
     /// How far an expansion of each order reaches; entries above the order used are kept.
     pub(crate) reach: [S; ORDER_CLASSES],
+    /// How far the latest expansion reaches, in its unit of time.
+    pub(crate) growth: S,
 
     /// Results: the scaled and the true length of the step, the index of the guard that ended it or [`NO_EVENT`].
     pub(crate) scaled_step: S,
@@ -84,7 +102,7 @@ impl<S: Scalar> Workspace<S> {
     /// Scratch space for programs whose tapes are given.
     pub(crate) fn new<'a>(
         tapes: impl Iterator<Item = &'a Tape>,
-        dimension: usize,
+        (dimension, sections): (usize, usize),
         settings: &Settings,
     ) -> Self {
         let zero = S::splat(0.0);
@@ -104,9 +122,11 @@ impl<S: Scalar> Workspace<S> {
             impact_constants: Vec::new(),
             state: vec![zero; dimension],
             low: vec![zero; dimension],
+            sides: vec![zero; sections],
             tau: zero,
             horizon: zero,
             reach: [zero; ORDER_CLASSES],
+            growth: zero,
             scaled_step: zero,
             step: zero,
             event: zero,
@@ -157,6 +177,7 @@ impl<S: Scalar> Workspace<S> {
         }
         let resolved = (self.expansion).resolved(&program.tape, &self.constants, GROWTH);
         self.reach[class] = self.reach[class].min(self.tau * resolved);
+        self.growth = self.reach[class] / self.tau;
         self.scaled_step = (self.reach[class]).min(self.horizon) / self.tau;
     }
 
@@ -173,7 +194,10 @@ impl<S: Scalar> Workspace<S> {
     #[inline(always)]
     pub(crate) fn locate(&mut self, program: &Program, touching: Touching) -> S::Mask {
         self.event = S::splat(NO_EVENT);
-        let mut certain = self.scaled_step.is_finite() & S::splat(0.0).less(self.scaled_step);
+        let mut certain = self.scaled_step.is_finite()
+            & S::splat(0.0).less(self.scaled_step)
+            & S::splat(LEAST_GROWTH).at_most(self.growth);
+        let mut sections_met = 0_u128;
         for (index, guard) in program.guards.iter().enumerate() {
             let Operand::Series(slot) = guard.series else {
                 continue;
@@ -184,17 +208,36 @@ impl<S: Scalar> Workspace<S> {
             let rest = magnitude(&p[1..], end) * end;
             let noise = (rest + start.abs()) * S::splat(self.noise);
             let mut settled = (rest + noise).less(start.abs());
-            let must_be_positive = !matches!(guard.kind, GuardKind::Section(_));
-            if must_be_positive {
+            let must_be_positive = if let GuardKind::Section(section) = guard.kind {
+                let side = &mut self.sides[section];
+                let here = sign(start);
+                let is_known = S::splat(0.0).less(side.abs());
+                let agrees = S::splat(0.0).less(*side * here) & S::splat(0.0).less(start.abs());
+                certain = certain
+                    & (agrees | (!is_known & noise.less(start.abs())))
+                    & (self.growth * S::splat(INSTANT)).less(end);
+                *side = here;
+                false
+            } else {
                 certain = certain & noise.less(start);
-            }
+                true
+            };
             if settled.all() {
                 continue;
             }
-            let (root, converged) = newton(p, quadratic_root(p), end);
+            if !must_be_positive {
+                sections_met |= 1 << index;
+            }
+            let (root, converged, slope) = newton(p, quadratic_root(p), end);
             let root_inside = S::splat(0.0).less(root) & root.at_most(end) & converged;
+            let drop = slope * root;
+            let is_clear = (noise * (rest + start.abs()) * S::splat(GRAZE)).less(drop * drop);
             let falls = falls_steadily(p, root) & noise.less(start);
-            let mut found = root_inside & falls;
+            let mut found = root_inside & falls & is_clear;
+            if !must_be_positive && found.any() {
+                // A root that cannot be told from the end of the step may coincide with what happens there.
+                found = found & noise.less(horner(p, end).abs());
+            }
             settled = settled | found;
             let mut at = root;
             if !settled.all() {
@@ -212,7 +255,7 @@ impl<S: Scalar> Workspace<S> {
                 let need = one & !settled;
                 if need.any() {
                     let guess = count.first_change * end * S::splat(1.0 / (n - 1) as f64);
-                    let (second, converged) = newton(p, guess, end);
+                    let (second, converged, _) = newton(p, guess, end);
                     let inside = S::splat(0.0).less(second) & second.at_most(end) & converged;
                     let good = need & inside;
                     at = S::select(good, second, at);
@@ -225,7 +268,32 @@ impl<S: Scalar> Workspace<S> {
             self.scaled_step = S::select(found, at, self.scaled_step);
             self.event = S::select(found, S::splat(index as f64), self.event);
         }
+        if sections_met != 0 {
+            certain = certain & self.find_sides(program, touching, sections_met);
+        }
         certain & !self.is_crowded(program, touching)
+    }
+
+    /// Finds on which side of these sections (guards, one bit each) the step ends. Returns where this is certain.
+    #[inline(always)]
+    fn find_sides(&mut self, program: &Program, touching: Touching, guards: u128) -> S::Mask {
+        let mut certain = S::Mask::splat(true);
+        let end = self.scaled_step;
+        for (index, guard) in program.guards.iter().enumerate() {
+            let (GuardKind::Section(section), true) = (guard.kind, guards >> index & 1 == 1) else {
+                continue;
+            };
+            let Some(p) = self.guard_series(guard.series, touching.get(index)) else {
+                continue;
+            };
+            let value = horner(p, end);
+            let noise = magnitude(p, end) * S::splat(self.noise);
+            let crossed = self.ends_step(index);
+            certain = certain & (crossed | noise.less(value.abs()));
+            let begins = self.sides[section];
+            self.sides[section] = S::select(crossed, -begins, sign(value));
+        }
+        certain
     }
 
     /// Where a gap closes at the end of the step and that of another contact cannot be told from zero there.
@@ -336,6 +404,12 @@ impl<S: Scalar> Workspace<S> {
     }
 }
 
+/// 1, or -1 for what is negative.
+#[inline(always)]
+fn sign<S: Scalar>(value: S) -> S {
+    S::select(value.less(S::splat(0.0)), S::splat(-1.0), S::splat(1.0))
+}
+
 /// Whether the rate after an impact is one that a restitution in [0, 1] gives, up to rounding.
 #[inline(always)]
 pub(crate) fn legal_rates<S: Scalar>(before: S, after: S) -> S::Mask {
@@ -368,15 +442,18 @@ fn quadratic_root<S: Scalar>(p: &[S]) -> S {
     two_c / (radicand.max(S::splat(0.0)).sqrt() - b)
 }
 
-/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do.
+/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do. Also tells the
+/// slope at the root.
 #[inline(always)]
-fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask) {
+fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
     let usable = S::splat(0.0).less(guess) & guess.at_most(end + end);
     let mut at = S::select(usable, guess, end);
     let mut done = !usable;
+    let mut last_slope = S::splat(0.0);
     for _ in 0..NEWTON_STEPS {
         let (value, slope) = horner_with_slope(p, at);
         let correction = value / slope;
+        last_slope = S::select(done, last_slope, slope);
         at = S::select(done, at, at - correction);
         // The square of what double-double has to reach is not reached by what suffices for a double.
         let small = correction
@@ -387,7 +464,7 @@ fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask) {
             break;
         }
     }
-    (at, done & usable)
+    (at, done & usable, last_slope)
 }
 
 /// Whether p' < 0 on all of [0, s], by bounding what follows the quadratic: then p has no other root there.

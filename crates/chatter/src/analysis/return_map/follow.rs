@@ -15,6 +15,14 @@ const PATIENCE_PARTS: u64 = 64;
 /// A state counts as lying on a section if the surface function is this small against the state: it was stored.
 const ON_SECTION: f64 = 1e-12;
 
+/// So does one that is this small at a state displaced from it by a small amount.
+const BESIDE_SECTION: f64 = 1e-4;
+
+/// The size that a surface function is compared with.
+fn largest(point: &[f64]) -> f64 {
+    point.iter().fold(1.0_f64, |most, x| most.max(x.abs()))
+}
+
 pub(super) struct Follower<'m, 'v> {
     map: &'m ReturnMap,
     swept: &'m [usize],
@@ -162,16 +170,20 @@ impl<'m, 'v> Follower<'m, 'v> {
             // Stroboscopic points are displaced anywhere, so the phase follows from the state.
             Origin::Beside { phase, .. } if !matches!(self.map.look, Look::Stroboscopic { .. }) => {
                 trajectory.restart_beside(system, &mut self.work, Closed(*phase), time, &point)?;
-                if let Some(kind) = self.map.look.surface() {
+                // After a jump across a section a point does not lie on it.
+                let beside = |surface: f64| surface.abs() <= BESIDE_SECTION * largest(&point);
+                let lies_on = self.map.look.section().is_none_or(|surface| {
+                    beside(surface.evaluate(&point, &orbit.parameters, &mut self.scratch))
+                });
+                if let (Some(kind), true) = (self.map.look.surface(), lies_on) {
                     trajectory.leave(system, kind);
                 }
             }
             _ => {
                 trajectory.restart(system, &mut self.work, time, &point)?;
                 if let (Origin::Image(_), Some(surface)) = (origin, self.map.look.section()) {
-                    let size = point.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
                     let value = surface.evaluate(&point, &orbit.parameters, &mut self.scratch);
-                    if value.abs() <= ON_SECTION * size {
+                    if value.abs() <= ON_SECTION * largest(&point) {
                         trajectory.leave(system, GuardKind::Section(0));
                     }
                 }

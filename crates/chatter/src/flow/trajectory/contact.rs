@@ -10,7 +10,7 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, GuardKind, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
-use crate::flow::touching::Touching;
+use crate::flow::touching::{Left, Touching};
 use crate::numerics::complementarity::complementary;
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::{Real, WithTerms};
@@ -249,6 +249,7 @@ impl<R: Real> Trajectory<R> {
         }
         let program = self.program(system)?;
         self.touching = Touching::NONE;
+        self.left = Left::NONE;
         for (index, guard) in program.guards.iter().enumerate() {
             let same =
                 old.and_then(|old| old.guards.iter().position(|other| other.kind == guard.kind));

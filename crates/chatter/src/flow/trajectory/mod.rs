@@ -14,11 +14,12 @@ use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
 use super::occurrence::Occurrence;
 use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
-use super::resolve::{Resolution, resolve};
+use super::resolve::{Resolution, crossed_here, resolve};
+use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
 use super::touch::TouchConstants;
-use super::touching::Touching;
+use super::touching::{Left, Touching};
 use crate::model::Simultaneous;
 use crate::numerics::{Real, two_sum};
 use collisions::Collisions;
@@ -46,6 +47,9 @@ pub struct Trajectory<R> {
     pub(crate) mode: usize,
     /// Per guard of the mode's program: how many roots lie at the present state.
     pub(crate) touching: Touching,
+    /// The guards that were last left from rest, and how long ago.
+    left: Left<R>,
+    pub(crate) sides: Sides,
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
     horizon: R,
@@ -62,6 +66,8 @@ pub struct Trajectory<R> {
     collisions: Option<Collisions<R>>,
     /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
     completion: Option<(usize, Accumulation<R>)>,
+    /// What happened last may have moved the state across a section, of which nothing has been told yet.
+    may_have_crossed: bool,
     pending: VecDeque<Occurrence<R>>,
 }
 
@@ -73,6 +79,8 @@ pub(crate) struct StepResult<R> {
     pub touched: Option<usize>,
     /// Other contacts that close at the same instant: the impact has not been applied then.
     pub crowd: Closed,
+    /// A section was crossed by a jump: the state does not lie on it.
+    pub jumped: bool,
     pub at_horizon: bool,
     pub impact: [R; IMPACT_SCALARS],
     pub flight_time: R,
@@ -147,13 +155,20 @@ impl<R: Real> Trajectory<R> {
         if self.collisions.is_some() {
             return self.collide_on(system, work);
         }
+        let program = self.program(system)?;
+        let stays = self.completion.is_some() || self.remaining() <= R::ZERO;
+        if stays && self.may_have_crossed {
+            self.may_have_crossed = false;
+            if let Some(told) = self.cross_here(system, work, program)? {
+                return Ok(Some(told));
+            }
+        }
         if let Some((contact, end)) = self.completion.take() {
             return self.complete(system, work, contact, &end).map(Some);
         }
         if self.remaining() <= R::ZERO {
             return Ok(Some(Occurrence::Horizon));
         }
-        let program = self.program(system)?;
         let class = self.load(work);
         if !work.try_step(program, class, self.touching) {
             return self.advance_settled(system, work, program);
@@ -189,7 +204,7 @@ impl<R: Real> Trajectory<R> {
         program: &Program,
     ) -> Result<StepResult<R>, FlowError> {
         let class = self.load(work);
-        let resolution = resolve(work, program, class, self.touching)
+        let resolution = resolve(work, program, class, (self.touching, self.left))
             .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
         work.travel();
         let crowd = self.crowd(work, program);
@@ -199,7 +214,7 @@ impl<R: Real> Trajectory<R> {
         let stalled = self.time + work.step == self.time
             && work.event == R::splat(NO_EVENT)
             && resolution.touched.is_none()
-            && work.step < self.remaining();
+            && !StepResult::reaches(work.step, self.remaining());
         if stalled || !work.state.iter().all(|x| x.is_finite()) {
             return Err(FlowError::LeftDomain {
                 time: self.time.to_f64(),
@@ -207,8 +222,13 @@ impl<R: Real> Trajectory<R> {
             });
         }
         let mut result = self.result(work);
-        let Resolution { touched, shortened } = resolution;
+        let Resolution {
+            touched,
+            shortened,
+            jumped,
+        } = resolution;
         result.touched = touched;
+        result.jumped = jumped;
         result.at_horizon &= !shortened;
         result.crowd = crowd;
         Ok(result)
@@ -230,6 +250,33 @@ impl<R: Real> Trajectory<R> {
         let impact = (program.guards.iter().enumerate())
             .any(|(index, guard)| at(index) && matches!(guard.kind, GuardKind::Gap(_)));
         if impact { crowd } else { Closed::NONE }
+    }
+
+    /// Tells of a section that the latest event took the trajectory across, before the next event or the end.
+    fn cross_here(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        if system.sections() == 0 {
+            return Ok(None);
+        }
+        let class = self.load(work);
+        let Some(jumped) = crossed_here(work, program, class, self.touching) else {
+            return Ok(None);
+        };
+        let result = StepResult {
+            step: R::ZERO,
+            event: Some(work.event.to_f64() as usize),
+            jumped,
+            ..self.result(work)
+        };
+        self.keep_sides(work);
+        let told = self.digest(system, work, program, &result)?;
+        // There may be another.
+        self.may_have_crossed = true;
+        Ok(told)
     }
 
     fn program<'s>(&self, system: &'s System) -> Result<&'s Program, FlowError> {
@@ -259,6 +306,9 @@ impl<R: Real> Trajectory<R> {
         let (class, tau) = self.plan();
         work.state.copy_from_slice(&self.state);
         work.low.copy_from_slice(&self.low);
+        for (section, side) in work.sides.iter_mut().enumerate() {
+            *side = self.sides.get(section);
+        }
         work.reach = self.reach;
         work.horizon = self.remaining();
         work.tau = tau;
@@ -273,6 +323,7 @@ impl<R: Real> Trajectory<R> {
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
             crowd: Closed::NONE,
+            jumped: false,
             at_horizon: event == NO_EVENT && StepResult::reaches(work.step, remaining),
             impact: work.impact,
             flight_time: work.flight_time,
@@ -283,7 +334,14 @@ impl<R: Real> Trajectory<R> {
     fn accept(&mut self, work: &Workspace<R>) {
         self.state.copy_from_slice(&work.state);
         self.low.copy_from_slice(&work.low);
+        self.keep_sides(work);
         self.reach = work.reach;
+    }
+
+    fn keep_sides(&mut self, work: &Workspace<R>) {
+        for (section, &side) in work.sides.iter().enumerate() {
+            self.sides.set(section, side);
+        }
     }
 
     /// Says what a step means whose end (state, remainder and reach) is already in place.
@@ -296,21 +354,29 @@ impl<R: Real> Trajectory<R> {
         result: &StepResult<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.advance_time(result.step);
+        let undisturbed = match result.event {
+            Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
+            None => true,
+        };
+        self.may_have_crossed = !undisturbed || result.touched.is_some();
+        self.left = if undisturbed {
+            self.left.after(self.touching, result.step)
+        } else {
+            Left::NONE
+        };
+        let negligible = self.negligible();
         let balanced = self.balanced(program);
-        self.touching = Touching::NONE;
-        if result.step > self.negligible() {
+        if !undisturbed {
+            self.touching = Touching::NONE;
+        } else if result.step > negligible {
+            self.touching = balanced;
+        }
+        if result.step > negligible {
             self.burst = 0;
             self.longest_step = self.longest_step.max(result.step);
         }
         if self.closed != Closed::NONE {
             self.stay_on_contacts(system, work)?;
-        }
-        let undisturbed = match result.event {
-            Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
-            None => true,
-        };
-        if undisturbed {
-            self.touching = balanced;
         }
         if let Some(index) = result.touched {
             self.touching.set(index, 2);
@@ -329,7 +395,9 @@ impl<R: Real> Trajectory<R> {
         };
         match program.guards[index].kind {
             GuardKind::Section(section) => {
-                self.touching.set(index, 1);
+                if !result.jumped {
+                    self.touching.set(index, 1);
+                }
                 self.flight_time = self.rest_of_flight(result.step);
                 Ok(Some(Occurrence::Section { section }))
             }

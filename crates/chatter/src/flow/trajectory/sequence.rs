@@ -200,6 +200,7 @@ impl<R: Real> Trajectory<R> {
         let relative = walk.max(work.tail.precision);
         let error = relative.mul_add(self.time.to_f64().abs(), end.error);
         self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
+        self.may_have_crossed = true;
         // The accumulation says more than the capture that ends it.
         self.pending.clear();
         Ok(Occurrence::Accumulation {

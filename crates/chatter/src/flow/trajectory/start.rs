@@ -4,9 +4,10 @@ use super::{ORDER_CLASSES, Trajectory};
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
 use crate::flow::program::{Closed, GuardKind};
+use crate::flow::sides::Sides;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::{FLIGHT, System};
-use crate::flow::touching::Touching;
+use crate::flow::touching::{Left, Touching};
 use crate::numerics::Real;
 use std::collections::VecDeque;
 
@@ -42,6 +43,8 @@ impl<R: Real> Trajectory<R> {
             closed: Closed::NONE,
             mode: FLIGHT,
             touching: Touching::NONE,
+            left: Left::NONE,
+            sides: Sides::UNKNOWN,
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
             horizon: R::splat(FOREVER),
@@ -52,6 +55,7 @@ impl<R: Real> Trajectory<R> {
             burst: 0,
             collisions: None,
             completion: None,
+            may_have_crossed: false,
             pending: VecDeque::new(),
         };
         trajectory.restart(system, work, time, state)?;
@@ -166,9 +170,12 @@ impl<R: Real> Trajectory<R> {
         self.burst = 0;
         self.collisions = None;
         self.completion = None;
+        self.may_have_crossed = false;
         self.pending.clear();
         self.enter(system, closed)?;
         self.touching = Touching::NONE;
+        self.left = Left::NONE;
+        self.sides = Sides::UNKNOWN;
         Ok(())
     }
 }
