@@ -148,6 +148,7 @@ where
                     constants.as_ref().map(|c| ProgramConstants {
                         tape: splat(&c.tape),
                         impacts: c.impacts.iter().map(|impact| splat(impact)).collect(),
+                        sequences: Vec::new(),
                         locals: Vec::new(),
                         captures: Vec::new(),
                         reactions: Vec::new(),
