@@ -69,7 +69,7 @@ fn recurrence(height: f64, restitution: impl Fn(Dd, Dd) -> Dd) -> Dd {
     let two = Dd::from(2.0);
     let mut rate = (two * Dd::from(height)).sqrt();
     let mut time = rate;
-    while rate.to_f64() > 1e-40 {
+    while rate.to_f64() > 1e-40 && time.to_f64() < 1e3 {
         rate = restitution(time, rate) * rate;
         time += two * rate;
     }
@@ -79,9 +79,6 @@ fn recurrence(height: f64, restitution: impl Fn(Dd, Dd) -> Dd) -> Dd {
 /// That a time and its error, in doubles, agree with what is true, and are nearly as good as doubles can be.
 fn assert_told((time, error): (f64, f64), truth: Dd, context: &str) {
     let off = (Dd::from(time) - truth).abs().to_f64();
-    if std::env::var("TELL").is_ok() {
-        println!("TOLD {off:e} {error:e} {context}");
-    }
     assert!(
         off <= 10.0 * error,
         "{context}: off by {off:e}, told {error:e}"
@@ -147,6 +144,8 @@ proptest! {
             let sine = (Dd::from(0.3125) * t).sin_cos().0;
             (r + d * t + w * sine) * (-c * rate).exp()
         });
+        // A restitution that reaches one on the way ends nothing.
+        prop_assume!(truth.to_f64() < 20.0);
         let (found, _) = accumulation::<f64>(&model, &[], &[], truth.to_f64() + 1.0);
         assert_told(found.expect("an accumulation"), truth, "doubles");
     }
