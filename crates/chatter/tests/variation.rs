@@ -61,7 +61,7 @@ fn end<R: Real>(
 
 /// Compares each column at time `until` with a central difference; returns what happened on the way.
 fn check(model: &Model, state: &[f64], until: f64, tolerance: f64) -> Vec<&'static str> {
-    const STEP: f64 = 1e-9;
+    const STEP: f64 = 1e-12;
     let n = model.states.len();
     let columns: Vec<Column> = (0..n)
         .map(|_| Column::State)
