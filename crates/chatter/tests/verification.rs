@@ -7,7 +7,20 @@ use chatter::model::Model;
 use std::ops::ControlFlow;
 
 const BALL: &str = include_str!("../../../models/bouncing_ball.toml");
-const TABLE: &str = include_str!("../../../models/bouncing_ball_on_table.toml");
+
+/// A ball on a table whose strokes are as long as its flights: ln 7 is lost with each impact, more or less.
+const TABLE: &str = r#"
+[flight]
+y = "v"
+v = "-1"
+[[contact]]
+gap = "y - 2*sin(t)"
+impulse = { v = 1 }
+restitution = 0.8
+[initial]
+y = 3
+v = 0
+"#;
 const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
 
 fn verified(
@@ -42,10 +55,11 @@ fn a_run_to_rest_agrees_to_all_digits() {
 
 #[test]
 fn chaos_loses_digits_until_the_runs_part_ways() {
-    let spec = Spec::until(60.0);
+    let spec = Spec::until(500.0);
     let (run, verification) = verified(TABLE, &[], &spec);
     let parting = verification.parting.as_ref().expect("chaos forgets");
-    assert!(verification.end.is_none());
+    let end = verification.end.as_ref().expect("both reach the time");
+    assert!(end.state.iter().any(|&off| off > 1e-3), "{end:?}");
     assert_eq!(parting.after, verification.times.len());
     assert!(
         parting.after > 20 && parting.after < run.events.len(),

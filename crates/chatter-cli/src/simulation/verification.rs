@@ -115,7 +115,7 @@ pub fn text(
                 );
             }
         }
-        None => text += "    the states where they end have nothing to do with each other\n",
+        None => text += "    the runs end in different ways\n",
     }
     text
 }

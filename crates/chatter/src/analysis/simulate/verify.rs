@@ -21,7 +21,8 @@ pub struct Verification {
     pub times: Vec<f64>,
     /// Where they part ways.
     pub parting: Option<Parting>,
-    /// By how much time and state at the end are off; none where the runs end in different ways.
+    /// By how much time and state at the end are off; none where the runs end in different ways, or with an event that the
+    /// twin does not come to.
     pub end: Option<EndError>,
 }
 
@@ -136,13 +137,13 @@ fn compare(
             });
         }
     };
-    let end = if parting.is_some() {
-        None
-    } else if ends_with_event {
-        latest.map(|(mine, theirs)| EndError {
-            time: off(mine.time, theirs.time),
-            state: differences(&mine.state, &theirs.state),
-        })
+    let end = if ends_with_event {
+        latest
+            .filter(|_| parting.is_none())
+            .map(|(mine, theirs)| EndError {
+                time: off(mine.time, theirs.time),
+                state: differences(&mine.state, &theirs.state),
+            })
     } else if run.outcome.name() == twin.outcome.name() {
         Some(EndError {
             time: off(run.time, twin.time),
