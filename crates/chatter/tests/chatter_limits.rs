@@ -212,19 +212,19 @@ proptest! {
         }
     }
 
-    /// Two free bodies that stay together: nothing accelerates them towards each other, and what rounding leaves of the
+    /// Two bodies that stay together: resistance accelerates neither towards the other, and what rounding leaves of the
     /// rebound says nothing of the time, which is known to all digits.
     #[test]
     fn a_plastic_impact_without_acceleration_is_known_to_all_digits(
         mass in 0.05_f64..20.0,
-        (gap, speed, other) in (0.1_f64..3.0, 0.5_f64..2.0, -0.4_f64..0.4),
+        (gap, speed, other) in (0.1_f64..1.0, 0.8_f64..2.0, -0.4_f64..0.3),
     ) {
         let model = ModelBuilder::new()
             .parameter("m", mass)
             .state("x", "v", 0.0)
-            .state("v", "0*v", speed)
+            .state("v", "-0.25*v", speed)
             .state("y", "w", gap)
-            .state("w", "0*w", other)
+            .state("w", "-0.25*w", other)
             .contact("pair", "y - x", [("v", "-1"), ("w", "1/m")], 0.0)
             .build()
             .expect("a valid model");
@@ -234,7 +234,7 @@ proptest! {
         let state = model.initial_state(&parameters);
         let mut trajectory = Trajectory::start(&system, &mut work, &parameters, 0.0, &state)
             .expect("a legal start");
-        let truth = gap / (speed - other);
+        let truth = -4.0 * (-0.25 * gap / (speed - other)).ln_1p();
         let mut met = None;
         loop {
             match trajectory.advance(&system, &mut work, 10.0).expect("a finite field") {
@@ -242,14 +242,14 @@ proptest! {
                 Some(Occurrence::Accumulation { error, .. }) => {
                     let off = (trajectory.time() - truth).abs();
                     prop_assert!(error <= 1e-14 * truth.max(1.0), "told {:e}", error);
-                    prop_assert!(off <= 10.0 * error, "off by {:e}, told {:e}", off, error);
+                    prop_assert!(off <= 10.0 * error + 4.0 * f64::EPSILON * truth, "off by {:e}, told {:e}", off, error);
                 }
                 Some(Occurrence::Horizon) => break,
                 _ => {}
             }
         }
         let off = (met.expect("an impact") - truth).abs();
-        prop_assert!(off <= 1e-15 * truth.max(1.0), "off by {:e}", off);
+        prop_assert!(off <= 1e-14 * truth.max(1.0), "off by {:e}", off);
         let apart = trajectory.state()[2] - trajectory.state()[0];
         prop_assert!(apart.abs() <= 1e-13, "apart by {:e}", apart);
     }
