@@ -7,11 +7,12 @@ use crate::options::{
     Window,
 };
 use crate::simulation::{
-    Listing, SampleOption, Subject, account, document, picture, sentence, table,
+    Listing, SampleOption, Subject, account, document, picture, sentence, table, verification,
 };
 use crate::terminal::{self, Progress, Style};
 use chatter::analysis::simulate::{
-    Outcome, Progress as Reached, SimulateError, Simulation, Spec, SpecError, Stop, simulate,
+    Outcome, Progress as Reached, SimulateError, Simulation, Spec, SpecError, Stop, Verification,
+    simulate,
 };
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
@@ -24,13 +25,16 @@ EXAMPLES
   chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg --out valve.npz
   chatter simulate bouncing_ball --set r=0.9 --json
   chatter simulate bouncing_ball --digits 30
+  chatter simulate pressure_relief_valve --set q=0.0203 --until 40 --verify
   chatter simulate impact_oscillator --set omega=2.8 --until '100*2*pi/omega' --sample '2*pi/omega' --out strobe.csv
   chatter simulate pressure_relief_valve --set q=0.0203 --initial y3=9.9 --stop section:closing=10 --events
 
 JSON
   One document: outcome, time, state (by name), counts, events (kind, time, contact or section, state just after the
-  event, rate_before and rate_after; for accumulations impacts and error), contact_phases, parameters, start. With more
-  than 17 digits each number has a twin in decimals as text, under its name with `_digits` at the end.";
+  event, rate_before and rate_after; for accumulations impacts and the local error of the time), contact_phases,
+  parameters, start. With more than 17 digits each number has a twin in decimals as text, under its name with `_digits`
+  at the end. With --verify verification: events (how many agree), event_time_errors, time_error, state_errors, and
+  parting where the runs part ways.";
 
 /// Follow one trajectory through flights, impacts, chatter, contact and release
 #[derive(Args, Debug)]
@@ -63,6 +67,11 @@ pub struct Arguments {
     /// Digits of the numbers in the output, up to 30; above 17 the whole computation is done with more digits
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     digits: Option<Precision>,
+
+    /// Follow a twin in double-double, too, and say to how many digits the times of events and the state at the end agree:
+    /// the errors told with accumulations are local, and leave out what earlier ones have grown to
+    #[arg(long)]
+    verify: bool,
 
     /// Print one JSON document instead of text
     #[arg(long)]
@@ -127,9 +136,54 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         time_was_given: arguments.until.is_some(),
     };
     if digits.fit_double() {
-        follow::<f64>(arguments, &subject, window)
+        follow::<f64>(arguments, &subject, window, |simulation| {
+            verification(arguments, &subject, simulation)
+        })
+    } else if arguments.verify {
+        Err(Failure::input(format!(
+            "--verify compares a run in doubles with one in double-double: to {} digits there is nothing to compare with",
+            digits.0
+        )))
     } else {
-        follow::<DoubleDouble>(arguments, &subject, window)
+        follow::<DoubleDouble>(arguments, &subject, window, |_| Ok(None))
+    }
+}
+
+/// The comparison with the twin, where it was asked for and the twin was not interrupted; and what is said of it.
+fn verification(
+    arguments: &Arguments,
+    subject: &Subject,
+    simulation: &Simulation<f64>,
+) -> Result<Option<Verified>, Failure> {
+    if !arguments.verify || simulation.outcome == Outcome::Interrupted {
+        return Ok(None);
+    }
+    let mut progress = Progress::new();
+    let verification = Verification::of(subject.model, subject.spec, simulation, &mut |reached| {
+        observe(&mut progress, reached)
+    })
+    .map_err(|error| refused(&error, subject.model))?;
+    progress.finish();
+    Ok(verification.map(|verification| Verified {
+        text: verification::text(subject, simulation, &verification),
+        verification,
+    }))
+}
+
+struct Verified {
+    verification: Verification,
+    text: String,
+}
+
+/// Shows how far a run is, and lets the user break it off.
+fn observe(progress: &mut Progress, reached: &Reached) -> ControlFlow<()> {
+    progress.show(part_done(reached), || {
+        format!("time {:.6}, {} impacts", reached.time, reached.impacts)
+    });
+    if terminal::interrupted() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
     }
 }
 
@@ -183,21 +237,16 @@ fn follow<R: Real>(
     arguments: &Arguments,
     subject: &Subject,
     window: Option<(f64, f64)>,
+    verify: impl FnOnce(&Simulation<R>) -> Result<Option<Verified>, Failure>,
 ) -> Result<u8, Failure> {
     terminal::catch_interrupts();
     let mut progress = Progress::new();
     let mut simulation: Simulation<R> = simulate(subject.model, subject.spec, &mut |reached| {
-        progress.show(part_done(reached), || {
-            format!("time {:.6}, {} impacts", reached.time, reached.impacts)
-        });
-        if terminal::interrupted() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        observe(&mut progress, reached)
     })
     .map_err(|error| refused(&error, subject.model))?;
     progress.finish();
+    let verified = verify(&simulation)?;
 
     let drawn = arguments
         .plot
@@ -223,7 +272,8 @@ fn follow<R: Real>(
         }
     }
     let text = if arguments.json {
-        document::document(subject, &simulation)
+        let verification = verified.as_ref().map(|verified| &verified.verification);
+        document::document(subject, &simulation, verification)
     } else {
         let listing = if arguments.events {
             Listing::EveryEvent
@@ -231,6 +281,9 @@ fn follow<R: Real>(
             Listing::Summary
         };
         let mut text = account::account(subject, &simulation, listing, Style::of_stdout());
+        if let Some(verified) = &verified {
+            text += &verified.text;
+        }
         for path in &written {
             text += &format!("wrote {}\n", path.display());
         }

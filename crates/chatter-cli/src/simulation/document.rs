@@ -1,9 +1,9 @@
 //! A simulation as one JSON document.
 
-use super::{Subject, sentence};
+use super::{Subject, sentence, verification};
 use crate::named::Named;
 use crate::numbers::significant;
-use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation};
+use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation, Verification};
 use chatter::numerics::Real;
 use serde::Serialize;
 
@@ -28,6 +28,8 @@ struct Document<'a> {
     counts: Counts,
     events: Vec<EventObject<'a>>,
     contact_phases: Vec<Phase<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verification: Option<verification::Object<'a>>,
     model: ModelObject<'a>,
     parameters: Named<f64>,
     start: Start,
@@ -105,7 +107,11 @@ struct EventObject<'a> {
 }
 
 /// The document, with a line break at its end.
-pub fn document<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> String {
+pub fn document<R: Real>(
+    subject: &Subject,
+    simulation: &Simulation<R>,
+    verified: Option<&Verification>,
+) -> String {
     let writer = Writer { subject };
     let (time, state) = (writer.value(simulation.time), &simulation.state);
     let counts = simulation.counts;
@@ -145,6 +151,7 @@ pub fn document<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> Strin
                 end: phase.end.map(Real::to_f64),
             })
             .collect(),
+        verification: verified.map(|verified| verification::object(subject, verified)),
         model: ModelObject {
             source: subject.source,
             title: subject.model.title.as_deref(),

@@ -209,8 +209,7 @@ where
             if !trajectory.has_pending() {
                 break;
             }
-            let horizon = trajectory.horizon();
-            let outcome = trajectory.advance(self.system, &mut self.single, horizon);
+            let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);
             if tell(&mut self.visit, index, trajectory, outcome) == Next::Retire {
                 return;
             }
@@ -250,8 +249,7 @@ where
         if count <= FEW {
             for &(index, _) in &members[..count] {
                 let trajectory = &mut self.trajectories[index];
-                let horizon = trajectory.horizon();
-                let outcome = trajectory.advance(self.system, &mut self.single, horizon);
+                let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);
                 self.hand_on(index, outcome);
             }
             return;
@@ -492,8 +490,7 @@ mod tests {
             let mut trajectory = trajectory.clone();
             let mut told = 0;
             while told < occurrences {
-                let horizon = trajectory.horizon();
-                let what = trajectory.advance(&columns.system, &mut work, horizon);
+                let what = trajectory.advance_to_horizon(&columns.system, &mut work);
                 told += usize::from(what.expect("a finite field").is_some());
             }
             end(&trajectory)

@@ -25,7 +25,7 @@ pub enum Occurrence<R> {
         contact: usize,
         /// How many impacts of the sequence were integrated one by one.
         impacts: u64,
-        /// Estimated error of its time: of the completion, and of rounding (or the tolerance) in the impacts before it, but
+        /// Estimated local error of its time: of the completion, and of rounding (or the tolerance) in the impacts before it, but
         /// not of the state that the sequence began from.
         error: f64,
     },

@@ -1,5 +1,6 @@
 //! What runs in one phase: the field that holds while a given set of contacts is closed, and its guards.
 
+use super::chatter::{SequenceConstants, SequenceExprs, SequenceTapes};
 use super::touching::Touching;
 use crate::expressions::{Expr, Graph, Node, Operand, Symbol, Tape};
 use crate::model::{Direction, Mechanics, Section};
@@ -100,6 +101,8 @@ pub struct Program {
     pub(crate) gaps: usize,
     /// Per contact; none where it is closed.
     pub(crate) impacts: Vec<Option<ImpactTape>>,
+    /// Per contact: what its chatter sequences are completed by; none where it is closed.
+    pub(crate) sequences: Vec<Option<SequenceTapes>>,
     /// Per contact: gap, rate, acceleration, jerk.
     pub(crate) locals: Vec<Tape>,
     /// Per contact: the state brought to rest on it (gap and rate zero).
@@ -115,6 +118,7 @@ pub struct Program {
 pub(crate) struct ProgramConstants<R> {
     pub tape: Vec<R>,
     pub impacts: Vec<Vec<R>>,
+    pub sequences: Vec<SequenceConstants<R>>,
     pub locals: Vec<Vec<R>>,
     pub captures: Vec<Vec<R>>,
     pub residuals: Vec<R>,
@@ -133,6 +137,8 @@ pub(crate) struct Phase {
     pub impacts: Vec<Vec<Expr>>,
     /// For each contact the state once its rate is taken away.
     pub rests: Vec<Vec<Expr>>,
+    /// For each contact what its chatter sequences are completed by.
+    pub sequences: Vec<SequenceExprs>,
 }
 
 impl Phase {
@@ -147,7 +153,7 @@ impl Phase {
         };
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
-        let rests = contacts
+        let rests: Vec<Vec<Expr>> = contacts
             .iter()
             .map(|contact| {
                 (contact.jump.iter().enumerate())
@@ -159,7 +165,11 @@ impl Phase {
                     .collect()
             })
             .collect();
+        let sequences = (contacts.iter().zip(&rests))
+            .map(|(contact, rest)| SequenceExprs::new(graph, contact, rest))
+            .collect();
         Some(Self {
+            sequences,
             closed,
             field,
             reactions,
@@ -224,6 +234,7 @@ impl Program {
             })
             .collect();
         let mut impacts = Vec::new();
+        let mut sequences = Vec::new();
         let mut locals = Vec::new();
         let mut captures = Vec::new();
         for (index, contact) in contacts.iter().enumerate() {
@@ -243,8 +254,11 @@ impl Program {
             captures.push(Tape::new(graph, dimension, &[], &at_rest));
             if closed.contains(index) {
                 impacts.push(None);
+                sequences.push(None);
                 continue;
             }
+            let sequence = SequenceTapes::new(graph, dimension, &phase.sequences[index]);
+            sequences.push(Some(sequence));
             let after = &phase.impacts[index];
             let at_after = |graph: &mut Graph, expr| {
                 graph.substitute(expr, &|symbol| match symbol {
@@ -298,6 +312,7 @@ impl Program {
             gaps: contacts.len() - closed.contacts().count(),
             guards,
             impacts,
+            sequences,
             locals,
             captures,
             residuals,
@@ -318,6 +333,12 @@ impl Program {
                 .iter()
                 .map(|impact| impact.as_ref().map_or_else(Vec::new, |i| of(&i.tape)))
                 .collect(),
+            sequences: (self.sequences.iter())
+                .map(|sequence| match sequence {
+                    Some(tapes) => tapes.constants(graph, parameters),
+                    None => SequenceConstants::none(),
+                })
+                .collect(),
             locals: self.locals.iter().map(of).collect(),
             captures: self.captures.iter().map(of).collect(),
             residuals: of(&self.residuals),
@@ -332,6 +353,12 @@ impl Program {
             .chain(&self.locals)
             .chain(&self.captures)
             .chain(self.impacts.iter().flatten().map(|impact| &impact.tape))
+            .chain(
+                self.sequences
+                    .iter()
+                    .flatten()
+                    .flat_map(SequenceTapes::tapes),
+            )
     }
 }
 

@@ -102,7 +102,7 @@ impl<R: Real> Teller<'_, R> {
                 format!("rate {before} -> {after}{closing}")
             }
             EventDetail::Accumulation { impacts, error, .. } => format!(
-                "after {}, time known to {}",
+                "after {}, local error {}",
                 counted(impacts, "impact"),
                 significant(error, ERROR_DIGITS)
             ),

@@ -4,9 +4,11 @@ use super::ReturnMap;
 use super::look::Look;
 use crate::analysis::map::{Arrival, Command, NoReturn, Origin, Passage, Start};
 use crate::analysis::simulate::EventKind;
+use crate::expressions::Formula;
 use crate::flow::{
     Closed, FlowError, GuardKind, Next, Occurrence, Trajectory, Workspace, run_fleet,
 };
+use crate::numerics::DoubleDouble;
 
 /// Into so many parts is the time that a return may take divided, so that an orbit that never returns can be called off
 /// between them.
@@ -50,7 +52,7 @@ enum Clock {
     /// So many periods since the origin are over at the next look.
     Strobe {
         origin: f64,
-        period: f64,
+        period: DoubleDouble,
         count: u64,
     },
 }
@@ -199,7 +201,7 @@ impl<'m, 'v> Follower<'m, 'v> {
             Look::Event { .. } => Clock::Patience(0),
             Look::Stroboscopic { period } => Clock::Strobe {
                 origin: time,
-                period: period.evaluate(&[], &orbit.parameters, &mut self.scratch),
+                period: strobe_period(period, &orbit.parameters),
                 count: 0,
             },
         };
@@ -211,7 +213,7 @@ impl<'m, 'v> Follower<'m, 'v> {
         let horizon = match &mut orbit.clock {
             Clock::Patience(part) => {
                 let share = (*part + 1) as f64 / PATIENCE_PARTS as f64;
-                orbit.since + self.map.longest_return * share
+                (orbit.since + self.map.longest_return * share, 0.0)
             }
             Clock::Strobe {
                 origin,
@@ -219,10 +221,12 @@ impl<'m, 'v> Follower<'m, 'v> {
                 count,
             } => {
                 *count += 1;
-                *origin + *period * *count as f64
+                let time =
+                    DoubleDouble::from(*origin) + *period * DoubleDouble::from(*count as f64);
+                (time.high(), time.low())
             }
         };
-        trajectory.set_horizon(horizon);
+        trajectory.set_horizon_parts(horizon);
     }
 
     /// Takes in what happened to a trajectory.
@@ -373,6 +377,12 @@ impl<'m, 'v> Follower<'m, 'v> {
             passage,
         })
     }
+}
+
+/// The period at parameter values that count as exact, as they do in the equations.
+fn strobe_period(period: &Formula<DoubleDouble>, parameters: &[f64]) -> DoubleDouble {
+    let exact: Vec<DoubleDouble> = parameters.iter().map(|&value| value.into()).collect();
+    period.evaluate(&[], &exact, &mut Vec::new())
 }
 
 fn failure(error: FlowError) -> NoReturn {

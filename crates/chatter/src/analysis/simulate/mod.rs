@@ -3,6 +3,7 @@
 //! ```text
 //! Spec        how long, what stops it, what is sampled
 //! simulate -> Simulation    events, contact phases, counts, samples, outcome
+//! Verification              how far it agrees with a twin of twice the digits
 //! ```
 //!
 //! ```
@@ -37,6 +38,7 @@ mod result;
 mod samples;
 mod spec;
 mod tolerance;
+mod verify;
 
 #[cfg(test)]
 mod tests;
@@ -47,6 +49,7 @@ pub use samples::Samples;
 pub use spec::{EventKind, EventTarget, Sampling, Spec, SpecError, Stop};
 pub use tolerance::WrongTolerance;
 pub(crate) use tolerance::check_tolerance;
+pub use verify::{EndError, Parting, Verification, digits};
 
 use crate::flow::{FlowError, Occurrence, Settings, System, SystemError, Trajectory};
 use crate::model::Model;

@@ -53,6 +53,8 @@ pub struct Trajectory<R> {
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
     horizon: R,
+    /// Its rounding remainder.
+    horizon_low: R,
     tracker: ChatterTracker<R>,
     /// How many impacts the sequence has so far: each slower than the one before, at one contact.
     sequence: u64,
@@ -121,11 +123,18 @@ impl<R: Real> Trajectory<R> {
 
     /// Sets the time at which the trajectory stops next, for [`run_fleet`](super::run_fleet).
     pub fn set_horizon(&mut self, horizon: R) {
+        self.set_horizon_parts((horizon, R::ZERO));
+    }
+
+    /// As [`set_horizon`](Self::set_horizon), with the rounding remainder of the time: many periods after the start their
+    /// sum is no number of this type.
+    pub fn set_horizon_parts(&mut self, (horizon, low): (R, R)) {
         self.horizon = horizon;
+        self.horizon_low = low;
     }
 
     pub(crate) fn remaining(&self) -> R {
-        (self.horizon - self.time) - self.time_low
+        (self.horizon - self.time) + (self.horizon_low - self.time_low)
     }
 
     /// Whether the next call to [`advance`](Self::advance) needs no step.
@@ -147,7 +156,19 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         horizon: R,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        self.horizon = horizon;
+        self.set_horizon(horizon);
+        self.advance_to_horizon(system, work)
+    }
+
+    /// As [`advance`](Self::advance), to the horizon that was set.
+    ///
+    /// # Errors
+    /// As for [`advance`](Self::advance).
+    pub fn advance_to_horizon(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
         work.step = R::ZERO;
         if let Some(occurrence) = self.pending.pop_front() {
             return Ok(Some(occurrence));
@@ -387,8 +408,11 @@ impl<R: Real> Trajectory<R> {
             // The rest of a predicted flight, if a section or the horizon cut it.
             self.flight_time = self.rest_of_flight(result.step);
             if result.at_horizon {
+                // The state is where the step led, a rounding error of it off: the remainder keeps that, or it would add up
+                // from one horizon to the next.
+                let late = -self.remaining();
                 self.time = self.horizon;
-                self.time_low = R::ZERO;
+                self.time_low = self.horizon_low + late;
                 return Ok(Some(Occurrence::Horizon));
             }
             return Ok(None);

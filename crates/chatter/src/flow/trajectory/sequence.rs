@@ -2,11 +2,11 @@
 
 use super::Trajectory;
 use crate::expressions::Operand;
-use crate::flow::chatter::{Accumulation, LocalPoint};
+use crate::flow::chatter::{Accumulation, LocalPoint, SequenceMap};
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, GuardKind};
-use crate::flow::step::{Workspace, legal_rates};
+use crate::flow::step::{FOREVER, Workspace, legal_rates};
 use crate::flow::system::System;
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::{Real, two_sum};
@@ -88,33 +88,63 @@ impl<R: Real> Trajectory<R> {
                 });
             }
         }
+        let rest_of_sequence = if self.flight_time < R::splat(FOREVER) && at_rest < R::ONE {
+            self.flight_time / (R::ONE - at_rest)
+        } else {
+            R::splat(FOREVER)
+        };
+        self.tracker.keep_pace(contact, self.time, rest_of_sequence);
         let local = LocalPoint {
             rate: rate_after,
             acceleration,
             jerk,
             restitution: at_rest,
         };
-        let end = self.tracker.observe(
-            contact,
-            local,
-            (self.time, self.time_low),
-            (&self.state, &self.low),
-        );
+        let end = if at_rest < R::ONE {
+            self.sequence_end(system, work, contact, local)?
+        } else {
+            None
+        };
         if let Some(end) = end
             && self.ends_undisturbed(system, work, contact, &end)?
         {
             self.completion = Some((contact, end));
-        } else if acceleration < R::ZERO && is_short {
+        } else if acceleration < R::ZERO && at_rest < R::ONE && is_short {
             // What is left of the sequence is below rounding.
-            let after = self.flight_time / (R::ONE - at_rest);
+            let after = rest_of_sequence;
             let end = Accumulation {
                 after,
                 change: vec![R::ZERO; self.state.len()],
-                error: after.to_f64(),
+                error: self.tracker.rest_of_impacts(contact).to_f64(),
             };
             self.completion = Some((contact, end));
         }
         Ok(Some(occurrence))
+    }
+
+    /// Shows an impact to the tracker; the end of the sequence where it is certain.
+    #[inline(always)]
+    fn sequence_end(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        local: LocalPoint<R>,
+    ) -> Result<Option<Accumulation<R>>, FlowError> {
+        let program = self.program(system)?;
+        let constants = &self.constants[self.mode];
+        let (Some(tapes), Some(constants)) = (&program.sequences[contact], constants) else {
+            return Ok(None);
+        };
+        let mut map = SequenceMap {
+            tapes,
+            constants: &constants.sequences[contact],
+            work,
+            coordinates: self.coordinates,
+        };
+        let time = (self.time, self.time_low);
+        let state = (&self.state[..], &self.low[..]);
+        Ok(self.tracker.observe(contact, local, time, state, &mut map))
     }
 
     /// Whether nothing else happens until the end of a chatter sequence: the trajectory does not stop before, no other
@@ -168,7 +198,8 @@ impl<R: Real> Trajectory<R> {
             .all(|&(slot, change)| work.point.series(slot)[0].abs() <= change * R::splat(AT_REST)))
     }
 
-    /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero.
+    /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero. What
+    /// impacts before it leave of the sequence is the error of its time.
     pub(super) fn end_here(
         &mut self,
         system: &System,
@@ -178,7 +209,7 @@ impl<R: Real> Trajectory<R> {
         let end = Accumulation {
             after: R::ZERO,
             change: vec![R::ZERO; self.state.len()],
-            error: self.flight_time.min(self.reach[0]).to_f64(),
+            error: self.tracker.rest_of_impacts(contact).to_f64(),
         };
         self.complete(system, work, contact, &end)
     }

@@ -48,6 +48,7 @@ impl<R: Real> Trajectory<R> {
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
             horizon: R::splat(FOREVER),
+            horizon_low: R::ZERO,
             tracker: ChatterTracker::new(work.tail),
             sequence: 0,
             latest_impact: None,
@@ -162,7 +163,7 @@ impl<R: Real> Trajectory<R> {
         self.reach = [R::ZERO; ORDER_CLASSES];
         self.reach[ORDER_CLASSES - 1] = R::splat(FIRST_UNIT);
         self.flight_time = R::splat(FOREVER);
-        self.horizon = R::splat(FOREVER);
+        self.set_horizon(R::splat(FOREVER));
         self.tracker.restart();
         self.sequence = 0;
         self.latest_impact = None;
