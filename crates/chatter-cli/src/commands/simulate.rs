@@ -60,7 +60,7 @@ pub struct Arguments {
     #[arg(long, value_name = "KIND[:NAME][=COUNT]")]
     stop: Vec<StopOption>,
 
-    /// Relative error allowed in one step; rounding error without it
+    /// Relative error allowed in one step, from 0 to below 1; rounding error without it, or where that is larger
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     tolerance: Option<Quantity>,
 
@@ -322,6 +322,7 @@ fn refused(error: &SimulateError, model: &Model) -> Failure {
                 _ => failure,
             }
         }
+        SimulateError::Model(error) => Failure::from(error.clone()),
         SimulateError::System(error) => Failure::input(error),
         SimulateError::Start(error) => Failure::input(sentence(error, model)),
     }

@@ -25,6 +25,9 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
                 values.join(", ")
             )
         }
+        FlowError::Singular { time, kind } => {
+            format!("at time {} {}", number(*time), kind.description())
+        }
         FlowError::Penetrates { contact, gap } => format!(
             "the start lies beyond {}: its gap is {} there, and must not be negative",
             name(*contact),

@@ -25,6 +25,8 @@ pub struct Expansion<S> {
     values: Vec<S>,
     /// Rounding remainders of order zero, where they are known: of states and of linear combinations.
     lows: Vec<S>,
+    /// Bounds of the rounding errors of order zero, where a singular point is near.
+    pub(super) errors: Vec<S>,
     auxiliaries: Vec<S>,
     reciprocals: Vec<S>,
 }
@@ -43,6 +45,7 @@ impl<S: Scalar> Expansion<S> {
             order: 0,
             values: vec![S::splat(0.0); slots * Self::STRIDE],
             lows: vec![S::splat(0.0); slots],
+            errors: vec![S::splat(0.0); slots],
             auxiliaries: vec![S::splat(0.0); auxiliaries],
             reciprocals,
         }
@@ -69,8 +72,14 @@ impl<S: Scalar> Expansion<S> {
     }
 
     #[inline(always)]
-    fn get(&self, slot: usize, k: usize) -> S {
+    pub(super) fn get(&self, slot: usize, k: usize) -> S {
         self.values[slot * Self::STRIDE + k]
+    }
+
+    /// What an operation divides by, as a factor.
+    #[inline(always)]
+    pub(super) fn inverse(&self, auxiliary: usize) -> S {
+        self.auxiliaries[auxiliary]
     }
 
     #[inline(always)]
@@ -152,13 +161,18 @@ impl<S: Scalar> Expansion<S> {
     /// The series that swings and by how much it may.
     #[inline(always)]
     fn allowed_swing(&self, swing: Swing, constants: &[S]) -> (usize, S) {
-        // A power below this, base-two logarithm, is nothing.
+        // A power or exponential below this, base-two logarithm, is nothing.
         const NOTHING: f64 = -330.0;
         // Coarse logarithms may make a step an eighth too long.
         const NOT_ALL_THE_WAY: f64 = 0.8;
         let half_order = S::splat(0.5 * self.order as f64);
         match swing {
-            Swing::Exponential { argument } => (argument, half_order),
+            Swing::Exponential { argument } => {
+                let nothing = S::splat(NOTHING * core::f64::consts::LN_2) - self.get(argument, 0);
+                let far = nothing * S::splat(NOT_ALL_THE_WAY);
+                (argument, half_order.max(far))
+            }
+            Swing::Hyperbolic { argument } => (argument, half_order),
             Swing::Saturating { argument } => {
                 // 1 - tanh^2 a = 4 e^(-2|a|) is visible up to here.
                 let visible = S::splat(-0.5 * libm::log(S::ROUNDOFF) - 1.0);
@@ -514,7 +528,7 @@ impl<S: Scalar> Expansion<S> {
 /// The outermost products come last: one of them holds the coefficient that was computed just before, and the rest of
 /// the sum need not wait for it.
 #[inline(always)]
-fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
+pub(super) fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
     let n = a.len();
     let (Some(&first), Some(&last)) = (a.first(), b.get(n.wrapping_sub(1))) else {
         return S::splat(0.0);

@@ -1,5 +1,6 @@
 //! Why a trajectory cannot go on.
 
+use crate::expressions::Singularity;
 use core::fmt;
 
 /// What the method could not do, with the numbers. What was computed before stays valid.
@@ -11,6 +12,13 @@ pub enum FlowError {
         time: f64,
         /// That state.
         state: Vec<f64>,
+    },
+    /// The equations stop being smooth here: a denominator, or the argument of a root or logarithm, reaches zero.
+    Singular {
+        /// Time of it.
+        time: f64,
+        /// What reaches zero.
+        kind: Singularity,
     },
     /// The start lies inside the obstacle.
     Penetrates {
@@ -63,6 +71,7 @@ impl FlowError {
     pub const fn name(&self) -> &'static str {
         match self {
             Self::LeftDomain { .. } => "left_domain",
+            Self::Singular { .. } => "singular",
             Self::Penetrates { .. } => "penetrates",
             Self::DependentContacts { .. } => "dependent_contacts",
             Self::UndecidedRelease { .. } => "undecided_release",
@@ -80,6 +89,9 @@ impl fmt::Display for FlowError {
                 out,
                 "the equations leave their domain after time {time}: they have no finite value past the state {state:?}"
             ),
+            Self::Singular { time, kind } => {
+                write!(out, "at time {time} {}", kind.description())
+            }
             Self::Penetrates { contact, gap } => write!(
                 out,
                 "the initial state lies inside contact {}: its gap is {gap}, and a gap must not be negative",

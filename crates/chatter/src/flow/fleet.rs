@@ -312,6 +312,7 @@ where
                 wide.0[lane] = trajectory.sides.get(section);
             }
             self.wide.tau.0[lane] = tau;
+            self.wide.least_step.0[lane] = trajectory.least_step();
             remaining[lane] = trajectory.remaining();
             let Some(own) = &trajectory.constants[mode] else {
                 continue;

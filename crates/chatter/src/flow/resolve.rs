@@ -5,7 +5,7 @@ use super::error::FlowError;
 use super::program::{Guard, GuardKind, Program};
 use super::step::{LEAST_GROWTH, NO_EVENT, Workspace};
 use super::touching::{Left, Touching};
-use crate::expressions::Operand;
+use crate::expressions::{Operand, Singularity};
 use crate::numerics::Real;
 use crate::numerics::polynomial::{horner_with_slope, magnitude};
 use crate::numerics::roots::{Crossing, Root, RootKind, first_root};
@@ -24,6 +24,9 @@ pub(crate) struct Resolution {
 /// The unit of time shrinks by [`LEAST_GROWTH`] while an expansion overflows or reaches less far than that, this many
 /// times at most.
 const SHRINKS: usize = 40;
+
+/// Towards a singular point a step goes half the way or a quarter; this many times that is beyond it.
+const BEYOND: f64 = 16.0;
 
 /// A first root may lie this many halvings of the step close to its start: all that a double can be halved.
 const HALVINGS: usize = 1100;
@@ -44,12 +47,41 @@ pub(crate) fn resolve<R: Real>(
         if is_finite && (work.growth >= R::splat(LEAST_GROWTH) || tries == SHRINKS) {
             break;
         }
+        if !is_finite && let Some((kind, after)) = work.singularity(program) {
+            let after = after.to_f64();
+            return Err(Unsettled::Singular { kind, after });
+        }
         tries += 1;
         if tries > SHRINKS {
             return Err(Unsettled::NotFinite);
         }
         work.tau *= R::splat(LEAST_GROWTH);
     }
+    let stalls = work.scaled_step * work.tau <= work.least_step && work.horizon > work.least_step;
+    if work.is_clear() && !stalls {
+        return first_event(work, program, (touching, left));
+    }
+    let Some((kind, after)) = work.singularity(program) else {
+        return Err(Unsettled::NotFinite);
+    };
+    // The singular point cannot be told from here. Neither can what lies there: an impact comes first, and ends it.
+    work.scaled_step = (work.scaled_step * R::splat(BEYOND)).min(work.horizon / work.tau);
+    let resolution = first_event(work, program, (touching, left))?;
+    let ends = work.event != R::splat(NO_EVENT) || resolution.touched.is_some();
+    if ends {
+        Ok(resolution)
+    } else {
+        let after = after.to_f64();
+        Err(Unsettled::Singular { kind, after })
+    }
+}
+
+/// The first event within the workspace's step, which it shortens.
+fn first_event<R: Real>(
+    work: &mut Workspace<R>,
+    program: &Program,
+    (touching, left): (Touching, Left<R>),
+) -> Result<Resolution, Unsettled> {
     work.event = R::splat(NO_EVENT);
     let mut touched = None;
     let whole = work.scaled_step;
@@ -75,10 +107,15 @@ pub(crate) fn resolve<R: Real>(
                 size_of_terms(work, program, guard)
             };
             match left.positive_coefficients(index, p, work.tau) {
-                0 => first_closing(p, width, (work.noise(), terms), is_left)?,
-                count => first_closing(&risen(p, count), width, (work.noise(), terms), true)?,
+                0 => first_closing(p, width, (Workspace::<R>::NOISE, terms), is_left)?,
+                count => first_closing(
+                    &risen(p, count),
+                    width,
+                    (Workspace::<R>::NOISE, terms),
+                    true,
+                )?,
             }
-            .or_else(|| closing_at_end(p, width, work.noise()).filter(|_| at_end))
+            .or_else(|| closing_at_end(p, width, Workspace::<R>::NOISE).filter(|_| at_end))
         };
         let Some(root) = found else { continue };
         work.scaled_step = root.at;
@@ -148,7 +185,7 @@ fn section_path<'p, R: Real>(
         side: work.sides[section],
         terms,
         reach: work.growth,
-        noise: work.noise(),
+        noise: Workspace::<R>::NOISE,
     }
 }
 
@@ -186,12 +223,19 @@ fn find_sides<R: Real>(work: &mut Workspace<R>, program: &Program, touching: Tou
 }
 
 /// Why a step cannot be settled; the caller knows time and state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Unsettled {
     /// The field has no finite expansion here.
     NotFinite,
     /// A guard that was just left does not grow.
     Stuck,
+    /// Something that must not vanish does.
+    Singular {
+        /// What.
+        kind: Singularity,
+        /// In what time.
+        after: f64,
+    },
 }
 
 impl Unsettled {
@@ -201,6 +245,10 @@ impl Unsettled {
             Self::NotFinite => FlowError::LeftDomain {
                 time: time.to_f64(),
                 state: state.iter().map(|x| x.to_f64()).collect(),
+            },
+            Self::Singular { kind, after } => FlowError::Singular {
+                time: time.to_f64() + after,
+                kind,
             },
             Self::Stuck => FlowError::UndecidedRelease {
                 time: time.to_f64(),

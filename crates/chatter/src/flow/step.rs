@@ -8,7 +8,7 @@ use super::chatter::Tail;
 use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
 use super::touching::Touching;
-use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
+use crate::expressions::{Expansion, MAX_ORDER, Operand, Singularity, Tape};
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::{
     bernstein, bernstein_from, horner, horner_with_slope, magnitude,
@@ -54,12 +54,21 @@ pub(crate) const FOREVER: f64 = 1e30;
 /// changes within it is rounding.
 const INSTANT: f64 = 1e-12;
 
+/// The least step: one of a time that is kept as a sum of two numbers, and cannot tell even thousands of shorter ones; nor
+/// do products of shorter ones keep their digits.
+pub(crate) fn least_step<S: Scalar>(time: S) -> S {
+    const UNTOLD: f64 = 1e-12;
+    const SHORTEST: f64 = 1e-290;
+    let lowest = S::splat(S::ROUNDOFF * UNTOLD);
+    (time.abs() * S::splat(S::ROUNDOFF)).mul_add(lowest, S::splat(SHORTEST))
+}
+
 /// Result code for a step without event.
 pub(crate) const NO_EVENT: f64 = -1.0;
 
 /// The number of a type that a step works with, its inputs and its results.
 #[derive(Clone, Debug)]
-pub struct Workspace<S> {
+pub struct Workspace<S: Scalar> {
     pub(crate) expansion: Expansion<S>,
     /// For values at a point, so that the expansion of the step survives as dense output.
     pub(crate) point: Expansion<S>,
@@ -78,6 +87,10 @@ pub struct Workspace<S> {
     pub(crate) tau: S,
     /// The step is at most this long.
     pub(crate) horizon: S,
+    /// Time cannot tell a step that is shorter: see [`least_step`].
+    pub(crate) least_step: S,
+    /// Where nothing that must not vanish does so at the start of the step, and all numbers are finite.
+    clear: S::Mask,
     /// How far an expansion of each order reaches; entries above the order used are kept.
     pub(crate) reach: [S; ORDER_CLASSES],
     /// How far the latest expansion reaches, in its unit of time.
@@ -95,7 +108,6 @@ pub struct Workspace<S> {
     log_tolerance: f64,
     /// When and how precisely chatter sequences are completed.
     pub(crate) tail: Tail,
-    noise: f64,
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -125,6 +137,8 @@ impl<S: Scalar> Workspace<S> {
             sides: vec![zero; sections],
             tau: zero,
             horizon: zero,
+            least_step: zero,
+            clear: S::Mask::splat(true),
             reach: [zero; ORDER_CLASSES],
             growth: zero,
             scaled_step: zero,
@@ -133,7 +147,6 @@ impl<S: Scalar> Workspace<S> {
             impact: [zero; IMPACT_SCALARS],
             flight_time: zero,
             log_tolerance: libm::log2(tolerance * TRUNCATION_SHARE),
-            noise: NOISE_ROUNDOFFS * tolerance,
             tail: Tail {
                 longest: settings.longest_tail,
                 precision: tolerance,
@@ -141,10 +154,9 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
-    /// Relative size below which a polynomial's value is noise.
-    pub(crate) fn noise(&self) -> f64 {
-        self.noise
-    }
+    /// Relative size below which a polynomial's value is noise: it is known to rounding wherever it is evaluated, however
+    /// far from the solution its truncation may be.
+    pub(crate) const NOISE: f64 = NOISE_ROUNDOFFS * S::ROUNDOFF;
 
     /// Expands the flow at order class `class` and finds how far each order reaches.
     #[inline(always)]
@@ -177,8 +189,26 @@ impl<S: Scalar> Workspace<S> {
         }
         let resolved = (self.expansion).resolved(&program.tape, &self.constants, GROWTH);
         self.reach[class] = self.reach[class].min(self.tau * resolved);
+        let wanted = (self.reach[class]).min(self.horizon) / self.tau;
+        let (regular, clear) =
+            (self.expansion).regular(&program.tape, &self.constants, wanted, &mut self.bernstein);
+        self.reach[class] = S::select(regular.less(wanted), self.tau * regular, self.reach[class]);
         self.growth = self.reach[class] / self.tau;
-        self.scaled_step = (self.reach[class]).min(self.horizon) / self.tau;
+        self.scaled_step = regular;
+        self.clear = clear & self.is_finite();
+    }
+
+    /// Whether the expansion has no coefficient that is no number: what is wrong somewhere is so in the first or last of
+    /// some state.
+    #[inline(always)]
+    fn is_finite(&self) -> S::Mask {
+        let order = self.expansion.order();
+        let mut nothing = S::splat(0.0);
+        for slot in 0..self.state.len() {
+            let series = self.expansion.series(slot);
+            nothing = (series[1].abs() + series[order].abs()).mul_add(S::splat(0.0), nothing);
+        }
+        nothing.is_finite()
     }
 
     /// The polynomial of a guard, its `touching` leading coefficients divided out: roots known to lie at the start.
@@ -194,8 +224,10 @@ impl<S: Scalar> Workspace<S> {
     #[inline(always)]
     pub(crate) fn locate(&mut self, program: &Program, touching: Touching) -> S::Mask {
         self.event = S::splat(NO_EVENT);
-        let mut certain = self.scaled_step.is_finite()
-            & S::splat(0.0).less(self.scaled_step)
+        let step = self.scaled_step * self.tau;
+        let mut certain = self.clear
+            & step.is_finite()
+            & self.least_step.less(step)
             & S::splat(LEAST_GROWTH).at_most(self.growth);
         let mut sections_met = 0_u128;
         for (index, guard) in program.guards.iter().enumerate() {
@@ -206,7 +238,7 @@ impl<S: Scalar> Workspace<S> {
             let end = self.scaled_step;
             let start = p[0];
             let rest = magnitude(&p[1..], end) * end;
-            let noise = (rest + start.abs()) * S::splat(self.noise);
+            let noise = (rest + start.abs()) * S::splat(Self::NOISE);
             let mut settled = (rest + noise).less(start.abs());
             let must_be_positive = if let GuardKind::Section(section) = guard.kind {
                 let side = &mut self.sides[section];
@@ -241,7 +273,7 @@ impl<S: Scalar> Workspace<S> {
             settled = settled | found;
             let mut at = root;
             if !settled.all() {
-                settled = settled | rises(p, end, noise, self.noise, &mut self.bernstein);
+                settled = settled | rises(p, end, noise, Self::NOISE, &mut self.bernstein);
             }
             if !settled.all() {
                 let n = p.len();
@@ -287,7 +319,7 @@ impl<S: Scalar> Workspace<S> {
                 continue;
             };
             let value = horner(p, end);
-            let noise = magnitude(p, end) * S::splat(self.noise);
+            let noise = magnitude(p, end) * S::splat(Self::NOISE);
             let crossed = self.ends_step(index);
             certain = certain & (crossed | noise.less(value.abs()));
             let begins = self.sides[section];
@@ -336,7 +368,7 @@ impl<S: Scalar> Workspace<S> {
             return S::Mask::splat(false);
         };
         let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
-        let noise = magnitude(p, self.scaled_step) * S::splat(self.noise);
+        let noise = magnitude(p, self.scaled_step) * S::splat(Self::NOISE);
         horner(p, self.scaled_step).abs().at_most(noise)
     }
 
@@ -572,7 +604,7 @@ enum Task<'a, R> {
     },
 }
 
-struct Single<'w, 'a, R> {
+struct Single<'w, 'a, R: Real> {
     work: &'w mut Workspace<R>,
     task: Task<'a, R>,
 }
@@ -668,6 +700,18 @@ impl<R: Real> Workspace<R> {
     #[inline]
     fn run(&mut self, task: Task<'_, R>) -> bool {
         dispatch_narrow(Single { work: self, task })
+    }
+
+    /// Whether arguments that must not vanish are told from zero.
+    pub(crate) fn is_clear(&self) -> bool {
+        self.clear
+    }
+
+    /// Why the expansion reaches no further than `scaled_step`, if it is for a singular point, and how far away that is.
+    pub(crate) fn singularity(&mut self, program: &Program) -> Option<(Singularity, R)> {
+        let step = self.scaled_step;
+        let (kind, reach) = (self.expansion).singularity(&program.tape, &self.constants, step)?;
+        Some((kind, reach * self.tau))
     }
 
     /// Sets the constants of a program for a single trajectory.

@@ -30,6 +30,7 @@ mod sensitivity;
 mod simultaneous;
 mod syntax;
 mod table;
+mod undefined;
 mod warning;
 
 pub use builder::{ModelBuilder, Value};

@@ -349,6 +349,9 @@ impl Scalar for DoubleDouble {
     fn is_finite(self) -> bool {
         self.high.is_finite()
     }
+    fn is_whole(self) -> bool {
+        libm::rint(self.high) == self.high && libm::rint(self.low) == self.low
+    }
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
     }

@@ -108,6 +108,8 @@ pub trait Scalar:
     fn at_most(self, other: Self) -> Self::Mask;
     /// Lane by lane: neither NaN nor infinite.
     fn is_finite(self) -> Self::Mask;
+    /// Lane by lane: an integer.
+    fn is_whole(self) -> Self::Mask;
     /// Lane by lane `yes` where `mask` is true, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
@@ -242,6 +244,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+    #[inline(always)]
+    fn is_whole(self) -> bool {
+        libm::rint(self) == self
     }
     #[inline(always)]
     fn select(mask: bool, yes: Self, no: Self) -> Self {

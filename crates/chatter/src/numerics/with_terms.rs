@@ -222,6 +222,9 @@ impl<R: Real> Scalar for WithTerms<R> {
     fn at_most(self, other: Self) -> bool {
         self.value <= other.value
     }
+    fn is_whole(self) -> bool {
+        self.value.is_whole()
+    }
     fn is_finite(self) -> bool {
         self.value.is_finite()
     }

@@ -132,7 +132,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub most_impacts: Option<Count>,
 
-    /// Relative error allowed in one step; rounding error without it
+    /// Relative error allowed in one step, from 0 to below 1; rounding error without it, or where that is larger
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     pub tolerance: Option<Quantity>,
 

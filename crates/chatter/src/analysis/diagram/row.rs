@@ -106,7 +106,8 @@ impl From<&NoReturn> for Outcome {
     fn from(reason: &NoReturn) -> Self {
         match reason {
             NoReturn::Time { .. } | NoReturn::Impacts { .. } => Self::NoReturn,
-            NoReturn::LeftDomain | NoReturn::Failed(FlowError::LeftDomain { .. }) => {
+            NoReturn::LeftDomain
+            | NoReturn::Failed(FlowError::LeftDomain { .. } | FlowError::Singular { .. }) => {
                 Self::LeftDomain
             }
             NoReturn::Failed(FlowError::Penetrates { .. }) => Self::NoStart,

@@ -52,14 +52,15 @@ pub(crate) use tolerance::check_tolerance;
 pub use verify::{EndError, Parting, Verification, digits};
 
 use crate::flow::{FlowError, Occurrence, Settings, System, SystemError, Trajectory};
-use crate::model::Model;
+use crate::model::{Model, ModelError};
 use crate::numerics::Real;
 use core::fmt;
 use core::ops::ControlFlow;
 use recorder::Recorder;
 
-/// The observer is asked every so many steps: often enough for a reaction within a millisecond, too rarely to cost.
-const STEPS_BETWEEN_REPORTS: u32 = 64;
+/// The observer is asked every so many steps: often enough for a reaction within a blink even where each step has to be
+/// settled by itself, too rarely to cost.
+const STEPS_BETWEEN_REPORTS: u32 = 16;
 
 /// A chatter sequence is integrated until this share of its duration is left: no more than a line's width in a picture.
 const LONGEST_TAIL: f64 = 1e-3;
@@ -93,6 +94,7 @@ pub fn simulate<R: Real>(
     observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Simulation<R>, SimulateError> {
     let mut targets = spec.targets(model)?;
+    model.check_defined().map_err(SimulateError::Model)?;
     let system = System::new(model).map_err(SimulateError::System)?;
     let settings = Settings {
         tolerance: spec.tolerance,
@@ -184,6 +186,8 @@ fn check_restitution<R: Real>(
 pub enum SimulateError {
     /// The specification is wrong by itself or does not fit the model.
     Spec(SpecError),
+    /// Some formula of the model has no value at its parameters.
+    Model(ModelError),
     /// The model cannot be compiled.
     System(SystemError),
     /// No trajectory starts from the initial state.
@@ -200,6 +204,7 @@ impl fmt::Display for SimulateError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Spec(error) => error.fmt(out),
+            Self::Model(error) => error.fmt(out),
             Self::System(error) => error.fmt(out),
             Self::Start(error) => error.fmt(out),
         }

@@ -16,7 +16,7 @@ use super::occurrence::Occurrence;
 use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
 use super::resolve::{Resolution, crossed_here, resolve};
 use super::sides::Sides;
-use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
+use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace, least_step};
 use super::system::System;
 use super::touch::TouchConstants;
 use super::touching::{Left, Touching};
@@ -232,11 +232,7 @@ impl<R: Real> Trajectory<R> {
         if crowd == Closed::NONE {
             work.collide(program);
         }
-        let stalled = self.time + work.step == self.time
-            && work.event == R::splat(NO_EVENT)
-            && resolution.touched.is_none()
-            && !StepResult::reaches(work.step, self.remaining());
-        if stalled || !work.state.iter().all(|x| x.is_finite()) {
+        if !work.state.iter().all(|x| x.is_finite()) {
             return Err(FlowError::LeftDomain {
                 time: self.time.to_f64(),
                 state: self.state.iter().map(|x| x.to_f64()).collect(),
@@ -332,8 +328,13 @@ impl<R: Real> Trajectory<R> {
         }
         work.reach = self.reach;
         work.horizon = self.remaining();
+        work.least_step = self.least_step();
         work.tau = tau;
         class
+    }
+
+    pub(crate) fn least_step(&self) -> R {
+        least_step(self.time)
     }
 
     fn result(&self, work: &Workspace<R>) -> StepResult<R> {

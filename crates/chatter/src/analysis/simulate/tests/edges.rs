@@ -22,7 +22,7 @@ v = 0
     };
     assert!((time - 1.5).abs() < 1e-9, "{time}");
     assert!(simulation.counts.impacts > 0);
-    assert_eq!(simulation.outcome.name(), "left_domain");
+    assert_eq!(simulation.outcome.name(), "singular");
 }
 
 /// A restitution that passes 1 at the fourth impact: the run ends there, at the state before that impact.
