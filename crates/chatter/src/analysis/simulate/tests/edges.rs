@@ -17,7 +17,7 @@ x = 1
 v = 0
 ";
     let simulation = run::<f64>(&model(text, &[]), &Spec::until(10.0));
-    let Outcome::Failed(FlowError::LeftDomain { time, .. }) = simulation.outcome else {
+    let Outcome::Failed(FlowError::Singular { time, .. }) = simulation.outcome else {
         panic!("{:?}", simulation.outcome)
     };
     assert!((time - 1.5).abs() < 1e-9, "{time}");
