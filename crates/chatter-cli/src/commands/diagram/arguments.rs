@@ -15,10 +15,10 @@ EXAMPLES
   chatter diagram impact_oscillator --sweep omega=2.5:3.5:2000 --period '2*pi/omega' --observe v --plot strobe.pdf
   chatter diagram bouncing_ball_on_table --sweep Gamma=1.2:4:1000 --at impact --observe v --start random:5 \\
       --box v=0:1 --out ball.csv
-  chatter diagram impact_oscillator_two_sided --set zeta=0.1 --sweep omega=0.8:3:400 --period '2*pi/omega' \\
+  chatter diagram impact_oscillator_two_sided --set sigma=1 --sweep omega=0.8:3:221 --period '2*pi/omega' \\
       --observe v --start carry:both --plot hysteresis.png
-  chatter diagram impact_oscillator --at omega=2.65 --sweep initial:x=-2:0:200 --sweep initial:v=-2:2:200 \\
-      --period '2*pi/omega' --observe v --out basins.npz --plot basins.png
+  chatter diagram impact_oscillator_two_sided --at sigma=1 --at omega=2 --sweep initial:x=-1:1:200 \\
+      --sweep initial:v=-3:3:200 --period '2*pi/omega' --observe v --out basins.npz --plot basins.png
   chatter diagram pressure_relief_valve --at q=0.0203 --observe y2 --json
   chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:400 --sweep r=0.7:0.9:300 --observe y2 \\
       --out map.npz --plot map.png

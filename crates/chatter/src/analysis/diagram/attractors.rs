@@ -1,7 +1,7 @@
 //! Which rows settled to the same orbit: attractors that coexist, told apart and numbered.
 
 use super::row::Row;
-use super::same_orbit::Cycle;
+use super::same_orbit::{Cycle, Units};
 use super::sweep::Sweep;
 use crate::analysis::map::{CoordinateKind, Map};
 use std::collections::BTreeMap;
@@ -132,8 +132,8 @@ impl<'a> Collector<'a> {
             return;
         };
         let before = self.sweep.group_before(number);
-        let known = before.and_then(|before| self.closed.get(&before));
-        go_on(&mut group, known.map_or(&[], Vec::as_slice));
+        let known = before.and_then(|before| self.closed.get(&before).cloned());
+        go_on(&mut group, known.as_deref().unwrap_or_default());
         // Those without a predecessor: the most frequent first.
         let mut fresh: Vec<usize> = (0..group.found.len()).collect();
         fresh.retain(|&index| group.found[index].number == 0);
@@ -148,6 +148,11 @@ impl<'a> Collector<'a> {
         }
         let names = group.found.iter().map(|found| found.number).collect();
         self.names.insert(number, names);
+        // Those that were not found here may be found again.
+        let lost: Vec<Found> = (known.unwrap_or_default().into_iter())
+            .filter(|known| (group.found.iter()).all(|found| found.number != known.number))
+            .collect();
+        group.found.extend(lost);
         self.closed.insert(number, group.found);
         let needed = self.sweep.groups_needed_after(number);
         self.closed.retain(|group, _| needed.contains(group));
@@ -180,10 +185,12 @@ fn go_on(group: &mut Group, known: &[Found]) {
     if known.len() * group.found.len() > MOST_PAIRS {
         return;
     }
+    let cycles = group.found.iter().chain(known).map(|found| &found.cycle);
+    let units = Units::of(cycles, &group.coordinates);
     let mut pairs = Vec::new();
     for (index, found) in group.found.iter().enumerate() {
         for known in known {
-            let distance = found.cycle.distance(&known.cycle, &group.coordinates);
+            let distance = found.cycle.distance(&known.cycle, &units);
             pairs.push((distance, index, known.number));
         }
     }

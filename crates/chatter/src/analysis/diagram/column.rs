@@ -184,14 +184,19 @@ impl Column {
         let recent = period.unwrap_or(self.ways.len());
         let first = self.ways.len() - recent;
         let chatters = self.accumulations[first..].contains(&true);
-        let outcome = match period {
-            _ if chatters => Outcome::CompleteChatter,
+        let settled = match period {
             Some(_) => Outcome::Periodic,
+            None if chatters && !sweep.compares() => Outcome::CompleteChatter,
             None => self.aperiodic(),
         };
-        if sweep.compares() && outcome != Outcome::Unsettled {
+        if sweep.compares() && settled != Outcome::Unsettled {
             self.orbit = self.tail.latest(period.unwrap_or(COMPARED), &self.kinds);
         }
+        let outcome = if chatters {
+            Outcome::CompleteChatter
+        } else {
+            settled
+        };
         let tangent = self.tangent.take();
         let mut row = self.take(sweep, outcome);
         row.period = period.unwrap_or(0) as u64;

@@ -22,8 +22,12 @@ const LARGEST_DIFFERENCE: f64 = 1e-3;
 /// A coordinate that is zero but for rounding errors, relative to the largest.
 const ROUNDING: f64 = 1e-11;
 
-/// Points of one attractor are as near to those of another orbit on it as to each other, up to this factor.
-const NEARNESS: f64 = 4.0;
+/// Some points of an orbit, this part of them, …
+const SOME: usize = 4;
+
+/// … lie as near to those of another orbit on the same attractor as these to each other, up to this factor: samples are few
+/// and not even. Between attractors that do not overlap it is tens to hundreds.
+const NEARNESS: f64 = 15.0;
 
 impl Cycle {
     fn point(&self, index: usize, dimension: usize) -> &[f64] {
@@ -93,34 +97,36 @@ impl Cycle {
 
     /// Whether the points of two orbits lie among each other.
     fn overlaps(&self, other: &Self, kinds: &[CoordinateKind]) -> bool {
-        let (a, b) = vectors(self, other, kinds);
-        let middle = |mut distances: Vec<f64>| {
-            distances.sort_unstable_by(f64::total_cmp);
-            distances
-                .get(distances.len() / 2)
-                .copied()
-                .unwrap_or(f64::INFINITY)
-        };
+        let units = Units::of([self, other], kinds);
+        let (a, b) = (units.vectors(self), units.vectors(other));
         let among = |points: &[Vec<f64>]| {
             let others = |skip: usize| points.iter().enumerate().filter(move |(k, _)| *k != skip);
             let nearest = |k: usize| nearest(&points[k], others(k).map(|(_, point)| point));
-            middle((0..points.len()).map(nearest).collect())
+            quantile((0..points.len()).map(nearest).collect(), 2)
         };
         let across = |from: &[Vec<f64>], to: &[Vec<f64>]| {
-            middle(from.iter().map(|point| nearest(point, to.iter())).collect())
+            let distances = from.iter().map(|point| nearest(point, to.iter()));
+            quantile(distances.collect(), SOME)
         };
         across(&a, &b) <= NEARNESS * among(&b) && across(&b, &a) <= NEARNESS * among(&a)
     }
 
-    /// How far the points of two orbits are from each other, in the mean, in parts of their extent.
-    pub fn distance(&self, other: &Self, kinds: &[CoordinateKind]) -> f64 {
-        let (a, b) = vectors(self, other, kinds);
+    /// How far the points of two orbits are from each other, in the mean.
+    pub fn distance(&self, other: &Self, units: &Units<'_>) -> f64 {
+        let (a, b) = (units.vectors(self), units.vectors(other));
         let mean = |from: &[Vec<f64>], to: &[Vec<f64>]| {
             let distances = from.iter().map(|point| nearest(point, to.iter()));
             distances.sum::<f64>() / from.len() as f64
         };
         mean(&a, &b).max(mean(&b, &a))
     }
+}
+
+/// The number below which the first of so many equal parts of these are.
+fn quantile(mut numbers: Vec<f64>, parts: usize) -> f64 {
+    numbers.sort_unstable_by(f64::total_cmp);
+    let place = numbers.len() / parts;
+    numbers.get(place).copied().unwrap_or(f64::INFINITY)
 }
 
 fn nearest<'a>(point: &[f64], others: impl Iterator<Item = &'a Vec<f64>>) -> f64 {
@@ -131,30 +137,43 @@ fn nearest<'a>(point: &[f64], others: impl Iterator<Item = &'a Vec<f64>>) -> f64
     others.map(distance).fold(f64::INFINITY, f64::min)
 }
 
-/// The points of both in common units: parts of their common extent; phases as points of a circle.
-fn vectors(a: &Cycle, b: &Cycle, kinds: &[CoordinateKind]) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
-    let n = kinds.len();
-    let extents: Vec<(f64, f64)> = (0..n)
-        .map(|k| {
-            let values = a.points.iter().skip(k).step_by(n);
-            let values = values.chain(b.points.iter().skip(k).step_by(n));
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
-                (low.min(x), high.max(x))
-            })
-        })
-        .collect();
-    let largest = (extents.iter()).fold(0.0_f64, |most, (low, high)| {
-        most.max(low.abs()).max(high.abs())
-    });
-    let of = |cycle: &Cycle| -> Vec<Vec<f64>> {
-        let points = (0..cycle.len(n)).map(|index| cycle.point(index, n));
+/// Common units of orbits: the extent of each coordinate over all of them; phases as points of a circle.
+pub(super) struct Units<'a> {
+    kinds: &'a [CoordinateKind],
+    /// Zero for coordinates that do not vary.
+    extents: Vec<f64>,
+}
+
+impl<'a> Units<'a> {
+    /// Of these orbits.
+    pub fn of<'c>(
+        cycles: impl IntoIterator<Item = &'c Cycle>,
+        kinds: &'a [CoordinateKind],
+    ) -> Self {
+        let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); kinds.len()];
+        for cycle in cycles {
+            for point in cycle.points.chunks_exact(kinds.len()) {
+                for ((low, high), &x) in ranges.iter_mut().zip(point) {
+                    (*low, *high) = (low.min(x), high.max(x));
+                }
+            }
+        }
+        let size = |(low, high): &(f64, f64)| low.abs().max(high.abs());
+        let largest = ranges.iter().map(size).fold(0.0, f64::max);
+        let extent = |(low, high): &(f64, f64)| match high - low {
+            extent if extent > ROUNDING * largest && extent.is_finite() => extent,
+            _ => 0.0,
+        };
+        let extents = ranges.iter().map(extent).collect();
+        Self { kinds, extents }
+    }
+
+    fn vectors(&self, cycle: &Cycle) -> Vec<Vec<f64>> {
         let vector = |point: &[f64]| {
             let mut vector = Vec::new();
-            for ((&x, kind), (low, high)) in point.iter().zip(kinds).zip(&extents) {
+            for ((&x, kind), &extent) in point.iter().zip(self.kinds).zip(&self.extents) {
                 match *kind {
-                    CoordinateKind::Plain if high - low > ROUNDING * largest => {
-                        vector.push(x / (high - low));
-                    }
+                    CoordinateKind::Plain if extent > 0.0 => vector.push(x / extent),
                     CoordinateKind::Phase { period } => {
                         let angle = core::f64::consts::TAU * x / period;
                         vector.extend([libm::cos(angle) / 2.0, libm::sin(angle) / 2.0]);
@@ -164,7 +183,10 @@ fn vectors(a: &Cycle, b: &Cycle, kinds: &[CoordinateKind]) -> (Vec<Vec<f64>>, Ve
             }
             vector
         };
-        points.map(vector).collect()
-    };
-    (of(a), of(b))
+        cycle
+            .points
+            .chunks_exact(self.kinds.len())
+            .map(vector)
+            .collect()
+    }
 }

@@ -1,5 +1,7 @@
 //! Diagrams of a map in closed form, and what holds for any map. The valve's diagrams are in the tests of return maps.
 
+mod coexisting;
+
 use super::*;
 use crate::analysis::map::{Map, NoReturn, Passage};
 use core::sync::atomic::Ordering;

@@ -1,5 +1,7 @@
 //! Return maps against single trajectories, exact solutions and double-double arithmetic.
 
+mod carry;
+
 use super::*;
 use crate::analysis::diagram::{
     Bounds, Exponent, Outcome, Range, Record, Row, Spec, Start as Begin, Started, Threads, diagram,
