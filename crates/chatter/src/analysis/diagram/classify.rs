@@ -52,7 +52,7 @@ impl Settled<'_> {
                 values.fold(0.0_f64, |most, x| most.max(x.abs())) * tolerance + scale * ROUNDING
             }
             CoordinateKind::Phase { period } => period * tolerance,
-            CoordinateKind::Idle => f64::INFINITY,
+            CoordinateKind::Idle { .. } => f64::INFINITY,
         };
         self.kinds.iter().enumerate().map(allowed).collect()
     }
@@ -76,7 +76,7 @@ impl Settled<'_> {
                 CoordinateKind::Phase { period } => between_phases(x, y, period) <= allowed,
                 // Equal values first: both may be infinite.
                 CoordinateKind::Plain => x == y || (x - y).abs() <= allowed,
-                CoordinateKind::Idle => true,
+                CoordinateKind::Idle { .. } => true,
             })
     }
 }
@@ -154,7 +154,7 @@ mod tests {
                     [size * libm::cos(angle), size * libm::sin(angle)]
                 };
                 let points: Vec<f64> = (0..200).flat_map(spiral).collect();
-                let found = judged(&points, &[CoordinateKind::Plain; 2]);
+                let found = judged(&points, &[CoordinateKind::Plain, CoordinateKind::Plain]);
                 assert_eq!(found, (None, Evidence::None), "{factor} {turn}");
             }
         }
@@ -170,7 +170,7 @@ mod tests {
                 [bent, 1e3 + libm::sin(angle + 0.3 * bent)]
             };
             let points: Vec<f64> = (0..200).flat_map(wave).collect();
-            let found = judged(&points, &[CoordinateKind::Plain; 2]);
+            let found = judged(&points, &[CoordinateKind::Plain, CoordinateKind::Plain]);
             assert_eq!(found, (None, Evidence::Quasiperiodic), "{turn}");
             // The angle itself, whole turns and all.
             let angles: Vec<f64> = (0..200).map(|k| turn * f64::from(k)).collect();
@@ -195,7 +195,7 @@ mod tests {
             let kinds = [
                 CoordinateKind::Plain,
                 CoordinateKind::Phase { period },
-                CoordinateKind::Idle,
+                CoordinateKind::Idle { others: Vec::new() },
             ];
             judged(&points, &kinds).0
         };

@@ -177,6 +177,7 @@ impl Column {
     fn conclude(&mut self, map: &dyn Map, sweep: &Sweep, arrival: &Arrival<'_>) -> Need {
         let spec = sweep.spec();
         self.kinds = map.coordinate_kinds(arrival.parameters);
+        self.tail.relate(&self.kinds);
         if sweep.carries() {
             self.end = arrival.point.to_vec();
         }

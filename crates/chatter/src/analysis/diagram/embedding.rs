@@ -22,7 +22,7 @@ impl Embedding {
         for (index, kind) in kinds.iter().enumerate() {
             let values = tail.coordinate(index).skip(skipped);
             match *kind {
-                CoordinateKind::Idle => {}
+                CoordinateKind::Idle { .. } => {}
                 CoordinateKind::Plain => columns.push(values.collect()),
                 CoordinateKind::Phase { period } => {
                     let turn = core::f64::consts::TAU / period;

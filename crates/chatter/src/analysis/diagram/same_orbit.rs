@@ -63,7 +63,7 @@ impl Cycle {
                     .all(|(((&x, &y), kind), &allowed)| match *kind {
                         CoordinateKind::Phase { period } => between_phases(x, y, period) <= allowed,
                         CoordinateKind::Plain => x == y || (x - y).abs() <= allowed,
-                        CoordinateKind::Idle => true,
+                        CoordinateKind::Idle { .. } => true,
                     })
             })
         })
@@ -90,7 +90,9 @@ impl Cycle {
             .zip(kinds)
             .map(|(size, kind)| match *kind {
                 CoordinateKind::Phase { period } => period * share,
-                CoordinateKind::Plain | CoordinateKind::Idle => size * share + largest * ROUNDING,
+                CoordinateKind::Plain | CoordinateKind::Idle { .. } => {
+                    size * share + largest * ROUNDING
+                }
             })
             .collect()
     }
@@ -178,7 +180,7 @@ impl<'a> Units<'a> {
                         let angle = core::f64::consts::TAU * x / period;
                         vector.extend([libm::cos(angle) / 2.0, libm::sin(angle) / 2.0]);
                     }
-                    CoordinateKind::Plain | CoordinateKind::Idle => {}
+                    CoordinateKind::Plain | CoordinateKind::Idle { .. } => {}
                 }
             }
             vector

@@ -29,6 +29,24 @@ impl Tail {
         self.points.extend_from_slice(point);
     }
 
+    /// Takes coordinates relative to those that they matter only relative to.
+    pub fn relate(&mut self, kinds: &[CoordinateKind]) {
+        for (index, kind) in kinds.iter().enumerate() {
+            let CoordinateKind::Idle { others } = kind else {
+                continue;
+            };
+            if others.is_empty() {
+                continue;
+            }
+            for point in self.points.chunks_exact_mut(self.dimension) {
+                let own = point[index];
+                for &(other, times) in others {
+                    point[other] -= times * own;
+                }
+            }
+        }
+    }
+
     /// How many points there are.
     pub fn len(&self) -> usize {
         self.points.len() / self.dimension.max(1)
@@ -52,7 +70,7 @@ impl Tail {
             .flat_map(|index| self.point(index).iter().zip(kinds))
             .map(|(&x, kind)| match *kind {
                 CoordinateKind::Phase { period } => x - (x / period).floor() * period,
-                CoordinateKind::Plain | CoordinateKind::Idle => x,
+                CoordinateKind::Plain | CoordinateKind::Idle { .. } => x,
             })
             .collect()
     }

@@ -3,7 +3,7 @@
 use core::fmt;
 
 /// What a coordinate is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum CoordinateKind {
     /// A number.
     Plain,
@@ -12,8 +12,12 @@ pub enum CoordinateKind {
         /// The period.
         period: f64,
     },
-    /// A number that nothing depends on: how far something has come, for example.
-    Idle,
+    /// A number of which nothing depends on how large it is: how far something has come, or the angle of one of two wheels
+    /// of which only the difference matters.
+    Idle {
+        /// Coordinates of which only the difference from so many times this one matters.
+        others: Vec<(usize, f64)>,
+    },
 }
 
 /// The end of an orbit that goes on at other parameters.

@@ -11,6 +11,7 @@ mod follow;
 mod look;
 mod phases;
 mod spec;
+mod translations;
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,6 @@
 //! Which coordinates are phases, and how the time of a forcing goes on at other parameters.
 
+use super::translations::Translations;
 use crate::analysis::map::{Carry, CoordinateKind};
 use crate::expressions::{Expr, Formula, Function, Graph, Node, Symbol};
 use crate::model::{Model, Phase};
@@ -11,8 +12,7 @@ pub(super) struct Phases {
     /// Continues the model's own: holds the rates of phases.
     graph: Graph,
     phases: Vec<Phase>,
-    /// States that no equation depends on.
-    idle: Vec<usize>,
+    translations: Translations,
     equations: Vec<Formula<f64>>,
     /// What stands in one sine or cosine with time, if time is no phase.
     with_time: BTreeSet<Symbol>,
@@ -31,12 +31,6 @@ impl Phases {
         let mut equations = model.equations();
         equations.extend(model.sections.iter().map(|section| section.surface));
         let phases = model.phases_in(&mut graph, &equations);
-        let used: BTreeSet<Symbol> = (equations.iter())
-            .flat_map(|&equation| graph.symbols(equation))
-            .collect();
-        let idle = (0..model.states.len())
-            .filter(|&state| !used.contains(&Symbol::State(state)))
-            .collect();
         Self {
             with_time: model.time.map_or_else(BTreeSet::new, |time| {
                 beside(&graph, &equations, Symbol::State(time))
@@ -46,7 +40,7 @@ impl Phases {
                 .collect(),
             graph,
             phases,
-            idle,
+            translations: Translations::new(model, &equations),
         }
     }
 
@@ -68,17 +62,22 @@ impl Phases {
         parameters: &[f64],
         look: Option<f64>,
     ) -> Vec<CoordinateKind> {
+        let initial = model.initial_state(parameters);
+        let translations = self.translations.at(parameters, &initial);
         let kind = |state: usize| {
             let found = self.phase(state);
-            if self.idle.contains(&state) {
-                CoordinateKind::Idle
+            let free = translations.iter().find(|free| free.state == state);
+            if let Some(free) = free {
+                CoordinateKind::Idle {
+                    others: free.others.clone(),
+                }
             } else if let Some(period) =
                 found.and_then(|phase| phase.period(&self.graph, parameters))
             {
                 CoordinateKind::Phase { period }
             } else if let Some(period) = look
                 && model.time == Some(state)
-                && self.repeats(model, parameters, &model.initial_state(parameters), period)
+                && self.repeats(model, parameters, &initial, period)
             {
                 CoordinateKind::Phase { period }
             } else {
