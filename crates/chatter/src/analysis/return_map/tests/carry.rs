@@ -61,12 +61,17 @@ fn time_is_carried_in_phase_as_a_state_would_be() {
     let both = |a: &Model, b: &Model, look: fn() -> Sampling, spec: &Spec| {
         let (first, second) = (rows(a, look(), spec), rows(b, look(), spec));
         let carried = first.iter().filter(|row| row.start == Started::Carried);
-        assert_eq!(carried.count(), 29);
+        assert_eq!(carried.count() as u64, spec.sweeps[0].count - 1);
         for (a, b) in first.iter().zip(&second) {
             assert_eq!(a.start, b.start);
             for (x, y) in a.samples.iter().zip(&b.samples) {
                 // Rounding errors, which grow on the way; a phase that jumps shows by a tenth.
-                assert!((x - y).abs() < 1e-6, "row {}: {x} and {y}", a.row);
+                assert!(
+                    (x - y).abs() < 1e-6,
+                    "{:?}, row {}: {x} and {y}",
+                    look(),
+                    a.row
+                );
             }
         }
         first
@@ -100,8 +105,9 @@ fn time_is_carried_in_phase_as_a_state_would_be() {
     let timed = forced("cos(omega*t) + sin(sqrt(2)*omega*t)", "");
     let twin = forced("cos(theta) + sin(sqrt(2)*theta)", "omega");
     both(&timed, &twin, impacts, &spec);
-    // What does not change the frequencies leaves time as it is.
-    let spec = carried("F", 0.8, 1.2);
+    // What does not change the frequencies leaves time as it is. This one is chaotic: rounding errors soon show.
+    let mut spec = carried("F", 0.8, 1.2);
+    spec.sweeps[0].count = 4;
     let timed = forced("cos(omega*t) + cos(0.3*t) + exp(-t)", "");
     let twin = forced("cos(omega*theta) + cos(0.3*theta) + exp(-theta)", "1");
     both(&timed, &twin, impacts, &spec);
