@@ -159,7 +159,7 @@ impl fmt::Display for DiagramError {
                 } else if from > to {
                     write!(
                         out,
-                        "is reversed: give the smaller value first (to carry the state downwards, start with carry-down)"
+                        "is reversed: give the smaller value first (to carry the state downwards, start with carry:down)"
                     )
                 } else if from == to {
                     write!(out, "is empty: {count} values need two different ends")
