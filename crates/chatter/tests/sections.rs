@@ -29,6 +29,8 @@ fn told<R: Real>(model: &Model, until: f64) -> Vec<(String, f64)> {
             Some(Occurrence::Accumulation { .. }) => "accumulation".to_owned(),
             Some(Occurrence::Capture { .. }) => "capture".to_owned(),
             Some(Occurrence::Release { .. }) => "release".to_owned(),
+            Some(Occurrence::Cascade { .. }) => "cascade".to_owned(),
+            Some(Occurrence::Ambiguity { .. }) => "ambiguity".to_owned(),
         };
         all.push((name, trajectory.time().to_f64()));
     }

@@ -53,6 +53,8 @@ fn end<R: Real>(
                 Some(Occurrence::Release { .. }) => "release",
                 Some(Occurrence::Section { .. }) => "section",
                 Some(Occurrence::Graze { .. }) => "graze",
+                Some(Occurrence::Cascade { .. }) => "cascade",
+                Some(Occurrence::Ambiguity { .. }) => "ambiguity",
                 Some(Occurrence::Horizon) => return (trajectory.state().to_vec(), kinds),
             },
         );

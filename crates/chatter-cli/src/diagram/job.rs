@@ -2,7 +2,7 @@
 
 use super::picture::Shear;
 use crate::failure::Failure;
-use chatter::analysis::diagram::{DiagramError, Spec, Sweep};
+use chatter::analysis::diagram::{DiagramError, Spec, Sweep, Swept};
 use chatter::analysis::return_map::{ReturnMap, ReturnMapError, ReturnSpec};
 use chatter::model::{Model, ModelError};
 use serde::{Deserialize, Serialize};
@@ -30,6 +30,9 @@ pub struct Job {
 pub struct Order {
     /// What is computed.
     pub job: Job,
+    /// In which form rows are kept: [`Row::FORMAT`](chatter::analysis::diagram::Row::FORMAT).
+    #[serde(default)]
+    pub row_format: u32,
     /// Text of the model's file.
     pub model_text: String,
     /// The table to be written.
@@ -54,7 +57,8 @@ impl Job {
     /// Reads the model and checks everything.
     pub fn prepare(&self, model_text: &str) -> Result<Ready, Failure> {
         let model = self.model(model_text)?;
-        let map = ReturnMap::new(&model, &self.returns).map_err(|error| look_failure(&error))?;
+        let map = ReturnMap::new(&self.amid(&model), &self.returns)
+            .map_err(|error| look_failure(&error))?;
         let sweep =
             Sweep::new(&map, &self.diagram).map_err(|error| self.refused(&error, &model))?;
         check_restitution(&model, &sweep)?;
@@ -76,6 +80,20 @@ impl Job {
         Ok(model)
     }
 
+    /// The model in the middle of the sweep: what is to be checked of it holds there if anywhere, and may not hold where
+    /// its file puts the swept parameters.
+    fn amid(&self, model: &Model) -> Model {
+        let mut amid = model.clone();
+        for range in &self.diagram.sweeps {
+            let middle = range.value(range.count / 2);
+            // What cannot be set is told by the sweep.
+            if range.swept == Swept::Parameter {
+                drop(amid.set_parameter(&range.parameter, &format!("{middle:e}")));
+            }
+        }
+        amid
+    }
+
     /// What the model is called.
     pub fn title<'a>(&'a self, model: &'a Model) -> &'a str {
         model.title.as_deref().unwrap_or(&self.model)
@@ -88,6 +106,14 @@ impl Job {
                 known.extend(model.parameter_names());
                 known.extend(chatter::analysis::map::Passage::NAMES);
                 ModelError::of_expression("--observe", text, error.clone(), &known).into()
+            }
+            DiagramError::PhaseLost(lost) => Failure::input(error).help(format!(
+                "sample once in a period of the equations, --period EXPR, and `{time}` goes on in the same phase; or make \
+                 the phase a state of the model, with its rate as derivative; or start afresh, without --start carry",
+                time = lost.coordinate
+            )),
+            DiagramError::CarriedInitial { .. } => {
+                Failure::input(error).help("leave out --start carry, or sweep a parameter")
             }
             _ => Failure::input(error).did_you_mean(error.suggestion()),
         }
@@ -118,12 +144,11 @@ fn check_restitution(model: &Model, sweep: &Sweep) -> Result<(), Failure> {
         for (place, range) in ranges.iter().enumerate() {
             let upper = corner >> place & 1 == 1;
             let value = if upper { range.to } else { range.from };
-            overrides.extend(
-                model
-                    .parameter_index(&range.parameter)
-                    .map(|index| (index, value)),
-            );
-            told.push(format!("{} = {value}", range.parameter));
+            if range.swept == Swept::Parameter {
+                let index = model.parameter_index(&range.parameter);
+                overrides.extend(index.map(|index| (index, value)));
+            }
+            told.push(format!("{} = {value}", range.name()));
         }
         let parameters: Vec<f64> = model.parameter_values(&overrides);
         let state = model.initial_state(&parameters);

@@ -3,7 +3,8 @@
 use super::job::Order;
 use super::source::Rows;
 use crate::failure::Failure;
-use chatter::analysis::diagram::{Outcome, Row, Standing, Sweep};
+use chatter::analysis::diagram::{Collector, Outcome, Record, Row, Standing, Sweep};
+use chatter::analysis::map::Map;
 use chatter_io::journal::{Journal, JournalError, Place};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,16 +19,42 @@ pub fn journal_of(output: &Path) -> PathBuf {
 /// More orbits than this, 16 bytes each for where they stand in the journal, are a slip of the keyboard.
 const MOST_ROWS: u64 = 100_000_000;
 
-/// Whether a diagram is small enough to be kept.
-pub fn check_size(sweep: &Sweep) -> Result<(), Failure> {
-    if sweep.rows() <= MOST_ROWS {
-        return Ok(());
+/// More numbers than this, 80 gigabytes of them, fill the disk.
+const MOST_NUMBERS: u64 = 10_000_000_000;
+
+/// So many numbers are a gigabyte: more are not kept in memory.
+const MOST_IN_MEMORY: u64 = 125_000_000;
+
+/// Whether a diagram is small enough to be kept, on disk or in memory.
+pub fn check_size(sweep: &Sweep, on_disk: bool) -> Result<(), Failure> {
+    if sweep.rows() > MOST_ROWS {
+        return Err(Failure::input(format!(
+            "the diagram has {} orbits: expected {MOST_ROWS} at most",
+            sweep.rows()
+        ))
+        .help("sweep parts of the range into files of their own"));
     }
-    Err(Failure::input(format!(
-        "the diagram has {} orbits: expected {MOST_ROWS} at most",
-        sweep.rows()
-    ))
-    .help("sweep parts of the range into files of their own"))
+    let spec = sweep.spec();
+    let of_a_row = match spec.record {
+        Record::Samples => spec.keep.saturating_mul(spec.observe.len() as u64),
+        Record::Classes => 1,
+    };
+    let numbers = sweep.rows().saturating_mul(of_a_row);
+    let (most, place, help) = if on_disk {
+        let help = "keep fewer samples with --keep, or none with --record classes";
+        (MOST_NUMBERS, "on disk", help)
+    } else {
+        let help = "write the diagram to a file too, with --out FILE.npz, and it is kept on disk";
+        (MOST_IN_MEMORY, "in memory", help)
+    };
+    if numbers > most {
+        return Err(Failure::input(format!(
+            "the diagram has {} orbits with {of_a_row} numbers each: expected {most} numbers {place} at most",
+            sweep.rows()
+        ))
+        .help(help));
+    }
+    Ok(())
 }
 
 /// An open journal and where its rows stand in it. Memory holds 16 bytes a row.
@@ -36,6 +63,8 @@ pub struct Store {
     sweep: Sweep,
     places: Vec<Option<Place>>,
     counts: BTreeMap<Outcome, u64>,
+    /// Numbers of the rows' attractors, once they are told apart.
+    attractors: Vec<u32>,
     bytes: Vec<u8>,
 }
 
@@ -54,6 +83,7 @@ impl Store {
             places: vec![None; sweep.rows() as usize],
             sweep: sweep.clone(),
             counts: BTreeMap::new(),
+            attractors: Vec::new(),
             bytes: Vec::new(),
         }
     }
@@ -61,12 +91,22 @@ impl Store {
     /// Opens a journal and reads what it is about; its rows only once the sweep is known.
     pub fn order_of(path: &Path) -> Result<Order, Failure> {
         let (_, header) = Journal::open(path, |_, _| {}).map_err(input)?;
-        serde_json::from_slice(&header).map_err(|error| {
+        let order: Order = serde_json::from_slice(&header).map_err(|error| {
             Failure::input(format!(
                 "`{}` is not a journal of an orbit diagram of this version of chatter: {error}",
                 path.display()
             ))
-        })
+        })?;
+        if order.row_format != Row::FORMAT {
+            return Err(Failure::input(format!(
+                "`{}` was begun by another chatter, which wrote its rows in form {}; this one writes form {}",
+                path.display(),
+                order.row_format,
+                Row::FORMAT
+            ))
+            .help("delete it and compute the diagram anew, or go on with the chatter that began it"));
+        }
+        Ok(order)
     }
 
     /// Opens a journal whose order is known, and notes the rows that are there.
@@ -102,6 +142,20 @@ impl Store {
         &self.counts
     }
 
+    /// Tells the attractors of all rows apart.
+    pub fn compare(&mut self, map: &dyn Map) -> Result<(), Failure> {
+        let sweep = self.sweep.clone();
+        if !sweep.compares() {
+            return Ok(());
+        }
+        let mut collector = Collector::new(map, &sweep);
+        for row in 0..sweep.rows() {
+            collector.note(&self.row(row)?);
+        }
+        self.attractors = collector.finish().numbers().to_vec();
+        Ok(())
+    }
+
     /// Deletes the journal.
     pub fn remove(self) -> Result<(), Failure> {
         self.journal.remove().map_err(output)
@@ -118,6 +172,10 @@ impl Rows for Store {
         let place = self.places[row as usize].ok_or_else(missing)?;
         self.journal.read(place, &mut self.bytes).map_err(output)?;
         Row::from_bytes(&self.bytes).map_err(|error| Failure::Output(error.to_string()))
+    }
+
+    fn attractor(&self, row: u64) -> u32 {
+        self.attractors.get(row as usize).copied().unwrap_or(0)
     }
 }
 

@@ -93,14 +93,15 @@ impl Source for Stored {
     }
 
     fn classes(&mut self, visit: &mut dyn FnMut(u64, &Class)) -> Result<(), Failure> {
-        let [outcome, period, impacts, exponent, _] = Sweep::CLASS_NAMES;
+        let [outcome, period, impacts, exponent, _, attractor] = Sweep::CLASS_NAMES;
         let outcomes = self.file.texts(outcome).map_err(Failure::input)?;
         let mut periods = self.numbers(period)?;
         let mut impacts = self.numbers(impacts)?;
-        let mut exponents = match self.file.contains(exponent) {
-            true => Some(self.numbers(exponent)?),
-            false => None,
+        let maybe = |name: &str| match self.file.contains(name) {
+            true => self.numbers(name).map(Some),
+            false => Ok(None),
         };
+        let (mut exponents, mut attractors) = (maybe(exponent)?, maybe(attractor)?);
         for (row, name) in (0..).zip(outcomes) {
             let outcome = Outcome::ALL.into_iter().find(|known| known.name() == name);
             let unknown = || Failure::input(format!("`{name}` is no known outcome"));
@@ -111,6 +112,10 @@ impl Source for Stored {
                 exponent: match &mut exponents {
                     Some(stream) => following(stream)?,
                     None => f64::NAN,
+                },
+                attractor: match &mut attractors {
+                    Some(stream) => following(stream)? as u32,
+                    None => 0,
                 },
             };
             visit(row, &class);

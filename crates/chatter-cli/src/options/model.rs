@@ -15,6 +15,14 @@ pub struct Assignment {
 }
 
 impl Assignment {
+    /// Of an expression to a name.
+    pub fn new(name: &str, text: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }
+    }
+
     /// Name and expression.
     pub fn pair(&self) -> (String, String) {
         (self.name.clone(), self.text.clone())

@@ -49,8 +49,7 @@ fn panel(
 ) -> Result<Panel, Failure> {
     let spec = Spec {
         start: Start::CarryUp,
-        // One piece: the last iterate is carried through the whole range, as in the paper.
-        chunk: Some(columns),
+        // The last iterate is carried through the whole range, as in the paper.
         ..Spec::new(
             Range::linear("mu", from, to, columns),
             "z",

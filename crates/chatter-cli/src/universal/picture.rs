@@ -70,10 +70,10 @@ pub fn curve(universal: &Universal<f64>, begin: f64, end: f64) -> (Vec<f64>, Vec
 /// An orbit diagram over mu or the slope, drawn as those of flows are.
 pub fn orbit_panel(sweep: &Sweep, rows: &[Row]) -> Result<Panel, Failure> {
     let axis = |name: &str| Axis::new(label(name));
-    let source = &mut InMemory { sweep, rows };
+    let source = &mut InMemory::new(sweep, rows);
     let range = &sweep.spec().sweeps[0];
     let drawn = densities(sweep, range, &axis, source, &View::default())?;
-    let none = || Panel::new(axis(&range.parameter), axis("z"));
+    let none = || Panel::new(axis(&range.name()), axis("z"));
     Ok(drawn.panels.into_iter().next().unwrap_or_else(none))
 }
 
@@ -82,6 +82,7 @@ pub fn label(name: &str) -> &'static str {
     match name {
         "mu" => "$\\mu$",
         "slope" => "$K$",
+        "initial_z" => "initial $z$",
         _ => "$z$",
     }
 }
@@ -89,7 +90,7 @@ pub fn label(name: &str) -> &'static str {
 /// Exponents over the parameter.
 pub fn exponent_panel(sweep: &Sweep, rows: &[Row]) -> Panel {
     let range = &sweep.spec().sweeps[0];
-    let x = label(&range.parameter);
+    let x = label(&range.name());
     let values = rows.iter().map(|row| sweep.values(row.row)[0]).collect();
     let exponents = rows.iter().map(|row| row.exponent).collect();
     Panel::new(

@@ -30,7 +30,7 @@ pub fn write<R: Real>(
         (orbit_table::PARAMETERS, orbit_table::json(&parameters)?),
         (orbit_table::VERSION, job.version.clone()),
     ];
-    orbit_table::write(&mut InMemory { sweep, rows }, &texts, path)
+    orbit_table::write(&mut InMemory::new(sweep, rows), &texts, path)
 }
 
 /// What else `--out` may hold: with windows all of the atlas.

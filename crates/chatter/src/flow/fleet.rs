@@ -14,6 +14,7 @@ use super::trajectory::{StepResult, Trajectory};
 use crate::expressions::Tape;
 use crate::numerics::dispatch::{Kernel, dispatch};
 use crate::numerics::{LaneMask, Lanes, Scalar};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 /// What becomes of a trajectory after an occurrence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +57,8 @@ impl<const L: usize> Shared<L> {
     }
 }
 
-/// Runs trajectories of one system side by side until each retires.
+/// Runs trajectories of one system side by side until each retires, or until `stop` is set: then it returns after the step
+/// it is at.
 ///
 /// `visit` hears of every occurrence of every trajectory, by index, and may replace the trajectory. All may differ in
 /// the parameters named in `swept` (by index) and in nothing else of the model.
@@ -65,11 +67,12 @@ pub fn run_fleet<V>(
     settings: &Settings,
     swept: &[usize],
     trajectories: &mut [Trajectory<f64>],
+    stop: &AtomicBool,
     visit: V,
 ) where
     V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {
-    Fleet::<WIDTH, V>::new(system, settings, swept, trajectories, visit).run();
+    Fleet::<WIDTH, V>::new(system, settings, swept, trajectories, visit).run(stop);
 }
 
 /// Lanes of a vector of trajectories: four registers with AVX-512, eight with AVX2. Fewer leave the processor waiting for
@@ -175,11 +178,13 @@ where
         }
     }
 
-    fn run(mut self) {
+    fn run(mut self, stop: &AtomicBool) {
         for index in 0..self.trajectories.len() {
             self.enqueue(index);
         }
-        while let Some((queue, class)) = self.fullest() {
+        while let Some((queue, class)) = self.fullest()
+            && !stop.load(Ordering::Relaxed)
+        {
             self.step(queue, class);
         }
     }
@@ -481,7 +486,7 @@ mod tests {
             &mut trajectories,
             visit,
         )
-        .run();
+        .run(&AtomicBool::new(false));
         ends
     }
 

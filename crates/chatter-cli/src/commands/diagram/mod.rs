@@ -8,11 +8,11 @@ pub use arguments::Arguments;
 
 use crate::diagram::{Store, journal_of};
 use crate::failure::{self, Failure};
-use crate::options::Count;
+use crate::options::ThreadCount;
 use crate::terminal;
 use chatter::analysis::diagram::Threads;
 use order::order;
-use produce::produce;
+use produce::{produce, produce_document};
 use std::path::Path;
 
 /// Runs the command.
@@ -28,10 +28,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         None => {
             let order = order(arguments)?;
             let target = order.out.as_ref().or(order.plot.as_ref());
-            let journal = target.map(|path| journal_of(path)).ok_or_else(|| {
-                Failure::input("the diagram goes nowhere")
-                    .help("write it with --out FILE.npz or --plot FILE.png")
-            })?;
+            let Some(journal) = target.map(|path| journal_of(path)) else {
+                if arguments.json {
+                    return produce_document(&order, threads(arguments));
+                }
+                return Err(Failure::input("the diagram goes nowhere").help(
+                    "write it with --out FILE.npz or --plot FILE.png, or print it with --json",
+                ));
+            };
             (order, journal)
         }
     };
@@ -47,11 +51,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             journal.display()
         )));
     }
-    let threads = match arguments.threads {
-        Some(Count(count)) => Threads::new(usize::try_from(count).unwrap_or(usize::MAX)),
+    produce(&order, &journal, threads(arguments), arguments.json)
+}
+
+fn threads(arguments: &Arguments) -> Threads {
+    match arguments.threads {
+        Some(ThreadCount(count)) => Threads::new(count),
         None => Threads::available(),
-    };
-    produce(&order, &journal, threads)
+    }
 }
 
 fn nothing_to_resume(path: &Path, journal: &Path) -> Result<u8, Failure> {

@@ -12,7 +12,7 @@ use crate::options::{FigureFile, SweepOption, TableFile};
 use crate::terminal::{self, Style};
 use crate::universal::{Findings, UniversalJob, account, document, table};
 use atlas::Atlas;
-use chatter::analysis::diagram::{self, Exponent, Spec, Start, Threads};
+use chatter::analysis::diagram::{self, Exponent, Spec, Start, Swept, Threads};
 use chatter::analysis::universal::{Argument, Universal, UniversalError, UniversalMap};
 use chatter::numerics::{DoubleDouble, Real};
 use figure::figure;
@@ -105,14 +105,19 @@ fn find<R: Real + Argument<Real = R>>(
 }
 
 fn specification(arguments: &Arguments, sweep: &SweepOption) -> Result<Spec, Failure> {
+    let range = sweep.plain()?;
     Ok(Spec {
-        start: Start::CarryUp,
+        start: match range.swept {
+            Swept::Parameter => Start::CarryUp,
+            Swept::Initial => Start::Fresh,
+        },
+        chunk: Some(Spec::quick_chunk(range.count)),
         exponent: if arguments.lyapunov {
             Exponent::Largest
         } else {
             Exponent::Skip
         },
-        ..Spec::new(sweep.plain()?, "z", arguments.transient, arguments.keep)
+        ..Spec::new(range, "z", arguments.transient, arguments.keep)
     })
 }
 

@@ -1,6 +1,6 @@
 //! The largest Lyapunov exponent of an orbit.
 
-use super::classify::grows;
+use super::aperiodic::grows;
 use crate::analysis::map::{Map, Origin, Passage};
 
 /// Distance of the second orbit, relative to the point with its time, whose rounding makes as much of an error: a million

@@ -9,6 +9,7 @@ use crate::flow::{
     Closed, FlowError, GuardKind, Next, Occurrence, Trajectory, Workspace, run_fleet,
 };
 use crate::numerics::DoubleDouble;
+use core::sync::atomic::AtomicBool;
 
 /// Into so many parts is the time that a return may take divided, so that an orbit that never returns can be called off
 /// between them.
@@ -72,7 +73,7 @@ impl<'m, 'v> Follower<'m, 'v> {
         }
     }
 
-    pub(super) fn run(mut self, starts: &[Start]) {
+    pub(super) fn run(mut self, starts: &[Start], stop: &AtomicBool) {
         let mut orbits = Vec::with_capacity(starts.len());
         let mut trajectories = Vec::with_capacity(starts.len());
         for (index, start) in starts.iter().enumerate() {
@@ -88,6 +89,7 @@ impl<'m, 'v> Follower<'m, 'v> {
             &map.settings,
             &moving,
             &mut trajectories,
+            stop,
             |place, trajectory, told| self.hear(&mut orbits[place], trajectory, told),
         );
     }
@@ -113,13 +115,14 @@ impl<'m, 'v> Follower<'m, 'v> {
                 time,
                 &point,
             )
+            .map_err(NoReturn::Failed)
             .and_then(|mut trajectory| {
                 self.place(&mut orbit, &mut trajectory, &start.origin)
                     .map(|()| trajectory)
             });
             match told {
                 Ok(trajectory) => return Some((orbit, trajectory)),
-                Err(error) => match self.arrive(&orbit, &point, Err(failure(error))) {
+                Err(reason) => match self.arrive(&orbit, &point, Err(reason)) {
                     Command::Restart(next) => {
                         orbit.parameters = self.parameters(&next.swept);
                         start = next;
@@ -143,20 +146,13 @@ impl<'m, 'v> Follower<'m, 'v> {
     /// Time and state of an origin.
     fn origin(&self, orbit: &Orbit, origin: &Origin) -> (f64, Vec<f64>) {
         let model = &self.map.model;
-        let mut point = match origin {
+        let point = match origin {
             Origin::Initial => model.initial_state(&orbit.parameters),
             Origin::Point(point) | Origin::Image(point) | Origin::Beside { point, .. } => {
                 point.clone()
             }
         };
-        let Some(index) = model.time else {
-            return (0.0, point);
-        };
-        // A stroboscopic map starts at the phase at which it looks, whatever the period was before.
-        if let (Look::Stroboscopic { .. }, Origin::Image(_)) = (&self.map.look, origin) {
-            point[index] = model.initial_state(&orbit.parameters)[index];
-        }
-        (point[index], point)
+        (model.time.map_or(0.0, |index| point[index]), point)
     }
 
     /// Puts a trajectory at an origin, at the orbit's parameters, and sets the orbit's counters back.
@@ -165,13 +161,15 @@ impl<'m, 'v> Follower<'m, 'v> {
         orbit: &mut Orbit,
         trajectory: &mut Trajectory<f64>,
         origin: &Origin,
-    ) -> Result<(), FlowError> {
+    ) -> Result<(), NoReturn> {
         let system = &self.map.system;
         let (time, point) = self.origin(orbit, origin);
         match origin {
             // Stroboscopic points are displaced anywhere, so the phase follows from the state.
             Origin::Beside { phase, .. } if !matches!(self.map.look, Look::Stroboscopic { .. }) => {
-                trajectory.restart_beside(system, &mut self.work, Closed(*phase), time, &point)?;
+                trajectory
+                    .restart_beside(system, &mut self.work, Closed(*phase), time, &point)
+                    .map_err(NoReturn::Failed)?;
                 // After a jump across a section a point does not lie on it.
                 let beside = |surface: f64| surface.abs() <= BESIDE_SECTION * largest(&point);
                 let lies_on = self.map.look.section().is_none_or(|surface| {
@@ -182,7 +180,9 @@ impl<'m, 'v> Follower<'m, 'v> {
                 }
             }
             _ => {
-                trajectory.restart(system, &mut self.work, time, &point)?;
+                trajectory
+                    .restart(system, &mut self.work, time, &point)
+                    .map_err(NoReturn::Failed)?;
                 if let (Origin::Image(_), Some(surface)) = (origin, self.map.look.section()) {
                     let value = surface.evaluate(&point, &orbit.parameters, &mut self.scratch);
                     if value.abs() <= ON_SECTION * largest(&point) {
@@ -201,12 +201,25 @@ impl<'m, 'v> Follower<'m, 'v> {
             Look::Event { .. } => Clock::Patience(0),
             Look::Stroboscopic { period } => Clock::Strobe {
                 origin: time,
-                period: strobe_period(period, &orbit.parameters),
+                period: self.possible(strobe_period(period, &orbit.parameters))?,
                 count: 0,
             },
         };
         self.set_horizon(orbit, trajectory);
         Ok(())
+    }
+
+    /// A period that a return can take.
+    fn possible(&self, period: DoubleDouble) -> Result<DoubleDouble, NoReturn> {
+        let limit = self.map.longest_return;
+        let value = period.high();
+        if !(value > 0.0 && value.is_finite()) {
+            Err(NoReturn::Period { value })
+        } else if value > limit {
+            Err(NoReturn::Time { limit })
+        } else {
+            Ok(period)
+        }
     }
 
     fn set_horizon(&self, orbit: &mut Orbit, trajectory: &mut Trajectory<f64>) {
@@ -239,7 +252,7 @@ impl<'m, 'v> Follower<'m, 'v> {
     ) -> Next {
         let occurrence = match told {
             Ok(occurrence) => occurrence,
-            Err(error) => return self.report(orbit, trajectory, Err(failure(error))),
+            Err(error) => return self.report(orbit, trajectory, Err(NoReturn::Failed(error))),
         };
         match *occurrence {
             Occurrence::Impact { contact, .. } => {
@@ -354,10 +367,10 @@ impl<'m, 'v> Follower<'m, 'v> {
             }
             match self.place(orbit, trajectory, &start.origin) {
                 Ok(()) => return Next::Continue,
-                Err(error) => {
+                Err(reason) => {
                     failed = true;
                     let (_, point) = self.origin(orbit, &start.origin);
-                    command = self.arrive(orbit, &point, Err(failure(error)));
+                    command = self.arrive(orbit, &point, Err(reason));
                 }
             }
         }
@@ -380,11 +393,7 @@ impl<'m, 'v> Follower<'m, 'v> {
 }
 
 /// The period at parameter values that count as exact, as they do in the equations.
-fn strobe_period(period: &Formula<DoubleDouble>, parameters: &[f64]) -> DoubleDouble {
+pub(super) fn strobe_period(period: &Formula<DoubleDouble>, parameters: &[f64]) -> DoubleDouble {
     let exact: Vec<DoubleDouble> = parameters.iter().map(|&value| value.into()).collect();
     period.evaluate(&[], &exact, &mut Vec::new())
-}
-
-fn failure(error: FlowError) -> NoReturn {
-    NoReturn::Failed(error)
 }
