@@ -169,6 +169,11 @@ impl Answer {
     }
 }
 
+/// Standard output for a JSON document that is written piece by piece.
+pub fn json_stdout() -> impl Write {
+    Escaping(std::io::stdout().lock())
+}
+
 /// Escapes in JSON what a terminal would act on, which leaves the document the same.
 struct Escaping<W>(W);
 

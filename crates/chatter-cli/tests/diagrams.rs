@@ -1,78 +1,15 @@
 //! Orbit diagrams as a user computes them: tables, resumption after kill and Ctrl-C, pictures, wrong input.
 
+mod common;
+
 use chatter_io::tables::NpzReader;
-use std::path::PathBuf;
-use std::process::{Child, Command, Output, Stdio};
+use common::{Folder, begin, chatter, fails, succeeds, typed, wait_for};
+use std::process::Command;
 use std::time::{Duration, Instant};
-
-/// A folder of its own for each test, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("chatter-{test}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.file(name)).unwrap()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(&self.0).unwrap();
-        let name = |entry: std::io::Result<std::fs::DirEntry>| {
-            entry.unwrap().file_name().into_string().unwrap()
-        };
-        let mut names: Vec<String> = entries.map(name).collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn command(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
-    command.args(arguments);
-    command
-}
-
-fn chatter(arguments: &[&str]) -> Output {
-    command(arguments).output().unwrap()
-}
-
-fn succeeds(arguments: &[&str]) -> String {
-    let output = chatter(arguments);
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(0), "{errors}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn fails(arguments: &[&str]) -> String {
-    let output = chatter(arguments);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-    assert!(output.stdout.is_empty());
-    String::from_utf8(output.stderr).unwrap()
-}
-
-/// A command line as it is typed, and what follows: paths, in which there may be spaces.
-fn typed<'a>(line: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
-    line.split(' ').chain(rest.iter().copied()).collect()
-}
 
 /// The diagram of the issue, with fewer values.
 fn valve<'a>(sweep: &'a str, options: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
-    let valve =
-        "diagram pressure_relief_valve --section closing --observe y2 --start carry --sweep";
+    let valve = "diagram pressure_relief_valve --section closing --observe y2 --start carry --chunk 4 --sweep";
     let mut arguments = typed(valve, &[sweep]);
     arguments.extend(typed(options, rest));
     arguments
@@ -82,21 +19,6 @@ fn valve<'a>(sweep: &'a str, options: &'a str, rest: &[&'a str]) -> Vec<&'a str>
 fn long(out: &str) -> Vec<&str> {
     let options = "--transient 400 --keep 200 --threads 2 --out";
     valve("q=0.0201:0.0225:800", options, &[out])
-}
-
-fn begin(arguments: &[&str]) -> Child {
-    let mut command = command(arguments);
-    command.stdout(Stdio::null()).stderr(Stdio::piped());
-    command.spawn().unwrap()
-}
-
-/// Waits until so much is in the journal.
-fn wait_for(journal: &str, bytes: u64) {
-    let began = Instant::now();
-    while std::fs::metadata(journal).map_or(0, |file| file.len()) < bytes {
-        assert!(began.elapsed() < Duration::from_secs(120), "{journal}");
-        std::thread::sleep(Duration::from_millis(2));
-    }
 }
 
 #[test]
@@ -214,6 +136,9 @@ fn tables_have_the_names_of_the_issue_and_the_same_numbers() {
             "impacts_per_return",
             "exponent",
             "start",
+            "initial_y1",
+            "initial_y2",
+            "initial_y3",
             "column",
             "y2",
             "n",
@@ -243,7 +168,9 @@ fn tables_have_the_names_of_the_issue_and_the_same_numbers() {
         assert_eq!((cells[1], cells[2]), (*y2, *n));
     }
     let columns = std::fs::read_to_string(folder.file("a.columns.csv")).unwrap();
-    assert!(columns.starts_with("q,outcome,period,impacts_per_return,exponent,start\r\n0.0203,"));
+    assert!(columns.starts_with(
+        "q,outcome,period,impacts_per_return,exponent,start,initial_y1,initial_y2,initial_y3\r\n0.0203,"
+    ));
     assert_eq!(columns.lines().count(), 8);
 }
 
@@ -332,7 +259,7 @@ fn diagrams_of_the_universal_map_are_diagrams_like_others() {
     assert_eq!(file.integers("column").unwrap().len(), 2400);
     assert!(file.text("model").unwrap().contains("Upsilon"));
     let columns = std::fs::read_to_string(folder.file("a.columns.csv")).unwrap();
-    assert!(columns.starts_with("mu,outcome,period,impacts_per_return,start\r\n0.004,"));
+    assert!(columns.starts_with("mu,outcome,period,impacts_per_return,start,initial_z\r\n0.004,"));
     succeeds(&["plot", &npz, "--zoom", "mu=0.0045:0.005", "--out", &png]);
     let wrong = |more: &[&str]| fails(&[&["plot", &npz, "--out", &png], more].concat());
     assert!(wrong(&["--zoom", "mu=0:y"]).contains("`y` is no number"));

@@ -274,12 +274,14 @@ fn a_journal_with_wrong_rows_is_gone_on_with_from_the_right_ones() {
     let length = |at: usize| u64::from_le_bytes(good[at..at + 8].try_into().unwrap()) as usize;
     let row = 16 + 12 + length(16);
     let body = row + 12;
-    let end = body + 34;
-    let coordinates = length(end);
-    assert_eq!(coordinates, 3);
+    // Origin and orbit stand before it.
+    let behind = |list: usize| list + 8 + 8 * length(list);
+    let end = behind(behind(body + 34));
+    assert_eq!(length(end), 3);
+    let end = end - body;
     let mut changed = good[body..body + length(row)].to_vec();
-    changed.splice(34..42, 2_u64.to_le_bytes());
-    changed.drain(42..50);
+    changed.splice(end..end + 8, 2_u64.to_le_bytes());
+    changed.drain(end + 8..end + 16);
     let mut record = (changed.len() as u64).to_le_bytes().to_vec();
     let sum = crc32(&[&record[..], &changed[..]].concat());
     record.extend(sum.to_le_bytes());

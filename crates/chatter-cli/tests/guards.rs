@@ -227,14 +227,7 @@ fn check_tells_what_simulate_would_refuse() {
             "[[contact]]\nname = \"{name}\"\ngap = \"{gap}\"\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n"
         )
     };
-    let contacts: String = (0..9)
-        .map(|k| contact(&format!("c{k}"), &format!("y + {k} + 1")))
-        .collect();
     let cases = [
-        (
-            ball("-1", &contacts),
-            "no trajectory begins: the model has 10 contacts",
-        ),
         (
             ball("-1", &contact("again", "y")),
             "`again` and `floor` have the same gap",

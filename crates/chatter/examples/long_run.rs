@@ -6,6 +6,7 @@ use chatter::analysis::map::{Arrival, Command, Map, Origin, Start};
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec, Sampling};
 use chatter::analysis::simulate::EventKind;
 use chatter::model::Model;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
@@ -100,7 +101,7 @@ fn watch(map: &ReturnMap, flights: u64, at_impacts: bool, (core, cores): (u64, u
     let share = flights.div_ceil(count);
     let mut left = vec![share; starts.len()];
     let mut seen = Seen::NOTHING;
-    map.follow(&[0], &starts, &mut |arrival| {
+    map.follow(&[0], &starts, &AtomicBool::new(false), &mut |arrival| {
         let before = seen.flights;
         seen.look(&arrival, at_impacts);
         let left = &mut left[arrival.orbit];

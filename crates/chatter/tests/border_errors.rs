@@ -50,7 +50,7 @@ const MODELS: [(&str, &str, f64); 8] = [
 /// An estimate is no bound.
 const LARGEST_RATIO: f64 = 2.0;
 
-fn estimates<R: Real>(border: &Border<R>) -> Vec<Estimate<R>> {
+fn estimates(border: &Border<DoubleDouble>) -> Vec<Estimate<DoubleDouble>> {
     let exact = &border.exact;
     let lists = [
         &exact.covector,
@@ -70,7 +70,11 @@ fn estimates<R: Real>(border: &Border<R>) -> Vec<Estimate<R>> {
     .collect()
 }
 
-fn agree<R: Real>() {
+/// The local coordinate at an impact and at rest are functions of their own, and so are their extrapolations with more or
+/// fewer ratios: in longer numbers, since there is no computation in shorter ones.
+#[test]
+fn errors_cover_what_choices_change() {
+    let mut compared = 0;
     for (text, parameter, near) in MODELS {
         let model = Model::from_toml(text, "test").unwrap();
         let mut all = Vec::new();
@@ -79,12 +83,15 @@ fn agree<R: Real>() {
                 let mut spec = BorderSpec::new(parameter);
                 spec.coordinate = coordinate;
                 spec.extrapolation.orders = orders;
-                all.push(estimates(&border_near::<R>(&model, &spec, near).unwrap()));
+                all.push(estimates(
+                    &border_near::<DoubleDouble>(&model, &spec, near).unwrap(),
+                ));
             }
         }
         for other in &all[1..] {
             for (place, (a, b)) in all[0].iter().zip(other).enumerate() {
                 let off = (a.value - b.value).abs().to_f64();
+                compared += usize::from(off > 0.0);
                 assert!(
                     off <= LARGEST_RATIO * (a.error + b.error),
                     "{parameter} {place}: {off:e} {:e} {:e}",
@@ -94,29 +101,6 @@ fn agree<R: Real>() {
             }
         }
     }
-}
-
-#[test]
-fn errors_cover_what_choices_change() {
-    agree::<f64>();
-    agree::<DoubleDouble>();
-}
-
-/// Doubles are the longer numbers, rounded: their errors must cover the difference.
-#[test]
-fn errors_of_doubles_cover_what_longer_numbers_change() {
-    for (text, parameter, near) in MODELS {
-        let model = Model::from_toml(text, "test").unwrap();
-        let spec = BorderSpec::new(parameter);
-        let double = estimates(&border_near::<f64>(&model, &spec, near).unwrap());
-        let longer = estimates(&border_near::<DoubleDouble>(&model, &spec, near).unwrap());
-        for (a, b) in double.iter().zip(&longer) {
-            let off = (a.value.to_double_double() - b.value).abs().to_f64();
-            assert!(
-                off <= a.error + b.error,
-                "{parameter}: {off:e} {:e}",
-                a.error
-            );
-        }
-    }
+    // Equal bits would say nothing.
+    assert!(compared > 8 * MODELS.len(), "{compared}");
 }

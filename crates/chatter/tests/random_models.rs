@@ -3,7 +3,9 @@
 
 use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::ModelBuilder;
+use core::cell::Cell;
 use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
 
 #[derive(Clone, Debug)]
 struct Oscillator {
@@ -161,21 +163,52 @@ fn oscillators() -> impl Strategy<Value = Oscillator> {
         )
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+/// Of so many models; the reference must have told of so many impacts in all, and of some in so many models.
+const MODELS: u32 = 64;
+const LEAST_IMPACTS: usize = 128;
+const LEAST_MODELS: usize = 40;
 
-    #[test]
-    fn same_impacts_as_brute_sampling(oscillator in oscillators()) {
+#[test]
+fn same_impacts_as_brute_sampling() {
+    let compared = Cell::new((0, 0));
+    let mut runner = TestRunner::new(ProptestConfig::with_cases(MODELS));
+    let outcome = runner.run(&oscillators(), |oscillator| {
         let expected = oscillator.reference(6.0, 8);
         let (found, least) = oscillator.simulate(6.0, expected.len().max(1));
         prop_assert!(least > -1e-12, "a gap of {:e}", least);
         for (place, (want, have)) in expected.iter().zip(&found).enumerate() {
             prop_assert_eq!(want.0, have.0, "contact of impact {}", place);
-            prop_assert!((want.1 - have.1).abs() < 1e-8, "time of impact {}: {} {}", place, want.1, have.1);
-            prop_assert!((want.2 - have.2).abs() < 1e-6, "rate at impact {}: {} {}", place, want.2, have.2);
+            prop_assert!(
+                (want.1 - have.1).abs() < 1e-8,
+                "time of impact {}: {} {}",
+                place,
+                want.1,
+                have.1
+            );
+            prop_assert!(
+                (want.2 - have.2).abs() < 1e-6,
+                "rate at impact {}: {} {}",
+                place,
+                want.2,
+                have.2
+            );
         }
         prop_assert!(found.len() >= expected.len());
+        let (impacts, models) = compared.get();
+        compared.set((
+            impacts + expected.len(),
+            models + usize::from(!expected.is_empty()),
+        ));
+        Ok(())
+    });
+    if let Err(failure) = outcome {
+        panic!("{failure}");
     }
+    let (impacts, models) = compared.get();
+    assert!(
+        impacts >= LEAST_IMPACTS && models >= LEAST_MODELS,
+        "{impacts} in {models}"
+    );
 }
 
 /// A long run on the vibrating table: complete chatter, sticking and release over and over.

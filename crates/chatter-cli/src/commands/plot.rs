@@ -42,7 +42,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SLOPE", allow_hyphen_values = true)]
     shear: Option<ShearOption>,
 
-    /// What a map over two parameters shows [default: period]
+    /// What a map over two parameters shows [default: period; of initial values, attractor]
     #[arg(long, value_name = "WHAT")]
     show: Option<ShowOption>,
 }
@@ -53,6 +53,7 @@ enum ShowOption {
     Period,
     Impacts,
     Exponent,
+    Attractor,
 }
 
 /// Runs the command.
@@ -65,9 +66,11 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         shear: arguments.shear.map(|shear| shear.0),
         observe: arguments.observe.clone(),
         show: match arguments.show {
-            None | Some(ShowOption::Period) => Show::Period,
-            Some(ShowOption::Impacts) => Show::Impacts,
-            Some(ShowOption::Exponent) => Show::Exponent,
+            None => None,
+            Some(ShowOption::Period) => Some(Show::Period),
+            Some(ShowOption::Impacts) => Some(Show::Impacts),
+            Some(ShowOption::Exponent) => Some(Show::Exponent),
+            Some(ShowOption::Attractor) => Some(Show::Attractor),
         },
     };
     let zoom = |span: &SpanOption, (from, to)| Zoom {

@@ -9,11 +9,12 @@ use crate::options::{
 use crate::simulation::table::{self, SampleTable};
 use crate::simulation::{
     Expectation, Listing, SampleOption, StepWatch, Subject, account, document, picture, sentence,
+    verification,
 };
 use crate::terminal::{self, Progress, Style, Waiting};
 use chatter::analysis::simulate::{
     Outcome, Progress as Reached, Samples, SimulateError, Simulation, Spec, SpecError, Stop,
-    simulate_into,
+    Verification, simulate_into,
 };
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
@@ -28,13 +29,16 @@ EXAMPLES
   chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg --out valve.npz
   chatter simulate bouncing_ball --set r=0.9 --json
   chatter simulate bouncing_ball --digits 30
+  chatter simulate pressure_relief_valve --set q=0.0203 --until 40 --verify
   chatter simulate impact_oscillator --set omega=2.8 --until '100*2*pi/omega' --sample '2*pi/omega' --out strobe.csv
   chatter simulate pressure_relief_valve --set q=0.0203 --initial y3=9.9 --stop section:closing=10 --events
 
 JSON
   One document: outcome, time, state (by name), counts, events (kind, time, contact or section, state just after the
-  event, rate_before and rate_after; for accumulations impacts and error), contact_phases, parameters, start. With more
-  than 17 digits each number has a twin in decimals as text, under its name with `_digits` at the end.";
+  event, rate_before and rate_after; for accumulations impacts and the local error of the time), contact_phases,
+  parameters, start. With more than 17 digits each number has a twin in decimals as text, under its name with `_digits`
+  at the end. With --verify verification: events (how many agree), event_time_errors, time_error, state_errors, and
+  parting where the runs part ways.";
 
 /// Follow one trajectory through flights, impacts, chatter, contact and release
 #[derive(Args, Debug)]
@@ -60,13 +64,18 @@ pub struct Arguments {
     #[arg(long, value_name = "KIND[:NAME][=COUNT]")]
     stop: Vec<StopOption>,
 
-    /// Relative error allowed in one step; rounding error without it
+    /// Relative error allowed in one step, from 0 to below 1; rounding error without it, or where that is larger
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     tolerance: Option<Quantity>,
 
     /// Digits of the numbers in the output, up to 30; above 17 the whole computation is done with more digits
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     digits: Option<Precision>,
+
+    /// Follow a twin in double-double, too, and say to how many digits the times of events and the state at the end agree:
+    /// the errors told with accumulations are local, and leave out what earlier ones have grown to
+    #[arg(long)]
+    verify: bool,
 
     /// Print one JSON document instead of text
     #[arg(long)]
@@ -131,9 +140,54 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         time_was_given: arguments.until.is_some(),
     };
     if digits.fit_double() {
-        follow::<f64>(arguments, &subject, window)
+        follow::<f64>(arguments, &subject, window, |simulation| {
+            verification(arguments, &subject, simulation)
+        })
+    } else if arguments.verify {
+        Err(Failure::input(format!(
+            "--verify compares a run in doubles with one in double-double: to {} digits there is nothing to compare with",
+            digits.0
+        )))
     } else {
-        follow::<DoubleDouble>(arguments, &subject, window)
+        follow::<DoubleDouble>(arguments, &subject, window, |_| Ok(None))
+    }
+}
+
+/// The comparison with the twin, where it was asked for and the twin was not interrupted; and what is said of it.
+fn verification(
+    arguments: &Arguments,
+    subject: &Subject,
+    simulation: &Simulation<f64>,
+) -> Result<Option<Verified>, Failure> {
+    if !arguments.verify || simulation.outcome == Outcome::Interrupted {
+        return Ok(None);
+    }
+    let mut progress = Progress::new();
+    let verification = Verification::of(subject.model, subject.spec, simulation, &mut |reached| {
+        observe(&mut progress, reached)
+    })
+    .map_err(|error| refused(&error, subject.model))?;
+    progress.finish();
+    Ok(verification.map(|verification| Verified {
+        text: verification::text(subject, simulation, &verification),
+        verification,
+    }))
+}
+
+struct Verified {
+    verification: Verification,
+    text: String,
+}
+
+/// Shows how far a run is, and lets the user break it off.
+fn observe(progress: &mut Progress, reached: &Reached) -> ControlFlow<()> {
+    progress.show(part_done(reached), || {
+        format!("time {:.6}, {} impacts", reached.time, reached.impacts)
+    });
+    if terminal::interrupted() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
     }
 }
 
@@ -187,6 +241,7 @@ fn follow<R: Real>(
     arguments: &Arguments,
     subject: &Subject,
     window: Option<(f64, f64)>,
+    verify: impl FnOnce(&Simulation<R>) -> Result<Option<Verified>, Failure>,
 ) -> Result<u8, Failure> {
     terminal::catch_interrupts();
     let sampled = arguments.out.as_ref().filter(|_| {
@@ -254,6 +309,7 @@ fn follow<R: Real>(
     if let Some(failure) = failure {
         return Err(failure);
     }
+    let verified = verify(&simulation)?;
     // What is written now is all that is done.
     terminal::end_on_interrupt();
     let waiting = Waiting::new("writing");
@@ -285,7 +341,9 @@ fn follow<R: Real>(
     }
     drop(waiting);
     if arguments.json {
-        terminal::print_json(&document::document(subject, &simulation)).map_err(Failure::Output)?;
+        let verification = verified.as_ref().map(|verified| &verified.verification);
+        let document = document::document(subject, &simulation, verification);
+        terminal::print_json(&document).map_err(Failure::Output)?;
     } else {
         let listing = if arguments.events {
             Listing::EveryEvent
@@ -293,6 +351,9 @@ fn follow<R: Real>(
             Listing::Summary
         };
         let mut text = account::account(subject, &simulation, listing, Style::of_stdout());
+        if let Some(verified) = &verified {
+            text += &verified.text;
+        }
         for path in &written {
             text += &format!("wrote {}\n", path.display());
         }
@@ -330,6 +391,7 @@ fn refused(error: &SimulateError, model: &Model) -> Failure {
                 _ => failure,
             }
         }
+        SimulateError::Model(error) => Failure::from(error.clone()),
         SimulateError::System(error) => Failure::input(error),
         SimulateError::Start(error) => Failure::input(sentence(error, model)),
     }

@@ -1,12 +1,14 @@
 //! A diagram in a few lines.
 
 use super::job::Job;
+use super::tally::{Tally, percent};
+use crate::numbers::concise;
 use crate::terminal::Style;
-use chatter::analysis::diagram::{Outcome, Start, Sweep};
+use chatter::analysis::diagram::{Outcome, Range, Start, Sweep, Swept};
 use chatter::analysis::return_map::Sampling;
 use chatter::analysis::simulate::EventKind;
 use chatter::model::Model;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What was computed and what it came to.
 pub fn account(
@@ -14,21 +16,27 @@ pub fn account(
     model: &Model,
     sweep: &Sweep,
     counts: &BTreeMap<Outcome, u64>,
+    tally: Option<&Tally>,
     style: Style,
 ) -> String {
     let title = model.title.as_deref().unwrap_or(&job.model);
     let spec = &job.diagram;
     let mut text = format!("{}\n", style.title(title));
     for range in &spec.sweeps {
-        text += &format!(
-            "  {} from {} to {}, {} values\n",
-            range.parameter, range.from, range.to, range.count
-        );
+        let name = told(range);
+        text += &match range.count {
+            1 => format!("  {name} = {}\n", range.from),
+            count => format!(
+                "  {name} from {} to {}, {count} values\n",
+                range.from, range.to
+            ),
+        };
     }
     let start = match &spec.start {
         Start::Fresh => "each from the initial state".to_owned(),
-        Start::CarryUp => format!("states carried upwards in {} chunks", sweep.pieces()),
-        Start::CarryDown => format!("states carried downwards in {} chunks", sweep.pieces()),
+        Start::CarryUp => carried("upwards", sweep),
+        Start::CarryDown => carried("downwards", sweep),
+        Start::CarryBoth => carried("upwards and downwards", sweep),
         Start::Random { count, seed, .. } => {
             format!("{count} random starts each (seed {seed})")
         }
@@ -44,7 +52,135 @@ pub fn account(
         .map(|(outcome, count)| format!("{count} {}", outcome.name().replace('_', " ")))
         .collect();
     text += &format!("  {}\n", parts.join(", "));
+    if let Some(tally) = tally {
+        text += &attractors(sweep, tally);
+    }
     text
+}
+
+/// What is swept, in words.
+fn told(range: &Range) -> String {
+    match range.swept {
+        Swept::Parameter => range.parameter.clone(),
+        Swept::Initial => format!("initial {}", range.parameter),
+    }
+}
+
+fn carried(way: &str, sweep: &Sweep) -> String {
+    match sweep.spec().chunk {
+        Some(chunk) => format!("states carried {way} through {chunk} values at a time"),
+        None => format!("states carried {way}"),
+    }
+}
+
+/// Which attractors coexist, and where.
+fn attractors(sweep: &Sweep, tally: &Tally) -> String {
+    if let Some(found) = hysteresis(sweep, tally) {
+        return found.told(sweep);
+    }
+    let mut text = String::new();
+    if sweep.groups() == 1 {
+        for share in tally.shares.iter().filter(|share| share.attractor > 0) {
+            let what = share.what().unwrap_or_default();
+            let impacts = match share.impacts_per_return {
+                Some(impacts) if impacts.is_finite() => format!(", impacts per return {impacts}"),
+                _ => String::new(),
+            };
+            text += &format!(
+                "  attractor {}: {what}{impacts}: {} of {} starts, {}\n",
+                share.attractor,
+                share.rows,
+                tally.numbers.len(),
+                percent(share.part)
+            );
+        }
+        return text;
+    }
+    let most = tally.shares.last().map_or(0, |share| share.attractor);
+    match most {
+        0 | 1 => "  no attractors coexist\n".to_owned(),
+        most => format!(
+            "  attractors coexist: up to {most} at the same parameters, at {} of {} values\n",
+            coexisting(sweep, tally),
+            sweep.groups()
+        ),
+    }
+}
+
+/// At how many values of the parameters there are several attractors.
+fn coexisting(sweep: &Sweep, tally: &Tally) -> usize {
+    let mut found: BTreeMap<u64, BTreeSet<u32>> = BTreeMap::new();
+    for (row, &number) in (0..).zip(&tally.numbers) {
+        if number > 0 {
+            found.entry(sweep.group(row)).or_default().insert(number);
+        }
+    }
+    found.values().filter(|numbers| numbers.len() > 1).count()
+}
+
+/// Where orbits that were carried upwards and downwards are not the same.
+pub struct Hysteresis {
+    /// At how many values.
+    pub values: u64,
+    /// From which to which value of the first parameter, runs of neighbours in order.
+    pub ranges: Vec<[f64; 2]>,
+}
+
+/// More ranges than this are not listed.
+const LISTED: usize = 6;
+
+/// What the two ways differ in; none if the diagram was not carried both ways.
+pub fn hysteresis(sweep: &Sweep, tally: &Tally) -> Option<Hysteresis> {
+    if sweep.spec().start != Start::CarryBoth {
+        return None;
+    }
+    let line = sweep.spec().sweeps[0].count;
+    let mut found = Hysteresis {
+        values: 0,
+        ranges: Vec::new(),
+    };
+    let mut latest = None;
+    for (group, pair) in (0..).zip(tally.numbers.chunks_exact(2)) {
+        if pair[0] == pair[1] || pair.contains(&0) {
+            continue;
+        }
+        found.values += 1;
+        let value = sweep.values(2 * group)[0];
+        match found.ranges.last_mut() {
+            Some(range) if latest == Some(group - 1) && group % line != 0 => range[1] = value,
+            _ => found.ranges.push([value; 2]),
+        }
+        latest = Some(group);
+    }
+    Some(found)
+}
+
+impl Hysteresis {
+    fn told(&self, sweep: &Sweep) -> String {
+        let range = &sweep.spec().sweeps[0];
+        if self.values == 0 {
+            return "  no hysteresis: both ways come to the same orbits\n".to_owned();
+        }
+        let told = |[from, to]: &[f64; 2]| match from == to {
+            true => concise(*from, 6),
+            false => format!("{} to {}", concise(*from, 6), concise(*to, 6)),
+        };
+        let where_ = match sweep.spec().sweeps.len() {
+            1 => {
+                let mut listed: Vec<String> = self.ranges.iter().take(LISTED).map(told).collect();
+                if self.ranges.len() > LISTED {
+                    listed.push("…".to_owned());
+                }
+                format!(": {} = {}", range.parameter, listed.join(", "))
+            }
+            _ => String::new(),
+        };
+        format!(
+            "  hysteresis at {} of {} values{where_}\n",
+            self.values,
+            sweep.groups()
+        )
+    }
 }
 
 fn look(sampling: &Sampling, every: u64) -> String {

@@ -3,7 +3,7 @@
 use super::picture::Shear;
 use crate::failure::Failure;
 use crate::terminal;
-use chatter::analysis::diagram::{DiagramError, Spec, Sweep};
+use chatter::analysis::diagram::{DiagramError, Row, Spec, Sweep, Swept};
 use chatter::analysis::return_map::{ReturnMap, ReturnMapError, ReturnSpec};
 use chatter::model::{Model, ModelError};
 use chatter_io::Format;
@@ -49,6 +49,9 @@ pub struct Order {
 pub struct Header {
     /// What is computed.
     pub job: Job,
+    /// In which form rows are kept: [`Row::FORMAT`].
+    #[serde(default)]
+    pub row_format: u32,
     /// Text of the model's file.
     pub model_text: String,
     /// The figure to be drawn beside the table.
@@ -85,6 +88,7 @@ impl Order {
         };
         Header {
             job: self.job.clone(),
+            row_format: Row::FORMAT,
             model_text: self.model_text.clone(),
             plot: self.plot.as_ref().map(beside),
             shear: self.shear,
@@ -164,7 +168,8 @@ impl Job {
     /// Reads the model and checks everything.
     pub fn prepare(&self, model_text: &str) -> Result<Ready, Failure> {
         let model = self.model(model_text)?;
-        let map = ReturnMap::new(&model, &self.returns).map_err(|error| look_failure(&error))?;
+        let map = ReturnMap::new(&self.amid(&model), &self.returns)
+            .map_err(|error| look_failure(&error))?;
         let sweep =
             Sweep::new(&map, &self.diagram).map_err(|error| self.refused(&error, &model))?;
         check_restitution(&model, &sweep)?;
@@ -186,6 +191,20 @@ impl Job {
         Ok(model)
     }
 
+    /// The model in the middle of the sweep: what is to be checked of it holds there if anywhere, and may not hold where
+    /// its file puts the swept parameters.
+    fn amid(&self, model: &Model) -> Model {
+        let mut amid = model.clone();
+        for range in &self.diagram.sweeps {
+            let middle = range.value(range.count / 2);
+            // What cannot be set is told by the sweep.
+            if range.swept == Swept::Parameter {
+                drop(amid.set_parameter(&range.parameter, &format!("{middle:e}")));
+            }
+        }
+        amid
+    }
+
     /// What the model is called.
     pub fn title<'a>(&'a self, model: &'a Model) -> &'a str {
         model.title.as_deref().unwrap_or(&self.model)
@@ -198,6 +217,14 @@ impl Job {
                 known.extend(model.parameter_names());
                 known.extend(chatter::analysis::map::Passage::NAMES);
                 ModelError::of_expression("--observe", text, error.clone(), &known).into()
+            }
+            DiagramError::PhaseLost(lost) => Failure::input(error).help(format!(
+                "sample once in a period of the equations, --period EXPR, and `{time}` goes on in the same phase; or make \
+                 the phase a state of the model, with its rate as derivative; or start afresh, without --start carry",
+                time = lost.coordinate
+            )),
+            DiagramError::CarriedInitial { .. } => {
+                Failure::input(error).help("leave out --start carry, or sweep a parameter")
             }
             _ => Failure::input(error).did_you_mean(error.suggestion()),
         }
@@ -228,12 +255,11 @@ fn check_restitution(model: &Model, sweep: &Sweep) -> Result<(), Failure> {
         for (place, range) in ranges.iter().enumerate() {
             let upper = corner >> place & 1 == 1;
             let value = if upper { range.to } else { range.from };
-            overrides.extend(
-                model
-                    .parameter_index(&range.parameter)
-                    .map(|index| (index, value)),
-            );
-            told.push(format!("{} = {value}", range.parameter));
+            if range.swept == Swept::Parameter {
+                let index = model.parameter_index(&range.parameter);
+                overrides.extend(index.map(|index| (index, value)));
+            }
+            told.push(format!("{} = {value}", range.name()));
         }
         let parameters: Vec<f64> = model.parameter_values(&overrides);
         let state = model.initial_state(&parameters);
@@ -243,7 +269,7 @@ fn check_restitution(model: &Model, sweep: &Sweep) -> Result<(), Failure> {
                 .evaluate(contact.restitution, &state, &parameters);
             if !model.graph.depends_on_state(contact.restitution) && !(0.0..1.0).contains(&value) {
                 return Err(Failure::input(format!(
-                    "at {} contact `{}` has restitution {value}, outside 0 <= r < 1",
+                    "at {} contact `{}` has restitution {value}, outside 0 <= r <= 1",
                     told.join(", "),
                     contact.name
                 )));

@@ -1,7 +1,8 @@
 //! Where the results of a diagram come from, in flat memory and as often as needed.
 
 use crate::failure::Failure;
-use chatter::analysis::diagram::{Outcome, Row, Sweep};
+use chatter::analysis::diagram::{Collector, Outcome, Row, Sweep};
+use chatter::analysis::map::Map;
 
 /// What a row was classified as.
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +15,8 @@ pub struct Class {
     pub impacts_per_return: f64,
     /// Largest Lyapunov exponent; NaN where it is not known.
     pub exponent: f64,
+    /// Number of its attractor; zero for none, or where none are told apart.
+    pub attractor: u32,
 }
 
 /// A finished diagram.
@@ -32,12 +35,20 @@ pub trait Rows {
 
     /// One of its rows.
     fn row(&mut self, row: u64) -> Result<Row, Failure>;
+
+    /// How many of its rows are there, in order from the first.
+    fn done(&self) -> u64 {
+        self.sweep().rows()
+    }
+
+    /// The number of a row's attractor; zero for none, or where none are told apart.
+    fn attractor(&self, row: u64) -> u32;
 }
 
-impl<R: Rows> Source for R {
+impl<R: Rows + ?Sized> Source for R {
     fn samples(&mut self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Failure> {
         let observed = self.sweep().spec().observe.len();
-        for row in 0..self.sweep().rows() {
+        for row in 0..self.done() {
             let row = self.row(row)?;
             for sample in row.samples.chunks_exact(observed) {
                 visit(row.row, sample);
@@ -47,9 +58,11 @@ impl<R: Rows> Source for R {
     }
 
     fn classes(&mut self, visit: &mut dyn FnMut(u64, &Class)) -> Result<(), Failure> {
-        for row in 0..self.sweep().rows() {
+        for row in 0..self.done() {
+            let attractor = self.attractor(row);
             let row = self.row(row)?;
             let class = Class {
+                attractor,
                 outcome: row.outcome,
                 period: row.period,
                 impacts_per_return: row.impacts_per_return,
@@ -67,6 +80,30 @@ pub struct InMemory<'a> {
     pub sweep: &'a Sweep,
     /// Its rows.
     pub rows: &'a [Row],
+    /// Numbers of their attractors, if these are told apart.
+    attractors: Vec<u32>,
+}
+
+impl<'a> InMemory<'a> {
+    /// Rows of which none are compared.
+    pub fn new(sweep: &'a Sweep, rows: &'a [Row]) -> Self {
+        let attractors = Vec::new();
+        Self {
+            sweep,
+            rows,
+            attractors,
+        }
+    }
+
+    /// Tells attractors apart.
+    pub fn compared(mut self, map: &dyn Map) -> Self {
+        if self.sweep.compares() {
+            let mut collector = Collector::new(map, self.sweep);
+            self.rows.iter().for_each(|row| collector.note(row));
+            self.attractors = collector.finish().numbers().to_vec();
+        }
+        self
+    }
 }
 
 impl Rows for InMemory<'_> {
@@ -78,5 +115,13 @@ impl Rows for InMemory<'_> {
         let row = usize::try_from(row).ok().and_then(|row| self.rows.get(row));
         row.cloned()
             .ok_or_else(|| Failure::Output("a row of the diagram is missing".to_owned()))
+    }
+
+    fn done(&self) -> u64 {
+        self.rows.len() as u64
+    }
+
+    fn attractor(&self, row: u64) -> u32 {
+        self.attractors.get(row as usize).copied().unwrap_or(0)
     }
 }

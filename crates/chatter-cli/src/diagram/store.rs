@@ -3,7 +3,8 @@
 use super::job::Header;
 use super::source::Rows;
 use crate::failure::Failure;
-use chatter::analysis::diagram::{Outcome, Record, Row, Standing, Sweep};
+use chatter::analysis::diagram::{Collector, Outcome, Record, Row, Standing, Sweep};
+use chatter::analysis::map::Map;
 use chatter_io::journal::{self, Journal, JournalError, Place, Unread};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,16 +19,42 @@ pub fn journal_of(output: &Path) -> PathBuf {
 /// More orbits than this, 8 bytes each for where they stand in the journal, are a slip of the keyboard.
 const MOST_ROWS: u64 = 100_000_000;
 
-/// Whether a diagram is small enough to be kept.
-pub fn check_size(sweep: &Sweep) -> Result<(), Failure> {
-    if sweep.rows() <= MOST_ROWS {
-        return Ok(());
+/// More numbers than this, 80 gigabytes of them, fill the disk.
+const MOST_NUMBERS: u64 = 10_000_000_000;
+
+/// So many numbers are a gigabyte: more are not kept in memory.
+const MOST_IN_MEMORY: u64 = 125_000_000;
+
+/// Whether a diagram is small enough to be kept, on disk or in memory.
+pub fn check_size(sweep: &Sweep, on_disk: bool) -> Result<(), Failure> {
+    if sweep.rows() > MOST_ROWS {
+        return Err(Failure::input(format!(
+            "the diagram has {} orbits: expected {MOST_ROWS} at most",
+            sweep.rows()
+        ))
+        .help("sweep parts of the range into files of their own"));
     }
-    Err(Failure::input(format!(
-        "the diagram has {} orbits: expected {MOST_ROWS} at most",
-        sweep.rows()
-    ))
-    .help("sweep parts of the range into files of their own"))
+    let spec = sweep.spec();
+    let of_a_row = match spec.record {
+        Record::Samples => spec.keep.saturating_mul(spec.observe.len() as u64),
+        Record::Classes => 1,
+    };
+    let numbers = sweep.rows().saturating_mul(of_a_row);
+    let (most, place, help) = if on_disk {
+        let help = "keep fewer samples with --keep, or none with --record classes";
+        (MOST_NUMBERS, "on disk", help)
+    } else {
+        let help = "write the diagram to a file too, with --out FILE.npz, and it is kept on disk";
+        (MOST_IN_MEMORY, "in memory", help)
+    };
+    if numbers > most {
+        return Err(Failure::input(format!(
+            "the diagram has {} orbits with {of_a_row} numbers each: expected {most} numbers {place} at most",
+            sweep.rows()
+        ))
+        .help(help));
+    }
+    Ok(())
 }
 
 /// Most bytes of a row beside its samples and its points.
@@ -54,6 +81,8 @@ pub struct Store {
     sweep: Sweep,
     places: Vec<Option<Place>>,
     counts: BTreeMap<Outcome, u64>,
+    /// Numbers of the rows' attractors, once they are told apart.
+    attractors: Vec<u32>,
     bytes: Vec<u8>,
 }
 
@@ -65,7 +94,14 @@ impl Begun {
     }
 
     fn of(unread: Unread) -> Result<Self, Failure> {
-        match serde_json::from_slice(unread.header()) {
+        match serde_json::from_slice::<Header>(unread.header()) {
+            Ok(header) if header.row_format != Row::FORMAT => Err(Failure::input(format!(
+                "`{}` was begun by another chatter, which wrote its rows in form {}; this one writes form {}",
+                unread.path().display(),
+                header.row_format,
+                Row::FORMAT
+            ))
+            .help("delete it and compute the diagram anew, or go on with the chatter that began it")),
             Ok(header) => Ok(Self { unread, header }),
             Err(error) => Err(Failure::input(format!(
                 "`{}` is not a journal of an orbit diagram of this version of chatter: {error}",
@@ -82,9 +118,10 @@ impl Begun {
     /// Notes the rows that are there. The points of the map have so many coordinates.
     pub fn read(self, sweep: &Sweep, coordinates: usize) -> Result<(Store, Standing), Failure> {
         let spec = sweep.spec();
+        // A sample may be kept as what is observed and, to compare orbits, as a whole point.
         let numbers = (spec.keep)
-            .saturating_mul(spec.observe.len() as u64)
-            .saturating_add(coordinates as u64);
+            .saturating_add(2)
+            .saturating_mul((spec.observe.len() + coordinates) as u64);
         let longest = numbers.saturating_mul(8).saturating_add(ROW_ROOM);
         let mut standing = Standing::default();
         let mut places = vec![None; sweep.rows() as usize];
@@ -116,7 +153,11 @@ fn fits(row: &Row, sweep: &Sweep, coordinates: usize) -> bool {
         }
         Record::Classes => row.samples.is_empty(),
     };
-    samples && (row.end.is_empty() || row.end.len() == coordinates)
+    let is_point = |point: &[f64]| point.is_empty() || point.len() == coordinates;
+    samples
+        && is_point(&row.end)
+        && is_point(&row.origin)
+        && row.orbit.len().is_multiple_of(coordinates.max(1))
 }
 
 impl Store {
@@ -144,6 +185,7 @@ impl Store {
             places: vec![None; sweep.rows() as usize],
             sweep: sweep.clone(),
             counts: BTreeMap::new(),
+            attractors: Vec::new(),
             bytes: Vec::new(),
         }
     }
@@ -159,6 +201,20 @@ impl Store {
     /// How many rows settled to what.
     pub fn counts(&self) -> &BTreeMap<Outcome, u64> {
         &self.counts
+    }
+
+    /// Tells the attractors of all rows apart.
+    pub fn compare(&mut self, map: &dyn Map) -> Result<(), Failure> {
+        let sweep = self.sweep.clone();
+        if !sweep.compares() {
+            return Ok(());
+        }
+        let mut collector = Collector::new(map, &sweep);
+        for row in 0..sweep.rows() {
+            collector.note(&self.row(row)?);
+        }
+        self.attractors = collector.finish().numbers().to_vec();
+        Ok(())
     }
 
     /// Deletes the journal.
@@ -177,6 +233,10 @@ impl Rows for Store {
         let place = self.places[row as usize].ok_or_else(missing)?;
         self.journal.read(place, &mut self.bytes).map_err(output)?;
         Row::from_bytes(&self.bytes).map_err(|error| Failure::Output(error.to_string()))
+    }
+
+    fn attractor(&self, row: u64) -> u32 {
+        self.attractors.get(row as usize).copied().unwrap_or(0)
     }
 }
 

@@ -78,10 +78,13 @@ impl Stored {
             )))
         };
         let spec = sweep.spec();
-        let [outcome, period, impacts, exponent, start] = Sweep::CLASS_NAMES;
+        let [outcome, period, impacts, exponent, start, attractor] = Sweep::CLASS_NAMES;
         let mut classes = vec![outcome, period, impacts, start];
         if spec.exponent == Exponent::Largest {
             classes.push(exponent);
+        }
+        if self.file.contains(attractor) {
+            classes.push(attractor);
         }
         for name in classes {
             expect(name, sweep.rows(), length(name)?)?;
@@ -142,15 +145,16 @@ impl Source for Stored {
     }
 
     fn classes(&mut self, visit: &mut dyn FnMut(u64, &Class)) -> Result<(), Failure> {
-        let [outcome, period, impacts, exponent, _] = Sweep::CLASS_NAMES;
+        let [outcome, period, impacts, exponent, _, attractor] = Sweep::CLASS_NAMES;
         self.checked_rows()?;
         let outcomes = self.file.stream_texts(outcome).map_err(Failure::input)?;
         let mut periods = self.numbers(period)?;
         let mut impacts = self.numbers(impacts)?;
-        let mut exponents = match self.file.contains(exponent) {
-            true => Some(self.numbers(exponent)?),
-            false => None,
+        let maybe = |name: &str| match self.file.contains(name) {
+            true => self.numbers(name).map(Some),
+            false => Ok(None),
         };
+        let (mut exponents, mut attractors) = (maybe(exponent)?, maybe(attractor)?);
         for (row, name) in (0..).zip(outcomes) {
             let name = name.map_err(Failure::input)?;
             let outcome = Outcome::ALL.into_iter().find(|known| known.name() == name);
@@ -162,6 +166,10 @@ impl Source for Stored {
                 exponent: match &mut exponents {
                     Some(stream) => following(stream)?,
                     None => f64::NAN,
+                },
+                attractor: match &mut attractors {
+                    Some(stream) => following(stream)? as u32,
+                    None => 0,
                 },
             };
             visit(row, &class);

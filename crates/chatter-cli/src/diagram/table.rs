@@ -4,7 +4,7 @@ use super::job::Order;
 use super::source::Rows;
 use crate::failure::Failure;
 use crate::named::Named;
-use chatter::analysis::diagram::{Exponent, Record, Row, Sweep};
+use chatter::analysis::diagram::{Exponent, Range, Record, Row, Sweep, initial_name};
 use chatter::model::Model;
 use chatter_io::Format;
 use chatter_io::tables::{Cell, CsvWriter, Dataset, NpzWriter, Table};
@@ -37,14 +37,28 @@ pub fn check_names(sweep: &Sweep) -> Result<(), Failure> {
 /// Headings of the table of orbits.
 fn columns(sweep: &Sweep) -> Vec<String> {
     let spec = sweep.spec();
-    let swept = spec.sweeps.iter().map(|range| range.parameter.clone());
-    let [outcome, period, impacts, exponent, start] = Sweep::CLASS_NAMES.map(str::to_owned);
+    let swept = spec.sweeps.iter().map(Range::name);
+    let [outcome, period, impacts, exponent, start, attractor] =
+        Sweep::CLASS_NAMES.map(str::to_owned);
     let mut names: Vec<String> = swept.chain([outcome, period, impacts]).collect();
     if spec.exponent == Exponent::Largest {
         names.push(exponent);
     }
     names.push(start);
+    if sweep.compares() {
+        names.push(attractor);
+    }
+    names.extend(origins(sweep).into_iter().map(|(_, name)| name));
     names
+}
+
+/// Where orbits started: positions of coordinates and headings. Those that are swept have a column already.
+fn origins(sweep: &Sweep) -> Vec<(usize, String)> {
+    let swept: Vec<String> = sweep.spec().sweeps.iter().map(Range::name).collect();
+    let names = sweep.coordinates().iter().map(|name| initial_name(name));
+    let mut origins: Vec<(usize, String)> = names.enumerate().collect();
+    origins.retain(|(_, name)| !swept.contains(name));
+    origins
 }
 
 /// Headings of the table of samples; none if samples are not kept.
@@ -102,9 +116,9 @@ fn write_npz(
     let rows = sweep.rows();
     for (place, range) in sweep.spec().sweeps.iter().enumerate() {
         let values = (0..rows).map(|row| sweep.values(row)[place]);
-        writer.stream(&range.parameter, values).map_err(output)?;
+        writer.stream(&range.name(), values).map_err(output)?;
     }
-    let [outcome, period, impacts, exponent, start] = Sweep::CLASS_NAMES;
+    let [outcome, period, impacts, exponent, start, attractor] = Sweep::CLASS_NAMES;
     words(&mut writer, outcome, store, rows, |row| row.outcome.name())?;
     numbers(&mut writer, period, store, rows, |row| row.period as i64)?;
     numbers(&mut writer, impacts, store, rows, |row| {
@@ -114,6 +128,13 @@ fn write_npz(
         numbers(&mut writer, exponent, store, rows, |row| row.exponent)?;
     }
     words(&mut writer, start, store, rows, |row| row.start.name())?;
+    if sweep.compares() {
+        let told = (0..rows).map(|row| i64::from(store.attractor(row)));
+        writer.stream(attractor, told).map_err(output)?;
+    }
+    for (index, name) in origins(sweep) {
+        numbers(&mut writer, &name, store, rows, |row| row.origin[index])?;
+    }
     if sweep.spec().record == Record::Samples {
         let observed = sweep.spec().observe.len();
         let mut array = writer.begin::<i64>(Sweep::COLUMN_NAME).map_err(output)?;
@@ -167,7 +188,7 @@ fn numbers<T: chatter_io::tables::Element>(
     name: &str,
     store: &mut dyn Rows,
     rows: u64,
-    number: fn(&Row) -> T,
+    number: impl Fn(&Row) -> T,
 ) -> Result<(), Failure> {
     let mut array = writer.begin::<T>(name).map_err(output)?;
     for row in 0..rows {
@@ -192,8 +213,10 @@ fn write_csv(
         path.to_path_buf()
     };
     let headings = columns(sweep);
+    let origins = origins(sweep);
     let mut writer = csv(&orbits, &headings)?;
     for row in 0..sweep.rows() {
+        let attractor = store.attractor(row);
         let row = store.row(row)?;
         let mut cells: Vec<Cell> = sweep.values(row.row).into_iter().map(Cell::Float).collect();
         cells.push(Cell::Text(row.outcome.name()));
@@ -203,6 +226,14 @@ fn write_csv(
             cells.push(Cell::Float(row.exponent));
         }
         cells.push(Cell::Text(row.start.name()));
+        if sweep.compares() {
+            cells.push(Cell::Integer(attractor.into()));
+        }
+        cells.extend(
+            origins
+                .iter()
+                .map(|(index, _)| Cell::Float(row.origin[*index])),
+        );
         writer.row(&cells).map_err(output)?;
     }
     writer.finish().map_err(output)?;

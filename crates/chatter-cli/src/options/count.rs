@@ -1,6 +1,7 @@
 //! Whole numbers on the command line.
 
 use crate::numbers::Digits;
+use chatter::analysis::diagram::Threads;
 
 /// A number of things, at least one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,22 @@ impl std::str::FromStr for Count {
         match text.trim().parse() {
             Ok(count) if count > 0 => Ok(Self(count)),
             _ => Err("expected a whole number from 1".to_owned()),
+        }
+    }
+}
+
+/// A number of threads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ThreadCount(pub usize);
+
+impl std::str::FromStr for ThreadCount {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let most = Threads::MOST;
+        match text.trim().parse() {
+            Ok(count) if (1..=most).contains(&count) => Ok(Self(count)),
+            _ => Err(format!("expected a whole number from 1 to {most}")),
         }
     }
 }

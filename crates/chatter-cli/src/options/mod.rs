@@ -11,7 +11,7 @@ mod quantity;
 mod section;
 mod sweep;
 
-pub use count::{Count, Precision};
+pub use count::{Count, Precision, ThreadCount};
 pub use counts::{Counts, Periods};
 pub use decimal::Decimal;
 pub use event::StopOption;

@@ -15,6 +15,14 @@ pub struct Assignment {
 }
 
 impl Assignment {
+    /// Of an expression to a name.
+    pub fn new(name: &str, text: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }
+    }
+
     /// Name and expression.
     pub fn pair(&self) -> (String, String) {
         (self.name.clone(), self.text.clone())
@@ -69,6 +77,12 @@ impl ModelOptions {
             }
             let from_option = |error: ModelError| error.with_source_name(&format!("--set {name}"));
             model.set_parameter(name, text).map_err(from_option)?;
+        }
+        // At the values of all of them: one at a time may lead through what none is meant to be.
+        if let Some(last) = self.set.last() {
+            let from_option =
+                |error: ModelError| error.with_source_name(&format!("--set {}", last.name));
+            model.check_defined().map_err(from_option)?;
         }
         Ok(Loaded { model, text })
     }

@@ -1,5 +1,6 @@
 //! How the orbits of a diagram are looked at and where they start.
 
+use super::SweepOption;
 use crate::diagram;
 use chatter::analysis::diagram::Observed;
 use chatter::analysis::simulate::EventKind;
@@ -32,26 +33,34 @@ impl std::str::FromStr for ObserveOption {
     }
 }
 
-/// `KIND[:NAME]`.
+/// `KIND[:NAME]`, or `NAME=EXPR`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AtOption {
-    /// The kind of event.
-    pub kind: EventKind,
-    /// The contact or section.
-    pub name: Option<String>,
+pub enum AtOption {
+    /// Samples are taken at events.
+    Event {
+        /// The kind of event.
+        kind: EventKind,
+        /// The contact or section.
+        name: Option<String>,
+    },
+    /// One value is looked at.
+    Value(SweepOption),
 }
 
 impl std::str::FromStr for AtOption {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        if let Some(value) = SweepOption::single(text) {
+            return Ok(Self::Value(value));
+        }
         let (kind, name) = match text.split_once(':') {
             Some((kind, name)) => (kind.trim(), Some(name.trim().to_owned())),
             None => (text.trim(), None),
         };
         let known = EventKind::ALL.into_iter();
         match known.clone().find(|known| known.name() == kind) {
-            Some(kind) => Ok(Self { kind, name }),
+            Some(kind) => Ok(Self::Event { kind, name }),
             None => Err(unknown("event", kind, known.map(|kind| kind.name()))),
         }
     }
@@ -66,6 +75,8 @@ pub enum StartOption {
     CarryUp,
     /// Where the orbit at the next higher value ended.
     CarryDown,
+    /// One orbit of each kind.
+    CarryBoth,
     /// At so many random points.
     Random(u64),
 }
@@ -74,16 +85,21 @@ impl std::str::FromStr for StartOption {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        const KNOWN: [&str; 5] = ["fresh", "carry", "carry:down", "carry:both", "random:COUNT"];
+        let other = |text: &str| Err(unknown("start", text, KNOWN.into_iter()));
         match text.trim().split_once(':') {
             None => match text.trim() {
                 "fresh" => Ok(Self::Fresh),
                 "carry" | "carry-up" => Ok(Self::CarryUp),
                 "carry-down" => Ok(Self::CarryDown),
-                other => Err(unknown(
-                    "start",
-                    other,
-                    ["fresh", "carry", "carry-down", "random:COUNT"].into_iter(),
-                )),
+                "carry-both" => Ok(Self::CarryBoth),
+                text => other(text),
+            },
+            Some(("carry", way)) => match way.trim() {
+                "up" => Ok(Self::CarryUp),
+                "down" => Ok(Self::CarryDown),
+                "both" => Ok(Self::CarryBoth),
+                _ => other(text.trim()),
             },
             Some(("random", count)) => match count.trim().parse() {
                 Ok(count) if count > 0 => Ok(Self::Random(count)),
@@ -91,11 +107,7 @@ impl std::str::FromStr for StartOption {
                     "`{count}` is no number of random starts: expected a whole number from 1"
                 )),
             },
-            Some((other, _)) => Err(unknown(
-                "start",
-                other,
-                ["fresh", "carry", "carry-down", "random:COUNT"].into_iter(),
-            )),
+            Some((text, _)) => other(text),
         }
     }
 }

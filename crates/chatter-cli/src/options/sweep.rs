@@ -1,14 +1,15 @@
 //! Ranges of a parameter, a quantity or a coordinate.
 
-use super::{Decimal, Quantity};
+use super::{Assignment, Decimal, Quantity};
 use crate::failure::Failure;
-use chatter::analysis::diagram::{Range, Spacing};
+use chatter::analysis::diagram::{Range, Spacing, Swept};
 use chatter::model::Model;
 
-/// `NAME=FROM:TO:COUNT`, with `:log` for equal ratios.
+/// `NAME=FROM:TO:COUNT`, with `:log` for equal ratios; `initial:NAME` for where a state starts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SweepOption {
     name: String,
+    swept: Swept,
     from: Quantity,
     to: Quantity,
     count: u64,
@@ -32,8 +33,10 @@ impl std::str::FromStr for SweepOption {
             .trim()
             .parse()
             .map_err(|_| format!("`{count}` is no number of values: {EXPECTED}"))?;
+        let (name, swept) = subject(name);
         Ok(Self {
-            name: name.trim().to_owned(),
+            name,
+            swept,
             from: Quantity(from.to_owned()),
             to: Quantity(to.to_owned()),
             count,
@@ -42,11 +45,40 @@ impl std::str::FromStr for SweepOption {
     }
 }
 
+/// The parameter, or the state whose initial value is meant.
+fn subject(name: &str) -> (String, Swept) {
+    match name.trim().strip_prefix("initial:") {
+        Some(state) => (state.trim().to_owned(), Swept::Initial),
+        None => (name.trim().to_owned(), Swept::Parameter),
+    }
+}
+
 impl SweepOption {
+    /// What a sweep of one value sets: a parameter, or an initial value.
+    pub fn assignment(&self) -> (Swept, Assignment) {
+        (self.swept, Assignment::new(&self.name, &self.from.0))
+    }
+
+    /// `NAME=EXPR`: a sweep of one value.
+    pub fn single(text: &str) -> Option<Self> {
+        let (name, value) = text.split_once('=')?;
+        let (name, swept) = subject(name);
+        let value = Quantity(value.trim().to_owned());
+        Some(Self {
+            name,
+            swept,
+            from: value.clone(),
+            to: value,
+            count: 1,
+            spacing: Spacing::Linear,
+        })
+    }
+
     /// The range where there is no model: its ends are numbers.
     pub fn plain(&self) -> Result<Range, Failure> {
         Ok(Range {
             parameter: self.name.clone(),
+            swept: self.swept,
             from: plain(&self.from, "--sweep")?,
             to: plain(&self.to, "--sweep")?,
             count: self.count,
@@ -56,14 +88,28 @@ impl SweepOption {
 
     /// The range, its ends evaluated at the model's parameters.
     pub fn range(&self, model: &mut Model) -> Result<Range, Failure> {
-        if model.parameter_index(&self.name).is_none() && model.state_index(&self.name).is_some() {
-            return Err(Failure::input(format!(
-                "`{}` is a state, not a parameter: it cannot be swept",
-                self.name
-            )));
+        let name = &self.name;
+        let parameter = model.parameter_index(name).is_some();
+        let state = model.state_index(name).is_some();
+        match self.swept {
+            Swept::Parameter if state && !parameter => {
+                return Err(
+                    Failure::input(format!("`{name}` is a state, not a parameter")).help(format!(
+                        "sweep its initial value: --sweep initial:{name}=FROM:TO:COUNT"
+                    )),
+                );
+            }
+            Swept::Initial if parameter && !state => {
+                return Err(Failure::input(format!(
+                    "`{name}` is a parameter, not a state: it has no initial value"
+                ))
+                .help(format!("sweep the parameter: --sweep {name}=FROM:TO:COUNT")));
+            }
+            Swept::Parameter | Swept::Initial => {}
         }
         Ok(Range {
-            parameter: self.name.clone(),
+            parameter: name.clone(),
+            swept: self.swept,
             from: self.from.value(model, "--sweep")?.high(),
             to: self.to.value(model, "--sweep")?.high(),
             count: self.count,

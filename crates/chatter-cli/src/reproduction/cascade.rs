@@ -50,8 +50,7 @@ fn panel(
 ) -> Result<Panel, Failure> {
     let spec = Spec {
         start: Start::CarryUp,
-        // One piece: the last iterate is carried through the whole range, as in the paper.
-        chunk: Some(columns),
+        // The last iterate is carried through the whole range, as in the paper.
         ..Spec::new(
             Range::linear("mu", from, to, columns),
             "z",
@@ -60,10 +59,7 @@ fn panel(
         )
     };
     let (sweep, rows) = sweep(map, &spec, advance)?;
-    let source = &mut InMemory {
-        sweep: &sweep,
-        rows: &rows,
-    };
+    let source = &mut InMemory::new(&sweep, &rows);
     picture::orbit_panel(&sweep, source)
 }
 

@@ -21,7 +21,6 @@ use chatter::analysis::map::Map;
 use chatter_io::figures::Figure;
 use chatter_io::reports::{Block, Picture};
 use core::ops::ControlFlow;
-use core::sync::atomic::AtomicBool;
 
 /// A figure with its number in the paper, or none.
 pub struct Plate {
@@ -68,21 +67,16 @@ pub fn sweep(map: &dyn Map, spec: &Spec, advance: &Advance) -> Result<(Sweep, Ve
     let sweep = Sweep::new(map, spec).map_err(Failure::input)?;
     let mut rows = Vec::new();
     let row_share = 1.0 / sweep.rows() as f64;
-    let stop = AtomicBool::new(false);
     let ending = run(
         map,
         &sweep,
         &Standing::default(),
         &Threads::available(),
-        &stop,
+        terminal::interrupt_flag(),
         &mut |row| {
             rows.push(row);
             advance(row_share);
-            if terminal::interrupted() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+            ControlFlow::Continue(())
         },
     );
     if ending == Ending::Stopped {

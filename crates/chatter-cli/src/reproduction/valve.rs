@@ -126,6 +126,7 @@ fn panels(valve: &Valve, window: &Window, advance: &Advance) -> Result<[Panel; 2
     let (from, to) = window.range;
     let spec = |range: Range, observe: &str| Spec {
         start: Start::CarryUp,
+        chunk: Some(Spec::quick_chunk(window.columns)),
         ..Spec::new(range, observe, TRANSIENT, KEPT)
     };
     let range = Range::linear("q", from, to, window.columns);

@@ -1,9 +1,9 @@
 //! A simulation as one JSON document.
 
-use super::{Subject, sentence};
+use super::{Subject, sentence, verification};
 use crate::named::Named;
 use crate::numbers::significant;
-use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation};
+use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation, Verification};
 use chatter::numerics::Real;
 use serde::{Serialize, Serializer};
 
@@ -29,6 +29,8 @@ struct Document<'a, R: Real> {
     counts: Counts,
     events: Events<'a, R>,
     contact_phases: Vec<Phase<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verification: Option<verification::Object<'a>>,
     model: ModelObject<'a>,
     parameters: Named<f64>,
     start: Start,
@@ -58,6 +60,7 @@ struct Counts {
     releases: u64,
     grazes: u64,
     sections: u64,
+    ambiguities: u64,
 }
 
 #[derive(Serialize)]
@@ -81,6 +84,8 @@ struct EventObject<'a> {
     time_digits: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     contact: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    other: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     section: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -106,6 +111,7 @@ struct EventObject<'a> {
 pub fn document<'a, R: Real>(
     subject: &'a Subject,
     simulation: &'a Simulation<R>,
+    verified: Option<&'a Verification>,
 ) -> impl Serialize + 'a {
     let writer = Writer { subject };
     let (time, state) = (writer.value(simulation.time), &simulation.state);
@@ -132,6 +138,7 @@ pub fn document<'a, R: Real>(
             releases: counts.releases,
             grazes: counts.grazes,
             sections: counts.sections,
+            ambiguities: counts.ambiguities,
         },
         events: Events {
             subject,
@@ -144,6 +151,7 @@ pub fn document<'a, R: Real>(
                 end: phase.end.map(Real::to_f64),
             })
             .collect(),
+        verification: verified.map(|verified| verification::object(subject, verified)),
         model: ModelObject {
             source: subject.source,
             title: subject.model.title.as_deref(),
@@ -238,7 +246,11 @@ impl<'a> Writer<'a> {
                 object.closes = Some(closes);
             }
             EventDetail::Graze { rate, .. } => rates(rate, rate),
-            EventDetail::Accumulation { impacts, error, .. } => {
+            EventDetail::Ambiguity { other, .. } => {
+                object.other = Some(&self.subject.model.contacts[other].name);
+            }
+            EventDetail::Accumulation { impacts, error, .. }
+            | EventDetail::Cascade { impacts, error, .. } => {
                 object.impacts = Some(impacts);
                 object.error = Some(error);
             }

@@ -7,6 +7,7 @@ pub mod picture;
 mod sample;
 mod sentence;
 pub mod table;
+pub mod verification;
 
 pub use account::Listing;
 pub use expectation::{Expectation, StepWatch};
@@ -17,6 +18,7 @@ use crate::numbers::Digits;
 use chatter::analysis::simulate::{EventDetail, Spec};
 use chatter::flow::Closed;
 use chatter::model::Model;
+use chatter::numerics::Real;
 
 /// What a simulation was about.
 pub struct Subject<'a> {
@@ -54,13 +56,10 @@ impl Subject<'_> {
     }
 
     /// Name of the contact or section of an event.
-    pub fn place<R>(&self, detail: &EventDetail<R>) -> &str {
-        match *detail {
-            EventDetail::Section { section } => &self.model.sections[section].name,
-            EventDetail::Impact { contact, .. }
-            | EventDetail::Accumulation { contact, .. }
-            | EventDetail::Release { contact }
-            | EventDetail::Graze { contact, .. } => &self.model.contacts[contact].name,
+    pub fn place<R: Real>(&self, detail: &EventDetail<R>) -> &str {
+        match detail {
+            EventDetail::Section { section } => &self.model.sections[*section].name,
+            _ => &self.model.contacts[detail.place()].name,
         }
     }
 }

@@ -25,6 +25,9 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
                 values.join(", ")
             )
         }
+        FlowError::Singular { time, kind } => {
+            format!("at time {} {}", number(*time), kind.description())
+        }
         FlowError::Penetrates { contact, gap } => format!(
             "the start lies beyond {}: its gap is {} there, and must not be negative",
             name(*contact),
@@ -48,13 +51,13 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
             contact,
             value,
         } => format!(
-            "at time {} {} has restitution {}, outside 0 <= r < 1",
+            "at time {} {} has restitution {}, outside 0 <= r <= 1",
             number(*time),
             name(*contact),
             number(*value)
         ),
-        FlowError::TooManyContacts { .. }
-        | FlowError::TooManySurfaces { .. }
-        | FlowError::ImpactsWithoutEnd { .. } => error.to_string(),
+        FlowError::TooManySurfaces { .. } | FlowError::ImpactsWithoutEnd { .. } => {
+            error.to_string()
+        }
     }
 }

@@ -276,12 +276,14 @@ impl Writer<'_> {
             _ => None,
         });
         let error = |detail: &EventDetail<R>| match *detail {
-            EventDetail::Accumulation { error, .. } => error,
+            EventDetail::Accumulation { error, .. } | EventDetail::Cascade { error, .. } => error,
             _ => f64::NAN,
         };
         let impacts = |detail: &EventDetail<R>| match *detail {
             EventDetail::Impact { .. } => 1,
-            EventDetail::Accumulation { impacts, .. } => impacts as i64,
+            EventDetail::Accumulation { impacts, .. } | EventDetail::Cascade { impacts, .. } => {
+                impacts as i64
+            }
             _ => 0,
         };
         let times: Vec<R> = events.iter().map(|event| event.time).collect();

@@ -67,7 +67,10 @@ pub fn account<R: Real>(findings: &Findings<R>, style: Style) -> String {
         let range = &sweep.spec().sweeps[0];
         let title = format!(
             "orbits for {} values of {} from {} to {}",
-            range.count, range.parameter, range.from, range.to
+            range.count,
+            range.name(),
+            range.from,
+            range.to
         );
         let mut lines = Vec::new();
         for outcome in Outcome::ALL {

@@ -65,10 +65,10 @@ pub fn document<R: Real>(findings: &Findings<R>) -> Object {
 }
 
 fn column<R: Real>(findings: &Findings<R>, sweep: &Sweep, row: &Row) -> Object {
-    let parameter = &sweep.spec().sweeps[0].parameter;
+    let parameter = sweep.spec().sweeps[0].name();
     let value = sweep.values(row.row)[0];
     Object::new(findings.digits)
-        .with(parameter, value)
+        .with(&parameter, value)
         .with("outcome", row.outcome.name())
         .with("period", row.period as i64)
         .with("exponent", row.exponent)

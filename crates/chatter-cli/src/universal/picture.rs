@@ -72,7 +72,7 @@ pub fn orbit_panel(sweep: &Sweep, source: &mut dyn Source) -> Result<Panel, Fail
     let axis = |name: &str| Axis::new(label(name));
     let range = &sweep.spec().sweeps[0];
     let drawn = densities(sweep, range, &axis, source, &View::default())?;
-    let none = || Panel::new(axis(&range.parameter), axis("z"));
+    let none = || Panel::new(axis(&range.name()), axis("z"));
     Ok(drawn.panels.into_iter().next().unwrap_or_else(none))
 }
 
@@ -81,6 +81,7 @@ pub fn label(name: &str) -> &'static str {
     match name {
         "mu" => "$\\mu$",
         "slope" => "$K$",
+        "initial_z" => "initial $z$",
         _ => "$z$",
     }
 }
@@ -88,7 +89,7 @@ pub fn label(name: &str) -> &'static str {
 /// Exponents over the parameter.
 pub fn exponent_panel(sweep: &Sweep, rows: &[Row]) -> Panel {
     let range = &sweep.spec().sweeps[0];
-    let x = label(&range.parameter);
+    let x = label(&range.name());
     let values = rows.iter().map(|row| sweep.values(row.row)[0]).collect();
     let exponents = rows.iter().map(|row| row.exponent).collect();
     Panel::new(

@@ -4,6 +4,7 @@
 //! nodes, however large the formula would be if written out.
 
 use super::graph::{Expr, Function, Graph, Node, Symbol};
+use super::tape::Sign;
 
 impl Graph {
     /// The partial derivative of `expr` with respect to `symbol`.
@@ -118,31 +119,34 @@ impl Graph {
 
     /// The derivative of a function at `argument`, where it takes the value `value`.
     fn slope(&mut self, function: Function, argument: Expr, value: Expr) -> Expr {
+        match self.signed_slope(function, argument, value) {
+            (Sign::Plus, slope) => slope,
+            (Sign::Minus, slope) => self.neg(slope),
+        }
+    }
+
+    /// The same as a sign and an expression without it.
+    pub(super) fn signed_slope(
+        &mut self,
+        function: Function,
+        argument: Expr,
+        value: Expr,
+    ) -> (Sign, Expr) {
         let one = self.number(1.0);
         let two = self.number(2.0);
-        match function {
+        let slope = match function {
             Function::Exp => value,
             Function::Ln => self.div(one, argument),
             Function::Sin => self.call(Function::Cos, argument),
-            Function::Cos => {
-                let sine = self.call(Function::Sin, argument);
-                self.neg(sine)
-            }
+            Function::Cos => self.call(Function::Sin, argument),
             Function::Tan => {
                 let square = self.power(value, two);
                 self.add(one, square)
             }
             Function::Asin | Function::Acos => {
-                // 1 - x^2 as a product: exact near the ends of the domain, where it decides everything.
-                let below = self.sub(one, argument);
-                let above = self.add(one, argument);
-                let square = self.mul(below, above);
+                let square = self.complement_of_square(argument);
                 let root = self.sqrt(square);
-                let slope = self.div(one, root);
-                match function {
-                    Function::Asin => slope,
-                    _ => self.neg(slope),
-                }
+                self.div(one, root)
             }
             Function::Atan => {
                 let square = self.power(argument, two);
@@ -155,7 +159,20 @@ impl Graph {
                 let square = self.power(value, two);
                 self.sub(one, square)
             }
-        }
+        };
+        let sign = match function {
+            Function::Cos | Function::Acos => Sign::Minus,
+            _ => Sign::Plus,
+        };
+        (sign, slope)
+    }
+
+    /// 1 - x^2 as a product: exact near the ends of the domain of inverse sine and cosine, where it decides everything.
+    pub(super) fn complement_of_square(&mut self, x: Expr) -> Expr {
+        let one = self.number(1.0);
+        let below = self.sub(one, x);
+        let above = self.add(one, x);
+        self.mul(below, above)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The expression graph: every distinct subexpression is held once.
 
 use super::Number;
+use super::domain::{Domain, Folding};
 use crate::numerics::DoubleDouble;
 use std::collections::{HashMap, HashSet};
 
@@ -79,12 +80,14 @@ const SMALL: usize = 4096;
 /// A set of expressions that share their common subexpressions.
 ///
 /// The constructors simplify as they build (rules in [`sum`](Self::sum), [`product`](Self::product),
-/// [`power`](Self::power) and [`call`](Self::call)). One law holds for all of them: wherever the expression as
-/// written has a finite value, the simplified one has the same; it may have a value in more places, since `x/x` is 1
-/// and `sqrt(x)^2` is `x`. The same calls in the same order build the same graph.
+/// [`power`](Self::power) and [`call`](Self::call)). One law holds for all of them: the simplified expression has a value
+/// where the expression as written has one, the same, and nowhere else: `x/x` is not 1, and `sqrt(x)^2` is not `x`. Only
+/// with [`Folding::Continued`] it may have a value in more places. The same calls in the same order build the same graph.
 #[derive(Clone, Default, Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
+    domains: Vec<Domain>,
+    folding: Folding,
     known: HashMap<Node, Expr>,
 }
 
@@ -92,6 +95,25 @@ impl Graph {
     /// The operation behind a handle of this graph.
     pub fn node(&self, expr: Expr) -> &Node {
         &self.nodes[expr.index()]
+    }
+
+    /// What simplifications may do from here on to where expressions have a value; returns what they might before.
+    pub fn set_folding(&mut self, folding: Folding) -> Folding {
+        core::mem::replace(&mut self.folding, folding)
+    }
+
+    pub(super) fn folding(&self) -> Folding {
+        self.folding
+    }
+
+    pub(super) fn domain(&self, expr: Expr) -> Domain {
+        self.domains[expr.index()]
+    }
+
+    /// Whether an expression may be left out with a factor of zero, or an exponent: nothing is lost of where the rest has
+    /// a value.
+    pub(super) fn can_vanish(&self, expr: Expr) -> bool {
+        self.folding == Folding::Continued || self.domain(expr).total
     }
 
     /// How many distinct expressions have been built.
@@ -177,6 +199,7 @@ impl Graph {
         }
         let index = u32::try_from(self.nodes.len()).expect("a graph of 2^32 nodes exceeds memory");
         let expr = Expr(index);
+        self.domains.push(self.domain_of(&node));
         self.nodes.push(node.clone());
         self.known.insert(node, expr);
         expr

@@ -1,8 +1,10 @@
 //! From expressions to a tape: each subexpression once, constants apart, functions by the differential equations that they
 //! satisfy.
 
+use super::domain::Folding;
 use super::eval::LARGEST_MULTIPLIED_EXPONENT;
 use super::graph::{Expr, Function, Graph, Node, Symbol};
+use super::singularity::{Singular, Singularity};
 use super::tape::{Op, Operand, Sign, Swing, Tape};
 use std::collections::HashMap;
 
@@ -14,6 +16,8 @@ impl Tape {
     ///
     /// `graph` may grow: powers with variable exponents become exponentials.
     pub fn new(graph: &mut Graph, dimension: usize, field: &[Expr], outputs: &[Expr]) -> Self {
+        // Constants are products and sums of what is checked as it was written; what the state changes is kept so.
+        let folding = graph.set_folding(Folding::Continued);
         let mut lowering = Lowering {
             stateful: Vec::new(),
             series: HashMap::new(),
@@ -30,18 +34,21 @@ impl Tape {
                 field: Vec::new(),
                 outputs: Vec::new(),
                 swings: Vec::new(),
+                singular: Vec::new(),
                 constants: Vec::new(),
             },
         };
         let field: Vec<Operand> = field.iter().map(|&e| lowering.operand(e)).collect();
         lowering.tape.field = field.into_iter().enumerate().collect();
         lowering.tape.outputs = outputs.iter().map(|&e| lowering.operand(e)).collect();
+        lowering.graph.set_folding(folding);
         let mut tape = lowering.tape;
         for swing in tape.ops.iter().filter_map(Op::swing) {
             if !tape.swings.contains(&swing) {
                 tape.swings.push(swing);
             }
         }
+        tape.find_singular();
         tape.integrate_at_once();
         tape
     }
@@ -155,7 +162,7 @@ impl Lowering<'_> {
             .into_iter()
             .partition(|&factor| self.depends_on_state(factor));
         let coefficient = self.graph.product(&fixed);
-        (coefficient, Some(self.graph.product(&varying)))
+        (coefficient, Some(self.product_as_written(&varying)))
     }
 
     /// Terms of a sum, each a coefficient and a series, and the offsets; constant factors are multiplied into the sums
@@ -224,10 +231,18 @@ impl Lowering<'_> {
             }
             return slot;
         }
-        let numerator = self.graph.product(&above);
-        let denominator = self.graph.product(&below);
+        let numerator = self.product_as_written(&above);
+        let denominator = self.product_as_written(&below);
         let numerator = self.operand(numerator);
         self.divide(numerator, denominator)
+    }
+
+    /// Of some of the factors of a product, as they stand in it.
+    fn product_as_written(&mut self, factors: &[Expr]) -> Expr {
+        let folding = self.graph.set_folding(Folding::Exact);
+        let product = self.graph.product(factors);
+        self.graph.set_folding(folding);
+        product
     }
 
     fn multiply(&mut self, left: usize, factor: Expr) -> usize {
@@ -351,8 +366,14 @@ impl Lowering<'_> {
                 cosine
             };
         }
+        if function == Function::Tan {
+            return self.tangent(argument);
+        }
         let expr = self.graph.call(function, argument);
         let slot = self.slot(argument);
+        if function == Function::Ln {
+            self.must_not_vanish(slot, Singularity::Logarithm);
+        }
         let slope = self.slope(slot);
         let out = self.new_slot();
         // Registered before its weight is lowered: some weights are functions of the result itself.
@@ -374,41 +395,36 @@ impl Lowering<'_> {
 
     /// The derivative of a function, as sign and series.
     fn weight(&mut self, function: Function, value: Expr, argument: Expr) -> (Sign, usize) {
-        let one = self.graph.number(1.0);
-        let two = self.graph.number(2.0);
-        let graph = &mut *self.graph;
-        let (sign, weight) = match function {
-            Function::Exp => (Sign::Plus, value),
-            Function::Ln => (Sign::Plus, graph.div(one, argument)),
-            Function::Tan => {
-                let square = graph.power(value, two);
-                (Sign::Plus, graph.add(one, square))
-            }
-            Function::Tanh => {
-                let square = graph.power(value, two);
-                (Sign::Plus, graph.sub(one, square))
-            }
-            Function::Atan => {
-                let square = graph.power(argument, two);
-                let sum = graph.add(one, square);
-                (Sign::Plus, graph.div(one, sum))
-            }
-            Function::Asin | Function::Acos => {
-                let square = graph.power(argument, two);
-                let rest = graph.sub(one, square);
-                let root = graph.sqrt(rest);
-                let sign = if function == Function::Asin {
-                    Sign::Plus
-                } else {
-                    Sign::Minus
-                };
-                (sign, graph.div(one, root))
-            }
-            Function::Sinh => (Sign::Plus, graph.call(Function::Cosh, argument)),
-            Function::Cosh => (Sign::Plus, graph.call(Function::Sinh, argument)),
-            Function::Sin | Function::Cos => (Sign::Plus, value),
-        };
-        (sign, self.slot(weight))
+        if matches!(function, Function::Asin | Function::Acos) {
+            let inside = self.graph.complement_of_square(argument);
+            let inside = self.slot(inside);
+            self.must_not_vanish(inside, Singularity::InverseSine);
+        }
+        let (sign, slope) = self.graph.signed_slope(function, argument, value);
+        (sign, self.slot(slope))
+    }
+
+    fn must_not_vanish(&mut self, slot: usize, kind: Singularity) {
+        self.tape.singular.push(Singular {
+            slot,
+            kind,
+            exponent: None,
+        });
+    }
+
+    /// As a quotient, so that its pole is the zero of a series.
+    fn tangent(&mut self, argument: Expr) -> usize {
+        let (sine, cosine) = self.sine_cosine(argument);
+        self.must_not_vanish(cosine, Singularity::Tangent);
+        let inverse = self.new_auxiliary();
+        let out = self.new_slot();
+        self.tape.ops.push(Op::Divide {
+            out,
+            numerator: Operand::Series(sine),
+            denominator: cosine,
+            inverse,
+        });
+        out
     }
 
     fn sine_cosine(&mut self, argument: Expr) -> (usize, usize) {

@@ -66,18 +66,27 @@ pub(super) fn folded_sum(a: DoubleDouble, b: DoubleDouble) -> Option<DoubleDoubl
     sum.is_finite().then(|| settled(sum))
 }
 
+/// Whether a result that should not be zero has lost digits at the lower end of the range.
+fn vanished(value: DoubleDouble) -> bool {
+    value.high().abs() < f64::MIN_POSITIVE
+}
+
 /// `a * b`, unless it leaves the range of numbers on either end.
 pub(super) fn folded_product(a: DoubleDouble, b: DoubleDouble) -> Option<DoubleDouble> {
     let product = a * b;
-    let vanished = product.high() == 0.0 && a.high() != 0.0 && b.high() != 0.0;
-    (product.is_finite() && !vanished).then(|| settled(product))
+    let trivial = [a, b].iter().any(|factor| {
+        let size = factor.high().abs();
+        factor.low() == 0.0 && (size == 0.0 || size == 1.0)
+    });
+    (product.is_finite() && (trivial || !vanished(product))).then(|| settled(product))
 }
 
 /// `a / b`, unless it is undefined or leaves the range of numbers on either end.
 pub(super) fn folded_quotient(a: DoubleDouble, b: DoubleDouble) -> Option<DoubleDouble> {
     let quotient = a / b;
-    let vanished = quotient.high() == 0.0 && a.high() != 0.0;
-    (quotient.is_finite() && !vanished && b.is_finite()).then(|| settled(quotient))
+    let trivial = a.high() == 0.0 || (b.low() == 0.0 && b.high().abs() == 1.0);
+    let lost = !trivial && vanished(quotient);
+    (quotient.is_finite() && !lost && b.is_finite()).then(|| settled(quotient))
 }
 
 /// `base ^ exponent` where that is an integer power, or a half-integer power of a perfect square, and stays in range.
@@ -105,7 +114,7 @@ fn folded_integer_power(base: DoubleDouble, exponent: i32) -> Option<DoubleDoubl
         return None;
     }
     let power = integer_power(base, exponent.abs());
-    if power.high() == 0.0 || !power.is_finite() {
+    if vanished(power) || !power.is_finite() {
         return None;
     }
     if exponent < 0 {

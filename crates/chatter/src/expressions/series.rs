@@ -25,6 +25,8 @@ pub struct Expansion<S> {
     values: Vec<S>,
     /// Rounding remainders of order zero, where they are known: of states and of linear combinations.
     lows: Vec<S>,
+    /// Bounds of the rounding errors of order zero, where a singular point is near.
+    pub(super) errors: Vec<S>,
     auxiliaries: Vec<S>,
     reciprocals: Vec<S>,
 }
@@ -43,6 +45,7 @@ impl<S: Scalar> Expansion<S> {
             order: 0,
             values: vec![S::splat(0.0); slots * Self::STRIDE],
             lows: vec![S::splat(0.0); slots],
+            errors: vec![S::splat(0.0); slots],
             auxiliaries: vec![S::splat(0.0); auxiliaries],
             reciprocals,
         }
@@ -69,8 +72,14 @@ impl<S: Scalar> Expansion<S> {
     }
 
     #[inline(always)]
-    fn get(&self, slot: usize, k: usize) -> S {
+    pub(super) fn get(&self, slot: usize, k: usize) -> S {
         self.values[slot * Self::STRIDE + k]
+    }
+
+    /// What an operation divides by, as a factor.
+    #[inline(always)]
+    pub(super) fn inverse(&self, auxiliary: usize) -> S {
+        self.auxiliaries[auxiliary]
     }
 
     #[inline(always)]
@@ -81,6 +90,27 @@ impl<S: Scalar> Expansion<S> {
     #[inline(always)]
     fn part(&self, slot: usize, from: usize, to: usize) -> &[S] {
         &self.values[slot * Self::STRIDE + from..slot * Self::STRIDE + to]
+    }
+
+    /// The sizes, added up, of the terms that a series is the sum of at its start: what its value there is rounded against.
+    pub fn size_of_terms(&self, tape: &Tape, constants: &[S], slot: usize) -> S {
+        let sum = tape.ops.iter().find_map(|op| match *op {
+            Op::Linear {
+                out,
+                offset,
+                first,
+                end,
+            } if out == slot => Some((offset, &tape.terms[first..end])),
+            _ => None,
+        });
+        let Some((offset, terms)) = sum else {
+            return self.get(slot, 0).abs();
+        };
+        let mut size = offset.map_or(S::splat(0.0), |index| constants[index].abs());
+        for &(coefficient, slot) in terms {
+            size += (constants[coefficient] * self.get(slot, 0)).abs();
+        }
+        size
     }
 
     /// How large the last terms of a series are against its leading ones, for each of several truncation orders: each
@@ -131,13 +161,18 @@ impl<S: Scalar> Expansion<S> {
     /// The series that swings and by how much it may.
     #[inline(always)]
     fn allowed_swing(&self, swing: Swing, constants: &[S]) -> (usize, S) {
-        // A power below this, base-two logarithm, is nothing.
+        // A power or exponential below this, base-two logarithm, is nothing.
         const NOTHING: f64 = -330.0;
         // Coarse logarithms may make a step an eighth too long.
         const NOT_ALL_THE_WAY: f64 = 0.8;
         let half_order = S::splat(0.5 * self.order as f64);
         match swing {
-            Swing::Exponential { argument } => (argument, half_order),
+            Swing::Exponential { argument } => {
+                let nothing = S::splat(NOTHING * core::f64::consts::LN_2) - self.get(argument, 0);
+                let far = nothing * S::splat(NOT_ALL_THE_WAY);
+                (argument, half_order.max(far))
+            }
+            Swing::Hyperbolic { argument } => (argument, half_order),
             Swing::Saturating { argument } => {
                 // 1 - tanh^2 a = 4 e^(-2|a|) is visible up to here.
                 let visible = S::splat(-0.5 * libm::log(S::ROUNDOFF) - 1.0);
@@ -170,6 +205,7 @@ impl<S: Scalar> Expansion<S> {
         low: &[S],
         values: &mut [S],
     ) {
+        self.make_room(tape);
         self.order = 0;
         self.start(tape, state, low);
         self.run_order(tape, constants, S::splat(0.0), 0);
@@ -194,6 +230,7 @@ impl<S: Scalar> Expansion<S> {
         tau: S,
         order: usize,
     ) {
+        self.make_room(tape);
         self.order = order;
         self.start(tape, state, low);
         for k in 0..order {
@@ -217,6 +254,32 @@ impl<S: Scalar> Expansion<S> {
             };
             self.set(slot, k + 1, value);
         }
+    }
+
+    /// The rounding remainder of an output of the latest [`evaluate`](Self::evaluate), where it is known.
+    #[inline(always)]
+    pub(crate) fn output_remainder(&self, tape: &Tape, index: usize) -> S {
+        match tape.outputs[index] {
+            Operand::Series(slot) => self.lows[slot],
+            Operand::Constant(_) => S::splat(0.0),
+        }
+    }
+
+    /// Modes are compiled when they are met, and may need more room than those before.
+    #[inline(always)]
+    fn make_room(&mut self, tape: &Tape) {
+        if self.lows.len() < tape.slots || self.auxiliaries.len() < tape.auxiliaries {
+            self.grow(tape);
+        }
+    }
+
+    #[cold]
+    fn grow(&mut self, tape: &Tape) {
+        let slots = tape.slots.max(self.lows.len());
+        self.values.resize(slots * Self::STRIDE, S::splat(0.0));
+        self.lows.resize(slots, S::splat(0.0));
+        let auxiliaries = tape.auxiliaries.max(self.auxiliaries.len());
+        self.auxiliaries.resize(auxiliaries, S::splat(0.0));
     }
 
     /// Puts the state into its slots.
@@ -465,7 +528,7 @@ impl<S: Scalar> Expansion<S> {
 /// The outermost products come last: one of them holds the coefficient that was computed just before, and the rest of
 /// the sum need not wait for it.
 #[inline(always)]
-fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
+pub(super) fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
     let n = a.len();
     let (Some(&first), Some(&last)) = (a.first(), b.get(n.wrapping_sub(1))) else {
         return S::splat(0.0);

@@ -67,6 +67,7 @@ impl Graph {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Folding;
     use super::*;
 
     #[test]
@@ -82,6 +83,7 @@ mod tests {
         });
         let inverse = graph.div(y, x);
         assert_eq!(swapped, graph.mul(p, inverse));
+        graph.set_folding(Folding::Continued);
         let both = graph.substitute(expr, &|symbol| (symbol == Symbol::State(0)).then_some(y));
         assert_eq!(both, p);
         assert!(graph.depends_on_state(expr) && !graph.depends_on_state(both));

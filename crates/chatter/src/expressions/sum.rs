@@ -10,7 +10,8 @@ impl Graph {
     ///
     /// Sums within are flattened, like terms merged (`2*x + 3*x` is `5*x`) at the place of the first; otherwise the
     /// terms keep their order, for it decides what cancels against what in rounding. `a - (b + c)` stays as it is,
-    /// unless a term of the inner sum meets a like term outside.
+    /// unless a term of the inner sum meets a like term outside. What cancels leaves `0*x` behind, if x has no value
+    /// everywhere.
     pub fn sum(&mut self, terms: &[Expr]) -> Expr {
         let one = self.number(1.0);
         let mut pending = terms.to_vec();
@@ -30,7 +31,7 @@ impl Graph {
             let mut rebuilt = Vec::with_capacity(collected.entries.len());
             let mut again = false;
             for &(rest, coefficient) in &collected.entries {
-                if coefficient.high() == 0.0 {
+                if coefficient.high() == 0.0 && self.can_vanish(rest) {
                     continue;
                 }
                 if self.meets_like_terms(rest, coefficient, one, &collected) {

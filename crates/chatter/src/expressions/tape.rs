@@ -6,6 +6,7 @@
 //! runs it.
 
 use super::graph::{Expr, Function, Graph};
+use super::singularity::Singular;
 use crate::numerics::Real;
 
 /// Where a value comes from while a tape runs.
@@ -95,8 +96,10 @@ pub(crate) enum Op {
 /// A series of which a function may grow out of next to nothing: no coefficient of the function shows it beforehand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Swing {
-    /// Argument of an exponential or of a hyperbolic sine and cosine.
+    /// Argument of an exponential, which is zero to rounding where the argument is far below zero.
     Exponential { argument: usize },
+    /// Argument of a hyperbolic sine and cosine.
+    Hyperbolic { argument: usize },
     /// Argument of a hyperbolic tangent, which is constant to rounding where the argument is large.
     Saturating { argument: usize },
     /// Base of a power; the exponent is a constant of the tape.
@@ -106,7 +109,9 @@ pub(crate) enum Swing {
 impl Swing {
     fn slot(self) -> usize {
         match self {
-            Self::Exponential { argument } | Self::Saturating { argument } => argument,
+            Self::Exponential { argument }
+            | Self::Hyperbolic { argument }
+            | Self::Saturating { argument } => argument,
             Self::Power { base, .. } => base,
         }
     }
@@ -149,10 +154,15 @@ impl Op {
     pub(super) fn swing(&self) -> Option<Swing> {
         match *self {
             Self::Integral {
-                function: Function::Exp | Function::Sinh | Function::Cosh,
+                function: Function::Exp,
                 argument,
                 ..
             } => Some(Swing::Exponential { argument }),
+            Self::Integral {
+                function: Function::Sinh | Function::Cosh,
+                argument,
+                ..
+            } => Some(Swing::Hyperbolic { argument }),
             Self::Integral {
                 function: Function::Tanh,
                 argument,
@@ -177,6 +187,8 @@ pub struct Tape {
     pub(crate) outputs: Vec<Operand>,
     /// What limits a step besides the size of its last terms.
     pub(crate) swings: Vec<Swing>,
+    /// What must not vanish along a step.
+    pub(crate) singular: Vec<Singular>,
     pub(super) constants: Vec<Expr>,
 }
 
@@ -188,6 +200,7 @@ impl Tape {
         let read = (operands.filter_map(|operand| operand.slot()))
             // Nothing else may read what swings: a power of a multiple can be the multiple of a power.
             .chain(self.swings.iter().map(|swing| swing.slot()))
+            .chain(self.singular.iter().map(|singular| singular.slot))
             .chain(self.ops.iter().flat_map(|op| op.reads(&self.terms)));
         for slot in read {
             readers[slot] += 1;

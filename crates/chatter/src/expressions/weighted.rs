@@ -13,16 +13,19 @@ pub(super) struct Weighted {
 }
 
 impl Weighted {
-    /// Adds the weight to that of the equal operand if there is one, at the place of its first occurrence.
-    pub fn add(&mut self, operand: Expr, weight: DoubleDouble) {
+    /// Adds the weight to that of the equal operand if there is one, at the place of its first occurrence. Returns the
+    /// place.
+    pub fn add(&mut self, operand: Expr, weight: DoubleDouble) -> usize {
         if let Some(&place) = self.place.get(&operand)
             && let Some(sum) = folded_sum(self.entries[place].1, weight)
         {
             self.entries[place].1 = sum;
-            return;
+            return place;
         }
-        self.place.insert(operand, self.entries.len());
+        let place = self.entries.len();
+        self.place.insert(operand, place);
         self.entries.push((operand, weight));
+        place
     }
 
     /// The weight of an operand, if it has been added.

@@ -18,7 +18,7 @@ impl<R: Real> Workspace<R> {
 }
 
 /// Dense output of the latest step: the expansion itself.
-pub struct Dense<'w, R> {
+pub struct Dense<'w, R: Real> {
     work: &'w Workspace<R>,
 }
 

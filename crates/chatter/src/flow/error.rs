@@ -1,5 +1,6 @@
 //! Why a trajectory cannot go on.
 
+use crate::expressions::Singularity;
 use core::fmt;
 
 /// What the method could not do, with the numbers. What was computed before stays valid.
@@ -11,6 +12,13 @@ pub enum FlowError {
         time: f64,
         /// That state.
         state: Vec<f64>,
+    },
+    /// The equations stop being smooth here: a denominator, or the argument of a root or logarithm, reaches zero.
+    Singular {
+        /// Time of it.
+        time: f64,
+        /// What reaches zero.
+        kind: Singularity,
     },
     /// The start lies inside the obstacle.
     Penetrates {
@@ -33,13 +41,6 @@ pub enum FlowError {
         /// Index of the contact.
         contact: usize,
     },
-    /// A model with more contacts than closed sets can be enumerated for.
-    TooManyContacts {
-        /// How many it has.
-        count: usize,
-        /// How many are allowed.
-        limit: usize,
-    },
     /// A model with more contacts and sections than can be watched at once.
     TooManySurfaces {
         /// How many it has.
@@ -47,7 +48,7 @@ pub enum FlowError {
         /// How many are allowed.
         limit: usize,
     },
-    /// A restitution outside [0, 1) at an impact.
+    /// A restitution outside [0, 1] at an impact.
     Restitution {
         /// Time of the impact.
         time: f64,
@@ -70,10 +71,10 @@ impl FlowError {
     pub const fn name(&self) -> &'static str {
         match self {
             Self::LeftDomain { .. } => "left_domain",
+            Self::Singular { .. } => "singular",
             Self::Penetrates { .. } => "penetrates",
             Self::DependentContacts { .. } => "dependent_contacts",
             Self::UndecidedRelease { .. } => "undecided_release",
-            Self::TooManyContacts { .. } => "too_many_contacts",
             Self::Restitution { .. } => "restitution",
             Self::ImpactsWithoutEnd { .. } => "impacts_without_end",
             Self::TooManySurfaces { .. } => "too_many_surfaces",
@@ -88,6 +89,9 @@ impl fmt::Display for FlowError {
                 out,
                 "the equations leave their domain after time {time}: they have no finite value past the state {state:?}"
             ),
+            Self::Singular { time, kind } => {
+                write!(out, "at time {time} {}", kind.description())
+            }
             Self::Penetrates { contact, gap } => write!(
                 out,
                 "the initial state lies inside contact {}: its gap is {gap}, and a gap must not be negative",
@@ -103,12 +107,6 @@ impl fmt::Display for FlowError {
                  whether it opens",
                 contact + 1
             ),
-            Self::TooManyContacts { count, limit } => {
-                write!(
-                    out,
-                    "the model has {count} contacts; at most {limit} are supported"
-                )
-            }
             Self::TooManySurfaces { count, limit } => write!(
                 out,
                 "the model has {count} contacts and sections; at most {limit} are supported"
@@ -119,7 +117,7 @@ impl fmt::Display for FlowError {
                 value,
             } => write!(
                 out,
-                "at time {time} contact {} has restitution {value}, outside [0, 1)",
+                "at time {time} contact {} has restitution {value}, outside [0, 1]",
                 contact + 1
             ),
             Self::ImpactsWithoutEnd { time, count } => write!(

@@ -6,13 +6,15 @@
 
 use super::error::FlowError;
 use super::occurrence::Occurrence;
-use super::program::{Closed, IMPACT_SCALARS, Program, ProgramConstants};
+use super::program::{Closed, IMPACT_SCALARS, ImpactTape, Program, ProgramConstants};
 use super::step::{NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::{Settings, System};
 use super::touching::Touching;
 use super::trajectory::{StepResult, Trajectory};
+use crate::expressions::Tape;
 use crate::numerics::dispatch::{Kernel, dispatch};
 use crate::numerics::{LaneMask, Lanes, Scalar};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 /// What becomes of a trajectory after an occurrence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,14 +25,40 @@ pub enum Next {
     Retire,
 }
 
-/// Which constants of which tape differ between the trajectories of a fleet; the others are loaded once.
-#[derive(Clone, Debug)]
-struct Varying {
-    tape: Vec<usize>,
-    impacts: Vec<Vec<usize>>,
+/// Constants of the tapes of a mode: which of them differ between the trajectories of a fleet, and the others.
+#[derive(Debug)]
+struct Shared<const L: usize> {
+    varying_tape: Vec<usize>,
+    varying_impacts: Vec<Vec<usize>>,
+    tape: Vec<Lanes<L>>,
+    impacts: Vec<Vec<Lanes<L>>>,
 }
 
-/// Runs trajectories of one system side by side until each retires.
+impl<const L: usize> Shared<L> {
+    /// Takes what does not differ from any of the trajectories.
+    fn new(
+        system: &System,
+        mode: usize,
+        program: &Program,
+        swept: &[usize],
+        any: &ProgramConstants<f64>,
+    ) -> Self {
+        let splat = |values: &[f64]| values.iter().map(|&value| Lanes::splat(value)).collect();
+        let depending = |tape: &Tape| system.constants_depending_on(mode, tape, swept);
+        let of_impact = |impact: &Option<ImpactTape>| {
+            (impact.as_ref()).map_or_else(Vec::new, |impact| depending(&impact.tape))
+        };
+        Self {
+            varying_tape: depending(&program.tape),
+            varying_impacts: program.impacts.iter().map(of_impact).collect(),
+            tape: splat(&any.tape),
+            impacts: any.impacts.iter().map(|impact| splat(impact)).collect(),
+        }
+    }
+}
+
+/// Runs trajectories of one system side by side until each retires, or until `stop` is set: then it returns after the step
+/// it is at.
 ///
 /// `visit` hears of every occurrence of every trajectory, by index, and may replace the trajectory. All may differ in
 /// the parameters named in `swept` (by index) and in nothing else of the model.
@@ -39,11 +67,12 @@ pub fn run_fleet<V>(
     settings: &Settings,
     swept: &[usize],
     trajectories: &mut [Trajectory<f64>],
+    stop: &AtomicBool,
     visit: V,
 ) where
     V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {
-    Fleet::<WIDTH, V>::new(system, settings, swept, trajectories, visit).run();
+    Fleet::<WIDTH, V>::new(system, settings, swept, trajectories, visit).run(stop);
 }
 
 /// Lanes of a vector of trajectories: four registers with AVX-512, eight with AVX2. Fewer leave the processor waiting for
@@ -56,7 +85,7 @@ const FEW: usize = 4;
 /// Trajectories whose next steps run the same program with the same roots divided out.
 #[derive(Debug)]
 struct Queue {
-    closed: Closed,
+    mode: usize,
     touching: Touching,
     /// By order class, those that can share a vector: index of the trajectory and its unit of time.
     waiting: [Vec<(usize, f64)>; ORDER_CLASSES],
@@ -66,14 +95,15 @@ struct Fleet<'a, const L: usize, V> {
     system: &'a System,
     trajectories: &'a mut [Trajectory<f64>],
     visit: V,
-    varying: Vec<Option<Varying>>,
-    constants: Vec<Option<ProgramConstants<Lanes<L>>>>,
+    swept: Vec<usize>,
+    /// By number of the mode.
+    shared: Vec<Option<Shared<L>>>,
     wide: Workspace<Lanes<L>>,
     single: Workspace<f64>,
     queues: Vec<Queue>,
     /// The queue that was joined last: often the next one, too.
     joined: usize,
-    loaded: Option<Closed>,
+    loaded: Option<usize>,
 }
 
 struct LaneStep<'a, const L: usize> {
@@ -134,45 +164,9 @@ where
         trajectories: &'a mut [Trajectory<f64>],
         visit: V,
     ) -> Self {
-        let splat = |values: &[f64]| {
-            values
-                .iter()
-                .map(|&value| Lanes::splat(value))
-                .collect::<Vec<_>>()
-        };
-        let constants = match trajectories.first() {
-            Some(first) => first
-                .constants
-                .iter()
-                .map(|constants| {
-                    constants.as_ref().map(|c| ProgramConstants {
-                        tape: splat(&c.tape),
-                        impacts: c.impacts.iter().map(|impact| splat(impact)).collect(),
-                        locals: Vec::new(),
-                        captures: Vec::new(),
-                        reactions: Vec::new(),
-                    })
-                })
-                .collect(),
-            None => Vec::new(),
-        };
-        let varying = system.programs().map(|program| {
-            program.map(|program| Varying {
-                tape: system.constants_depending_on(&program.tape, swept),
-                impacts: program
-                    .impacts
-                    .iter()
-                    .map(|impact| {
-                        impact.as_ref().map_or_else(Vec::new, |i| {
-                            system.constants_depending_on(&i.tape, swept)
-                        })
-                    })
-                    .collect(),
-            })
-        });
         Self {
-            varying: varying.collect(),
-            constants,
+            swept: swept.to_vec(),
+            shared: Vec::new(),
             wide: system.workspace(settings),
             single: system.workspace(settings),
             queues: Vec::new(),
@@ -184,11 +178,13 @@ where
         }
     }
 
-    fn run(mut self) {
+    fn run(mut self, stop: &AtomicBool) {
         for index in 0..self.trajectories.len() {
             self.enqueue(index);
         }
-        while let Some((queue, class)) = self.fullest() {
+        while let Some((queue, class)) = self.fullest()
+            && !stop.load(Ordering::Relaxed)
+        {
             self.step(queue, class);
         }
     }
@@ -218,20 +214,19 @@ where
             if !trajectory.has_pending() {
                 break;
             }
-            let horizon = trajectory.horizon();
-            let outcome = trajectory.advance(self.system, &mut self.single, horizon);
+            let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);
             if tell(&mut self.visit, index, trajectory, outcome) == Next::Retire {
                 return;
             }
         }
         let trajectory = &self.trajectories[index];
-        let (closed, touching) = (trajectory.closed, trajectory.touching);
+        let (mode, touching) = (trajectory.mode, trajectory.touching);
         let (class, tau) = trajectory.plan();
-        let same = |queue: &Queue| queue.closed == closed && queue.touching == touching;
+        let same = |queue: &Queue| queue.mode == mode && queue.touching == touching;
         if !self.queues.get(self.joined).is_some_and(same) {
             self.joined = self.queues.iter().position(same).unwrap_or_else(|| {
                 self.queues.push(Queue {
-                    closed,
+                    mode,
                     touching,
                     waiting: Default::default(),
                 });
@@ -244,10 +239,10 @@ where
     /// Takes up to a vector of trajectories from a queue and moves each by one step.
     fn step(&mut self, place: usize, class: usize) {
         let queue = &mut self.queues[place];
-        let (closed, touching) = (queue.closed, queue.touching);
+        let (mode, touching) = (queue.mode, queue.touching);
         let waiting = &mut queue.waiting[class];
-        let Some(program) = self.system.program(closed) else {
-            // A trajectory enters only phases that have a program.
+        let Some(program) = self.system.program(mode) else {
+            // A trajectory enters only modes that have a program.
             waiting.clear();
             return;
         };
@@ -259,8 +254,7 @@ where
         if count <= FEW {
             for &(index, _) in &members[..count] {
                 let trajectory = &mut self.trajectories[index];
-                let horizon = trajectory.horizon();
-                let outcome = trajectory.advance(self.system, &mut self.single, horizon);
+                let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);
                 self.hand_on(index, outcome);
             }
             return;
@@ -268,7 +262,7 @@ where
         for lane in count..L {
             members[lane] = members[0];
         }
-        let remaining = self.gather(closed, &members);
+        let remaining = self.gather(mode, program, &members);
         let certain = self.wide.vector_step(program, class, touching);
         for (lane, &(index, _)) in members[..count].iter().enumerate() {
             if certain.0[lane] {
@@ -292,16 +286,23 @@ where
 
     /// Loads states and constants into lanes; returns the time left to each.
     #[inline]
-    fn gather(&mut self, closed: Closed, members: &[(usize, f64); L]) -> [f64; L] {
-        let phase = closed.0 as usize;
-        let (Some(constants), Some(varying)) = (&mut self.constants[phase], &self.varying[phase])
-        else {
+    fn gather(&mut self, mode: usize, program: &Program, members: &[(usize, f64); L]) -> [f64; L] {
+        if self.shared.len() <= mode {
+            self.shared.resize_with(mode + 1, || None);
+        }
+        if self.shared[mode].is_none()
+            && let Some(any) = &self.trajectories[members[0].0].constants[mode]
+        {
+            let shared = Shared::new(self.system, mode, program, &self.swept, any);
+            self.shared[mode] = Some(shared);
+        }
+        let Some(shared) = &self.shared[mode] else {
             return [0.0; L];
         };
-        if self.loaded != Some(closed) {
-            self.wide.constants.clone_from(&constants.tape);
-            self.wide.impact_constants.clone_from(&constants.impacts);
-            self.loaded = Some(closed);
+        if self.loaded != Some(mode) {
+            self.wide.constants.clone_from(&shared.tape);
+            self.wide.impact_constants.clone_from(&shared.impacts);
+            self.loaded = Some(mode);
         }
         let mut remaining = [0.0; L];
         for (lane, &(index, tau)) in members.iter().enumerate() {
@@ -312,12 +313,16 @@ where
             for (wide, &value) in self.wide.low.iter_mut().zip(&trajectory.low) {
                 wide.0[lane] = value;
             }
+            for (section, wide) in self.wide.sides.iter_mut().enumerate() {
+                wide.0[lane] = trajectory.sides.get(section);
+            }
             self.wide.tau.0[lane] = tau;
+            self.wide.least_step.0[lane] = trajectory.least_step();
             remaining[lane] = trajectory.remaining();
-            let Some(own) = &trajectory.constants[phase] else {
+            let Some(own) = &trajectory.constants[mode] else {
                 continue;
             };
-            for &place in &varying.tape {
+            for &place in &shared.varying_tape {
                 self.wide.constants[place].0[lane] = own.tape[place];
             }
             for ((wide, own), places) in self
@@ -325,7 +330,7 @@ where
                 .impact_constants
                 .iter_mut()
                 .zip(&own.impacts)
-                .zip(&varying.impacts)
+                .zip(&shared.varying_impacts)
             {
                 for &place in places {
                     wide[place].0[lane] = own[place];
@@ -345,6 +350,9 @@ where
         }
         for (value, wide) in trajectory.low.iter_mut().zip(&self.wide.low) {
             *value = wide.0[lane];
+        }
+        for (section, wide) in self.wide.sides.iter().enumerate() {
+            trajectory.sides.set(section, wide.0[lane]);
         }
         for (reach, wide) in trajectory
             .reach
@@ -375,6 +383,8 @@ where
             step: self.wide.step.0[lane],
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
+            crowd: Closed::NONE,
+            jumped: false,
             at_horizon: event == NO_EVENT && StepResult::reaches(self.wide.step.0[lane], remaining),
             impact: [0.0; IMPACT_SCALARS],
             flight_time: self.wide.flight_time.0[lane],
@@ -476,7 +486,7 @@ mod tests {
             &mut trajectories,
             visit,
         )
-        .run();
+        .run(&AtomicBool::new(false));
         ends
     }
 
@@ -486,8 +496,7 @@ mod tests {
             let mut trajectory = trajectory.clone();
             let mut told = 0;
             while told < occurrences {
-                let horizon = trajectory.horizon();
-                let what = trajectory.advance(&columns.system, &mut work, horizon);
+                let what = trajectory.advance_to_horizon(&columns.system, &mut work);
                 told += usize::from(what.expect("a finite field").is_some());
             }
             end(&trajectory)

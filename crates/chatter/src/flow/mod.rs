@@ -1,24 +1,30 @@
 //! The hybrid flow: flight, impact, chatter, sticking, release.
 //!
 //! ```text
-//! model -> System      compiled once: a Program (field, guards, impact tapes) for each set of closed contacts
+//! model -> System      a Program (field, guards, impact tapes) for each set of closed contacts that is met
+//!          touch       all contacts at one state: rates, couplings, directions, for impacts of several at one instant
 //!          variation derivatives as further states of the same system: columns, saltation at impacts
 //!       -> Trajectory  the mode machine: one state, its phase, what happened (Occurrence)
 //!            step      expand, locate the first guard, move, collide: branch-free, any number type
 //!            resolve   the rare cases a step cannot certify, settled with full root isolation
+//!            crossing  where a section is crossed, by the side of it that the trajectory comes from (sides)
 //!            chatter   the end of an infinite impact sequence, extrapolated
 //! ```
 
 pub(crate) mod border_value;
 mod chatter;
+mod crossing;
 mod dense;
 mod error;
 mod fleet;
+mod modes;
 mod occurrence;
 mod program;
 mod resolve;
+mod sides;
 mod step;
 mod system;
+mod touch;
 mod touching;
 mod trajectory;
 mod variation;

@@ -25,9 +25,27 @@ pub enum Occurrence<R> {
         contact: usize,
         /// How many impacts of the sequence were integrated one by one.
         impacts: u64,
-        /// Estimated error of its time: of the completion, and of rounding (or the tolerance) in the impacts before it, but
+        /// Estimated local error of its time: of the completion, and of rounding (or the tolerance) in the impacts before it, but
         /// not of the state that the sequence began from.
         error: f64,
+    },
+    /// Binary collisions at one instant that have no last one, as of plastic bodies between others, converged: their limit
+    /// is taken.
+    Cascade {
+        /// The contact of the latest of them.
+        contact: usize,
+        /// How many were carried out one by one.
+        impacts: u64,
+        /// Estimated error of the rates, in units of the greatest of them before the first collision.
+        error: f64,
+    },
+    /// Two contacts close at one instant, and what follows depends on which of them collides first: the equations do not
+    /// say it. The contact that closes fastest goes first.
+    Ambiguity {
+        /// The contact that collides first.
+        contact: usize,
+        /// The contact that could as well.
+        other: usize,
     },
     /// An impact without rebound: the contact is closed from here on.
     Capture {
@@ -39,7 +57,9 @@ pub enum Occurrence<R> {
         /// Where.
         contact: usize,
     },
-    /// A section was crossed in its direction.
+    /// A section was crossed in its direction: the sign of its function has changed. At the instant of another event that it
+    /// cannot be told apart from it comes after that; the state then lies on the section only if nothing made its function
+    /// jump.
     Section {
         /// Which.
         section: usize,

@@ -1,5 +1,6 @@
 //! What runs in one phase: the field that holds while a given set of contacts is closed, and its guards.
 
+use super::chatter::{SequenceConstants, SequenceExprs, SequenceTapes};
 use super::touching::Touching;
 use crate::expressions::{Expr, Graph, Node, Operand, Symbol, Tape};
 use crate::model::{Direction, Mechanics, Section};
@@ -8,7 +9,7 @@ use crate::numerics::roots::Crossing;
 
 /// A set of contacts in persistent contact, one bit each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
-pub struct Closed(pub u32);
+pub struct Closed(pub u128);
 
 impl Closed {
     /// No contact is closed: free flight.
@@ -33,7 +34,12 @@ impl Closed {
 
     /// Contacts of the set, ascending.
     pub fn contacts(self) -> impl Iterator<Item = usize> {
-        (0..32).filter(move |&contact| self.contains(contact))
+        let mut rest = self.0;
+        core::iter::from_fn(move || {
+            let first = (rest != 0).then(|| rest.trailing_zeros() as usize)?;
+            rest &= rest - 1;
+            Some(first)
+        })
     }
 }
 
@@ -58,6 +64,8 @@ pub struct Guard {
     pub(crate) series: Operand,
     /// Whether its series may need shorter steps than those of the states.
     pub(crate) is_expanded: bool,
+    /// Whether it is a combination of states, which are summed without rounding.
+    pub(crate) is_affine: bool,
 }
 
 impl Guard {
@@ -71,13 +79,15 @@ impl Guard {
 #[derive(Clone, Debug)]
 pub struct ImpactTape {
     pub(crate) tape: Tape,
-    /// Components that change; their new values are the outputs after the five scalars.
+    /// Components that change; their new values are the outputs after the scalars.
     pub(crate) changed: Vec<usize>,
+    /// Whether its impulse leaves the rates of all closed contacts as they are. Else it is one of several collisions.
+    pub(crate) is_alone: bool,
 }
 
-/// Outputs of an impact tape before the changed components: rate before and after, acceleration and jerk after, and the
-/// restitution that an impact of vanishing rate would have here.
-pub(crate) const IMPACT_SCALARS: usize = 5;
+/// Outputs of an impact tape before the changed components: rate before and after, acceleration and jerk after, the
+/// restitution here and that of an impact of vanishing rate.
+pub(crate) const IMPACT_SCALARS: usize = 6;
 
 /// Gap, rate, acceleration and jerk of a contact at a state, in a program's field.
 pub(crate) const LOCAL_SCALARS: usize = 4;
@@ -87,14 +97,20 @@ pub(crate) const LOCAL_SCALARS: usize = 4;
 pub struct Program {
     pub(crate) tape: Tape,
     pub(crate) guards: Vec<Guard>,
+    /// How many of them are gaps.
+    pub(crate) gaps: usize,
     /// Per contact; none where it is closed.
     pub(crate) impacts: Vec<Option<ImpactTape>>,
+    /// Per contact: what its chatter sequences are completed by; none where it is closed.
+    pub(crate) sequences: Vec<Option<SequenceTapes>>,
     /// Per contact: gap, rate, acceleration, jerk.
     pub(crate) locals: Vec<Tape>,
     /// Per contact: the state brought to rest on it (gap and rate zero).
     pub(crate) captures: Vec<Tape>,
-    /// Minus the reactions of the closed contacts, in order.
-    pub(crate) reactions: Tape,
+    /// Gap and rate of each closed contact, in order.
+    pub(crate) residuals: Tape,
+    /// The field of the model's own states, at a point.
+    pub(crate) field: Tape,
 }
 
 /// The constants of a program's tapes at one parameter set.
@@ -102,9 +118,11 @@ pub struct Program {
 pub(crate) struct ProgramConstants<R> {
     pub tape: Vec<R>,
     pub impacts: Vec<Vec<R>>,
+    pub sequences: Vec<SequenceConstants<R>>,
     pub locals: Vec<Vec<R>>,
     pub captures: Vec<Vec<R>>,
-    pub reactions: Vec<R>,
+    pub residuals: Vec<R>,
+    pub field: Vec<R>,
 }
 
 /// What holds while a set of contacts is closed, as expressions.
@@ -119,6 +137,8 @@ pub(crate) struct Phase {
     pub impacts: Vec<Vec<Expr>>,
     /// For each contact the state once its rate is taken away.
     pub rests: Vec<Vec<Expr>>,
+    /// For each contact what its chatter sequences are completed by.
+    pub sequences: Vec<SequenceExprs>,
 }
 
 impl Phase {
@@ -133,7 +153,7 @@ impl Phase {
         };
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
-        let rests = contacts
+        let rests: Vec<Vec<Expr>> = contacts
             .iter()
             .map(|contact| {
                 (contact.jump.iter().enumerate())
@@ -145,7 +165,11 @@ impl Phase {
                     .collect()
             })
             .collect();
+        let sequences = (contacts.iter().zip(&rests))
+            .map(|(contact, rest)| SequenceExprs::new(graph, contact, rest))
+            .collect();
         Some(Self {
+            sequences,
             closed,
             field,
             reactions,
@@ -200,6 +224,7 @@ impl Program {
                 kind,
                 crossing,
                 series,
+                is_affine: is_affine(graph, function, dimension),
                 is_expanded: match kind {
                     GuardKind::Gap(_) => !is_state(graph, function),
                     GuardKind::Reaction(_) | GuardKind::Section(_) => {
@@ -209,6 +234,7 @@ impl Program {
             })
             .collect();
         let mut impacts = Vec::new();
+        let mut sequences = Vec::new();
         let mut locals = Vec::new();
         let mut captures = Vec::new();
         for (index, contact) in contacts.iter().enumerate() {
@@ -228,8 +254,11 @@ impl Program {
             captures.push(Tape::new(graph, dimension, &[], &at_rest));
             if closed.contains(index) {
                 impacts.push(None);
+                sequences.push(None);
                 continue;
             }
+            let sequence = SequenceTapes::new(graph, dimension, &phase.sequences[index]);
+            sequences.push(Some(sequence));
             let after = &phase.impacts[index];
             let at_after = |graph: &mut Graph, expr| {
                 graph.substitute(expr, &|symbol| match symbol {
@@ -250,6 +279,7 @@ impl Program {
                 rate_after,
                 acceleration_after,
                 jerk_after,
+                contact.restitution,
                 restitution_at_rest,
             ];
             let mut changed = Vec::new();
@@ -260,19 +290,33 @@ impl Program {
                     outputs.push(value);
                 }
             }
+            let is_alone = closed.contacts().all(|other| {
+                let change = graph.lie_derivative(contacts[other].rate, &contact.jump);
+                graph
+                    .as_number(change)
+                    .is_some_and(|value| value.high() == 0.0)
+            });
             impacts.push(Some(ImpactTape {
                 tape: Tape::new(graph, dimension, &[], &outputs),
                 changed,
+                is_alone,
             }));
         }
-        let reactions = Tape::new(graph, dimension, &[], &pushes);
+        let residuals: Vec<Expr> = (closed.contacts())
+            .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
+            .collect();
+        let residuals = Tape::new(graph, dimension, &[], &residuals);
+        let at_point = Tape::new(graph, dimension, &[], &field[..mechanics.field.len()]);
         Self {
             tape,
+            gaps: contacts.len() - closed.contacts().count(),
             guards,
             impacts,
+            sequences,
             locals,
             captures,
-            reactions,
+            residuals,
+            field: at_point,
         }
     }
 
@@ -289,19 +333,32 @@ impl Program {
                 .iter()
                 .map(|impact| impact.as_ref().map_or_else(Vec::new, |i| of(&i.tape)))
                 .collect(),
+            sequences: (self.sequences.iter())
+                .map(|sequence| match sequence {
+                    Some(tapes) => tapes.constants(graph, parameters),
+                    None => SequenceConstants::none(),
+                })
+                .collect(),
             locals: self.locals.iter().map(of).collect(),
             captures: self.captures.iter().map(of).collect(),
-            reactions: of(&self.reactions),
+            residuals: of(&self.residuals),
+            field: of(&self.field),
         }
     }
 
     /// Every tape, for sizing scratch space.
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
-        [&self.tape, &self.reactions]
+        [&self.tape, &self.residuals, &self.field]
             .into_iter()
             .chain(&self.locals)
             .chain(&self.captures)
             .chain(self.impacts.iter().flatten().map(|impact| &impact.tape))
+            .chain(
+                self.sequences
+                    .iter()
+                    .flatten()
+                    .flat_map(SequenceTapes::tapes),
+            )
     }
 }
 

@@ -1,12 +1,13 @@
 //! Settles the steps that [`step`](super::step) could not certify: full root isolation on every guard.
 
+use super::crossing::SectionPath;
 use super::error::FlowError;
-use super::program::{GuardKind, Program};
-use super::step::{NO_EVENT, Workspace};
-use super::touching::Touching;
-use crate::expressions::Operand;
+use super::program::{Guard, GuardKind, Program};
+use super::step::{LEAST_GROWTH, NO_EVENT, Workspace};
+use super::touching::{Left, Touching};
+use crate::expressions::{Operand, Singularity};
 use crate::numerics::Real;
-use crate::numerics::polynomial::magnitude;
+use crate::numerics::polynomial::{horner_with_slope, magnitude};
 use crate::numerics::roots::{Crossing, Root, RootKind, first_root};
 
 /// How a settled step ends, beyond the workspace's event code.
@@ -16,14 +17,19 @@ pub(crate) struct Resolution {
     pub touched: Option<usize>,
     /// The step ends within the remaining time, not at it.
     pub shortened: bool,
+    /// A section was crossed without the state lying on it: an impact made its function jump.
+    pub jumped: bool,
 }
 
-/// The unit of time shrinks by this factor while an expansion overflows, this many times at most.
-const SHRINK: f64 = 1e-6;
-const SHRINKS: usize = 8;
+/// The unit of time shrinks by [`LEAST_GROWTH`] while an expansion overflows or reaches less far than that, this many
+/// times at most.
+const SHRINKS: usize = 40;
 
-/// A first root may lie this many halvings of the step close to its start.
-const HALVINGS: usize = 60;
+/// Towards a singular point a step goes half the way or a quarter; this many times that is beyond it.
+const BEYOND: f64 = 16.0;
+
+/// A first root may lie this many halvings of the step close to its start: all that a double can be halved.
+const HALVINGS: usize = 1100;
 
 /// Expands again at the highest order and finds the first event with certainty. The workspace holds the inputs of the
 /// step; afterwards its step and event are set, the state is not moved yet.
@@ -31,37 +37,85 @@ pub(crate) fn resolve<R: Real>(
     work: &mut Workspace<R>,
     program: &Program,
     class: usize,
-    touching: Touching,
+    (touching, left): (Touching, Left<R>),
 ) -> Result<Resolution, Unsettled> {
     let mut tries = 0;
     loop {
         work.expand_only(program, class);
         let is_step = work.scaled_step.is_finite() && work.scaled_step > R::ZERO;
-        if is_step && expansion_is_finite(work, program) {
+        let is_finite = is_step && expansion_is_finite(work, program);
+        if is_finite && (work.growth >= R::splat(LEAST_GROWTH) || tries == SHRINKS) {
             break;
+        }
+        if !is_finite && let Some((kind, after)) = work.singularity(program) {
+            let after = after.to_f64();
+            return Err(Unsettled::Singular { kind, after });
         }
         tries += 1;
         if tries > SHRINKS {
             return Err(Unsettled::NotFinite);
         }
-        work.tau *= R::splat(SHRINK);
+        work.tau *= R::splat(LEAST_GROWTH);
     }
+    let stalls = work.scaled_step * work.tau <= work.least_step && work.horizon > work.least_step;
+    if work.is_clear() && !stalls {
+        return first_event(work, program, (touching, left));
+    }
+    let Some((kind, after)) = work.singularity(program) else {
+        return Err(Unsettled::NotFinite);
+    };
+    // The singular point cannot be told from here. Neither can what lies there: an impact comes first, and ends it.
+    work.scaled_step = (work.scaled_step * R::splat(BEYOND)).min(work.horizon / work.tau);
+    let resolution = first_event(work, program, (touching, left))?;
+    let ends = work.event != R::splat(NO_EVENT) || resolution.touched.is_some();
+    if ends {
+        Ok(resolution)
+    } else {
+        let after = after.to_f64();
+        Err(Unsettled::Singular { kind, after })
+    }
+}
+
+/// The first event within the workspace's step, which it shortens.
+fn first_event<R: Real>(
+    work: &mut Workspace<R>,
+    program: &Program,
+    (touching, left): (Touching, Left<R>),
+) -> Result<Resolution, Unsettled> {
     work.event = R::splat(NO_EVENT);
     let mut touched = None;
     let whole = work.scaled_step;
+    let ends_the_run = whole * work.tau >= work.horizon;
     for (index, guard) in program.guards.iter().enumerate() {
         if guard.is_balanced(touching.get(index)) {
             continue;
         }
-        let one_sided = !matches!(guard.kind, GuardKind::Section(_));
         let Some(p) = work.guard_series(guard.series, touching.get(index)) else {
             continue;
         };
         let width = work.scaled_step;
-        let found = if one_sided {
-            first_closing(p, width, work.noise(), touching.get(index) > 0)?
+        let busy = touched.is_some() || work.event >= R::ZERO;
+        let at_end = ends_the_run && !busy;
+        let found = if let GuardKind::Section(section) = guard.kind {
+            let path = section_path(work, program, guard, (p, section), touching.get(index));
+            (path.first(width)).or_else(|| path.at_end(width).filter(|_| at_end))
         } else {
-            first_crossing(p, width, work.noise(), guard.crossing)
+            let is_left = touching.get(index) > 0;
+            let terms = if is_left || guard.is_affine {
+                R::ZERO
+            } else {
+                size_of_terms(work, program, guard)
+            };
+            match left.positive_coefficients(index, p, work.tau) {
+                0 => first_closing(p, width, (Workspace::<R>::NOISE, terms), is_left)?,
+                count => first_closing(
+                    &risen(p, count),
+                    width,
+                    (Workspace::<R>::NOISE, terms),
+                    true,
+                )?,
+            }
+            .or_else(|| closing_at_end(p, width, Workspace::<R>::NOISE).filter(|_| at_end))
         };
         let Some(root) = found else { continue };
         work.scaled_step = root.at;
@@ -76,19 +130,112 @@ pub(crate) fn resolve<R: Real>(
             }
         }
     }
+    let jumped = find_sides(work, program, touching);
     Ok(Resolution {
         touched,
         shortened: work.scaled_step < whole,
+        jumped,
     })
 }
 
+/// The first section that is crossed where the trajectory is, by the sides that it comes from, and whether by a jump. The
+/// workspace holds the inputs of a step; afterwards its sides and event are those of a step of no length.
+pub(crate) fn crossed_here<R: Real>(
+    work: &mut Workspace<R>,
+    program: &Program,
+    class: usize,
+    touching: Touching,
+) -> Option<bool> {
+    work.expand_only(program, class);
+    work.scaled_step = R::ZERO;
+    work.event = R::splat(NO_EVENT);
+    for (index, guard) in program.guards.iter().enumerate() {
+        let (GuardKind::Section(section), Some(p)) = (
+            guard.kind,
+            work.guard_series(guard.series, touching.get(index)),
+        ) else {
+            continue;
+        };
+        if let Some(jumped) =
+            section_path(work, program, guard, (p, section), touching.get(index)).crossed_at_start()
+        {
+            work.event = R::splat(index as f64);
+            find_sides(work, program, touching);
+            return Some(jumped);
+        }
+    }
+    None
+}
+
+fn section_path<'p, R: Real>(
+    work: &Workspace<R>,
+    program: &Program,
+    guard: &Guard,
+    (series, section): (&'p [R], usize),
+    touching: u8,
+) -> SectionPath<'p, R> {
+    let terms = if touching == 0 {
+        size_of_terms(work, program, guard)
+    } else {
+        R::ZERO
+    };
+    SectionPath {
+        series,
+        crossing: guard.crossing,
+        side: work.sides[section],
+        terms,
+        reach: work.growth,
+        noise: Workspace::<R>::NOISE,
+    }
+}
+
+/// What the value of a guard where the step begins is rounded against.
+fn size_of_terms<R: Real>(work: &Workspace<R>, program: &Program, guard: &Guard) -> R {
+    match guard.series {
+        Operand::Series(slot) => {
+            (work.expansion).size_of_terms(&program.tape, &work.constants, slot)
+        }
+        Operand::Constant(_) => R::ZERO,
+    }
+}
+
+/// Finds on which side of each section the step ends. Returns whether it ends by a jump across one.
+fn find_sides<R: Real>(work: &mut Workspace<R>, program: &Program, touching: Touching) -> bool {
+    let width = work.scaled_step;
+    let mut jumped = false;
+    for (index, guard) in program.guards.iter().enumerate() {
+        let (GuardKind::Section(section), Some(p)) = (
+            guard.kind,
+            work.guard_series(guard.series, touching.get(index)),
+        ) else {
+            continue;
+        };
+        let path = section_path(work, program, guard, (p, section), touching.get(index));
+        let side = if work.event == R::splat(index as f64) {
+            jumped = width == R::ZERO && path.crossed_at_start() == Some(true);
+            path.side_after(width)
+        } else {
+            path.side_at(width)
+        };
+        work.sides[section] = side;
+    }
+    jumped
+}
+
 /// Why a step cannot be settled; the caller knows time and state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Unsettled {
     /// The field has no finite expansion here.
     NotFinite,
     /// A guard that was just left does not grow.
     Stuck,
+    /// Something that must not vanish does.
+    Singular {
+        /// What.
+        kind: Singularity,
+        /// In what time.
+        after: f64,
+    },
 }
 
 impl Unsettled {
@@ -98,6 +245,10 @@ impl Unsettled {
             Self::NotFinite => FlowError::LeftDomain {
                 time: time.to_f64(),
                 state: state.iter().map(|x| x.to_f64()).collect(),
+            },
+            Self::Singular { kind, after } => FlowError::Singular {
+                time: time.to_f64() + after,
+                kind,
             },
             Self::Stuck => FlowError::UndecidedRelease {
                 time: time.to_f64(),
@@ -128,15 +279,47 @@ fn expansion_is_finite<R: Real>(work: &Workspace<R>, program: &Program) -> bool 
         .all(|slot| magnitude(work.expansion.series(slot), work.scaled_step).is_finite())
 }
 
-/// The first zero of a gap or reaction, which is positive at the start up to noise.
+/// The zero at the end of a step that stops short of it by no more than rounding.
+fn closing_at_end<R: Real>(p: &[R], width: R, noise: f64) -> Option<Root<R>> {
+    let (value, slope) = horner_with_slope(p, width);
+    let level = magnitude(p, width) * R::splat(noise);
+    let closes = p[0] > level && value <= level && slope * width < -level;
+    closes.then_some(Root {
+        at: width,
+        kind: RootKind::Crossing,
+    })
+}
+
+/// A guard whose so many lowest coefficients are known not to be negative, without those that vanish at its start.
+fn risen<R: Real>(p: &[R], count: usize) -> Vec<R> {
+    let known = p[..count].iter().map(|&c| c.max(R::ZERO));
+    let zeros = known.clone().take_while(|&c| c == R::ZERO).count();
+    known
+        .chain(p[count..].iter().copied())
+        .skip(zeros)
+        .collect()
+}
+
+/// The first zero of a gap or reaction, which is positive at the start up to noise; and the value there is the sum of terms
+/// of this size.
 fn first_closing<R: Real>(
     p: &[R],
     width: R,
-    noise: f64,
+    (noise, terms): (f64, R),
     left: bool,
 ) -> Result<Option<Root<R>>, Unsettled> {
     let start = p[0];
     let noise_within = |end: R| magnitude(p, end) * R::splat(noise);
+    let level = noise_within(width).max(terms * R::splat(noise));
+    if start > level {
+        return Ok(first_root(p, width, Crossing::Falling, level));
+    }
+    if !left && let Some(at) = turns_at_once(p, level).filter(|&at| at <= width) {
+        return Ok(Some(Root {
+            at,
+            kind: RootKind::Touching,
+        }));
+    }
     if start > noise_within(width) {
         return Ok(first_root(p, width, Crossing::Falling, noise_within(width)));
     }
@@ -151,7 +334,7 @@ fn first_closing<R: Real>(
                 kind: RootKind::Crossing,
             }));
         }
-        return first_closing(&p[1..], width, noise, true);
+        return first_closing(&p[1..], width, (noise, R::ZERO), true);
     }
     // Positive, but small against what the guard reaches later: search pieces that double in length, each with the
     // noise of its own size.
@@ -178,19 +361,14 @@ fn first_closing<R: Real>(
     Ok(None)
 }
 
-/// The first zero of a section in (0, width]; a start on the section does not count.
-fn first_crossing<R: Real>(p: &[R], width: R, noise: f64, crossing: Crossing) -> Option<Root<R>> {
-    let level = magnitude(p, width) * R::splat(noise);
-    if level == R::ZERO {
-        // The trajectory runs within the surface, as one at rest does in that of its velocity: no crossing.
+/// Where a guard that is zero up to rounding falls no deeper than rounding before it rises: a graze, whatever sign its value
+/// has.
+fn turns_at_once<R: Real>(p: &[R], level: R) -> Option<R> {
+    let &[_, slope, bend, ..] = p else {
         return None;
-    }
-    if p[0].abs() > level || p.len() < 3 {
-        return first_root(p, width, crossing, level);
-    }
-    let rest = &p[1..];
-    let level = magnitude(rest, width) * R::splat(noise);
-    first_root(rest, width, crossing, level)
+    };
+    let turns = slope <= R::ZERO && bend > R::ZERO && slope * slope <= R::splat(4.0) * bend * level;
+    turns.then(|| -slope / (bend + bend))
 }
 
 /// Coefficients of s -> p(begin + s).

@@ -8,7 +8,7 @@ use super::chatter::Tail;
 use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
 use super::touching::Touching;
-use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
+use crate::expressions::{Expansion, MAX_ORDER, Operand, Singularity, Tape};
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::{
     bernstein, bernstein_from, horner, horner_with_slope, magnitude,
@@ -22,6 +22,11 @@ pub(crate) const ORDER_CLASSES: usize = f64::ORDERS.len();
 /// A step may outgrow the predicted one by this factor at most: beyond it the scaled coefficients say little.
 const GROWTH: f64 = 4.0;
 
+/// And it must not fall below this part of the unit of time that the expansion was scaled with: so far inside, the sizes
+/// of coefficients, which grow like powers of that unit, say nothing of how far the expansion reaches. A step as long as
+/// they do say, after a release from a long rest, may be too short to leave the contact by more than rounding.
+pub(crate) const LEAST_GROWTH: f64 = 1.0 / 16.0;
+
 /// A value is told from zero if it exceeds this many roundoffs of the terms that it is the sum of. The sums have some
 /// fifty terms of falling size, each wrong by a few roundoffs.
 pub(crate) const NOISE_ROUNDOFFS: f64 = 32.0;
@@ -29,6 +34,11 @@ pub(crate) const NOISE_ROUNDOFFS: f64 = 32.0;
 /// Truncation may take this part of the tolerance, so that at rounding level it adds little to what rounding does anyway:
 /// a quarter costs one step in twenty and makes errors after a hundred impacts in chaos four times smaller.
 const TRUNCATION_SHARE: f64 = 0.25;
+
+/// A guard falls below zero by at least p'^2 / (2 p'') after a root: certainly further than noise if (p' s)^2 exceeds the
+/// noise by this factor times the sum of the terms' sizes, of which s^2 p'' is at most the square of the order. Else it
+/// may be a graze.
+const GRAZE: f64 = 2.0 * (MAX_ORDER * MAX_ORDER) as f64;
 
 /// Newton's method stops once a correction is this small relative to the root: the next would be its square.
 const NEWTON_DONE: f64 = 1e-8;
@@ -40,12 +50,25 @@ const RESTITUTION_SLACK: f64 = 1e-12;
 /// Longer than any time of interest, yet finite, so that products with zero stay zero.
 pub(crate) const FOREVER: f64 = 1e30;
 
+/// A step this short against what its expansion reaches, as from an event to the end of a run, says nothing of signs: what
+/// changes within it is rounding.
+const INSTANT: f64 = 1e-12;
+
+/// The least step: one of a time that is kept as a sum of two numbers, and cannot tell even thousands of shorter ones; nor
+/// do products of shorter ones keep their digits.
+pub(crate) fn least_step<S: Scalar>(time: S) -> S {
+    const UNTOLD: f64 = 1e-12;
+    const SHORTEST: f64 = 1e-290;
+    let lowest = S::splat(S::ROUNDOFF * UNTOLD);
+    (time.abs() * S::splat(S::ROUNDOFF)).mul_add(lowest, S::splat(SHORTEST))
+}
+
 /// Result code for a step without event.
 pub(crate) const NO_EVENT: f64 = -1.0;
 
 /// The number of a type that a step works with, its inputs and its results.
 #[derive(Clone, Debug)]
-pub struct Workspace<S> {
+pub struct Workspace<S: Scalar> {
     pub(crate) expansion: Expansion<S>,
     /// For values at a point, so that the expansion of the step survives as dense output.
     pub(crate) point: Expansion<S>,
@@ -58,32 +81,40 @@ pub struct Workspace<S> {
     /// State before the step, overwritten by the state after it; `low` is its rounding remainder.
     pub(crate) state: Vec<S>,
     pub(crate) low: Vec<S>,
+    /// For each section its side, 1 or -1, or 0 where that is not known: before the step, then after it.
+    pub(crate) sides: Vec<S>,
     /// Unit of the scaled time.
     pub(crate) tau: S,
     /// The step is at most this long.
     pub(crate) horizon: S,
+    /// Time cannot tell a step that is shorter: see [`least_step`].
+    pub(crate) least_step: S,
+    /// Where nothing that must not vanish does so at the start of the step, and all numbers are finite.
+    clear: S::Mask,
     /// How far an expansion of each order reaches; entries above the order used are kept.
     pub(crate) reach: [S; ORDER_CLASSES],
+    /// How far the latest expansion reaches, in its unit of time.
+    pub(crate) growth: S,
 
     /// Results: the scaled and the true length of the step, the index of the guard that ended it or [`NO_EVENT`].
     pub(crate) scaled_step: S,
     pub(crate) step: S,
     pub(crate) event: S,
-    /// After an impact: rate before and after, acceleration, jerk, restitution at rest, predicted length of the flight.
+    /// After an impact: rate before and after, acceleration, jerk, restitution here and at rest, predicted length of the
+    /// flight.
     pub(crate) impact: [S; IMPACT_SCALARS],
     pub(crate) flight_time: S,
     /// Base-two logarithm of the relative tolerance.
     log_tolerance: f64,
     /// When and how precisely chatter sequences are completed.
     pub(crate) tail: Tail,
-    noise: f64,
 }
 
 impl<S: Scalar> Workspace<S> {
     /// Scratch space for programs whose tapes are given.
     pub(crate) fn new<'a>(
         tapes: impl Iterator<Item = &'a Tape>,
-        dimension: usize,
+        (dimension, sections): (usize, usize),
         settings: &Settings,
     ) -> Self {
         let zero = S::splat(0.0);
@@ -103,16 +134,19 @@ impl<S: Scalar> Workspace<S> {
             impact_constants: Vec::new(),
             state: vec![zero; dimension],
             low: vec![zero; dimension],
+            sides: vec![zero; sections],
             tau: zero,
             horizon: zero,
+            least_step: zero,
+            clear: S::Mask::splat(true),
             reach: [zero; ORDER_CLASSES],
+            growth: zero,
             scaled_step: zero,
             step: zero,
             event: zero,
             impact: [zero; IMPACT_SCALARS],
             flight_time: zero,
             log_tolerance: libm::log2(tolerance * TRUNCATION_SHARE),
-            noise: NOISE_ROUNDOFFS * tolerance,
             tail: Tail {
                 longest: settings.longest_tail,
                 precision: tolerance,
@@ -120,10 +154,9 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
-    /// Relative size below which a polynomial's value is noise.
-    pub(crate) fn noise(&self) -> f64 {
-        self.noise
-    }
+    /// Relative size below which a polynomial's value is noise: it is known to rounding wherever it is evaluated, however
+    /// far from the solution its truncation may be.
+    pub(crate) const NOISE: f64 = NOISE_ROUNDOFFS * S::ROUNDOFF;
 
     /// Expands the flow at order class `class` and finds how far each order reaches.
     #[inline(always)]
@@ -156,7 +189,26 @@ impl<S: Scalar> Workspace<S> {
         }
         let resolved = (self.expansion).resolved(&program.tape, &self.constants, GROWTH);
         self.reach[class] = self.reach[class].min(self.tau * resolved);
-        self.scaled_step = (self.reach[class]).min(self.horizon) / self.tau;
+        let wanted = (self.reach[class]).min(self.horizon) / self.tau;
+        let (regular, clear) =
+            (self.expansion).regular(&program.tape, &self.constants, wanted, &mut self.bernstein);
+        self.reach[class] = S::select(regular.less(wanted), self.tau * regular, self.reach[class]);
+        self.growth = self.reach[class] / self.tau;
+        self.scaled_step = regular;
+        self.clear = clear & self.is_finite();
+    }
+
+    /// Whether the expansion has no coefficient that is no number: what is wrong somewhere is so in the first or last of
+    /// some state.
+    #[inline(always)]
+    fn is_finite(&self) -> S::Mask {
+        let order = self.expansion.order();
+        let mut nothing = S::splat(0.0);
+        for slot in 0..self.state.len() {
+            let series = self.expansion.series(slot);
+            nothing = (series[1].abs() + series[order].abs()).mul_add(S::splat(0.0), nothing);
+        }
+        nothing.is_finite()
     }
 
     /// The polynomial of a guard, its `touching` leading coefficients divided out: roots known to lie at the start.
@@ -172,7 +224,12 @@ impl<S: Scalar> Workspace<S> {
     #[inline(always)]
     pub(crate) fn locate(&mut self, program: &Program, touching: Touching) -> S::Mask {
         self.event = S::splat(NO_EVENT);
-        let mut certain = self.scaled_step.is_finite() & S::splat(0.0).less(self.scaled_step);
+        let step = self.scaled_step * self.tau;
+        let mut certain = self.clear
+            & step.is_finite()
+            & self.least_step.less(step)
+            & S::splat(LEAST_GROWTH).at_most(self.growth);
+        let mut sections_met = 0_u128;
         for (index, guard) in program.guards.iter().enumerate() {
             let Operand::Series(slot) = guard.series else {
                 continue;
@@ -181,23 +238,42 @@ impl<S: Scalar> Workspace<S> {
             let end = self.scaled_step;
             let start = p[0];
             let rest = magnitude(&p[1..], end) * end;
-            let noise = (rest + start.abs()) * S::splat(self.noise);
+            let noise = (rest + start.abs()) * S::splat(Self::NOISE);
             let mut settled = (rest + noise).less(start.abs());
-            let must_be_positive = !matches!(guard.kind, GuardKind::Section(_));
-            if must_be_positive {
+            let must_be_positive = if let GuardKind::Section(section) = guard.kind {
+                let side = &mut self.sides[section];
+                let here = sign(start);
+                let is_known = S::splat(0.0).less(side.abs());
+                let agrees = S::splat(0.0).less(*side * here) & S::splat(0.0).less(start.abs());
+                certain = certain
+                    & (agrees | (!is_known & noise.less(start.abs())))
+                    & (self.growth * S::splat(INSTANT)).less(end);
+                *side = here;
+                false
+            } else {
                 certain = certain & noise.less(start);
-            }
+                true
+            };
             if settled.all() {
                 continue;
             }
-            let (root, converged) = newton(p, quadratic_root(p), end);
+            if !must_be_positive {
+                sections_met |= 1 << index;
+            }
+            let (root, converged, slope) = newton(p, quadratic_root(p), end);
             let root_inside = S::splat(0.0).less(root) & root.at_most(end) & converged;
+            let drop = slope * root;
+            let is_clear = (noise * (rest + start.abs()) * S::splat(GRAZE)).less(drop * drop);
             let falls = falls_steadily(p, root) & noise.less(start);
-            let mut found = root_inside & falls;
+            let mut found = root_inside & falls & is_clear;
+            if !must_be_positive && found.any() {
+                // A root that cannot be told from the end of the step may coincide with what happens there.
+                found = found & noise.less(horner(p, end).abs());
+            }
             settled = settled | found;
             let mut at = root;
             if !settled.all() {
-                settled = settled | rises(p, end, noise, self.noise, &mut self.bernstein);
+                settled = settled | rises(p, end, noise, Self::NOISE, &mut self.bernstein);
             }
             if !settled.all() {
                 let n = p.len();
@@ -211,7 +287,7 @@ impl<S: Scalar> Workspace<S> {
                 let need = one & !settled;
                 if need.any() {
                     let guess = count.first_change * end * S::splat(1.0 / (n - 1) as f64);
-                    let (second, converged) = newton(p, guess, end);
+                    let (second, converged, _) = newton(p, guess, end);
                     let inside = S::splat(0.0).less(second) & second.at_most(end) & converged;
                     let good = need & inside;
                     at = S::select(good, second, at);
@@ -224,12 +300,88 @@ impl<S: Scalar> Workspace<S> {
             self.scaled_step = S::select(found, at, self.scaled_step);
             self.event = S::select(found, S::splat(index as f64), self.event);
         }
+        if sections_met != 0 {
+            certain = certain & self.find_sides(program, touching, sections_met);
+        }
+        certain & !self.is_crowded(program, touching)
+    }
+
+    /// Finds on which side of these sections (guards, one bit each) the step ends. Returns where this is certain.
+    #[inline(always)]
+    fn find_sides(&mut self, program: &Program, touching: Touching, guards: u128) -> S::Mask {
+        let mut certain = S::Mask::splat(true);
+        let end = self.scaled_step;
+        for (index, guard) in program.guards.iter().enumerate() {
+            let (GuardKind::Section(section), true) = (guard.kind, guards >> index & 1 == 1) else {
+                continue;
+            };
+            let Some(p) = self.guard_series(guard.series, touching.get(index)) else {
+                continue;
+            };
+            let value = horner(p, end);
+            let noise = magnitude(p, end) * S::splat(Self::NOISE);
+            let crossed = self.ends_step(index);
+            certain = certain & (crossed | noise.less(value.abs()));
+            let begins = self.sides[section];
+            self.sides[section] = S::select(crossed, -begins, sign(value));
+        }
         certain
+    }
+
+    /// Where a gap closes at the end of the step and that of another contact cannot be told from zero there.
+    #[inline(always)]
+    fn is_crowded(&self, program: &Program, touching: Touching) -> S::Mask {
+        let mut crowded = S::Mask::splat(false);
+        if program.gaps < 2 {
+            return crowded;
+        }
+        for (index, guard) in program.guards.iter().enumerate() {
+            if matches!(guard.kind, GuardKind::Gap(_)) {
+                let here = self.ends_step(index);
+                for other in 0..program.guards.len() {
+                    if other != index && here.any() {
+                        crowded = crowded | (here & self.closes_too(program, other, touching));
+                    }
+                }
+            }
+        }
+        crowded
+    }
+
+    /// Where this guard ended the step.
+    #[inline(always)]
+    fn ends_step(&self, index: usize) -> S::Mask {
+        let code = S::splat(index as f64);
+        code.at_most(self.event) & self.event.at_most(code)
+    }
+
+    /// Where the gap that is this guard cannot be told from zero at the end of the step.
+    #[inline(always)]
+    pub(crate) fn closes_too(
+        &self,
+        program: &Program,
+        index: usize,
+        touching: Touching,
+    ) -> S::Mask {
+        let guard = &program.guards[index];
+        let (GuardKind::Gap(_), Operand::Series(slot)) = (guard.kind, guard.series) else {
+            return S::Mask::splat(false);
+        };
+        let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
+        let noise = magnitude(p, self.scaled_step) * S::splat(Self::NOISE);
+        horner(p, self.scaled_step).abs().at_most(noise)
     }
 
     /// Moves the state to the end of the step and applies the impact where one ended it.
     #[inline(always)]
     pub(crate) fn finish(&mut self, program: &Program) {
+        self.travel();
+        self.collide(program);
+    }
+
+    /// Moves the state to the end of the step.
+    #[inline(always)]
+    pub(crate) fn travel(&mut self) {
         let s = self.scaled_step;
         for (slot, (state, low)) in self.state.iter_mut().zip(&mut self.low).enumerate() {
             let increment = horner(&self.expansion.series(slot)[1..], s).mul_add(s, *low);
@@ -237,22 +389,26 @@ impl<S: Scalar> Workspace<S> {
         }
         self.step = s * self.tau;
         self.flight_time = S::splat(FOREVER);
+    }
+
+    /// Applies the impact that ended the step, if it is one that leaves the rates of closed contacts as they are.
+    #[inline(always)]
+    pub(crate) fn collide(&mut self, program: &Program) {
         for (index, guard) in program.guards.iter().enumerate() {
             let GuardKind::Gap(contact) = guard.kind else {
                 continue;
             };
-            let code = S::splat(index as f64);
-            let here = code.at_most(self.event) & self.event.at_most(code);
+            let here = self.ends_step(index);
             if here.any() {
-                self.collide(program, contact, here);
+                self.collide_at(program, contact, here);
             }
         }
     }
 
     /// Applies the impact map (M1) of a contact in the lanes of `here`, and predicts how long the next flight lasts.
     #[inline(always)]
-    fn collide(&mut self, program: &Program, contact: usize, here: S::Mask) {
-        let Some(impact) = &program.impacts[contact] else {
+    fn collide_at(&mut self, program: &Program, contact: usize, here: S::Mask) {
+        let Some(impact) = program.impacts[contact].as_ref().filter(|i| i.is_alone) else {
             return;
         };
         let constants = &self.impact_constants[contact];
@@ -266,19 +422,27 @@ impl<S: Scalar> Workspace<S> {
         for (i, scalar) in self.impact.iter_mut().enumerate() {
             *scalar = S::select(here, self.outputs[i], *scalar);
         }
-        // An impact that no restitution in [0, 1) explains is reported, and leaves the state as it was before.
+        // An impact that no restitution in [0, 1] explains is reported, and leaves the state as it was before.
         let legal = here & legal_rates(self.impact[0], self.impact[1]);
-        for (&i, &value) in impact.changed.iter().zip(&self.outputs[IMPACT_SCALARS..]) {
-            self.state[i] = S::select(legal, value, self.state[i]);
-            self.low[i] = S::select(legal, S::splat(0.0), self.low[i]);
+        for (k, &i) in impact.changed.iter().enumerate() {
+            let place = IMPACT_SCALARS + k;
+            let low = self.point.output_remainder(&impact.tape, place);
+            self.state[i] = S::select(legal, self.outputs[place], self.state[i]);
+            self.low[i] = S::select(legal, low, self.low[i]);
         }
-        let [_, rate, acceleration, jerk, _] = self.impact;
+        let [_, rate, acceleration, jerk, _, _] = self.impact;
         let time = flight_time(rate, acceleration, jerk);
         self.flight_time = S::select(here, time, self.flight_time);
     }
 }
 
-/// Whether the rate after an impact is one that a restitution in [0, 1) gives, up to rounding.
+/// 1, or -1 for what is negative.
+#[inline(always)]
+fn sign<S: Scalar>(value: S) -> S {
+    S::select(value.less(S::splat(0.0)), S::splat(-1.0), S::splat(1.0))
+}
+
+/// Whether the rate after an impact is one that a restitution in [0, 1] gives, up to rounding.
 #[inline(always)]
 pub(crate) fn legal_rates<S: Scalar>(before: S, after: S) -> S::Mask {
     let slack = before.abs() * S::splat(RESTITUTION_SLACK);
@@ -310,15 +474,18 @@ fn quadratic_root<S: Scalar>(p: &[S]) -> S {
     two_c / (radicand.max(S::splat(0.0)).sqrt() - b)
 }
 
-/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do.
+/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do. Also tells the
+/// slope at the root.
 #[inline(always)]
-fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask) {
+fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
     let usable = S::splat(0.0).less(guess) & guess.at_most(end + end);
     let mut at = S::select(usable, guess, end);
     let mut done = !usable;
+    let mut last_slope = S::splat(0.0);
     for _ in 0..NEWTON_STEPS {
         let (value, slope) = horner_with_slope(p, at);
         let correction = value / slope;
+        last_slope = S::select(done, last_slope, slope);
         at = S::select(done, at, at - correction);
         // The square of what double-double has to reach is not reached by what suffices for a double.
         let small = correction
@@ -329,7 +496,7 @@ fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask) {
             break;
         }
     }
-    (at, done & usable)
+    (at, done & usable, last_slope)
 }
 
 /// Whether p' < 0 on all of [0, s], by bounding what follows the quadratic: then p has no other root there.
@@ -437,7 +604,7 @@ enum Task<'a, R> {
     },
 }
 
-struct Single<'w, 'a, R> {
+struct Single<'w, 'a, R: Real> {
     work: &'w mut Workspace<R>,
     task: Task<'a, R>,
 }
@@ -533,6 +700,18 @@ impl<R: Real> Workspace<R> {
     #[inline]
     fn run(&mut self, task: Task<'_, R>) -> bool {
         dispatch_narrow(Single { work: self, task })
+    }
+
+    /// Whether arguments that must not vanish are told from zero.
+    pub(crate) fn is_clear(&self) -> bool {
+        self.clear
+    }
+
+    /// Why the expansion reaches no further than `scaled_step`, if it is for a singular point, and how far away that is.
+    pub(crate) fn singularity(&mut self, program: &Program) -> Option<(Singularity, R)> {
+        let step = self.scaled_step;
+        let (kind, reach) = (self.expansion).singularity(&program.tape, &self.constants, step)?;
+        Some((kind, reach * self.tau))
     }
 
     /// Sets the constants of a program for a single trajectory.

@@ -1,17 +1,17 @@
 //! A model compiled for integration.
 
 use super::error::FlowError;
+use super::modes::{Mode, Modes};
 use super::program::{Closed, Phase, Program, ProgramConstants};
 use super::step::Workspace;
+use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
-use crate::expressions::{Graph, Symbol, Tape};
-use crate::model::{Mechanics, MechanicsError, Model};
+use crate::expressions::{Symbol, Tape};
+use crate::model::{Mechanics, MechanicsError, Model, Section, Simultaneous};
 use crate::numerics::{Real, Scalar};
 use core::fmt;
-
-/// Closed sets are enumerated, 2^n of them.
-const MAX_CONTACTS: usize = 6;
+use std::sync::Arc;
 
 /// Numerical choices of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,22 +34,28 @@ impl Default for Settings {
     }
 }
 
-/// Programs of a model for every set of closed contacts, shared by all trajectories and threads.
+/// A model compiled for integration, shared by all trajectories and threads: a program for each mode that they meet.
 #[derive(Clone, Debug)]
 pub struct System {
-    graph: Graph,
-    programs: Vec<Option<Program>>,
+    mechanics: Mechanics,
+    surfaces: Vec<Section>,
+    time: Option<usize>,
+    directions: Vec<Direction>,
+    modes: Arc<Modes>,
+    touches: Touches,
+    simultaneous: Simultaneous,
     dimension: usize,
     coordinates: usize,
-    contacts: usize,
-    sections: usize,
 }
+
+/// Number of the mode in which nothing is closed: every trajectory meets it first.
+pub(crate) const FLIGHT: usize = 0;
 
 impl System {
     /// Derives and compiles everything that the flow of a model needs.
     ///
     /// # Errors
-    /// The mechanics cannot be derived, or there are too many contacts.
+    /// The mechanics cannot be derived, or there are too many contacts and sections.
     pub fn new(model: &Model) -> Result<Self, SystemError> {
         Self::with_columns(model, &[])
     }
@@ -65,12 +71,6 @@ impl System {
     /// As for [`new`](Self::new).
     pub fn with_columns(model: &Model, columns: &[Column]) -> Result<Self, SystemError> {
         let contacts = model.contacts.len();
-        if contacts > MAX_CONTACTS {
-            return Err(SystemError::Flow(FlowError::TooManyContacts {
-                count: contacts,
-                limit: MAX_CONTACTS,
-            }));
-        }
         if contacts + model.sections.len() > Touching::GUARDS {
             return Err(SystemError::Flow(FlowError::TooManySurfaces {
                 count: contacts + model.sections.len(),
@@ -88,25 +88,19 @@ impl System {
                 Direction::new((index + 1) * coordinates, parameters)
             })
             .collect();
-        let mut programs = Vec::new();
-        for bits in 0..1_u32 << contacts {
-            let phase = Phase::new(&mut mechanics, Closed(bits)).map(|mut phase| {
-                extend(&mut phase, &mut mechanics, &directions);
-                phase
-            });
-            programs
-                .push(phase.map(|phase| {
-                    Program::new(&mut mechanics, &model.sections, model.time, &phase)
-                }));
-        }
-        Ok(Self {
-            graph: mechanics.graph,
-            programs,
+        let system = Self {
+            touches: Touches::new(&mechanics, &directions, model.time),
+            simultaneous: model.simultaneous,
+            mechanics,
+            surfaces: model.sections.clone(),
+            time: model.time,
             dimension: coordinates * (1 + columns.len()),
             coordinates,
-            contacts,
-            sections: model.sections.len(),
-        })
+            directions,
+            modes: Arc::default(),
+        };
+        system.meet(Closed::NONE);
+        Ok(system)
     }
 
     /// Length of the state of a trajectory: the model's states, time included, and the columns.
@@ -126,49 +120,80 @@ impl System {
 
     /// Number of contacts.
     pub fn contacts(&self) -> usize {
-        self.contacts
+        self.mechanics.contacts.len()
     }
 
     /// Number of sections.
     pub fn sections(&self) -> usize {
-        self.sections
+        self.surfaces.len()
     }
 
-    /// The program of a phase; none where these contacts cannot be held together.
-    pub(crate) fn program(&self, closed: Closed) -> Option<&Program> {
-        self.programs[closed.0 as usize].as_ref()
+    /// The number of the mode in which these contacts are closed.
+    pub(crate) fn meet(&self, closed: Closed) -> usize {
+        self.modes.meet(closed, || {
+            let mut mechanics = self.mechanics.clone();
+            let phase = Phase::new(&mut mechanics, closed);
+            let program = phase.map(|mut phase| {
+                extend(&mut phase, &mut mechanics, &self.directions);
+                Program::new(&mut mechanics, &self.surfaces, self.time, &phase)
+            });
+            Mode {
+                closed,
+                program,
+                graph: mechanics.graph,
+            }
+        })
     }
 
-    /// All programs, by the bits of their closed sets.
-    pub(crate) fn programs(&self) -> impl Iterator<Item = Option<&Program>> {
-        self.programs.iter().map(Option::as_ref)
+    /// The program of a mode; none where its contacts cannot be held together.
+    #[inline]
+    pub(crate) fn program(&self, mode: usize) -> Option<&Program> {
+        self.modes.get(mode)?.program.as_ref()
     }
 
-    /// Which constants of a tape change with any of these parameters.
-    pub(crate) fn constants_depending_on(&self, tape: &Tape, parameters: &[usize]) -> Vec<usize> {
+    /// Which constants of a tape of a mode change with any of these parameters.
+    pub(crate) fn constants_depending_on(
+        &self,
+        mode: usize,
+        tape: &Tape,
+        parameters: &[usize],
+    ) -> Vec<usize> {
+        let Some(mode) = self.modes.get(mode) else {
+            return Vec::new();
+        };
         tape.constants_where(|expr| {
-            let symbols = self.graph.symbols(expr);
+            let symbols = mode.graph.symbols(expr);
             parameters
                 .iter()
                 .any(|&p| symbols.contains(&Symbol::Parameter(p)))
         })
     }
 
-    pub(crate) fn constants<R: Real>(&self, parameters: &[R]) -> Vec<Option<ProgramConstants<R>>> {
-        self.programs
-            .iter()
-            .map(|program| {
-                program
-                    .as_ref()
-                    .map(|p| p.constants(&self.graph, parameters))
-            })
-            .collect()
+    /// The constants of a mode's program at one parameter set.
+    pub(crate) fn constants<R: Real>(
+        &self,
+        mode: usize,
+        parameters: &[R],
+    ) -> Option<ProgramConstants<R>> {
+        let mode = self.modes.get(mode)?;
+        let program = mode.program.as_ref()?;
+        Some(program.constants(&mode.graph, parameters))
+    }
+
+    /// All contacts at one state.
+    pub(crate) fn touches(&self) -> &Touches {
+        &self.touches
+    }
+
+    /// The law of simultaneous impacts.
+    pub(crate) fn simultaneous(&self) -> Simultaneous {
+        self.simultaneous
     }
 
     /// Scratch space for steps of this system.
     pub fn workspace<S: Scalar>(&self, settings: &Settings) -> Workspace<S> {
-        let tapes = self.programs.iter().flatten().flat_map(Program::tapes);
-        Workspace::new(tapes, self.dimension, settings)
+        let tapes = self.program(FLIGHT).into_iter().flat_map(Program::tapes);
+        Workspace::new(tapes, (self.dimension, self.sections()), settings)
     }
 }
 

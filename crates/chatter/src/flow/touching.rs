@@ -1,29 +1,90 @@
-//! Which guards vanish at the present state, by mode.
+//! Which guards vanish at the present state or were just left, by mode.
+
+use crate::numerics::Real;
+use crate::numerics::polynomial::derivative_bound;
 
 /// How many roots of each guard lie exactly at the start of the next step: none, one after an impact or a section
 /// crossing, two where a contact is left from rest by its acceleration or after a graze, three at release.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub(crate) struct Touching(u64);
+pub(crate) struct Touching([u64; WORDS]);
+
+const WORDS: usize = 4;
+const GUARDS_A_WORD: usize = 32;
 
 impl Touching {
     /// Every guard is away from zero.
-    pub const NONE: Self = Self(0);
+    pub const NONE: Self = Self([0; WORDS]);
 
     /// In place of a number, for the reaction of a closed contact: it vanishes as long as nothing else happens.
     pub const BALANCED: u8 = 3;
 
     /// How many guards can be told apart.
-    pub const GUARDS: usize = 32;
+    pub const GUARDS: usize = WORDS * GUARDS_A_WORD;
 
     /// Roots of a guard at the present state.
     #[inline(always)]
     pub fn get(self, guard: usize) -> u8 {
-        (self.0 >> (2 * guard) & 3) as u8
+        (self.0[guard / GUARDS_A_WORD] >> (2 * (guard % GUARDS_A_WORD)) & 3) as u8
+    }
+
+    /// Whether any guard has two roots or more: it is being left from rest.
+    #[inline(always)]
+    pub fn is_leaving(self) -> bool {
+        const SECOND_BITS: u64 = u64::MAX / 3 * 2;
+        self.0.iter().any(|word| word & SECOND_BITS != 0)
     }
 
     /// Sets the roots of a guard, at most three.
     #[inline(always)]
     pub fn set(&mut self, guard: usize, roots: u8) {
-        self.0 = self.0 & !(3 << (2 * guard)) | u64::from(roots & 3) << (2 * guard);
+        let (word, place) = (
+            &mut self.0[guard / GUARDS_A_WORD],
+            2 * (guard % GUARDS_A_WORD),
+        );
+        *word = *word & !(3 << place) | u64::from(roots & 3) << place;
+    }
+}
+
+/// Guards that were left from rest, and how long ago.
+///
+/// Shortly after a release the gap and its rates are sums of terms that cancel: what rounding leaves of them says nothing,
+/// and the mode everything. As long as the first derivative that did not vanish there, the jerk, has kept its sign, the
+/// gap and all derivatives below it are positive.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Left<R> {
+    guards: Touching,
+    elapsed: R,
+}
+
+impl<R: Real> Left<R> {
+    /// No guard.
+    pub const NONE: Self = Self {
+        guards: Touching::NONE,
+        elapsed: R::ZERO,
+    };
+
+    /// What holds after an undisturbed step that began with so many roots of each guard.
+    #[inline(always)]
+    pub fn after(self, touching: Touching, step: R) -> Self {
+        if touching.is_leaving() {
+            return Self {
+                guards: touching,
+                elapsed: step,
+            };
+        }
+        Self {
+            guards: self.guards,
+            elapsed: self.elapsed + step,
+        }
+    }
+
+    /// How many of the lowest coefficients of a guard are known not to be negative, from its series in units of `tau`.
+    pub fn positive_coefficients(&self, guard: usize, series: &[R], tau: R) -> usize {
+        let roots = usize::from(self.guards.get(guard));
+        if roots < 2 || roots >= series.len() {
+            return 0;
+        }
+        let (lowest, change) = derivative_bound(series, roots, self.elapsed / tau);
+        if lowest > change { roots } else { 0 }
     }
 }

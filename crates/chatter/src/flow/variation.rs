@@ -33,6 +33,7 @@ pub enum Column {
 }
 
 /// One column of a variational system: where its components lie, and how parameters change along it.
+#[derive(Clone, Debug)]
 pub(crate) struct Direction {
     /// First state that holds the column.
     offset: usize,
@@ -45,11 +46,16 @@ impl Direction {
         Self { offset, parameters }
     }
 
+    /// The states that hold the column of this many coordinates.
+    pub(crate) fn components(&self, graph: &mut Graph, dimension: usize) -> Vec<Expr> {
+        (0..dimension)
+            .map(|i| graph.state(self.offset + i))
+            .collect()
+    }
+
     /// The derivative of each of `exprs` along the column; `dimension` states have a component in it.
     pub(crate) fn along(&self, graph: &mut Graph, dimension: usize, exprs: &[Expr]) -> Vec<Expr> {
-        let components: Vec<Expr> = (0..dimension)
-            .map(|i| graph.state(self.offset + i))
-            .collect();
+        let components = self.components(graph, dimension);
         graph.directional_derivatives(exprs, &|symbol| match symbol {
             Symbol::State(i) => components.get(i).copied(),
             Symbol::Parameter(i) => self.parameters.get(i).copied(),
@@ -57,7 +63,7 @@ impl Direction {
     }
 }
 
-/// Extends the field, the impacts and the rests of a phase by the columns.
+/// Extends the field, the impacts, the rests and the chatter sequences of a phase by the columns.
 pub(crate) fn extend(phase: &mut Phase, mechanics: &mut Mechanics, directions: &[Direction]) {
     let dimension = phase.field.len();
     let field = phase.field.clone();
@@ -65,6 +71,9 @@ pub(crate) fn extend(phase: &mut Phase, mechanics: &mut Mechanics, directions: &
     for direction in directions {
         let rates = direction.along(graph, dimension, &field);
         phase.field.extend(rates);
+    }
+    for (contact, sequence) in mechanics.contacts.iter().zip(&mut phase.sequences) {
+        sequence.extend(graph, contact, &field, directions);
     }
     for (contact, (after, rest)) in mechanics
         .contacts

@@ -11,6 +11,7 @@ use super::error::{ModelError, ModelErrorKind, Role};
 use super::model::{Contact, Definition, Label, Model, Parameter, State};
 use super::names::TIME;
 use super::scope::{Purpose, Scope};
+use super::undefined::Written;
 use crate::expressions::{Expr, Graph, Symbol, nearest};
 
 impl Draft {
@@ -23,7 +24,7 @@ impl Draft {
         let model = assembly.model(&self);
         let mut errors = assembly.errors;
         if errors.is_empty() {
-            errors.extend(not_finite(&model, &self));
+            errors.extend(undefined(&model, &self));
         }
         if errors.is_empty() {
             Ok(model)
@@ -120,6 +121,7 @@ impl<'a> Assembly<'a> {
             states,
             time,
             parameters,
+            simultaneous: draft.simultaneous,
             contacts,
             sections,
             definitions,
@@ -320,16 +322,29 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// The first parameter, else initial value, that is not finite, in a model that is right otherwise.
-fn not_finite(model: &Model, draft: &Draft) -> Option<ModelError> {
-    let (role, index, kind) = model.not_finite()?;
-    let entry = match role {
-        Role::State => {
-            let name = &model.states[index].name;
-            (draft.initial.iter()).find(|entry| entry.name.text == *name)
-        }
-        _ => draft.parameters.get(index),
+/// The first formula without a value, in a model that is right otherwise.
+fn undefined(model: &Model, draft: &Draft) -> Option<ModelError> {
+    let found = model.undefined()?;
+    let named = |entries: &'_ [Entry], index: usize| {
+        let name = &model.states[index].name;
+        let entry = entries.iter().find(|entry| entry.name.text == *name)?;
+        Some(entry.formula.place.clone())
     };
-    let place = entry.map_or(&draft.place, |entry| &entry.formula.place);
-    Some(ModelError::new(kind, place))
+    let place = |formula: &Option<Formula>| Some(formula.as_ref()?.place.clone());
+    let place = match found.written {
+        Written::Parameter(k) => Some(draft.parameters[k].formula.place.clone()),
+        Written::Definition(k) => Some(draft.definitions[k].formula.place.clone()),
+        Written::Initial(k) => named(&draft.initial, k),
+        Written::Derivative(k) => (draft.flight.as_ref())
+            .and_then(|(_, entries)| named(entries.as_deref().unwrap_or_default(), k)),
+        Written::Gap(k) => place(&draft.contacts[k].gap),
+        Written::Impulse(k, state) => (draft.contacts[k].impulse.as_ref())
+            .and_then(|impulse| named(impulse.components.as_deref().unwrap_or_default(), state)),
+        Written::Restitution(k) => place(&draft.contacts[k].restitution),
+        Written::Surface(k) => place(&draft.sections[k].surface),
+    };
+    Some(ModelError::new(
+        found.kind,
+        &place.unwrap_or_else(|| draft.place.clone()),
+    ))
 }

@@ -6,7 +6,7 @@ use super::draft::{
 };
 use super::error::ModelErrors;
 use super::model::Label;
-use super::{Direction, Model};
+use super::{Direction, Model, Simultaneous};
 use crate::numerics::DoubleDouble;
 
 /// Something that stands for an expression in a [`ModelBuilder`].
@@ -91,6 +91,12 @@ impl ModelBuilder {
     /// Where it was published.
     pub fn source(mut self, source: &str) -> Self {
         self.draft.source = Some(source.to_owned());
+        self
+    }
+
+    /// What happens where several contacts touch at one instant.
+    pub fn simultaneous(mut self, law: Simultaneous) -> Self {
+        self.draft.simultaneous = law;
         self
     }
 

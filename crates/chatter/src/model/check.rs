@@ -171,7 +171,7 @@ impl<'a> Inspection<'a> {
     fn contact_start(&mut self, graph: &Graph, derived: &ContactMechanics) {
         let contact = || derived.name.clone();
         let value = self.at_start(graph, derived.restitution);
-        if !(0.0..1.0).contains(&value) {
+        if !(0.0..=1.0).contains(&value) {
             self.warnings.push(Warning::Restitution {
                 contact: contact(),
                 value,

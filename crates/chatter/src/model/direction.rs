@@ -1,6 +1,7 @@
 //! Which crossings of a surface count, and what files call them.
 
-/// Which crossings of a surface count.
+/// Which crossings of a surface count: changes of the sign of its function, be it that the function runs through zero or that
+/// an impact makes it jump. Zero is no sign: touching the surface, resting in it and starting on it are no crossings.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Direction {
     /// From negative to positive.

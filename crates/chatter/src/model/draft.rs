@@ -3,6 +3,7 @@
 
 use super::direction::Direction;
 use super::model::Label;
+use super::simultaneous::Simultaneous;
 use crate::numerics::DoubleDouble;
 use core::ops::Range;
 use std::sync::Arc;
@@ -121,6 +122,7 @@ pub(super) struct Draft {
     pub place: Place,
     pub title: Option<String>,
     pub source: Option<String>,
+    pub simultaneous: Simultaneous,
     pub parameters: Vec<Entry>,
     /// `None` where there is no such table; entries `None` where it is no table, which has been reported.
     pub flight: Option<(Place, Option<Vec<Entry>>)>,
@@ -137,6 +139,7 @@ impl Draft {
             place,
             title: None,
             source: None,
+            simultaneous: Simultaneous::default(),
             parameters: Vec::new(),
             flight: None,
             contacts: Vec::new(),

@@ -280,7 +280,7 @@ pub enum ModelErrorKind {
         /// The circle: each depends on the next, the last is the first.
         names: Vec<String>,
     },
-    /// A restitution outside [0, 1).
+    /// A restitution outside [0, 1].
     Restitution {
         /// Its value.
         value: f64,
@@ -294,6 +294,13 @@ pub enum ModelErrorKind {
     },
     /// Not a direction of crossing.
     UnknownDirection {
+        /// What was found.
+        found: String,
+        /// The one probably meant.
+        nearest: Option<String>,
+    },
+    /// Not a law of simultaneous impacts.
+    UnknownLaw {
         /// What was found.
         found: String,
         /// The one probably meant.

@@ -12,7 +12,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// What may stand at the top of a file besides tables.
-const TOP: &[&str] = &["title", "source"];
+const TOP: &[&str] = &["title", "source", "simultaneous"];
 const TABLE_NAMES: &[&str] = &[
     "parameters",
     "definitions",
@@ -139,6 +139,9 @@ fn read<'i>(reader: &mut TableReader<'i>, document: &DeTable<'i>) -> Draft {
         match reader.meant_at_top(key, value, &items) {
             "title" => draft.title = reader.string("title", value),
             "source" => draft.source = reader.string("source", value),
+            "simultaneous" => {
+                draft.simultaneous = reader.simultaneous(value).unwrap_or_default();
+            }
             "parameters" => {
                 draft.parameters = reader
                     .entries("[parameters]", "a table [parameters]", value)

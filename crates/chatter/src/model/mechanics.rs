@@ -3,7 +3,7 @@
 use super::Model;
 use super::identically_zero::is_identically_zero;
 use super::size::check_size;
-use crate::expressions::{Expr, Graph};
+use crate::expressions::{Expr, Folding, Graph};
 use core::fmt;
 
 /// The expressions derived from a [`Model`], in a graph that continues the model's own: handles of the model stay valid
@@ -144,6 +144,8 @@ impl Mechanics {
             contacts: Vec::with_capacity(model.contacts.len()),
             parameters: model.parameters.len(),
         };
+        // The equations are evaluated as they were written; what follows from them need not repeat their gaps.
+        mechanics.graph.set_folding(Folding::Continued);
         for contact in &model.contacts {
             let derived = mechanics.derive(contact)?;
             mechanics.contacts.push(derived);

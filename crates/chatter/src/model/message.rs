@@ -70,9 +70,12 @@ impl fmt::Display for ModelErrorKind {
                     names.join(" -> ")
                 )
             }
-            Self::Restitution { value } => write!(f, "restitution {value} is outside 0 <= r < 1"),
+            Self::Restitution { value } => write!(f, "restitution {value} is outside 0 <= r <= 1"),
             Self::NotFinite { what, value } => write!(f, "{what} is {value}"),
             Self::UnknownDirection { found, .. } => write!(f, "unknown direction {found:?}"),
+            Self::UnknownLaw { found, .. } => {
+                write!(f, "unknown law of simultaneous impacts {found:?}")
+            }
             Self::UnknownName { name, role, .. } => write!(f, "the model has no {role} `{name}`"),
         }
     }
@@ -107,10 +110,13 @@ impl ModelErrorKind {
                 "changes in time".to_owned()
             }
             Self::Circle { .. } => "the value of this needs itself".to_owned(),
-            Self::Restitution { .. } => "expected a number from 0 to below 1".to_owned(),
+            Self::Restitution { .. } => "expected a number from 0 to 1".to_owned(),
             Self::NotFinite { .. } => "expected a finite value".to_owned(),
             Self::UnknownDirection { .. } => {
                 format!("expected {}", alternatives(super::direction::DIRECTIONS))
+            }
+            Self::UnknownLaw { .. } => {
+                format!("expected {}", alternatives(super::simultaneous::LAWS))
             }
             Self::UnknownName { known, .. } if known.is_empty() => return None,
             Self::UnknownName { known, .. } => format!("expected {}", alternatives(known)),
@@ -138,6 +144,7 @@ impl ModelErrorKind {
             | Self::InitialOfUnknownState { nearest, .. }
             | Self::LabelOfUnknownName { nearest, .. }
             | Self::UnknownDirection { nearest, .. }
+            | Self::UnknownLaw { nearest, .. }
             | Self::UnknownName { nearest, .. } => format!("did you mean `{}`?", nearest.as_ref()?),
             Self::UnknownTable { nearest, .. } => format!("did you mean [{}]?", nearest.as_ref()?),
             Self::Expression { error, known } => match (error.help(), &error.kind) {
@@ -160,9 +167,6 @@ impl ModelErrorKind {
                     .to_owned()
             }
             Self::InitialNotConstant { .. } => "it may use parameters".to_owned(),
-            Self::Restitution { value } if *value == 1.0 => {
-                "at r = 1 nothing is lost and chatter never ends; use a value such as 0.999".to_owned()
-            }
             Self::Restitution { .. } => "an impact turns rate v into -r v".to_owned(),
             Self::DuplicateName { .. }
             | Self::DuplicateKey { .. }

@@ -27,9 +27,11 @@ mod overrides;
 mod phase;
 mod scope;
 mod sensitivity;
+mod simultaneous;
 mod size;
 mod syntax;
 mod table;
+mod undefined;
 mod visible;
 mod warning;
 
@@ -41,5 +43,6 @@ pub use error::{ModelError, ModelErrorKind, ModelErrors, Role};
 pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};
 pub use model::{Contact, Definition, Label, Model, Parameter, Section, State};
 pub use phase::Phase;
+pub use simultaneous::Simultaneous;
 pub use visible::visible;
 pub use warning::Warning;

@@ -1,6 +1,7 @@
 //! An impacting system as its equations.
 
 use super::direction::Direction;
+use super::simultaneous::Simultaneous;
 use crate::expressions::{Expr, Graph};
 use crate::numerics::Real;
 
@@ -22,6 +23,8 @@ pub struct Model {
     pub time: Option<usize>,
     /// Parameters in the order of the file.
     pub parameters: Vec<Parameter>,
+    /// What happens where several contacts touch at one instant.
+    pub simultaneous: Simultaneous,
     /// Contacts in the order of the file.
     pub contacts: Vec<Contact>,
     /// Named surfaces in the order of the file.
@@ -72,7 +75,7 @@ pub struct Contact {
     pub gap: Expr,
     /// The direction W in which an impact changes the state, one component a state. Its length does not matter.
     pub impulse: Vec<Expr>,
-    /// The restitution r, in [0, 1).
+    /// The restitution r, in [0, 1].
     pub restitution: Expr,
 }
 

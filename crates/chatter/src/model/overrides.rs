@@ -112,34 +112,10 @@ impl Model {
             };
             return Err(ModelError::new(kind, place));
         }
-        match self.not_finite() {
-            Some((_, _, error)) => Err(ModelError::new(error, place)),
+        match self.undefined_constant() {
+            Some(found) => Err(ModelError::new(found.kind, place)),
             None => Ok(()),
         }
-    }
-
-    /// The first parameter, else initial value, that is not finite: its role, position and what is wrong.
-    pub(super) fn not_finite(&self) -> Option<(Role, usize, ModelErrorKind)> {
-        let parameters = self.parameter_values::<f64>(&[]);
-        let initial = self.initial_state(&parameters);
-        let infinite = |values: &[f64]| values.iter().position(|value| !value.is_finite());
-        if let Some(index) = infinite(&parameters) {
-            let what = format!("parameter `{}`", self.parameters[index].name);
-            let value = parameters[index];
-            return Some((
-                Role::Parameter,
-                index,
-                ModelErrorKind::NotFinite { what, value },
-            ));
-        }
-        let index = infinite(&initial)?;
-        let what = format!("the initial value of `{}`", self.states[index].name);
-        let value = initial[index];
-        Some((
-            Role::State,
-            index,
-            ModelErrorKind::NotFinite { what, value },
-        ))
     }
 }
 

@@ -105,15 +105,25 @@ impl Model {
     /// The states of which the equations have only the phase, with their rates in `graph`, which continues the model's
     /// own.
     pub fn phases(&self, graph: &mut Graph) -> Vec<Phase> {
+        self.phases_in(graph, &self.equations())
+    }
+
+    /// The states of which these expressions have only the phase, with their rates in `graph`, which continues the
+    /// model's own.
+    pub fn phases_in(&self, graph: &mut Graph, equations: &[Expr]) -> Vec<Phase> {
+        (0..self.states.len())
+            .filter_map(|state| phase(graph, equations, state))
+            .collect()
+    }
+
+    /// Whatever moves the state: vector field, impulses, gaps and restitutions.
+    pub fn equations(&self) -> Vec<Expr> {
         let contacts = self.contacts.iter();
-        let equations: Vec<Expr> = (self.field().into_iter())
+        (self.field().into_iter())
             .chain(contacts.flat_map(|contact| {
                 let impulse = contact.impulse.iter().copied();
                 impulse.chain([contact.gap, contact.restitution])
             }))
-            .collect();
-        (0..self.states.len())
-            .filter_map(|state| phase(graph, &equations, state))
             .collect()
     }
 }

@@ -52,6 +52,7 @@ mod tests {
                     label: None,
                 })
                 .collect(),
+            simultaneous: crate::model::Simultaneous::Binary,
             contacts: Vec::new(),
             sections: Vec::new(),
             definitions: Vec::new(),

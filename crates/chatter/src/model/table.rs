@@ -3,6 +3,7 @@
 use super::direction::{DIRECTIONS, Direction};
 use super::draft::{Content, Entry, Formula, Name, Place, SourceText};
 use super::error::{ModelError, ModelErrorKind};
+use super::simultaneous::{LAWS, Simultaneous};
 use crate::expressions::nearest;
 use crate::numerics::DoubleDouble;
 use core::ops::Range;
@@ -181,6 +182,18 @@ impl<'i> TableReader<'i> {
                 None
             }
         }
+    }
+
+    /// A law of simultaneous impacts.
+    pub fn simultaneous(&mut self, value: &Spanned<DeValue<'i>>) -> Option<Simultaneous> {
+        let found = self.string("simultaneous", value)?;
+        let law = Simultaneous::from_name(&found);
+        if law.is_none() {
+            let nearest = nearest(&found, LAWS.iter().copied());
+            let place = self.place(value.span());
+            self.report(ModelErrorKind::UnknownLaw { found, nearest }, &place);
+        }
+        law
     }
 
     /// Where a string's content starts, if the reader took it from the text as it stands.

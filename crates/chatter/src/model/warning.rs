@@ -40,7 +40,7 @@ pub enum Warning {
         /// Name of the contact.
         contact: String,
     },
-    /// The restitution is outside [0, 1) at the initial state and the given parameters.
+    /// The restitution is outside [0, 1] at the initial state and the given parameters.
     Restitution {
         /// Name of the contact.
         contact: String,
@@ -123,7 +123,7 @@ impl fmt::Display for Warning {
             ),
             Self::Restitution { contact, value } => write!(
                 f,
-                "contact `{contact}`: restitution is {value} at the start, outside 0 <= r < 1"
+                "contact `{contact}`: restitution is {value} at the start, outside 0 <= r <= 1"
             ),
             Self::NegativeGap { contact, gap } => {
                 write!(

@@ -19,9 +19,7 @@ pub struct DoubleDouble {
 /// `a + b` exactly, as rounded sum and remainder, for any `a` and `b`.
 #[inline(always)]
 pub(crate) fn two_sum<S: Scalar>(a: S, b: S) -> (S, S) {
-    let sum = a + b;
-    let shadow = sum - a;
-    (sum, (a - (sum - shadow)) + (b - shadow))
+    a.two_sum(b)
 }
 
 #[inline(always)]
@@ -350,6 +348,9 @@ impl Scalar for DoubleDouble {
     }
     fn is_finite(self) -> bool {
         self.high.is_finite()
+    }
+    fn is_whole(self) -> bool {
+        libm::rint(self.high) == self.high && libm::rint(self.low) == self.low
     }
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }

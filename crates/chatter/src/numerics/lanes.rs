@@ -201,6 +201,10 @@ impl<const L: usize> Scalar for Lanes<L> {
         LaneMask(lanes(false, |i| self.0[i].abs() < f64::INFINITY))
     }
     #[inline(always)]
+    fn is_whole(self) -> Self::Mask {
+        LaneMask(lanes(false, |i| libm::rint(self.0[i]) == self.0[i]))
+    }
+    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         Self(lanes(0.0, |i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
     }

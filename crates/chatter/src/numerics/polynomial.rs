@@ -51,6 +51,17 @@ pub fn magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
     sum
 }
 
+/// p^(order)(0) / order!, and by how much that may change within a distance of `s` to either side, at most.
+pub fn derivative_bound<S: Scalar>(coefficients: &[S], order: usize, s: S) -> (S, S) {
+    let (mut change, mut power, mut binomial) = (S::splat(0.0), s, 1.0);
+    for (above, &c) in coefficients[order + 1..].iter().enumerate() {
+        binomial *= (order + above + 1) as f64 / (above + 1) as f64;
+        change = (c.abs() * S::splat(binomial)).mul_add(power, change);
+        power *= s;
+    }
+    (coefficients[order], change)
+}
+
 /// Bernstein coefficients of p on [0, width]: their signs bound the number of roots there (Descartes' rule), and p lies
 /// between the least and the greatest of them.
 ///

@@ -35,7 +35,12 @@ pub struct Root<R> {
 }
 
 /// An interval is not halved more often than this: a double root is as wide as the square root of the roundoff.
-const MAX_HALVINGS: u32 = 26;
+fn most_halvings<R: Real>() -> u32 {
+    (-0.5 * libm::log2(R::ROUNDOFF)) as u32
+}
+
+/// Newton's steps from within such an interval to the digits of any number.
+const POLISHING_STEPS: usize = 3;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Sign {
@@ -137,6 +142,7 @@ pub fn first_root<R: Real>(
 ) -> Option<Root<R>> {
     let mut values = vec![R::ZERO; coefficients.len()];
     bernstein(coefficients, width, &mut values);
+    let most_halvings = most_halvings::<R>();
     let mut stack = vec![(R::ZERO, width, 0_u32, values)];
     while let Some((low, high, depth, mut values)) = stack.pop() {
         match verdict(&values, noise) {
@@ -149,7 +155,7 @@ pub fn first_root<R: Real>(
                     });
                 }
             }
-            Verdict::Unclear if depth < MAX_HALVINGS => {
+            Verdict::Unclear if depth < most_halvings => {
                 let middle = (low + high) * R::splat(0.5);
                 let right = split(&mut values);
                 stack.push((middle, high, depth + 1, right));
@@ -187,7 +193,14 @@ fn indistinct<R: Real>(
     }
     // No turning point in the noise: an ordinary crossing close to a joint of intervals. A neighbour that holds the
     // root reports it; the half-open interval excludes its left end.
-    let root = at - value / slope;
+    let mut root = at - value / slope;
+    for _ in 0..POLISHING_STEPS {
+        let (value, slope) = horner_with_slope(coefficients, root);
+        let step = value / slope;
+        if step.abs() < size {
+            root -= step;
+        }
+    }
     let counts = crossing == Crossing::Either || slope < R::ZERO;
     let here = root > R::ZERO && root > low - size && root <= high + size && root <= width;
     (counts && here).then_some(Root {

@@ -68,6 +68,13 @@ pub trait Scalar:
     fn from_double_double(value: DoubleDouble) -> Self;
     /// `self * factor + addend`, fused where the hardware number is an `f64`.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `self + other` exactly, as rounded sum and remainder.
+    #[inline(always)]
+    fn two_sum(self, other: Self) -> (Self, Self) {
+        let sum = self + other;
+        let shadow = sum - self;
+        (sum, (self - (sum - shadow)) + (other - shadow))
+    }
     /// Absolute value.
     fn abs(self) -> Self;
     /// Square root; NaN below zero.
@@ -101,6 +108,8 @@ pub trait Scalar:
     fn at_most(self, other: Self) -> Self::Mask;
     /// Lane by lane: neither NaN nor infinite.
     fn is_finite(self) -> Self::Mask;
+    /// Lane by lane: an integer.
+    fn is_whole(self) -> Self::Mask;
     /// Lane by lane `yes` where `mask` is true, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
@@ -235,6 +244,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn is_finite(self) -> bool {
         f64::is_finite(self)
+    }
+    #[inline(always)]
+    fn is_whole(self) -> bool {
+        libm::rint(self) == self
     }
     #[inline(always)]
     fn select(mask: bool, yes: Self, no: Self) -> Self {

@@ -2,7 +2,7 @@
 
 use crate::options::{
     Assignment, AtOption, Count, FigureFile, Initial, ObserveOption, Quantity, ShearOption,
-    SpanOption, StartOption, SweepOption, TableFile,
+    SpanOption, StartOption, SweepOption, TableFile, ThreadCount,
 };
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -10,19 +10,38 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 EXAMPLES
   chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:4000 --section closing --observe y2 \\
-      --transient 300 --keep 200 --start carry --out fig5.npz --plot fig5.png
+      --transient 300 --keep 200 --start carry --chunk 16 --out fig5.npz --plot fig5.png
   chatter diagram --resume fig5.npz
   chatter diagram impact_oscillator --sweep omega=2.5:3.5:2000 --period '2*pi/omega' --observe v --plot strobe.pdf
   chatter diagram bouncing_ball_on_table --sweep Gamma=1.2:4:1000 --at impact --observe v --start random:5 \\
       --box v=0:1 --out ball.csv
+  chatter diagram impact_oscillator_two_sided --set sigma=1 --sweep omega=0.8:3:221 --period '2*pi/omega' \\
+      --observe v --start carry:both --plot hysteresis.png
+  chatter diagram impact_oscillator_two_sided --at sigma=1 --at omega=2 --sweep initial:x=-1:1:200 \\
+      --sweep initial:v=-3:3:200 --period '2*pi/omega' --observe v --out basins.npz --plot basins.png
+  chatter diagram pressure_relief_valve --at q=0.0203 --observe y2 --json
   chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:400 --sweep r=0.7:0.9:300 --observe y2 \\
       --out map.npz --plot map.png
 
 TABLE
-  For each parameter value (and random start): the swept parameters, outcome (periodic, chaotic, unsettled,
+  For each parameter value (and start): what is swept, outcome (periodic, chaotic, quasiperiodic, unsettled,
   complete_chatter, left_domain, no_return, no_start, undetermined), period, impacts_per_return, with --exponent the
-  largest Lyapunov exponent per sample, start (fresh, carried, random). For each sample: column (which row of the first
-  table, from 0) and each observed quantity. NPZ holds all in one file: numpy.load('fig5.npz')['y2'].
+  largest Lyapunov exponent per sample, start (fresh, carried, random), initial_NAME for each state: where the orbit
+  started. Where several orbits have the same parameters: attractor, the same number for orbits that settled to the
+  same, 0 for none. For each sample: column (which row of the first table, from 0) and each observed quantity. NPZ holds
+  all in one file: numpy.load('fig5.npz')['y2'].
+
+WHAT ORBITS SETTLE TO
+  Judged by the whole state, phases of a forcing up to whole periods, not by what is observed. periodic: it repeats over
+  the second half of the samples. chaotic: neighbours move apart (with --exponent: the exponent is positive).
+  quasiperiodic: neighbours stay neighbours, near returns add up, and averages converge. unsettled: none of these is
+  evident; more samples (--keep) or a longer --transient tell more.
+
+HYSTERESIS
+  --start carry carries the state through the whole range, one value after the other, which takes as long as one core
+  takes. carry:both does so upwards and downwards and says where the two differ. --chunk N starts afresh every N values:
+  chunks are computed side by side, many times as fast, but an orbit follows its attractor through N values at most, so
+  that hysteresis is cut off. Time is carried in the phase of the forcing: with --period, by whole periods.
 
 JOURNAL
   What is done is kept in FILE.journal beside the output until all is done; Ctrl-C or a crash loses at most what was in
@@ -48,22 +67,24 @@ pub struct Arguments {
     #[command(flatten)]
     pub initial: Initial,
 
-    /// Sweep a parameter over equally spaced values, both ends included; `:log` after COUNT spaces them by equal ratios.
-    /// Given twice, a map over both parameters
+    /// Sweep a parameter, or with `initial:NAME` the initial value of a state, over equally spaced values, both ends
+    /// included; `:log` after COUNT spaces them by equal ratios. Given twice, a map over both
     #[arg(
         long,
         value_name = "NAME=FROM:TO:COUNT",
-        required_unless_present = "resume"
+        required_unless_present_any = ["resume", "at"]
     )]
     pub sweep: Vec<SweepOption>,
 
-    /// Sample at the crossings of this section in its direction. Without it, --at and --period: the model's only section
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["at", "period"])]
+    /// Sample at the crossings of this section in its direction. Without it, --at EVENT and --period: the model's only
+    /// section
+    #[arg(long, value_name = "NAME", conflicts_with = "period")]
     pub section: Option<String>,
 
-    /// Sample at each event: KIND is impact, accumulation, release, graze or section, NAME the contact or section
-    #[arg(long, value_name = "KIND[:NAME]", conflicts_with = "period")]
-    pub at: Option<AtOption>,
+    /// Sample at each event: KIND is impact, accumulation, release, graze or section, NAME the contact or section. With
+    /// NAME=EXPR: at this one value of a parameter, a sweep of one value
+    #[arg(long, value_name = "KIND[:NAME]|NAME=EXPR")]
+    pub at: Vec<AtOption>,
 
     /// Sample stroboscopically, with this period: a number or an expression in parameters
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
@@ -91,13 +112,14 @@ pub struct Arguments {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub keep: Option<Count>,
 
-    /// Where orbits start: `fresh` at the initial state, `carry` where the orbit at the next lower parameter value
-    /// ended, `carry-down` at the next higher, `random:COUNT` at so many random points of --box [default: fresh]
+    /// Where orbits start: `fresh` at the initial state; `carry` where the orbit at the next lower parameter value
+    /// ended, `carry:down` at the next higher, `carry:both` one orbit each way; `random:COUNT` at so many random points of
+    /// --box, drawn again where no orbit can start [default: fresh]
     #[arg(long, value_name = "START")]
     pub start: Option<StartOption>,
 
-    /// Carry the state through so many values, then start afresh; such chunks are computed side by side
-    /// [default: a 256th of the values, from 4 to 64]
+    /// Carry the state through so many values only, then start afresh: such chunks are computed side by side, and cut
+    /// hysteresis off [default: the whole range]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub chunk: Option<Count>,
 
@@ -125,7 +147,7 @@ pub struct Arguments {
     #[arg(long, value_name = "WHAT")]
     pub record: Option<RecordOption>,
 
-    /// Give up a return that takes longer than this time [default: 10000]
+    /// Give up a return that takes longer than this time, a --period too [default: 10000]
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub longest_return: Option<Quantity>,
 
@@ -133,9 +155,13 @@ pub struct Arguments {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub most_impacts: Option<Count>,
 
-    /// Relative error allowed in one step; rounding error without it
+    /// Relative error allowed in one step, from 0 to below 1; rounding error without it, or where that is larger
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     pub tolerance: Option<Quantity>,
+
+    /// Print one JSON document in place of the account: outcomes, periods, attractors and samples, column by column
+    #[arg(long)]
+    pub json: bool,
 
     /// Write the tables, .npz or .csv
     #[arg(long, value_name = "FILE")]
@@ -157,7 +183,7 @@ pub struct Arguments {
 
     /// How many threads compute [default: as many as the machine runs at once]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub threads: Option<Count>,
+    pub threads: Option<ThreadCount>,
 }
 
 impl Arguments {

@@ -8,28 +8,26 @@ pub use arguments::Arguments;
 
 use crate::diagram::{Begun, Stored, journal_of, table};
 use crate::failure::{self, Failure};
-use crate::options::Count;
+use crate::options::ThreadCount;
 use crate::terminal;
 use chatter::analysis::diagram::Threads;
 use chatter_io::Format;
 use order::order;
-use produce::{Beginning, produce};
+use produce::{Beginning, produce, produce_document};
 use std::io::Read;
 use std::path::Path;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let threads = match arguments.threads {
-        Some(Count(count)) => Threads::new(usize::try_from(count).unwrap_or(usize::MAX)),
-        None => Threads::available(),
-    };
+    let (threads, json) = (threads(arguments), arguments.json);
     let Some(target) = &arguments.resume else {
         let order = order(arguments)?;
-        let journal = order.target().map(journal_of).ok_or_else(|| {
-            Failure::input("the diagram goes nowhere")
-                .help("write it with --out FILE.npz or --plot FILE.png")
-        })?;
-        return produce(&order, Beginning::At(journal), threads);
+        return match order.target().map(journal_of) {
+            Some(journal) => produce(&order, Beginning::At(journal), threads, json),
+            None if json => produce_document(&order, threads),
+            None => Err(Failure::input("the diagram goes nowhere")
+                .help("write it with --out FILE.npz or --plot FILE.png, or print it with --json")),
+        };
     };
     let Some(begun) = Begun::open(&journal_of(target))? else {
         return nothing_to_resume(target);
@@ -37,7 +35,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     same_version(&begun)?;
     let plot = arguments.plot.as_ref().map(|file| file.0.clone());
     let order = begun.header.clone().order(target, plot)?;
-    produce(&order, Beginning::Resumed(Box::new(begun)), threads)
+    produce(&order, Beginning::Resumed(Box::new(begun)), threads, json)
+}
+
+fn threads(arguments: &Arguments) -> Threads {
+    match arguments.threads {
+        Some(ThreadCount(count)) => Threads::new(count),
+        None => Threads::available(),
+    }
 }
 
 fn same_version(begun: &Begun) -> Result<(), Failure> {

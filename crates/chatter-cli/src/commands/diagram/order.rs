@@ -3,8 +3,10 @@
 use super::arguments::{Arguments, RecordOption};
 use crate::diagram::{Job, Order};
 use crate::failure::Failure;
-use crate::options::{Assignment, Count, Loaded, ModelOptions, StartOption};
-use chatter::analysis::diagram::{Bounds, Exponent, Observed, Record, Spec, Start};
+use crate::options::{
+    Assignment, AtOption, Count, Initial, Loaded, ModelOptions, StartOption, SweepOption,
+};
+use chatter::analysis::diagram::{Bounds, Exponent, Observed, Range, Record, Spec, Start, Swept};
 use chatter::analysis::return_map::{ReturnSpec, Sampling};
 use chatter::analysis::simulate::EventKind;
 use chatter::model::Model;
@@ -13,20 +15,21 @@ use std::path::Path;
 /// What the command line asks for.
 pub fn order(arguments: &Arguments) -> Result<Order, Failure> {
     let name = arguments.model.clone().unwrap_or_default();
+    let fixed = Fixed::new(arguments);
     let options = ModelOptions {
         model: name.clone(),
-        set: arguments.set.clone(),
+        set: fixed.set.clone(),
     };
     let Loaded { mut model, text } = options.load()?;
-    arguments.initial.apply(&mut model)?;
+    fixed.initial.apply(&mut model)?;
     let pairs = |assignments: &[Assignment]| assignments.iter().map(Assignment::pair).collect();
     let job = Job {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         model: file_name(&name),
-        set: pairs(&arguments.set),
-        initial: pairs(&arguments.initial.initial),
+        set: pairs(&fixed.set),
+        initial: pairs(&fixed.initial.initial),
         returns: returns(arguments, &mut model)?,
-        diagram: specification(arguments, &mut model)?,
+        diagram: specification(arguments, &fixed, &mut model)?,
     };
     Ok(Order {
         job,
@@ -46,16 +49,60 @@ fn file_name(name: &str) -> String {
     )
 }
 
+/// Single values: beside a sweep they are set, without one each is a sweep.
+fn single(arguments: &Arguments) -> impl Iterator<Item = &SweepOption> {
+    arguments.at.iter().filter_map(|at| match at {
+        AtOption::Value(value) => Some(value),
+        AtOption::Event { .. } => None,
+    })
+}
+
+/// What is not swept.
+struct Fixed {
+    set: Vec<Assignment>,
+    initial: Initial,
+}
+
+impl Fixed {
+    fn new(arguments: &Arguments) -> Self {
+        let mut fixed = Self {
+            set: arguments.set.clone(),
+            initial: arguments.initial.clone(),
+        };
+        if !arguments.sweep.is_empty() {
+            for (swept, assignment) in single(arguments).map(SweepOption::assignment) {
+                match swept {
+                    Swept::Parameter => fixed.set.push(assignment),
+                    Swept::Initial => fixed.initial.initial.push(assignment),
+                }
+            }
+        }
+        fixed
+    }
+}
+
 fn returns(arguments: &Arguments, model: &mut Model) -> Result<ReturnSpec, Failure> {
     let section = |name: &str| Sampling::Event {
         kind: EventKind::Section,
         at: Some(name.to_owned()),
     };
-    let sampling = match (&arguments.section, &arguments.at, &arguments.period) {
+    let mut events = arguments.at.iter().filter_map(|at| match at {
+        AtOption::Event { kind, name } => Some((*kind, name)),
+        AtOption::Value(_) => None,
+    });
+    let at = events.next();
+    if let Some((kind, _)) = at
+        && (arguments.section.is_some() || arguments.period.is_some() || events.next().is_some())
+    {
+        return Err(Failure::input(format!(
+            "orbits cannot be sampled in two ways: give --at {kind} alone, without --section, --period or another event"
+        )));
+    }
+    let sampling = match (&arguments.section, at, &arguments.period) {
         (Some(name), ..) => section(name),
-        (_, Some(at), _) => Sampling::Event {
-            kind: at.kind,
-            at: at.name.clone(),
+        (_, Some((kind, name)), _) => Sampling::Event {
+            kind,
+            at: name.clone(),
         },
         (.., Some(period)) => Sampling::Stroboscopic {
             period: period.clone(),
@@ -92,24 +139,46 @@ fn returns(arguments: &Arguments, model: &mut Model) -> Result<ReturnSpec, Failu
 const TRANSIENT: u64 = 300;
 const KEEP: u64 = 200;
 
-fn specification(arguments: &Arguments, model: &mut Model) -> Result<Spec, Failure> {
+/// What is swept.
+fn ranges(arguments: &Arguments, fixed: &Fixed, model: &mut Model) -> Result<Vec<Range>, Failure> {
+    let options: Vec<&SweepOption> = match &arguments.sweep[..] {
+        [] => single(arguments).collect(),
+        sweeps => sweeps.iter().collect(),
+    };
+    if options.is_empty() {
+        return Err(Failure::input("nothing is swept")
+            .help("add --sweep NAME=FROM:TO:COUNT, or --at NAME=VALUE for one value"));
+    }
     let mut sweeps = Vec::new();
-    for sweep in &arguments.sweep {
-        sweeps.push(sweep.range(model)?);
+    for option in options {
+        sweeps.push(option.range(model)?);
     }
-    if let Some(range) = sweeps.iter().find(|range| {
-        let mut set = arguments.set.iter().map(Assignment::pair);
-        set.any(|(name, _)| name == range.parameter)
-    }) {
+    for range in &sweeps {
         let name = &range.parameter;
-        return Err(Failure::input(format!(
-            "`{name}` cannot be both set and swept: leave out --set {name} or --sweep {name}"
-        )));
+        let (given, option) = match range.swept {
+            Swept::Parameter => (&fixed.set, "--set"),
+            Swept::Initial => (&fixed.initial.initial, "--initial"),
+        };
+        if given.iter().any(|one| one.pair().0 == *name) {
+            return Err(Failure::input(format!(
+                "`{name}` cannot be both set and swept: leave out {option} {name} or --sweep {}",
+                match range.swept {
+                    Swept::Parameter => name.clone(),
+                    Swept::Initial => format!("initial:{name}"),
+                }
+            )));
+        }
     }
+    Ok(sweeps)
+}
+
+fn specification(arguments: &Arguments, fixed: &Fixed, model: &mut Model) -> Result<Spec, Failure> {
+    let sweeps = ranges(arguments, fixed, model)?;
     if let (Some(_), [first, second, ..]) = (arguments.shear, &sweeps[..]) {
         return Err(Failure::input(format!(
             "--shear is about diagrams over one parameter; this is a map over `{}` and `{}`",
-            first.parameter, second.parameter
+            first.name(),
+            second.name()
         )));
     }
     let mut bounds = Vec::new();
@@ -138,18 +207,19 @@ fn specification(arguments: &Arguments, model: &mut Model) -> Result<Spec, Failu
     if arguments.chunk.is_some()
         && !matches!(
             arguments.start,
-            Some(StartOption::CarryUp | StartOption::CarryDown)
+            Some(StartOption::CarryUp | StartOption::CarryDown | StartOption::CarryBoth)
         )
     {
         return Err(
             Failure::input("--chunk is about carried states, and none is carried")
-                .help("add --start carry or --start carry-down"),
+                .help("add --start carry, carry:down or carry:both"),
         );
     }
     let start = match arguments.start {
         None | Some(StartOption::Fresh) => Start::Fresh,
         Some(StartOption::CarryUp) => Start::CarryUp,
         Some(StartOption::CarryDown) => Start::CarryDown,
+        Some(StartOption::CarryBoth) => Start::CarryBoth,
         Some(StartOption::Random(count)) => Start::Random {
             count,
             seed: arguments.seed.unwrap_or(0),

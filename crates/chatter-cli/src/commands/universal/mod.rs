@@ -13,7 +13,9 @@ use crate::options::{FigureFile, SweepOption, TableFile};
 use crate::terminal::{self, Progress, Style, Waiting};
 use crate::universal::{Findings, UniversalJob, account, document, table};
 use atlas::Atlas;
-use chatter::analysis::diagram::{self, Exponent, Row, Spec, Standing, Start, Sweep, Threads};
+use chatter::analysis::diagram::{
+    self, Exponent, Row, Spec, Standing, Start, Sweep, Swept, Threads,
+};
 use chatter::analysis::map::Map;
 use chatter::analysis::universal::{Argument, Universal, UniversalError, UniversalMap};
 use chatter::numerics::{DoubleDouble, Real};
@@ -117,7 +119,7 @@ fn compute(
     sweep: &Sweep,
     folder: &Path,
 ) -> Result<(Vec<Row>, Option<Store>), Failure> {
-    check_size(sweep)?;
+    check_size(sweep, true)?;
     let mut store = Store::scratch(folder, sweep)?;
     let mut rows = Vec::new();
     let mut progress = Progress::new();
@@ -161,14 +163,19 @@ fn folder(arguments: &Arguments) -> PathBuf {
 }
 
 fn specification(arguments: &Arguments, sweep: &SweepOption) -> Result<Spec, Failure> {
+    let range = sweep.plain()?;
     Ok(Spec {
-        start: Start::CarryUp,
+        start: match range.swept {
+            Swept::Parameter => Start::CarryUp,
+            Swept::Initial => Start::Fresh,
+        },
+        chunk: Some(Spec::quick_chunk(range.count)),
         exponent: if arguments.lyapunov {
             Exponent::Largest
         } else {
             Exponent::Skip
         },
-        ..Spec::new(sweep.plain()?, "z", arguments.transient, arguments.keep)
+        ..Spec::new(range, "z", arguments.transient, arguments.keep)
     })
 }
 

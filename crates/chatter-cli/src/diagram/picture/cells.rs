@@ -1,7 +1,9 @@
 //! Maps over two parameters: a cell for each pair of values.
 
+use super::layers::Layers;
 use super::window::Window;
 use super::{Show, View};
+use crate::diagram::tally::Tally;
 use crate::diagram::{Class, Source};
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Outcome, Range, Sweep};
@@ -21,8 +23,13 @@ const COMPLETE_CHATTER: (Outcome, &str, Color) =
     (Outcome::CompleteChatter, "complete chatter", Color::NIGHT);
 
 /// What else orbits settle to. Chaos is pale, since it is most of many maps and the periods are what is looked for.
-const OTHERS: [(Outcome, &str, Color); 7] = [
+const OTHERS: [(Outcome, &str, Color); 8] = [
     (Outcome::Chaotic, "chaotic", Color::rgb(250, 222, 200)),
+    (
+        Outcome::Quasiperiodic,
+        "quasi-periodic",
+        Color::rgb(204, 236, 214),
+    ),
     COMPLETE_CHATTER,
     (Outcome::Unsettled, "unsettled", Color::rgb(190, 190, 190)),
     (Outcome::NoReturn, "no return", Color::rgb(235, 235, 235)),
@@ -59,8 +66,8 @@ pub fn panel(
 ) -> Result<Panel, Failure> {
     let [first, second] = ranges;
     let windows = [
-        Window::new(first, view.zoom(&first.parameter))?,
-        Window::new(second, view.zoom(&second.parameter))?,
+        Window::new(first, view.zoom(&first.name()))?,
+        Window::new(second, view.zoom(&second.name()))?,
     ];
     let inside = |range: &Range, window: &Window| -> Vec<u64> {
         let holds = |index: &u64| window.holds(range.value(*index));
@@ -73,7 +80,13 @@ pub fn panel(
     check_cells(places[0].len() as u64, places[1].len() as u64)?;
     let grid = (values(first, &places[0]), values(second, &places[1]));
     let starts = sweep.rows() / (first.count * second.count);
+    let show = view.shown(sweep.spec());
+    let layers = match show {
+        Show::Attractor => Some(Layers::by_attractor(&Tally::of(source)?)),
+        _ => None,
+    };
     let mut classes = vec![None; grid.0.len() * grid.1.len()];
+    let mut colors = vec![None; grid.0.len() * grid.1.len()];
     source.classes(&mut |row, class| {
         // Of several starts the first is shown.
         let column = row / starts;
@@ -85,15 +98,26 @@ pub fn panel(
             )
         {
             classes[j * grid.0.len() + i] = Some(*class);
+            colors[j * grid.0.len() + i] = layers.as_ref().map(|layers| layers.of(row));
         }
     })?;
     let axis = |range: &Range, window: &Window| {
-        let mut axis = axis(&range.parameter).tight();
+        let mut axis = axis(&range.name()).tight();
         axis.scale = window.scale;
         axis
     };
     let panel = Panel::new(axis(first, &windows[0]), axis(second, &windows[1]));
-    Ok(match view.show {
+    Ok(match show {
+        Show::Attractor => {
+            let layers = layers.into_iter().flat_map(|layers| layers.layers);
+            let categories = layers.map(|layer| Category::new(layer.name, layer.color));
+            panel.with(CategoryMap::new(
+                grid.0,
+                grid.1,
+                colors,
+                categories.collect(),
+            ))
+        }
         Show::Period => panel.with(outcomes(grid, &classes)),
         Show::Impacts => {
             let bar = Axis::new("impacts per return").tight();

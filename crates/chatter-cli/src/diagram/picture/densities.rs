@@ -1,13 +1,15 @@
 //! Samples over one parameter, as densities.
 
+use super::layers::Layers;
 use super::line_fit::LineFit;
 use super::window::{Abscissa, Window};
 use super::{Shear, View};
 use crate::diagram::Source;
+use crate::diagram::tally::Tally;
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Range, Sweep};
 use chatter::expressions::tex_name;
-use chatter_io::figures::{Axis, Color, Density, Normalisation, Panel, Scale};
+use chatter_io::figures::{Axis, Density, Legend, Normalisation, Panel, Scale};
 
 /// A density has about as many cells as samples, so that bands of chaos are neither speckled nor blurred: between these
 /// numbers, three along the horizontal axis for two along the vertical one, and at most one a parameter value.
@@ -36,7 +38,12 @@ pub fn densities(
     source: &mut dyn Source,
     view: &View,
 ) -> Result<Densities, Failure> {
-    let window = Window::new(range, view.zoom(&range.parameter))?;
+    let window = Window::new(range, view.zoom(&range.name()))?;
+    let tally = match sweep.compares() {
+        true => Some(Tally::of(source)?),
+        false => None,
+    };
+    let layers = Layers::new(sweep, tally.as_ref());
     let mut shown = Vec::new();
     for (place, observed) in sweep.spec().observe.iter().enumerate() {
         if view.observe.is_empty() || view.observe.contains(&observed.name) {
@@ -51,15 +58,15 @@ pub fn densities(
         }
     }
     let mut abscissa = Abscissa::new(sweep);
-    let mut visible = |source: &mut dyn Source, visit: &mut dyn FnMut(f64, &[f64])| {
+    let mut visible = |source: &mut dyn Source, visit: &mut dyn FnMut(u64, f64, &[f64])| {
         source.samples(&mut |row, sample| {
             let x = abscissa.of(row);
             if window.holds(x) {
-                visit(x, sample);
+                visit(row, x, sample);
             }
         })
     };
-    visible(source, &mut |x, sample| {
+    visible(source, &mut |_, x, sample| {
         for one in &mut shown {
             one.fit.add(x - window.low, sample[one.place]);
         }
@@ -72,7 +79,7 @@ pub fn densities(
         };
     }
     let mut count: u64 = 0;
-    visible(source, &mut |x, sample| {
+    visible(source, &mut |_, x, sample| {
         count += 1;
         for one in &mut shown {
             let y = one.level(x - window.low, sample);
@@ -85,23 +92,34 @@ pub fn densities(
     let (columns, rows) = ((3.0 * across) as u64, (2.0 * across) as usize);
     let mut drawn = Vec::new();
     for one in shown {
-        let density = Density::new(window.cells, one.extent(view)?)
-            .normalisation(Normalisation::Column)
-            .color(Color::NIGHT)
-            .cells(window.count.min(columns) as usize, rows)
-            .scales(window.scale, Scale::Linear);
-        drawn.push((one, density));
+        let extent = one.extent(view)?;
+        let densities = layers.layers.iter().map(|layer| {
+            Density::new(window.cells, extent)
+                .normalisation(Normalisation::Column)
+                .color(layer.color)
+                .label(&layer.name)
+                .cells(window.count.min(columns) as usize, rows)
+                .scales(window.scale, Scale::Linear)
+        });
+        let densities: Vec<Density> = densities.collect();
+        drawn.push((one, densities));
     }
-    visible(source, &mut |x, sample| {
-        for (one, density) in &mut drawn {
-            density.add(x, one.level(x - window.low, sample));
+    visible(source, &mut |row, x, sample| {
+        for (one, densities) in &mut drawn {
+            densities[layers.of(row)].add(x, one.level(x - window.low, sample));
         }
     })?;
     let level = view.shear.is_some();
     let slanted = !level && drawn.iter().any(|(one, _)| one.fit.quality() > NARROW);
-    let panel = |(one, density): (Shown, Density)| {
+    let panel = |(one, densities): (Shown, Vec<Density>)| {
         let y = one.axis(axis, range, window.low).tight();
-        Panel::new(window.on(axis(&range.parameter)), y).with(density)
+        let panel = Panel::new(window.on(axis(&range.name())), y);
+        let legend = match densities.len() {
+            1 => Legend::Hidden,
+            _ => Legend::Above,
+        };
+        let layered = densities.into_iter().fold(panel, Panel::with);
+        layered.legend(legend)
     };
     Ok(Densities {
         panels: drawn.into_iter().map(panel).collect(),
@@ -145,7 +163,7 @@ impl Shown<'_> {
         }
         let sign = if self.slope < 0.0 { '+' } else { '-' };
         let size = self.slope.abs();
-        let parameter = tex_name(&range.parameter);
+        let parameter = tex_name(&range.name());
         let origin = crate::numbers::concise(from, 6);
         Axis::new(format!(
             "${} {sign} {size}\\,({parameter} - {origin})$",

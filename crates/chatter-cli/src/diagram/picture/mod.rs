@@ -2,6 +2,7 @@
 
 mod cells;
 mod densities;
+mod layers;
 mod line_fit;
 mod window;
 
@@ -11,7 +12,7 @@ pub use densities::densities;
 use super::source::Source;
 use crate::failure::Failure;
 use crate::simulation::picture::axis_of;
-use chatter::analysis::diagram::{Exponent, Record, Spec, Sweep};
+use chatter::analysis::diagram::{Exponent, Range, Record, Spec, Sweep, Swept, initial_name};
 use chatter::analysis::map::Passage;
 use chatter::model::Model;
 use chatter_io::figures::{Axis, Figure, Sharing};
@@ -52,6 +53,8 @@ pub enum Show {
     Impacts,
     /// The largest Lyapunov exponent.
     Exponent,
+    /// Which of the attractors that coexist orbits settle to.
+    Attractor,
 }
 
 /// How a diagram is looked at.
@@ -63,11 +66,25 @@ pub struct View {
     pub shear: Option<Shear>,
     /// Observed quantities to be shown; all if there are none.
     pub observe: Vec<String>,
-    /// What a map over two parameters shows.
-    pub show: Show,
+    /// What a map over two parameters shows, if not what is usual for it.
+    pub show: Option<Show>,
 }
 
 impl View {
+    /// What a map shows: of initial values their basins.
+    fn shown(&self, spec: &Spec) -> Show {
+        let initial = spec
+            .sweeps
+            .iter()
+            .any(|range| range.swept == Swept::Initial);
+        let usual = if initial {
+            Show::Attractor
+        } else {
+            Show::Period
+        };
+        self.show.unwrap_or(usual)
+    }
+
     fn zoom(&self, name: &str) -> Option<(f64, f64)> {
         let mut named = self.zooms.iter().filter(|zoom| zoom.name == name);
         named.next().map(|zoom| (zoom.from, zoom.to))
@@ -105,7 +122,10 @@ impl Words<'_> {
             .map(|range| {
                 format!(
                     "{} values of {} from {} to {}",
-                    range.count, range.parameter, range.from, range.to
+                    range.count,
+                    range.name(),
+                    range.from,
+                    range.to
                 )
             })
             .collect();
@@ -159,7 +179,8 @@ pub fn draw(
 
 fn check(sweep: &Sweep, view: &View) -> Result<(), Failure> {
     let spec = sweep.spec();
-    let swept: Vec<&str> = spec.sweeps.iter().map(|range| &*range.parameter).collect();
+    let swept: Vec<String> = spec.sweeps.iter().map(Range::name).collect();
+    let swept: Vec<&str> = swept.iter().map(String::as_str).collect();
     let observed: Vec<&str> = spec.observe.iter().map(|one| &*one.name).collect();
     for name in &view.observe {
         known(name, &observed, "observed")?;
@@ -179,12 +200,12 @@ fn check(sweep: &Sweep, view: &View) -> Result<(), Failure> {
         }
     }
     let over = match spec.sweeps.len() {
-        1 => "one parameter",
+        1 => "one parameter or initial value",
         _ => "two parameters",
     };
     let useless = [
         (
-            spec.sweeps.len() == 1 && view.show != Show::Period,
+            spec.sweeps.len() == 1 && view.show.is_some_and(|show| show != Show::Period),
             "--show",
         ),
         (spec.sweeps.len() > 1 && view.shear.is_some(), "--shear"),
@@ -198,7 +219,13 @@ fn check(sweep: &Sweep, view: &View) -> Result<(), Failure> {
             "{option} changes nothing in a diagram over {over}: leave it out"
         )));
     }
-    if view.show == Show::Exponent && spec.exponent == Exponent::Skip {
+    if view.show == Some(Show::Attractor) && !sweep.compares() {
+        return Err(Failure::input(
+            "the diagram tells no attractors apart: there is one orbit for each pair of values",
+        )
+        .help("compute it with --start random:COUNT or carry:both, or sweep initial values"));
+    }
+    if view.show == Some(Show::Exponent) && spec.exponent == Exponent::Skip {
         return Err(
             Failure::input("the diagram has no exponents").help("compute it with --exponent")
         );
@@ -230,8 +257,14 @@ pub fn axis(model: &Model, name: &str) -> Axis {
         .map(|parameter| (&parameter.name, &parameter.label))
         .chain(states.map(|state| (&state.name, &state.label)));
     let mut same = labels.filter(|(known, _)| *known == name);
+    let mut started = (model.states.iter()).filter(|state| initial_name(&state.name) == name);
     match same.next() {
         Some((_, label)) => axis_of(name, label.as_ref()),
+        None if let Some(state) = started.next() => {
+            let mut axis = axis_of(&state.name, state.label.as_ref());
+            axis.label = format!("initial {}", axis.label);
+            axis
+        }
         None if Passage::NAMES.contains(&name) => Axis::new(name.replace('_', " ")),
         None => axis_of(name, None),
     }

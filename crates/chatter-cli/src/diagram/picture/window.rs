@@ -31,12 +31,15 @@ impl Window {
         let Some(first) = inside.next() else {
             return Err(Failure::input(format!(
                 "there is no value of `{}` from {low} to {high}: it was swept from {} to {}",
-                range.parameter, range.from, range.to
+                range.name(),
+                range.from,
+                range.to
             )));
         };
         let last = inside.next_back().unwrap_or(first);
         let (from, to) = (range.value(first), range.value(last));
         let cells = match range.spacing {
+            _ if range.count == 1 => beside(from),
             Spacing::Linear => {
                 let gaps = (range.count - 1).max(1) as f64;
                 let half = (range.to - range.from) / gaps / 2.0;
@@ -72,6 +75,19 @@ impl Window {
         axis
     }
 }
+
+/// Room beside a single value.
+fn beside(value: f64) -> (f64, f64) {
+    let room = if value == 0.0 {
+        1.0
+    } else {
+        value.abs() * SINGLE
+    };
+    (value - room, value + room)
+}
+
+/// The room on either side of a single value, as a part of it.
+const SINGLE: f64 = 0.01;
 
 /// The parameter value of the row that samples come from, looked up once a row.
 pub struct Abscissa<'a> {

@@ -102,13 +102,22 @@ impl<R: Real> Teller<'_, R> {
                 format!("rate {before} -> {after}{closing}")
             }
             EventDetail::Accumulation { impacts, error, .. } => format!(
-                "after {}, time known to {}",
+                "after {}, local error {}",
                 counted(impacts, "impact"),
                 significant(error, ERROR_DIGITS)
             ),
             EventDetail::Release { contact } => self.time_in_contact(contact, event.time),
             EventDetail::Graze { rate, .. } => format!("rate {}", self.detail(rate)),
             EventDetail::Section { .. } => String::new(),
+            EventDetail::Cascade { impacts, error, .. } => format!(
+                "{} at one instant converge, rates known to {} of the greatest",
+                counted(impacts, "collision"),
+                significant(error, ERROR_DIGITS)
+            ),
+            EventDetail::Ambiguity { other, .. } => format!(
+                "closes together with {}: which goes first changes the result",
+                self.subject.model.contacts[other].name
+            ),
         };
         Line {
             time: event.time,

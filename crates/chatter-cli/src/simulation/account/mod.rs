@@ -208,6 +208,7 @@ impl<'a, R: Real> Teller<'a, R> {
             (counts.releases, "release"),
             (counts.grazes, "graze"),
             (counts.sections, "section crossing"),
+            (counts.ambiguities, "ambiguous impact"),
         ];
         let named = named.iter().filter(|(count, _)| *count > 0);
         let named: Vec<String> = named.map(|&(count, name)| counted(count, name)).collect();

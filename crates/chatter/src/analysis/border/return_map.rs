@@ -33,11 +33,22 @@ pub(super) struct FixedPoint {
     pub at: [f64; 3],
     /// After the last impact.
     pub rate: f64,
-    pub multiplier: f64,
+    /// Of the derivative of the map: sum and product of its two multipliers, be they real or a complex pair.
+    pub trace: f64,
+    pub determinant: f64,
     /// d at / d rate.
     pub direction: [f64; 3],
     /// Of the parameter.
     pub error: f64,
+}
+
+impl FixedPoint {
+    /// By how much a multiplier m exceeds a `target` of 1 or -1: (m - target) (1 - target n) with the other one, n, which is
+    /// next to nothing near a border orbit. Zero just where a multiplier is that; a complex pair has none, though its real
+    /// part may pass the target.
+    pub fn excess(&self, target: f64) -> f64 {
+        self.trace - target * (1.0 + self.determinant)
+    }
 }
 
 const NEWTON_STEPS: usize = 40;
@@ -172,13 +183,6 @@ impl ReturnMap<'_> {
             (at, found) = moved?;
             if size <= done || (size <= STALLED * done && size >= before) {
                 let [[a, b, _], [c, d, _]] = found.slopes;
-                let (half, determinant) = (0.5 * (a + d), a * d - b * c);
-                let root = (half * half - determinant).max(0.0).sqrt();
-                let multiplier = if half >= 0.0 {
-                    half + root
-                } else {
-                    half - root
-                };
                 let direction = solve(
                     &found.fixed_point_rows(found.rate_slopes.to_vec()),
                     &[0.0, 0.0, 1.0],
@@ -186,7 +190,8 @@ impl ReturnMap<'_> {
                 return Some(FixedPoint {
                     at,
                     rate: found.rate,
-                    multiplier,
+                    trace: a + d,
+                    determinant: a * d - b * c,
                     direction: [direction[0], direction[1], direction[2]],
                     error: size.max(done) * (at[2] - self.border).abs(),
                 });
@@ -194,5 +199,38 @@ impl ReturnMap<'_> {
             before = size;
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(trace: f64, determinant: f64) -> FixedPoint {
+        FixedPoint {
+            at: [0.0; 3],
+            rate: 1.0,
+            trace,
+            determinant,
+            direction: [0.0; 3],
+            error: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_complex_pair_never_is_one_or_minus_one() {
+        for (m, n) in [(1.2, 0.3), (0.9, -0.2), (-1.1, 0.4), (-0.7, 1e-9)] {
+            let point = with(m + n, m * n);
+            for target in [1.0, -1.0] {
+                let product = (m - target) * (1.0 - target * n);
+                assert!((point.excess(target) - product).abs() < 1e-15, "{m} {n}");
+            }
+        }
+        // 0.8 +- 0.7 i and 1.2 +- 0.7 i: the real part passes 1, no multiplier does; nor -1 on the other side.
+        for half in [0.8, 1.0, 1.2] {
+            let determinant = half * half + 0.49;
+            assert!(with(2.0 * half, determinant).excess(1.0) < 0.0);
+            assert!(with(-2.0 * half, determinant).excess(-1.0) > 0.0);
+        }
     }
 }

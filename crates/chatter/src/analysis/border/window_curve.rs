@@ -119,11 +119,11 @@ impl ReturnMap<'_> {
             nearer = self.walk(nearest, NEARER, |_| false);
             nearest = nearer[nearer.len() - 1];
         }
-        let wanted = -nearest.multiplier.signum();
-        let away = self.walk(middle, AWAY, |point| point.multiplier * wanted > 1.0);
+        let wanted = -nearest.trace.signum();
+        let away = self.walk(middle, AWAY, |point| point.excess(wanted) * wanted > 0.0);
         let end = |multiplier: f64| {
             let crossed = |pair: &&[FixedPoint]| {
-                (pair[0].multiplier - multiplier) * (pair[1].multiplier - multiplier) <= 0.0
+                pair[0].excess(multiplier) * pair[1].excess(multiplier) <= 0.0
             };
             let mut branches = [&towards, &nearer, &away].into_iter();
             let pair = branches.find_map(|branch| branch.windows(2).find(crossed))?;
@@ -162,15 +162,15 @@ impl ReturnMap<'_> {
     }
 
     /// Between two fixed points the one where the multiplier takes a value: the Illinois method in the rate on
-    /// w (m - multiplier), which has no pole at the graze. Its error is what the last change makes of the multiplier's miss.
+    /// w times its excess, which has no pole at the graze. Its error is what the last change makes of the multiplier's miss.
     fn meet(
         &self,
         mut low: FixedPoint,
         mut high: FixedPoint,
         multiplier: f64,
     ) -> Option<FixedPoint> {
-        let value = |point: &FixedPoint| point.rate * (point.multiplier - multiplier);
-        let miss = |point: &FixedPoint| (point.multiplier - multiplier).abs();
+        let value = |point: &FixedPoint| point.rate * point.excess(multiplier);
+        let miss = |point: &FixedPoint| point.excess(multiplier).abs();
         let (mut at_low, mut at_high) = (value(&low), value(&high));
         let (mut best, other) = if miss(&low) < miss(&high) {
             (low, high)
@@ -178,7 +178,8 @@ impl ReturnMap<'_> {
             (high, low)
         };
         let change = |from: &FixedPoint, to: &FixedPoint| {
-            ((to.at[2] - from.at[2]) / (to.multiplier - from.multiplier)).abs()
+            let moved = to.excess(multiplier) - from.excess(multiplier);
+            ((to.at[2] - from.at[2]) / moved).abs()
         };
         let mut slope = change(&other, &best);
         let mut idle = 0;

@@ -1,141 +1,114 @@
 //! What the samples of an orbit say about it.
 
+use super::tail::{Tail, between_phases};
+use crate::analysis::map::CoordinateKind;
+
 /// The kept samples of an orbit, and how it came from one to the next.
 pub(super) struct Settled<'a> {
-    /// Sample after sample, each with all observed quantities.
-    pub samples: &'a [f64],
-    /// How many quantities are observed.
-    pub observed: usize,
+    /// Whole points at the latest samples.
+    pub points: &'a Tail,
+    /// What their coordinates are.
+    pub kinds: &'a [CoordinateKind],
     /// Impacts and time since the sample before, one a sample.
     pub ways: &'a [(u64, f64)],
-    /// Largest coordinate of the orbit's last point.
-    pub scale: f64,
 }
 
-/// A sample that is zero but for rounding errors differs by them, which are this small against the coordinates.
+/// A coordinate that is zero but for rounding errors differs by them, which are this small against the others.
 const ROUNDING: f64 = 1e-13;
 
-/// Fewer pairs of neighbours than this say nothing about whether neighbours move apart.
-const LEAST_PAIRS: usize = 16;
-
-/// Growth counts if its mean exceeds so many times its standard error: where distances only fluctuate, as they do on
-/// quasi-periodic orbits, the mean is as often positive as negative.
-const SIGNIFICANT: f64 = 2.0;
-
-/// Whether distances grow, from logarithms of their growth.
-pub(super) fn grows(logarithms: &[f64]) -> bool {
-    let count = logarithms.len() as f64;
-    let mean = logarithms.iter().sum::<f64>() / count;
-    let squares = logarithms.iter().map(|x| (x - mean) * (x - mean));
-    let error = (squares.sum::<f64>() / (count * (count - 1.0))).sqrt();
-    mean > SIGNIFICANT * error
-}
-
 impl Settled<'_> {
-    /// The smallest number of samples after which all that was sampled, the number of impacts and the time repeat, over
-    /// the second half of the samples at least.
+    /// The smallest number of samples after which the whole point, the number of impacts and the time repeat, over the
+    /// second half of the samples at least.
     pub fn period(&self, longest: u64, tolerance: f64) -> Option<usize> {
         let count = self.ways.len();
-        let mut allowed: Vec<f64> = (0..self.observed)
-            .map(|k| self.largest(k) * tolerance + self.scale * ROUNDING)
-            .collect();
+        let allowed = self.allowed(tolerance);
         let longest_way = self.ways.iter().fold(0.0_f64, |most, way| most.max(way.1));
-        allowed.push(longest_way * tolerance);
         let longest = usize::try_from(longest)
             .unwrap_or(usize::MAX)
             .min(count / 2);
         (1..=longest).find(|&period| {
             let first = (count / 2).max(period);
-            (first..count)
-                .rev()
-                .all(|place| self.same(place, place - period, &allowed))
+            (first..count).rev().all(|place| {
+                self.same_way(place, place - period, longest_way * tolerance)
+                    && self.same_point(place, place - period, &allowed)
+            })
         })
     }
 
-    fn same(&self, a: usize, b: usize, allowed: &[f64]) -> bool {
-        let n = self.observed;
-        let samples = self.samples[a * n..(a + 1) * n]
-            .iter()
-            .zip(&self.samples[b * n..(b + 1) * n]);
-        let times = (&self.ways[a].1, &self.ways[b].1);
-        self.ways[a].0 == self.ways[b].0
-            && samples
-                .chain([times])
-                .zip(allowed)
-                // Equal values first: both may be infinite.
-                .all(|((x, y), &allowed)| x == y || (x - y).abs() <= allowed)
-    }
-
-    fn largest(&self, quantity: usize) -> f64 {
-        self.quantity(quantity)
-            .fold(0.0_f64, |most, x| most.max(x.abs()))
-    }
-
-    fn quantity(&self, quantity: usize) -> impl Iterator<Item = f64> {
-        let samples = self.samples.iter().skip(quantity);
-        samples.step_by(self.observed).copied()
-    }
-
-    /// Whether samples that are neighbours move apart, in the mean of the logarithm: the sign of the largest exponent,
-    /// told from the samples alone (after Wolf et al. 1985, Determining Lyapunov exponents from a time series).
-    pub fn spreads(&self) -> bool {
-        let quantities = (0..self.observed).map(|k| self.neighbours(k));
-        // Counts and other quantities of few values tell hardly any samples apart; of the others the one that varies most
-        // relative to its size tells neighbours best.
-        let clearest = quantities.max_by(|a, b| {
-            let pairs = a.growth.len().cmp(&b.growth.len());
-            pairs.then(a.variation.total_cmp(&b.variation))
-        });
-        clearest.is_some_and(|told| told.growth.len() >= LEAST_PAIRS && grows(&told.growth))
-    }
-
-    /// Samples that are neighbours by one observed quantity, and where they are a sample later.
-    fn neighbours(&self, quantity: usize) -> Neighbours {
-        let values: Vec<f64> = self.quantity(quantity).collect();
-        let mut order: Vec<usize> = (0..values.len().saturating_sub(1)).collect();
-        order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let mut growth = Vec::new();
-        for pair in order.windows(2) {
-            let (a, b) = (pair[0], pair[1]);
-            let before = (values[a] - values[b]).abs();
-            let after = (values[a + 1] - values[b + 1]).abs();
-            if before > 0.0 && after > 0.0 && (before + after).is_finite() {
-                growth.push(libm::log(after / before));
+    /// By how much coordinates that are the same may differ.
+    fn allowed(&self, tolerance: f64) -> Vec<f64> {
+        let plain = |kind: &CoordinateKind| *kind == CoordinateKind::Plain;
+        let scale = match self.points.len() {
+            0 => 0.0,
+            count => {
+                let last = self.points.point(count - 1).iter().zip(self.kinds);
+                let last = last.filter(|(_, kind)| plain(kind));
+                last.fold(0.0_f64, |most, (x, _)| most.max(x.abs()))
             }
-        }
-        let extent = (f64::INFINITY, f64::NEG_INFINITY);
-        let extent = values
-            .iter()
-            .fold(extent, |(low, high), &x| (low.min(x), high.max(x)));
-        let size = extent.0.abs().max(extent.1.abs()) + f64::MIN_POSITIVE;
-        Neighbours {
-            growth,
-            variation: (extent.1 - extent.0) / size,
-        }
+        };
+        let allowed = |(index, kind): (usize, &CoordinateKind)| match *kind {
+            CoordinateKind::Plain => {
+                let values = self.points.coordinate(index);
+                values.fold(0.0_f64, |most, x| most.max(x.abs())) * tolerance + scale * ROUNDING
+            }
+            CoordinateKind::Phase { period } => period * tolerance,
+            CoordinateKind::Idle { .. } => f64::INFINITY,
+        };
+        self.kinds.iter().enumerate().map(allowed).collect()
     }
-}
 
-/// What samples that are neighbours by one quantity do.
-struct Neighbours {
-    /// Logarithms of the growth of their distances, one for each pair that can be told apart, before and after.
-    growth: Vec<f64>,
-    /// How much the quantity varies, relative to its size.
-    variation: f64,
+    fn same_way(&self, a: usize, b: usize, allowed: f64) -> bool {
+        let (a, b) = (self.ways[a], self.ways[b]);
+        a.0 == b.0 && (a.1 == b.1 || (a.1 - b.1).abs() <= allowed)
+    }
+
+    fn same_point(&self, a: usize, b: usize, allowed: &[f64]) -> bool {
+        let missing = self.ways.len() - self.points.len();
+        // Of long orbits only the latest points are known.
+        let (Some(a), Some(b)) = (a.checked_sub(missing), b.checked_sub(missing)) else {
+            return true;
+        };
+        let pairs = self.points.point(a).iter().zip(self.points.point(b));
+        pairs
+            .zip(self.kinds)
+            .zip(allowed)
+            .all(|(((&x, &y), kind), &allowed)| match *kind {
+                CoordinateKind::Phase { period } => between_phases(x, y, period) <= allowed,
+                // Equal values first: both may be infinite.
+                CoordinateKind::Plain => x == y || (x - y).abs() <= allowed,
+                CoordinateKind::Idle { .. } => true,
+            })
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::aperiodic::{Evidence, evidence, grows};
+    use super::super::embedding::Embedding;
     use super::*;
 
-    fn of(values: &[f64]) -> (Option<usize>, bool) {
-        let ways = vec![(1, 1.0); values.len()];
+    fn tail(values: &[f64], dimension: usize) -> Tail {
+        let mut tail = Tail::new(dimension, 4096);
+        values.chunks(dimension).for_each(|point| tail.push(point));
+        tail
+    }
+
+    fn judged(values: &[f64], kinds: &[CoordinateKind]) -> (Option<usize>, Evidence) {
+        let tail = tail(values, kinds.len());
+        let ways = vec![(1, 1.0); tail.len()];
         let settled = Settled {
-            samples: values,
-            observed: 1,
+            points: &tail,
+            kinds,
             ways: &ways,
-            scale: 1.0,
         };
-        (settled.period(16, 1e-8), settled.spreads())
+        (
+            settled.period(16, 1e-8),
+            evidence(&Embedding::new(&tail, 4096, kinds)),
+        )
+    }
+
+    fn of(values: &[f64]) -> (Option<usize>, Evidence) {
+        judged(values, &[CoordinateKind::Plain])
     }
 
     fn logistic(a: f64, transient: usize, count: usize) -> Vec<f64> {
@@ -164,29 +137,87 @@ mod tests {
             assert_eq!(of(&logistic(a, 5000, 200)).0, Some(period), "a = {a}");
         }
         for a in [3.6, 3.7, 3.9, 4.0] {
-            assert_eq!(of(&logistic(a, 5000, 200)), (None, true), "a = {a}");
+            let found = of(&logistic(a, 5000, 200));
+            assert_eq!(found, (None, Evidence::Chaotic), "a = {a}");
         }
     }
 
     #[test]
-    fn an_approach_is_not_chaos() {
-        assert_eq!(of(&logistic(2.99, 20, 200)), (None, false));
-        assert_eq!(of(&logistic(3.01, 20, 100)), (None, false));
+    fn an_approach_is_neither_chaos_nor_quasiperiodic() {
+        assert_eq!(of(&logistic(2.99, 20, 200)), (None, Evidence::None));
+        assert_eq!(of(&logistic(3.01, 20, 100)), (None, Evidence::None));
+        for factor in [0.99, 0.999, 0.9999] {
+            for turn in [0.618, 0.07, 0.33] {
+                let spiral = |k: u32| {
+                    let size = libm::pow(factor, f64::from(k));
+                    let angle = core::f64::consts::TAU * turn * f64::from(k);
+                    [size * libm::cos(angle), size * libm::sin(angle)]
+                };
+                let points: Vec<f64> = (0..200).flat_map(spiral).collect();
+                let found = judged(&points, &[CoordinateKind::Plain, CoordinateKind::Plain]);
+                assert_eq!(found, (None, Evidence::None), "{factor} {turn}");
+            }
+        }
+    }
+
+    #[test]
+    fn rotations_are_quasiperiodic_and_cascades_are_not() {
+        let golden = 0.618_033_988_749_894_9;
+        for turn in [golden, 2.0_f64.sqrt(), core::f64::consts::E] {
+            let wave = |k: u32| {
+                let angle = core::f64::consts::TAU * turn * f64::from(k);
+                let bent = libm::cos(angle) + 0.2 * libm::cos(2.0 * angle);
+                [bent, 1e3 + libm::sin(angle + 0.3 * bent)]
+            };
+            let points: Vec<f64> = (0..200).flat_map(wave).collect();
+            let found = judged(&points, &[CoordinateKind::Plain, CoordinateKind::Plain]);
+            assert_eq!(found, (None, Evidence::Quasiperiodic), "{turn}");
+            // The angle itself, whole turns and all.
+            let angles: Vec<f64> = (0..200).map(|k| turn * f64::from(k)).collect();
+            let found = judged(&angles, &[CoordinateKind::Phase { period: 1.0 }]);
+            assert_eq!(found, (None, Evidence::Quasiperiodic), "{turn}");
+        }
+        // At the accumulation of the period doublings, and in the bands just behind it.
+        for a in [3.569_945_671_8, 3.5700, 3.5705, 3.575] {
+            for count in [200, 1000, 4000] {
+                let found = of(&logistic(a, 5000, count));
+                assert_ne!(found.1, Evidence::Quasiperiodic, "a = {a}");
+            }
+        }
+    }
+
+    #[test]
+    fn phases_repeat_up_to_whole_periods_and_what_is_idle_does_not_count() {
+        let points: Vec<f64> = (0..60)
+            .flat_map(|k| [f64::from(k % 2), 0.3 + 0.5 * f64::from(k), f64::from(k)])
+            .collect();
+        let judge = |period| {
+            let kinds = [
+                CoordinateKind::Plain,
+                CoordinateKind::Phase { period },
+                CoordinateKind::Idle { others: Vec::new() },
+            ];
+            judged(&points, &kinds).0
+        };
+        assert_eq!(judge(1.0), Some(2));
+        assert_eq!(judge(0.5), Some(2));
+        assert_eq!(judge(1.5), Some(6));
+        assert_eq!(judge(0.7), Some(14));
+        assert_eq!(judge(2.0_f64.sqrt()), None);
     }
 
     #[test]
     fn impacts_and_times_tell_orbits_apart_that_look_the_same() {
-        let samples = [0.5; 12];
+        let points = tail(&[0.5; 12], 1);
         let mut ways = [(3, 1.0); 12];
         for place in (0..12).step_by(2) {
             ways[place].0 = 4;
         }
         let settled = |ways| {
             Settled {
-                samples: &samples,
-                observed: 1,
+                points: &points,
+                kinds: &[CoordinateKind::Plain],
                 ways,
-                scale: 1.0,
             }
             .period(4, 1e-8)
         };
@@ -212,24 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_beside_a_state_do_not_hide_chaos() {
-        let states = logistic(3.9, 100, 200);
-        let samples: Vec<f64> = states
-            .iter()
-            .flat_map(|&x| [x, f64::from(x > 0.5)])
-            .collect();
-        let ways = vec![(1, 1.0); states.len()];
-        let settled = Settled {
-            samples: &samples,
-            observed: 2,
-            ways: &ways,
-            scale: 1.0,
-        };
-        assert!(settled.spreads());
-    }
-
-    #[test]
     fn nothing_is_concluded_from_a_single_sample() {
-        assert_eq!(of(&[1.0]), (None, false));
+        assert_eq!(of(&[1.0]), (None, Evidence::None));
     }
 }

@@ -1,12 +1,15 @@
 //! One orbit of a diagram while it is followed.
 
+use super::aperiodic::{Evidence, evidence};
 use super::classify::Settled;
+use super::embedding::Embedding;
 use super::exponent::{Companion, Growth, Tangent, Trail};
 use super::observable::Scratch;
 use super::row::{Outcome, Row, Started};
-use super::spec::Exponent;
+use super::spec::{Exponent, Spec};
 use super::sweep::Sweep;
-use crate::analysis::map::{Arrival, Map, NoReturn, Origin, Passage};
+use super::tail::Tail;
+use crate::analysis::map::{Arrival, CoordinateKind, Map, NoReturn, Origin, Passage};
 
 /// Counts returns, keeps samples, and draws the conclusions.
 #[derive(Debug)]
@@ -22,8 +25,11 @@ pub(super) struct Column {
     samples: Vec<f64>,
     ways: Vec<(u64, f64)>,
     accumulations: Vec<bool>,
-    scale: f64,
+    tail: Tail,
+    kinds: Vec<CoordinateKind>,
+    origin: Vec<f64>,
     end: Vec<f64>,
+    orbit: Vec<f64>,
     tangent: Option<Tangent>,
     trail: Trail,
     companion: Option<Companion>,
@@ -41,7 +47,7 @@ pub(super) enum Need {
 }
 
 impl Column {
-    pub(super) fn new(sweep: &Sweep, row: u64, start: Started) -> Self {
+    pub(super) fn new(sweep: &Sweep, row: u64, start: Started, origin: Vec<f64>) -> Self {
         let spec = sweep.spec();
         Self {
             row,
@@ -52,13 +58,21 @@ impl Column {
             samples: Vec::new(),
             ways: Vec::new(),
             accumulations: Vec::new(),
-            scale: 0.0,
+            tail: Tail::new(sweep.coordinates().len(), judged(spec)),
+            kinds: Vec::new(),
+            origin,
             end: Vec::new(),
+            orbit: Vec::new(),
             tangent: None,
             trail: Trail::default(),
             companion: None,
             result: None,
         }
+    }
+
+    /// The orbit could not start, and starts elsewhere.
+    pub(super) fn restart(&mut self, start: Started, origin: Vec<f64>) {
+        (self.start, self.origin) = (start, origin);
     }
 
     /// Whether the orbit has come to any point yet.
@@ -112,6 +126,7 @@ impl Column {
             let value = observable.value(arrival.point, &way, arrival.parameters, scratch);
             self.samples.push(value);
         }
+        self.tail.push(arrival.point);
         self.ways.push((way.impacts, way.return_time));
         self.accumulations.push(way.accumulations > 0);
         if let Some(tangent) = &mut self.tangent {
@@ -128,7 +143,8 @@ impl Column {
     /// The first sample is about to be kept.
     fn reserve(&mut self, map: &dyn Map, sweep: &Sweep, arrival: &Arrival<'_>) {
         let spec = sweep.spec();
-        let keep = spec.keep as usize;
+        // More than this grow as they come.
+        let keep = spec.keep.min(RESERVED) as usize;
         self.samples.reserve(keep * sweep.observables.len());
         self.ways.reserve(keep);
         self.accumulations.reserve(keep);
@@ -139,36 +155,48 @@ impl Column {
         }
     }
 
-    fn settled<'a>(&'a self, sweep: &Sweep) -> Settled<'a> {
-        Settled {
-            samples: &self.samples,
-            observed: sweep.observables.len(),
+    fn period(&self, sweep: &Sweep) -> Option<usize> {
+        let settled = Settled {
+            points: &self.tail,
+            kinds: &self.kinds,
             ways: &self.ways,
-            scale: self.scale,
+        };
+        let spec = sweep.spec();
+        settled.period(spec.longest_period, spec.period_tolerance)
+    }
+
+    fn aperiodic(&self) -> Outcome {
+        match evidence(&Embedding::new(&self.tail, JUDGED as usize, &self.kinds)) {
+            Evidence::Chaotic => Outcome::Chaotic,
+            Evidence::Quasiperiodic => Outcome::Quasiperiodic,
+            Evidence::None => Outcome::Unsettled,
         }
     }
 
     /// All samples are there.
     fn conclude(&mut self, map: &dyn Map, sweep: &Sweep, arrival: &Arrival<'_>) -> Need {
         let spec = sweep.spec();
-        self.scale = arrival
-            .point
-            .iter()
-            .fold(0.0_f64, |most, x| most.max(x.abs()));
+        self.kinds = map.coordinate_kinds(arrival.parameters);
+        self.tail.relate(&self.kinds);
         if sweep.carries() {
             self.end = arrival.point.to_vec();
         }
-        let period = self
-            .settled(sweep)
-            .period(spec.longest_period, spec.period_tolerance);
+        let period = self.period(sweep);
         let recent = period.unwrap_or(self.ways.len());
         let first = self.ways.len() - recent;
         let chatters = self.accumulations[first..].contains(&true);
-        let outcome = match period {
-            _ if chatters => Outcome::CompleteChatter,
+        let settled = match period {
             Some(_) => Outcome::Periodic,
-            None if self.settled(sweep).spreads() => Outcome::Chaotic,
-            None => Outcome::Unsettled,
+            None if chatters && !sweep.compares() => Outcome::CompleteChatter,
+            None => self.aperiodic(),
+        };
+        if sweep.compares() && settled != Outcome::Unsettled {
+            self.orbit = self.tail.latest(period.unwrap_or(COMPARED), &self.kinds);
+        }
+        let outcome = if chatters {
+            Outcome::CompleteChatter
+        } else {
+            settled
         };
         let tangent = self.tangent.take();
         let mut row = self.take(sweep, outcome);
@@ -238,21 +266,41 @@ impl Column {
             impacts_per_return: f64::NAN,
             exponent: f64::NAN,
             samples: if sweep.records() { samples } else { Vec::new() },
+            origin: core::mem::take(&mut self.origin),
+            orbit: core::mem::take(&mut self.orbit),
             end: core::mem::take(&mut self.end),
         }
     }
 }
 
+/// So many of the latest points are judged; shorter transients and longer orbits say no more.
+const JUDGED: u64 = 4096;
+
+/// How many of the latest points a column keeps.
+fn judged(spec: &Spec) -> usize {
+    // Twice the longest period, so that it can be seen to repeat.
+    let periods = spec.longest_period.min(spec.keep / 2).saturating_mul(2);
+    periods.max(JUDGED).min(spec.keep) as usize
+}
+
+/// So many points of an orbit that does not repeat are compared with others.
+const COMPARED: usize = 64;
+
+/// Room for so many samples is made at once.
+const RESERVED: u64 = 1 << 16;
+
 /// Notes the exponent, which says more about chaos than samples do.
 fn weigh(row: &mut Row, growth: &Growth) {
     row.exponent = growth.mean();
-    if matches!(row.outcome, Outcome::Chaotic | Outcome::Unsettled) && !row.exponent.is_nan() {
-        row.outcome = if growth.is_chaotic() {
-            Outcome::Chaotic
-        } else {
-            Outcome::Unsettled
-        };
+    let aperiodic = [Outcome::Chaotic, Outcome::Quasiperiodic, Outcome::Unsettled];
+    if !aperiodic.contains(&row.outcome) || row.exponent.is_nan() {
+        return;
     }
+    row.outcome = match (growth.is_chaotic(), row.outcome) {
+        (true, _) => Outcome::Chaotic,
+        (false, Outcome::Chaotic) => Outcome::Unsettled,
+        (false, outcome) => outcome,
+    };
 }
 
 fn mean_impacts(ways: &[(u64, f64)], chatters: bool) -> f64 {

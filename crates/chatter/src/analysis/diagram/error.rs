@@ -1,6 +1,7 @@
 //! What can be wrong with the specification of a diagram.
 
-use super::spec::Range;
+use super::range::Range;
+use crate::analysis::map::PhaseLost;
 use crate::expressions::{ParseError, nearest};
 use core::fmt;
 
@@ -14,6 +15,13 @@ pub enum DiagramError {
     },
     /// The map has no such parameter.
     UnknownParameter {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// The map has no such coordinate to start elsewhere.
+    UnknownInitial {
         /// The name given.
         name: String,
         /// The names there are.
@@ -52,8 +60,27 @@ pub enum DiagramError {
     },
     /// No sample is kept.
     KeepsNothing,
+    /// More samples of an orbit than memory holds.
+    KeepsTooMuch {
+        /// How many were asked for.
+        keep: u64,
+        /// How many there can be.
+        most: u64,
+    },
     /// Samples of every zeroth return.
     EveryZeroth,
+    /// A state that is carried cannot start at a swept initial value.
+    CarriedInitial {
+        /// The coordinate whose initial value is swept.
+        name: String,
+    },
+    /// A coordinate whose initial value is swept cannot be drawn at random.
+    SweptAndDrawn {
+        /// Its name.
+        name: String,
+    },
+    /// A carried state would lose the phase of a forcing.
+    PhaseLost(PhaseLost),
     /// Chunks without values.
     EmptyChunks,
     /// Periods up to zero.
@@ -87,7 +114,9 @@ impl DiagramError {
     /// The name that is probably meant, where one is unknown.
     pub fn suggestion(&self) -> Option<String> {
         match self {
-            Self::UnknownParameter { name, known } | Self::UnknownCoordinate { name, known } => {
+            Self::UnknownParameter { name, known }
+            | Self::UnknownInitial { name, known }
+            | Self::UnknownCoordinate { name, known } => {
                 nearest(name, known.iter().map(String::as_str))
             }
             _ => None,
@@ -100,13 +129,20 @@ impl fmt::Display for DiagramError {
         match self {
             Self::SweepCount { count } => write!(
                 out,
-                "{count} parameters are swept: expected one, or two for a map over both"
+                "{count} quantities are swept: expected one, or two for a map over both"
             ),
             Self::UnknownParameter { name, known } => {
                 write!(out, "there is no parameter `{name}` to sweep")?;
                 list(out, known)
             }
-            Self::SweptTwice { name } => write!(out, "the parameter `{name}` is swept twice"),
+            Self::UnknownInitial { name, known } => {
+                write!(
+                    out,
+                    "there is no state `{name}` whose initial value could be swept"
+                )?;
+                list(out, known)
+            }
+            Self::SweptTwice { name } => write!(out, "`{name}` is swept twice"),
             Self::NoValues { name } => {
                 write!(
                     out,
@@ -115,19 +151,15 @@ impl fmt::Display for DiagramError {
             }
             Self::Ends { range } => {
                 let Range {
-                    parameter,
-                    from,
-                    to,
-                    count,
-                    ..
+                    from, to, count, ..
                 } = range;
-                write!(out, "the sweep of `{parameter}` from {from} to {to} ")?;
+                write!(out, "the sweep of `{}` from {from} to {to} ", range.name())?;
                 if !(from.is_finite() && to.is_finite()) {
                     write!(out, "has an end that is not finite")
                 } else if from > to {
                     write!(
                         out,
-                        "is reversed: give the smaller value first (to carry the state downwards, start with carry-down)"
+                        "is reversed: give the smaller value first (to carry the state downwards, start with carry:down)"
                     )
                 } else if from == to {
                     write!(out, "is empty: {count} values need two different ends")
@@ -143,10 +175,22 @@ impl fmt::Display for DiagramError {
                 "two columns of the result would be called `{name}`: give the observed quantity another name"
             ),
             Self::KeepsNothing => write!(out, "no sample is kept: expected at least one"),
+            Self::KeepsTooMuch { keep, most } => write!(
+                out,
+                "{keep} samples of each orbit are more than memory holds: expected {most} at most"
+            ),
             Self::EveryZeroth => write!(
                 out,
                 "a sample every 0 returns makes no sense: expected 1 or more"
             ),
+            Self::CarriedInitial { name } => write!(
+                out,
+                "a carried state starts where another orbit ended, not at the swept initial value of `{name}`"
+            ),
+            Self::SweptAndDrawn { name } => {
+                write!(out, "`{name}` cannot be both drawn at random and swept")
+            }
+            Self::PhaseLost(lost) => lost.fmt(out),
             Self::EmptyChunks => write!(
                 out,
                 "a state cannot be carried through chunks of 0 values: expected 1 or more"

@@ -18,9 +18,12 @@ pub trait Executor: Sync {
 pub struct Threads(NonZeroUsize);
 
 impl Threads {
-    /// So many threads; zero counts as one.
+    /// No machine is faster with more threads than this.
+    pub const MOST: usize = 1024;
+
+    /// So many threads, at least one and at most [`MOST`](Self::MOST).
     pub fn new(count: usize) -> Self {
-        Self(NonZeroUsize::new(count).unwrap_or(NonZeroUsize::MIN))
+        Self(NonZeroUsize::new(count.min(Self::MOST)).unwrap_or(NonZeroUsize::MIN))
     }
 
     /// As many threads as the machine runs at once.
@@ -37,7 +40,11 @@ impl Executor for Threads {
     fn run(&self, worker: &(dyn Fn() + Sync)) {
         std::thread::scope(|scope| {
             for _ in 1..self.0.get() {
-                scope.spawn(worker);
+                // A thread that the system has no room for leaves its work to the others.
+                let started = std::thread::Builder::new().spawn_scoped(scope, worker);
+                if started.is_err() {
+                    break;
+                }
             }
             worker();
         });

@@ -1,6 +1,6 @@
 //! The largest Lyapunov exponent of an orbit.
 
-use super::classify::grows;
+use super::aperiodic::grows;
 use crate::analysis::map::{Map, Origin, Passage};
 
 /// Distance of the second orbit, relative to the point with its time, whose rounding makes as much of an error: a million
@@ -86,7 +86,7 @@ impl Tangent {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trail {
     points: Vec<f64>,
-    phases: Vec<u32>,
+    phases: Vec<u128>,
     dimension: usize,
 }
 

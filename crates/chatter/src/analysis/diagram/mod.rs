@@ -5,34 +5,46 @@
 //!   Sweep         rows and pieces: a piece is a run of rows that have to be computed one after the other
 //!   run           workers of an Executor take pieces; each follows hundreds of orbits at once
 //!     Column      one orbit: transient, samples, exponent
-//!     classify    what it has settled to
+//!     classify    what it has settled to; aperiodic: chaotic, quasi-periodic, or neither
 //!   Row           the result for one orbit, which says itself where it belongs
+//!   Attractors    which rows settled to the same orbit
 //! ```
 //!
 //! Rows come in any order; each is the same to the bit whatever the number of threads, the width of the lanes or the
 //! company in which it was computed. So a diagram can be broken off and resumed, and its pieces can be computed anywhere.
 
+mod aperiodic;
+mod attractors;
+mod check;
 mod classify;
 mod column;
+mod embedding;
 mod error;
 mod executor;
 mod exponent;
 mod observable;
 mod random;
+mod range;
 mod row;
 mod run;
+mod same_orbit;
 mod spec;
+mod standing;
 mod sweep;
+mod tail;
 
 #[cfg(test)]
 mod tests;
 
+pub use attractors::{Attractors, Collector};
 pub use error::DiagramError;
 pub use executor::{Executor, Threads};
 pub use observable::Observable;
+pub use range::{Range, Spacing, Swept, initial_name};
 pub use row::{Outcome, Row, RowError, Started};
-pub use run::{Ending, Standing, run};
-pub use spec::{Bounds, Exponent, Observed, Range, Record, Spacing, Spec, Start};
+pub use run::{Ending, run};
+pub use spec::{Bounds, Exponent, Observed, Record, Spec, Start};
+pub use standing::Standing;
 pub use sweep::Sweep;
 
 use super::map::Map;

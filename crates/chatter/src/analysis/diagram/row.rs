@@ -23,6 +23,11 @@ pub struct Row {
     pub exponent: f64,
     /// The samples kept, one after the other, each with all observed quantities.
     pub samples: Vec<f64>,
+    /// The point at which the orbit started.
+    pub origin: Vec<f64>,
+    /// Whole points of what the orbit settled to, where rows are compared: those of a period, or the latest of those that
+    /// do not repeat; none where it settled to nothing.
+    pub orbit: Vec<f64>,
     /// The last point, where the next row of the piece goes on from it.
     pub end: Vec<f64>,
 }
@@ -57,16 +62,19 @@ impl Started {
 pub enum Outcome {
     /// It repeats itself.
     Periodic,
-    /// It does not, and neighbouring samples move apart.
+    /// It does not, and neighbouring points move apart.
     Chaotic,
-    /// No period was found, yet neighbouring samples do not move apart: it is still approaching something, or
-    /// quasi-periodic, or its period is longer than was looked for, or too few samples were kept.
+    /// It does not, and moves like a rotation by angles without a common measure: neighbours stay neighbours, and averages
+    /// converge as they do for nothing else.
+    Quasiperiodic,
+    /// No period was found, and neither of these is evident: it is still approaching something, or its period is longer
+    /// than was looked for, or too few samples were kept.
     Unsettled,
     /// Infinite impact sequences that end in contact are part of what it settled to, whether that repeats or not.
     CompleteChatter,
     /// The equations have no finite value where it went.
     LeftDomain,
-    /// It did not return in the time and impacts allowed.
+    /// It did not return in the time and impacts allowed, or there is no time from look to look.
     NoReturn,
     /// No orbit can start there.
     NoStart,
@@ -76,9 +84,10 @@ pub enum Outcome {
 
 impl Outcome {
     /// All of them, by code.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Periodic,
         Self::Chaotic,
+        Self::Quasiperiodic,
         Self::Unsettled,
         Self::CompleteChatter,
         Self::LeftDomain,
@@ -92,6 +101,7 @@ impl Outcome {
         match self {
             Self::Periodic => "periodic",
             Self::Chaotic => "chaotic",
+            Self::Quasiperiodic => "quasiperiodic",
             Self::Unsettled => "unsettled",
             Self::CompleteChatter => "complete_chatter",
             Self::LeftDomain => "left_domain",
@@ -105,8 +115,11 @@ impl Outcome {
 impl From<&NoReturn> for Outcome {
     fn from(reason: &NoReturn) -> Self {
         match reason {
-            NoReturn::Time { .. } | NoReturn::Impacts { .. } => Self::NoReturn,
-            NoReturn::LeftDomain | NoReturn::Failed(FlowError::LeftDomain { .. }) => {
+            NoReturn::Time { .. } | NoReturn::Impacts { .. } | NoReturn::Period { .. } => {
+                Self::NoReturn
+            }
+            NoReturn::LeftDomain
+            | NoReturn::Failed(FlowError::LeftDomain { .. } | FlowError::Singular { .. }) => {
                 Self::LeftDomain
             }
             NoReturn::Failed(FlowError::Penetrates { .. }) => Self::NoStart,
@@ -116,16 +129,21 @@ impl From<&NoReturn> for Outcome {
 }
 
 impl Row {
+    /// The number of the form of [`to_bytes`](Self::to_bytes): another form has another number.
+    pub const FORMAT: u32 = 2;
+
     /// The row as bytes, to be stored.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(48 + 8 * (self.samples.len() + self.end.len()));
+        let lists = [&self.origin, &self.orbit, &self.end, &self.samples];
+        let numbers: usize = lists.iter().map(|list| list.len()).sum();
+        let mut bytes = Vec::with_capacity(72 + 8 * numbers);
         bytes.extend(self.row.to_le_bytes());
         bytes.push(self.start as u8);
         bytes.push(self.outcome as u8);
         bytes.extend(self.period.to_le_bytes());
         bytes.extend(self.impacts_per_return.to_bits().to_le_bytes());
         bytes.extend(self.exponent.to_bits().to_le_bytes());
-        for numbers in [&self.end, &self.samples] {
+        for numbers in lists {
             bytes.extend((numbers.len() as u64).to_le_bytes());
             bytes.extend(numbers.iter().flat_map(|x| x.to_bits().to_le_bytes()));
         }
@@ -145,6 +163,8 @@ impl Row {
             period: word(&mut rest)?,
             impacts_per_return: f64::from_bits(word(&mut rest)?),
             exponent: f64::from_bits(word(&mut rest)?),
+            origin: numbers(&mut rest)?,
+            orbit: numbers(&mut rest)?,
             end: numbers(&mut rest)?,
             samples: numbers(&mut rest)?,
         };
@@ -204,6 +224,8 @@ mod tests {
                 impacts_per_return: f64::INFINITY,
                 exponent: -0.5,
                 samples: vec![1.0, -0.0, 1e-300],
+                origin: vec![2.0, 3.0],
+                orbit: vec![0.5; code],
                 end: vec![0.25],
             };
             let bytes = row.to_bytes();

@@ -4,65 +4,23 @@ use super::column::{Column, Need};
 use super::executor::Executor;
 use super::observable::Scratch;
 use super::row::{Row, Started};
+use super::standing::{Begun, Carried, Standing};
 use super::sweep::Sweep;
-use crate::analysis::map::{Arrival, Command, Map, NoReturn, Origin, Start};
+use crate::analysis::map::{Arrival, Carry, Command, Map, NoReturn, Origin, Start};
 use crate::flow::FlowError;
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 /// A worker follows up to so many orbits at once: enough to fill the lanes of every kind of step, few enough that their
 /// states stay in the processor's cache.
 const IN_FLIGHT: u64 = 256;
 
-/// All orbits that are followed at once hold no more numbers than this, 256 MiB, unless a few do so alone.
-const MOST_HELD: u64 = 1 << 25;
-
-/// Numbers that an orbit holds in the end: its samples, and for each of them impacts, time and chatter.
-fn held_by(sweep: &Sweep) -> u64 {
-    let a_sample = sweep.spec().observe.len() as u64 + 3;
-    sweep.spec().keep.saturating_mul(a_sample).max(1)
-}
+/// Rows in flight hold up to so many numbers together (half a gigabyte), or one row a worker where that is more.
+const MEMORY: u64 = 1 << 26;
 
 /// So many random points are drawn for a start before it is given up: none in that many is admissible.
 const DRAWS: u64 = 1000;
-
-/// Which rows are there already, from a run that was broken off.
-#[derive(Clone, Debug, Default)]
-pub struct Standing {
-    /// For each piece that has been begun: how many of its rows are done, and the last point of the latest.
-    begun: BTreeMap<u64, (u64, Vec<f64>)>,
-    rows: u64,
-}
-
-impl Standing {
-    /// Notes a row that is there. Those of a piece come in the order in which they were computed; a row that does not
-    /// belong to the sweep, or is out of order, is not noted, and will be computed again.
-    pub fn note(&mut self, sweep: &Sweep, row: &Row) -> bool {
-        if row.row >= sweep.rows() {
-            return false;
-        }
-        let piece = sweep.piece_of(row.row);
-        let begun = self.begun.entry(piece).or_default();
-        if begun.0 >= sweep.piece_rows(piece) || row.row != sweep.row(piece, begun.0) {
-            return false;
-        }
-        begun.0 += 1;
-        self.rows += 1;
-        begun.1 = if begun.0 < sweep.piece_rows(piece) {
-            row.end.clone()
-        } else {
-            Vec::new()
-        };
-        true
-    }
-
-    /// How many rows are there.
-    pub fn rows(&self) -> u64 {
-        self.rows
-    }
-}
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,8 +34,8 @@ pub enum Ending {
 /// Computes the rows of a diagram that are not there yet, and hands each to `sink` as soon as it is done, in any order.
 /// Rows of one piece come in the order of the piece.
 ///
-/// It ends early once `stop` is set or `sink` breaks off: within milliseconds, unless a single return takes longer. Rows
-/// that are not done by then are lost.
+/// It ends early once `stop` is set, after the step that each worker is at, or `sink` breaks off, after the return. Rows that
+/// are not done by then are lost.
 pub fn run(
     map: &dyn Map,
     sweep: &Sweep,
@@ -93,13 +51,13 @@ pub fn run(
     };
     let workers = executor.workers().max(1) as u64;
     let open = sweep.pieces() - standing.finished(sweep);
+    let row_numbers = sweep.spec().keep.saturating_mul(sweep.row_width());
+    let in_memory = (MEMORY / workers / row_numbers.max(1)).clamp(1, IN_FLIGHT);
     let shared = Shared {
         map,
         sweep,
         supply: &supply,
-        in_flight: (open.div_ceil(workers))
-            .min(MOST_HELD / held_by(sweep) / workers)
-            .clamp(1, IN_FLIGHT),
+        in_flight: open.div_ceil(workers).clamp(1, in_memory),
         stop,
         broken_off: AtomicBool::new(false),
         sink: Mutex::new(sink),
@@ -109,16 +67,6 @@ pub fn run(
         Ending::Stopped
     } else {
         Ending::Complete
-    }
-}
-
-impl Standing {
-    fn finished(&self, sweep: &Sweep) -> u64 {
-        let finished = self
-            .begun
-            .iter()
-            .filter(|(piece, begun)| begun.0 >= sweep.piece_rows(**piece));
-        finished.count() as u64
     }
 }
 
@@ -137,14 +85,13 @@ impl Supply<'_> {
                 return None;
             }
             let rows = self.sweep.piece_rows(piece);
-            let begun = self.standing.begun.get(&piece);
-            let (done, carried) = begun.cloned().unwrap_or_default();
+            let Begun { done, latest } = self.standing.begun(piece);
             if done < rows {
                 return Some(Piece {
                     piece,
                     rows,
                     done,
-                    carried,
+                    carried: latest,
                 });
             }
         }
@@ -155,8 +102,8 @@ struct Piece {
     piece: u64,
     rows: u64,
     done: u64,
-    /// The last point of the row before; empty where it cannot be gone on from.
-    carried: Vec<f64>,
+    /// The row before.
+    carried: Option<Carried>,
 }
 
 struct Shared<'a, 's> {
@@ -216,46 +163,51 @@ impl<'a, 's> Worker<'a, 's> {
         }
         let map = self.shared.map;
         let swept = &self.shared.sweep.swept;
-        map.follow(swept, &starts, &mut |arrival| self.visit(&arrival));
+        let stop = self.shared.stop;
+        map.follow(swept, &starts, stop, &mut |arrival| self.visit(&arrival));
     }
 
     /// The next row of a piece, and where its orbit starts.
     fn begin(&self, mut piece: Piece) -> (Slot, Start) {
         let sweep = self.shared.sweep;
         let row = sweep.row(piece.piece, piece.done);
-        let swept = sweep.values(row);
-        let carried = core::mem::take(&mut piece.carried);
-        let (started, origin) = if carried.is_empty() {
-            self.first_origin(row, 0, &swept)
-        } else {
-            (Started::Carried, Origin::Image(carried))
+        let carried = piece.carried.take();
+        let carried = carried.filter(|carried| sweep.carries() && !carried.end.is_empty());
+        let (started, point) = match carried {
+            Some(carried) => {
+                let point = self.shared.map.carried(&Carry {
+                    origin: &carried.origin,
+                    end: &carried.end,
+                    before: &sweep.all_parameters(self.shared.map, carried.row),
+                    after: &sweep.all_parameters(self.shared.map, row),
+                });
+                (Started::Carried, point)
+            }
+            None => self.first_point(row, 0),
+        };
+        let origin = match started {
+            Started::Carried => Origin::Image(point.clone()),
+            Started::Fresh | Started::Random => Origin::Point(point.clone()),
         };
         let slot = Slot {
             piece,
-            column: Column::new(sweep, row, started),
+            column: Column::new(sweep, row, started, point),
             attempt: 0,
         };
+        let swept = sweep.parameters(row);
         (slot, Start { swept, origin })
     }
 
-    fn first_origin(&self, row: u64, attempt: u64, swept: &[f64]) -> (Started, Origin) {
-        let map = self.shared.map;
-        let overrides: Vec<(usize, f64)> = self
-            .shared
-            .sweep
-            .swept
-            .iter()
-            .copied()
-            .zip(swept.iter().copied())
-            .collect();
-        if !self.shared.sweep.draws() {
-            return (Started::Fresh, Origin::Initial);
-        }
-        let initial = map.initial_point(&map.parameter_values(&overrides));
-        match self.shared.sweep.draw(row, attempt, &initial) {
-            Some(point) => (Started::Random, Origin::Point(point)),
-            None => (Started::Fresh, Origin::Initial),
-        }
+    /// Where a row starts that is not carried.
+    fn first_point(&self, row: u64, attempt: u64) -> (Started, Vec<f64>) {
+        let Shared { map, sweep, .. } = self.shared;
+        let initial = map.initial_point(&sweep.all_parameters(*map, row));
+        let started = if sweep.draws() {
+            Started::Random
+        } else {
+            Started::Fresh
+        };
+        (started, sweep.first_point(row, attempt, &initial))
     }
 
     fn visit(&mut self, arrival: &Arrival<'_>) -> Command {
@@ -275,7 +227,7 @@ impl<'a, 's> Worker<'a, 's> {
         match need {
             Need::Next => Command::Continue,
             Need::Companion(origin) => Command::Restart(Start {
-                swept: sweep.values(slot.column.row),
+                swept: sweep.parameters(slot.column.row),
                 origin,
             }),
             Need::Done(row) => self.done(arrival.orbit, row),
@@ -295,12 +247,14 @@ impl<'a, 's> Worker<'a, 's> {
         if start == Started::Fresh || attempt >= DRAWS {
             return None;
         }
-        let swept = sweep.values(row);
-        let (started, origin) = self.first_origin(row, attempt, &swept);
+        let (started, point) = self.first_point(row, attempt);
         let slot = &mut self.slots[orbit];
         slot.attempt = attempt;
-        slot.column.start = started;
-        Some(Start { swept, origin })
+        slot.column.restart(started, point.clone());
+        Some(Start {
+            swept: sweep.parameters(row),
+            origin: Origin::Point(point),
+        })
     }
 
     /// Hands over a row and begins the next, of this piece or of another.
@@ -308,14 +262,14 @@ impl<'a, 's> Worker<'a, 's> {
         let slot = &mut self.slots[orbit];
         let mut piece = Piece {
             done: slot.piece.done + 1,
-            carried: Vec::new(),
+            carried: None,
             ..slot.piece
         };
         let last = piece.done >= piece.rows;
         if last {
             row.end.clear();
         } else {
-            piece.carried.clone_from(&row.end);
+            piece.carried = Some(Carried::of(&row));
         }
         self.shared.hand_over(row);
         if last {

@@ -1,11 +1,12 @@
 //! What diagram is wanted, in a form that can be stored.
 
+use super::range::Range;
 use serde::{Deserialize, Serialize};
 
 /// An orbit diagram of a map. Parameters that are not swept are those of the map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spec {
-    /// One or two swept parameters. The first one varies fastest.
+    /// One or two swept parameters or initial values. The first one varies fastest.
     pub sweeps: Vec<Range>,
     /// What is sampled at the points of an orbit.
     pub observe: Vec<Observed>,
@@ -18,7 +19,8 @@ pub struct Spec {
     /// Where orbits start.
     pub start: Start,
     /// How many neighbouring parameter values a carried state is carried through before it starts afresh; none for the
-    /// [`usual`](Self::usual_chunk) number. Chunks are computed side by side, so this is part of the specification.
+    /// whole range. Chunks are computed side by side, so this is part of the specification. Where an orbit starts afresh
+    /// it forgets which attractor it was on: over less than the whole range hysteresis is cut to pieces.
     pub chunk: Option<u64>,
     /// Periods are looked for up to this one.
     pub longest_period: u64,
@@ -53,67 +55,11 @@ impl Spec {
         }
     }
 
-    /// Length of the chunks of a sweep of `count` values unless given: some 256 of them, to keep several cores busy with
-    /// many orbits each, of at least 4 and at most 64 values.
-    pub fn usual_chunk(count: u64) -> u64 {
+    /// A length of [chunks](Self::chunk) for speed, where attractors do not coexist: some 256 chunks, to keep several
+    /// cores busy with many orbits each, of at least 4 and at most 64 values.
+    pub fn quick_chunk(count: u64) -> u64 {
         count.div_ceil(256).clamp(4, 64)
     }
-}
-
-/// Values of one parameter: equally spaced, both ends included.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Range {
-    /// The parameter's name.
-    pub parameter: String,
-    /// The first value.
-    pub from: f64,
-    /// The last value.
-    pub to: f64,
-    /// How many values.
-    pub count: u64,
-    /// How they are spaced.
-    pub spacing: Spacing,
-}
-
-impl Range {
-    /// Equal differences.
-    pub fn linear(parameter: &str, from: f64, to: f64, count: u64) -> Self {
-        Self {
-            parameter: parameter.to_owned(),
-            from,
-            to,
-            count,
-            spacing: Spacing::Linear,
-        }
-    }
-
-    /// Value number `index`, from 0.
-    pub fn value(&self, index: u64) -> f64 {
-        if index == 0 {
-            return self.from;
-        }
-        if index + 1 >= self.count {
-            return self.to;
-        }
-        let share = index as f64 / (self.count - 1) as f64;
-        match self.spacing {
-            Spacing::Linear => self.from + (self.to - self.from) * share,
-            Spacing::Logarithmic => {
-                let exponent = libm::log(self.to / self.from) * share;
-                self.from * libm::exp(exponent)
-            }
-        }
-    }
-}
-
-/// How values are spaced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Spacing {
-    /// Equal differences.
-    Linear,
-    /// Equal ratios.
-    Logarithmic,
 }
 
 /// A quantity to be sampled.
@@ -142,11 +88,13 @@ impl Observed {
 pub enum Start {
     /// From the map's own initial point, at each parameter value.
     Fresh,
-    /// From where the orbit at the next lower parameter value ended; the lowest value of a chunk starts afresh, and so
-    /// does a value whose neighbour's orbit ended without return, or whose orbit cannot start there.
+    /// From where the orbit at the next lower parameter value ended; the lowest value (of each chunk) starts afresh, and
+    /// so does a value whose neighbour's orbit ended without return, or whose orbit cannot start there.
     CarryUp,
     /// From where the orbit at the next higher parameter value ended, in the same way.
     CarryDown,
+    /// Both: two rows a value, the first carried upwards, the second downwards.
+    CarryBoth,
     /// From several points drawn at random, the same on every machine: a row for each.
     Random {
         /// How many orbits each parameter value has.

@@ -1,36 +1,66 @@
 //! A specification checked against a map: rows, pieces and what is needed to compute them.
 
+use super::check::{self, Places};
 use super::error::DiagramError;
 use super::observable::Observable;
 use super::random::Generator;
-use super::spec::{Range, Record, Spacing, Spec, Start};
+use super::range::Swept;
+use super::spec::{Record, Spec, Start};
 use crate::analysis::map::Map;
 
-/// The rows of a diagram: for each value of the second parameter each value of the first, for each of these the random
-/// starts. Rows that have to be computed one after the other are a piece.
+/// The rows of a diagram: for each value of the second range each value of the first, for each of these its starts: the
+/// random ones, or upwards and downwards. Rows that have to be computed one after the other are a piece.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     spec: Spec,
     /// Positions of the swept parameters.
     pub(super) swept: Vec<usize>,
+    /// Positions of the coordinates whose initial values are swept.
+    initial: Vec<usize>,
+    coordinates: Vec<String>,
     pub(super) observables: Vec<Observable>,
     /// Positions of the coordinates that are drawn at random.
     drawn: Vec<usize>,
     starts: u64,
-    chunk: u64,
-    pieces_per_line: u64,
     rows: u64,
-    pieces: u64,
+    pieces: Pieces,
+}
+
+/// How rows are cut into pieces.
+#[derive(Clone, Copy, Debug)]
+struct Pieces {
+    /// How many there are.
+    count: u64,
+    /// Values of a line that are carried through.
+    columns: u64,
+    /// How many times each line is carried through.
+    passes: u64,
+    chunk: u64,
+}
+
+impl Pieces {
+    fn chunks(&self) -> u64 {
+        self.columns.div_ceil(self.chunk)
+    }
+
+    /// The line and the pass of a piece, and the first column.
+    fn place(&self, piece: u64) -> (u64, u64, u64) {
+        let line = self.chunks() * self.passes;
+        let within = piece % line;
+        let first = within % self.chunks() * self.chunk;
+        (piece / line, within / self.chunks(), first)
+    }
 }
 
 impl Sweep {
     /// Names of the columns of the result that hold what each row was classified as.
-    pub const CLASS_NAMES: [&'static str; 5] = [
+    pub const CLASS_NAMES: [&'static str; 6] = [
         "outcome",
         "period",
         "impacts_per_return",
         "exponent",
         "start",
+        "attractor",
     ];
     /// Name of the column that says which row a sample belongs to.
     pub const COLUMN_NAME: &'static str = "column";
@@ -40,42 +70,23 @@ impl Sweep {
     /// # Errors
     /// The first thing that is wrong with the specification.
     pub fn new(map: &dyn Map, spec: &Spec) -> Result<Self, DiagramError> {
-        let parameters = map.parameters();
-        let coordinates = map.coordinates();
-        if !(1..=2).contains(&spec.sweeps.len()) {
-            return Err(DiagramError::SweepCount {
-                count: spec.sweeps.len(),
-            });
-        }
-        let mut swept = Vec::new();
-        for range in &spec.sweeps {
-            swept.push(check_range(range, &parameters, &swept)?);
-        }
-        check_numbers(spec)?;
-        let observables = check_observed(map, spec, coordinates.len())?;
+        let places = check::places(map, spec)?;
+        check::numbers(spec)?;
+        let observables = check::observed(map, spec)?;
+        check::carry(map, spec, &places)?;
+        let Places {
+            parameters,
+            initial,
+        } = places;
         let (starts, drawn) = match &spec.start {
             Start::Random { count, bounds, .. } => {
                 if *count == 0 || bounds.is_empty() {
                     return Err(DiagramError::NoStarts);
                 }
-                let mut drawn = Vec::new();
-                for bound in bounds {
-                    let name = bound.coordinate.clone();
-                    if !(bound.from.is_finite() && bound.to.is_finite() && bound.from <= bound.to) {
-                        let (from, to) = (bound.from, bound.to);
-                        return Err(DiagramError::Bounds { name, from, to });
-                    }
-                    match coordinates.iter().position(|known| *known == name) {
-                        Some(index) => drawn.push(index),
-                        None => {
-                            let known = coordinates.clone();
-                            return Err(DiagramError::UnknownCoordinate { name, known });
-                        }
-                    }
-                }
-                (*count, drawn)
+                (*count, check::drawn(map, bounds, &initial)?)
             }
             Start::Fresh | Start::CarryUp | Start::CarryDown => (1, Vec::new()),
+            Start::CarryBoth => (2, Vec::new()),
         };
         let count = spec.sweeps[0].count;
         let lines = spec.sweeps.get(1).map_or(1, |range| range.count);
@@ -83,24 +94,31 @@ impl Sweep {
             .checked_mul(lines)
             .and_then(|rows| rows.checked_mul(starts))
             .ok_or(DiagramError::TooManyRows)?;
-        let carries = matches!(spec.start, Start::CarryUp | Start::CarryDown);
-        let chunk = match (carries, spec.chunk) {
-            (false, _) => 1,
-            (true, Some(0)) => return Err(DiagramError::EmptyChunks),
-            (true, Some(chunk)) => chunk,
-            (true, None) => Spec::usual_chunk(count),
+        let mut pieces = match spec.start {
+            Start::Fresh | Start::Random { .. } => Pieces {
+                count: 0,
+                columns: count * starts,
+                passes: 1,
+                chunk: 1,
+            },
+            Start::CarryUp | Start::CarryDown | Start::CarryBoth => Pieces {
+                count: 0,
+                columns: count,
+                passes: starts,
+                chunk: spec.chunk.unwrap_or(count),
+            },
         };
-        let pieces_per_line = (count * starts).div_ceil(chunk);
+        pieces.count = pieces.chunks() * pieces.passes * lines;
         Ok(Self {
             spec: spec.clone(),
-            swept,
+            swept: parameters,
+            initial,
+            coordinates: map.coordinates(),
             observables,
             drawn,
             starts,
-            chunk,
-            pieces_per_line,
             rows,
-            pieces: pieces_per_line * lines,
+            pieces,
         })
     }
 
@@ -114,46 +132,154 @@ impl Sweep {
         self.rows
     }
 
+    /// How many rows each value (pair of values) of the sweep has.
+    pub fn starts(&self) -> u64 {
+        self.starts
+    }
+
+    /// Names of the coordinates of points.
+    pub fn coordinates(&self) -> &[String] {
+        &self.coordinates
+    }
+
+    /// About how many numbers each sample of a row takes up while it is computed.
+    pub(super) fn row_width(&self) -> u64 {
+        // Impacts, time and accumulations beside what is observed.
+        self.observables.len() as u64 + 3
+    }
+
     /// How many pieces can be computed independently.
     pub fn pieces(&self) -> u64 {
-        self.pieces
+        self.pieces.count
     }
 
     /// How many rows a piece has.
     pub fn piece_rows(&self, piece: u64) -> u64 {
-        let line = self.spec.sweeps[0].count * self.starts;
-        let first = piece % self.pieces_per_line * self.chunk;
-        self.chunk.min(line - first)
+        let (_, _, first) = self.pieces.place(piece);
+        self.pieces.chunk.min(self.pieces.columns - first)
     }
 
     /// The row that a piece computes as its `index`-th.
     pub fn row(&self, piece: u64, index: u64) -> u64 {
-        let line = piece / self.pieces_per_line * self.spec.sweeps[0].count * self.starts;
-        let first = piece % self.pieces_per_line * self.chunk;
-        match self.spec.start {
-            Start::CarryDown => line + first + self.piece_rows(piece) - 1 - index,
-            _ => line + first + index,
-        }
+        let Pieces {
+            columns, passes, ..
+        } = self.pieces;
+        let (line, pass, first) = self.pieces.place(piece);
+        let downwards = match self.spec.start {
+            Start::CarryDown => true,
+            Start::CarryBoth => pass == 1,
+            Start::Fresh | Start::CarryUp | Start::Random { .. } => false,
+        };
+        let column = if downwards {
+            first + self.piece_rows(piece) - 1 - index
+        } else {
+            first + index
+        };
+        (line * columns + column) * passes + pass
     }
 
     /// The piece that computes a row.
     pub fn piece_of(&self, row: u64) -> u64 {
-        let line = self.spec.sweeps[0].count * self.starts;
-        row / line * self.pieces_per_line + row % line / self.chunk
+        let Pieces {
+            columns,
+            passes,
+            chunk,
+            ..
+        } = self.pieces;
+        let (pass, column) = (row % passes, row / passes);
+        let line = column / columns;
+        (line * passes + pass) * self.pieces.chunks() + column % columns / chunk
+    }
+
+    /// The value of each range in a row.
+    pub fn values(&self, row: u64) -> Vec<f64> {
+        let ranges = self.spec.sweeps.iter().zip(self.indices(row));
+        ranges.map(|(range, index)| range.value(index)).collect()
+    }
+
+    fn indices(&self, row: u64) -> [u64; 2] {
+        let column = row / self.starts;
+        let count = self.spec.sweeps[0].count;
+        [column % count, column / count]
+    }
+
+    /// Values of what is swept of one kind in a row.
+    fn values_of(&self, row: u64, swept: Swept) -> impl Iterator<Item = f64> {
+        let ranges = self.spec.sweeps.iter().zip(self.values(row));
+        ranges.filter_map(move |(range, value)| (range.swept == swept).then_some(value))
     }
 
     /// Values of the swept parameters in a row.
-    pub fn values(&self, row: u64) -> Vec<f64> {
-        let column = row / self.starts;
-        let count = self.spec.sweeps[0].count;
-        let indices = [column % count, column / count];
-        let ranges = self.spec.sweeps.iter().zip(indices);
-        ranges.map(|(range, index)| range.value(index)).collect()
+    pub(super) fn parameters(&self, row: u64) -> Vec<f64> {
+        self.values_of(row, Swept::Parameter).collect()
+    }
+
+    /// All parameters of a row.
+    pub(super) fn all_parameters(&self, map: &dyn Map, row: u64) -> Vec<f64> {
+        let values = self.values_of(row, Swept::Parameter);
+        let swept: Vec<(usize, f64)> = self.swept.iter().copied().zip(values).collect();
+        map.parameter_values(&swept)
+    }
+
+    /// Rows at the same values of the parameters have the same number, from zero.
+    pub fn group(&self, row: u64) -> u64 {
+        let ranges = self.spec.sweeps.iter().zip(self.indices(row));
+        ranges
+            .filter(|(range, _)| range.swept == Swept::Parameter)
+            .fold((0, 1), |(group, stride), (range, index)| {
+                (group + stride * index, stride * range.count)
+            })
+            .0
+    }
+
+    /// How many different values the parameters take.
+    pub fn groups(&self) -> u64 {
+        self.group_counts().1
+    }
+
+    /// Counts of the parameter values: of the first range, and of all.
+    fn group_counts(&self) -> (u64, u64) {
+        let mut parameters =
+            (self.spec.sweeps.iter()).filter(|range| range.swept == Swept::Parameter);
+        let first = parameters.next().map_or(1, |range| range.count);
+        (
+            first,
+            first * parameters.next().map_or(1, |range| range.count),
+        )
+    }
+
+    /// The group of the neighbouring parameter values: the next lower ones of the first parameter, else of the second.
+    pub(super) fn group_before(&self, group: u64) -> Option<u64> {
+        let (line, _) = self.group_counts();
+        match group % line {
+            0 => group.checked_sub(line),
+            _ => Some(group - 1),
+        }
+    }
+
+    /// Groups from which groups after this one go on.
+    pub(super) fn groups_needed_after(&self, group: u64) -> [u64; 2] {
+        let (line, _) = self.group_counts();
+        [group, group - group % line]
+    }
+
+    /// Whether all rows of a group stand one after the other.
+    pub(super) fn groups_stand_together(&self) -> bool {
+        let kinds: Vec<Swept> = self.spec.sweeps.iter().map(|range| range.swept).collect();
+        kinds != [Swept::Parameter, Swept::Initial]
+    }
+
+    /// Whether orbits from different starts are compared at the same parameters.
+    pub fn compares(&self) -> bool {
+        self.rows > self.groups()
     }
 
     /// Whether a row hands its last point on to the next of its piece.
     pub(super) fn carries(&self) -> bool {
-        matches!(self.spec.start, Start::CarryUp | Start::CarryDown)
+        matches!(
+            self.spec.start,
+            Start::CarryUp | Start::CarryDown | Start::CarryBoth
+        )
     }
 
     /// Whether a row keeps its samples.
@@ -161,99 +287,26 @@ impl Sweep {
         self.spec.record == Record::Samples
     }
 
+    /// Where the orbit of a row starts, unless it is carried: with the swept initial values and, at the attempt-th
+    /// attempt, the coordinates that are drawn at random.
+    pub(super) fn first_point(&self, row: u64, attempt: u64, initial: &[f64]) -> Vec<f64> {
+        let mut point = initial.to_vec();
+        for (&index, value) in self.initial.iter().zip(self.values_of(row, Swept::Initial)) {
+            point[index] = value;
+        }
+        if let Start::Random { seed, bounds, .. } = &self.spec.start {
+            let mut generator = Generator::of_row(*seed, row);
+            for _ in 0..=attempt {
+                for (&index, bounds) in self.drawn.iter().zip(bounds) {
+                    point[index] = generator.between(bounds.from, bounds.to);
+                }
+            }
+        }
+        point
+    }
+
     /// Whether rows start at random points.
     pub(super) fn draws(&self) -> bool {
         !self.drawn.is_empty()
     }
-
-    /// Random starting points of a row: the attempt-th one.
-    pub(super) fn draw(&self, row: u64, attempt: u64, initial: &[f64]) -> Option<Vec<f64>> {
-        let Start::Random { seed, bounds, .. } = &self.spec.start else {
-            return None;
-        };
-        let mut generator = Generator::of_row(*seed, row);
-        let mut point = initial.to_vec();
-        for _ in 0..=attempt {
-            for (&coordinate, bound) in self.drawn.iter().zip(bounds) {
-                point[coordinate] = generator.between(bound.from, bound.to);
-            }
-        }
-        Some(point)
-    }
-}
-
-fn check_range(
-    range: &Range,
-    parameters: &[String],
-    swept: &[usize],
-) -> Result<usize, DiagramError> {
-    let name = range.parameter.clone();
-    let Some(index) = parameters.iter().position(|known| *known == name) else {
-        let known = parameters.to_vec();
-        return Err(DiagramError::UnknownParameter { name, known });
-    };
-    if swept.contains(&index) {
-        return Err(DiagramError::SweptTwice { name });
-    }
-    if range.count == 0 {
-        return Err(DiagramError::NoValues { name });
-    }
-    let finite = range.from.is_finite() && range.to.is_finite();
-    let ordered = range.from < range.to || (range.count == 1 && range.from == range.to);
-    let spaced = range.spacing == Spacing::Linear || range.from > 0.0;
-    if finite && ordered && spaced {
-        Ok(index)
-    } else {
-        let range = range.clone();
-        Err(DiagramError::Ends { range })
-    }
-}
-
-fn check_numbers(spec: &Spec) -> Result<(), DiagramError> {
-    if spec.keep == 0 {
-        return Err(DiagramError::KeepsNothing);
-    }
-    if spec.every == 0 {
-        return Err(DiagramError::EveryZeroth);
-    }
-    if spec.longest_period == 0 {
-        return Err(DiagramError::NoPeriods);
-    }
-    if !(spec.period_tolerance > 0.0 && spec.period_tolerance < 1.0) {
-        return Err(DiagramError::PeriodTolerance {
-            value: spec.period_tolerance,
-        });
-    }
-    Ok(())
-}
-
-fn check_observed(
-    map: &dyn Map,
-    spec: &Spec,
-    dimension: usize,
-) -> Result<Vec<Observable>, DiagramError> {
-    if spec.observe.is_empty() {
-        return Err(DiagramError::NothingObserved);
-    }
-    let mut taken: Vec<&str> = Sweep::CLASS_NAMES.to_vec();
-    taken.push(Sweep::COLUMN_NAME);
-    taken.extend(spec.sweeps.iter().map(|range| range.parameter.as_str()));
-    let scope = map.scope();
-    let mut observables = Vec::new();
-    for observed in &spec.observe {
-        if taken.contains(&observed.name.as_str()) {
-            let name = observed.name.clone();
-            return Err(DiagramError::NameTaken { name });
-        }
-        taken.push(&observed.name);
-        let observable =
-            Observable::new(&scope, dimension, &observed.expression).map_err(|error| {
-                DiagramError::Observable {
-                    text: observed.expression.clone(),
-                    error,
-                }
-            })?;
-        observables.push(observable);
-    }
-    Ok(observables)
 }

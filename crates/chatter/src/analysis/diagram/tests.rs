@@ -1,5 +1,7 @@
 //! Diagrams of a map in closed form, and what holds for any map. The valve's diagrams are in the tests of return maps.
 
+mod coexisting;
+
 use super::*;
 use crate::analysis::map::{Map, NoReturn, Passage};
 use core::sync::atomic::Ordering;
@@ -178,10 +180,14 @@ fn chunks_start_afresh_and_lines_are_not_mixed() {
     let mut spec = spec(3.7, 3.9, 7);
     spec.sweeps.push(Range::linear("c", 0.0, 0.01, 3));
     (spec.transient, spec.keep, spec.chunk) = (1, 1, Some(3));
-    for start in [Start::CarryUp, Start::CarryDown] {
+    for (start, passes) in [
+        (Start::CarryUp, 1),
+        (Start::CarryDown, 1),
+        (Start::CarryBoth, 2),
+    ] {
         spec.start = start;
         let sweep = Sweep::new(&PLAIN, &spec).unwrap();
-        assert_eq!((sweep.rows(), sweep.pieces()), (21, 9));
+        assert_eq!((sweep.rows(), sweep.pieces()), (21 * passes, 9 * passes));
         let mut seen = Vec::new();
         for piece in 0..sweep.pieces() {
             for index in 0..sweep.piece_rows(piece) {
@@ -191,14 +197,14 @@ fn chunks_start_afresh_and_lines_are_not_mixed() {
             }
         }
         seen.sort_unstable();
-        assert_eq!(seen, (0..21).collect::<Vec<u64>>());
+        assert_eq!(seen, (0..21 * passes).collect::<Vec<u64>>());
         let rows = diagram(&PLAIN, &spec, &Threads::new(2)).unwrap();
         let fresh = rows
             .iter()
             .filter(|row| row.start == Started::Fresh)
             .count();
-        assert_eq!(fresh, 9);
-        assert_eq!(sweep.values(8), [spec.sweeps[0].value(1), 0.005]);
+        assert_eq!(fresh as u64, 9 * passes);
+        assert_eq!(sweep.values(8 * passes), [spec.sweeps[0].value(1), 0.005]);
     }
 }
 
@@ -312,6 +318,7 @@ fn wrong_specifications_are_refused() {
     assert!(error(&|spec| spec.observe[0].name = "a".to_owned()).contains("would be called `a`"));
     assert!(error(&|spec| spec.observe[0].name = "period".to_owned()).contains("`period`"));
     assert!(error(&|spec| spec.keep = 0).contains("no sample is kept"));
+    assert!(error(&|spec| spec.keep = 1_000_000_000_000_000_000).contains("100000000 at most"));
     assert!(error(&|spec| spec.every = 0).contains("every 0 returns"));
     assert!(error(&|spec| spec.longest_period = 0).contains("longest period"));
     assert!(error(&|spec| spec.period_tolerance = 0.0).contains("period tolerance"));
@@ -320,6 +327,14 @@ fn wrong_specifications_are_refused() {
         spec.chunk = Some(0);
     };
     assert!(error(&carry).contains("chunks of 0"));
+    let initial = |spec: &mut Spec| spec.sweeps[0] = Range::initial("x", 0.0, 1.0, 3);
+    let carried = |spec: &mut Spec| {
+        initial(spec);
+        spec.start = Start::CarryUp;
+    };
+    assert!(error(&carried).contains("not at the swept initial value of `x`"));
+    let unknown = |spec: &mut Spec| spec.sweeps[0] = Range::initial("y", 0.0, 1.0, 3);
+    assert!(error(&unknown).contains("there is no state `y` whose initial value"));
     let random = |count, coordinate: &str, from| Start::Random {
         count,
         seed: 0,
@@ -332,6 +347,11 @@ fn wrong_specifications_are_refused() {
     assert!(error(&|spec| spec.start = random(0, "x", 0.0)).contains("at least one start"));
     assert!(error(&|spec| spec.start = random(1, "y", 0.0)).contains("no state `y`"));
     assert!(error(&|spec| spec.start = random(1, "x", 2.0)).contains("between 2 and 1"));
+    let both = |spec: &mut Spec| {
+        initial(spec);
+        spec.start = random(1, "x", 0.0);
+    };
+    assert!(error(&both).contains("both drawn at random and swept"));
 }
 
 #[test]

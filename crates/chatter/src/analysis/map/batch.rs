@@ -1,6 +1,7 @@
 //! Orbits in step with each other.
 
 use super::{Arrival, Command, Map, NoReturn, Origin, Passage, Start};
+use core::sync::atomic::{AtomicBool, Ordering};
 
 /// Orbits side by side, one array for each coordinate and parameter.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +39,7 @@ pub(super) fn follow_in_step<M: Map + ?Sized>(
     map: &M,
     swept: &[usize],
     starts: &[Start],
+    stop: &AtomicBool,
     visit: &mut dyn FnMut(Arrival<'_>) -> Command,
 ) {
     let width = map.coordinates().len();
@@ -75,7 +77,7 @@ pub(super) fn follow_in_step<M: Map + ?Sized>(
     let mut orbits: Vec<usize> = (0..starts.len()).collect();
     let mut point = vec![0.0; width];
     let mut parameters = vec![0.0; batch.parameters.len()];
-    while !orbits.is_empty() {
+    while !orbits.is_empty() && !stop.load(Ordering::Relaxed) {
         map.next_batch(&mut batch);
         // Backwards, so that the place filled from the end by `swap_remove` has been visited already.
         for place in (0..orbits.len()).rev() {

@@ -7,12 +7,16 @@
 //! of a flow, has reason to implement [`follow`](Map::follow).
 
 mod batch;
+mod coordinate;
 mod passage;
 mod scope;
 
 pub use batch::Batch;
+pub use coordinate::{Carry, CoordinateKind, PhaseLost};
 pub use passage::{NoReturn, Passage};
 pub use scope::Scope;
+
+use core::sync::atomic::AtomicBool;
 
 /// A map of points, depending on parameters. Points and parameters are lists of numbers in a fixed order.
 pub trait Map: Sync {
@@ -45,6 +49,25 @@ pub trait Map: Sync {
         (0..self.coordinates().len()).collect()
     }
 
+    /// What the coordinates are, at these parameters: numbers as they stand, unless told otherwise.
+    fn coordinate_kinds(&self, _parameters: &[f64]) -> Vec<CoordinateKind> {
+        vec![CoordinateKind::Plain; self.coordinates().len()]
+    }
+
+    /// Whether points can be carried from each of `values`, each a list of all parameters, to the others, as
+    /// [`carried`](Self::carried) does.
+    ///
+    /// # Errors
+    /// They would lose the phase of a forcing.
+    fn check_carry(&self, _swept: &[usize], _values: &[Vec<f64>]) -> Result<(), PhaseLost> {
+        Ok(())
+    }
+
+    /// Where an orbit goes on at other parameters: where it ended, in the same phase of any forcing.
+    fn carried(&self, carry: &Carry<'_>) -> Vec<f64> {
+        carry.end.to_vec()
+    }
+
     /// The derivative of the next point with respect to the point, row by row, if the map knows it.
     fn jacobian(&self, _parameters: &[f64], _point: &[f64]) -> Option<Vec<f64>> {
         None
@@ -59,14 +82,16 @@ pub trait Map: Sync {
     /// `swept` and in their points.
     ///
     /// `visit` hears of each new point of each orbit and says what becomes of the orbit. What an orbit does depends on
-    /// its own starts alone, never on the others or on how many there are.
+    /// its own starts alone, never on the others or on how many there are. Once `stop` is set it returns as soon as it
+    /// can, whether or not an orbit has come to a point.
     fn follow(
         &self,
         swept: &[usize],
         starts: &[Start],
+        stop: &AtomicBool,
         visit: &mut dyn FnMut(Arrival<'_>) -> Command,
     ) {
-        batch::follow_in_step(self, swept, starts, visit);
+        batch::follow_in_step(self, swept, starts, stop, visit);
     }
 }
 
@@ -94,7 +119,7 @@ pub enum Origin {
         /// The displaced point.
         point: Vec<f64>,
         /// [`Passage::phase`] where the undisplaced one was reached.
-        phase: u32,
+        phase: u128,
     },
 }
 
@@ -164,7 +189,7 @@ mod tests {
         let mut counts = [0; 5];
         let mut ends = [f64::NAN; 5];
         let mut restarted = false;
-        Logistic.follow(&[0], &starts, &mut |arrival| {
+        Logistic.follow(&[0], &starts, &AtomicBool::new(false), &mut |arrival| {
             let k = arrival.orbit;
             if arrival.passage.is_err() {
                 assert_eq!(values[k], 5.0);

@@ -15,7 +15,7 @@ pub struct Passage {
     /// Length of the latest flight that was completed on the way; NaN if there was none, or for a map without flights.
     pub flight_time: f64,
     /// In which phase the next point is (for a flow: which contacts are closed). Means nothing outside the map.
-    pub phase: u32,
+    pub phase: u128,
 }
 
 impl Passage {
@@ -62,6 +62,11 @@ pub enum NoReturn {
         /// The impacts allowed.
         limit: u64,
     },
+    /// The time from look to look is no positive number at these parameters.
+    Period {
+        /// What it is.
+        value: f64,
+    },
     /// The next point is not finite.
     LeftDomain,
     /// The trajectory cannot go on.
@@ -73,6 +78,10 @@ impl fmt::Display for NoReturn {
         match self {
             Self::Time { limit } => write!(out, "no return within a time of {limit}"),
             Self::Impacts { limit } => write!(out, "no return within {limit} impacts"),
+            Self::Period { value } => write!(
+                out,
+                "the period is {value}: expected a positive finite number"
+            ),
             Self::LeftDomain => write!(out, "the next point is not a finite number"),
             Self::Failed(error) => error.fmt(out),
         }

@@ -4,9 +4,12 @@ use super::ReturnMap;
 use super::look::Look;
 use crate::analysis::map::{Arrival, Command, NoReturn, Origin, Passage, Start};
 use crate::analysis::simulate::EventKind;
+use crate::expressions::Formula;
 use crate::flow::{
     Closed, FlowError, GuardKind, Next, Occurrence, Trajectory, Workspace, run_fleet,
 };
+use crate::numerics::DoubleDouble;
+use core::sync::atomic::AtomicBool;
 
 /// Into so many parts is the time that a return may take divided, so that an orbit that never returns can be called off
 /// between them.
@@ -14,6 +17,14 @@ const PATIENCE_PARTS: u64 = 64;
 
 /// A state counts as lying on a section if the surface function is this small against the state: it was stored.
 const ON_SECTION: f64 = 1e-12;
+
+/// So does one that is this small at a state displaced from it by a small amount.
+const BESIDE_SECTION: f64 = 1e-4;
+
+/// The size that a surface function is compared with.
+fn largest(point: &[f64]) -> f64 {
+    point.iter().fold(1.0_f64, |most, x| most.max(x.abs()))
+}
 
 pub(super) struct Follower<'m, 'v> {
     map: &'m ReturnMap,
@@ -42,7 +53,7 @@ enum Clock {
     /// So many periods since the origin are over at the next look.
     Strobe {
         origin: f64,
-        period: f64,
+        period: DoubleDouble,
         count: u64,
     },
 }
@@ -62,7 +73,7 @@ impl<'m, 'v> Follower<'m, 'v> {
         }
     }
 
-    pub(super) fn run(mut self, starts: &[Start]) {
+    pub(super) fn run(mut self, starts: &[Start], stop: &AtomicBool) {
         let mut orbits = Vec::with_capacity(starts.len());
         let mut trajectories = Vec::with_capacity(starts.len());
         for (index, start) in starts.iter().enumerate() {
@@ -78,6 +89,7 @@ impl<'m, 'v> Follower<'m, 'v> {
             &map.settings,
             &moving,
             &mut trajectories,
+            stop,
             |place, trajectory, told| self.hear(&mut orbits[place], trajectory, told),
         );
     }
@@ -103,13 +115,14 @@ impl<'m, 'v> Follower<'m, 'v> {
                 time,
                 &point,
             )
+            .map_err(NoReturn::Failed)
             .and_then(|mut trajectory| {
                 self.place(&mut orbit, &mut trajectory, &start.origin)
                     .map(|()| trajectory)
             });
             match told {
                 Ok(trajectory) => return Some((orbit, trajectory)),
-                Err(error) => match self.arrive(&orbit, &point, Err(failure(error))) {
+                Err(reason) => match self.arrive(&orbit, &point, Err(reason)) {
                     Command::Restart(next) => {
                         orbit.parameters = self.parameters(&next.swept);
                         start = next;
@@ -133,20 +146,13 @@ impl<'m, 'v> Follower<'m, 'v> {
     /// Time and state of an origin.
     fn origin(&self, orbit: &Orbit, origin: &Origin) -> (f64, Vec<f64>) {
         let model = &self.map.model;
-        let mut point = match origin {
+        let point = match origin {
             Origin::Initial => model.initial_state(&orbit.parameters),
             Origin::Point(point) | Origin::Image(point) | Origin::Beside { point, .. } => {
                 point.clone()
             }
         };
-        let Some(index) = model.time else {
-            return (0.0, point);
-        };
-        // A stroboscopic map starts at the phase at which it looks, whatever the period was before.
-        if let (Look::Stroboscopic { .. }, Origin::Image(_)) = (&self.map.look, origin) {
-            point[index] = model.initial_state(&orbit.parameters)[index];
-        }
-        (point[index], point)
+        (model.time.map_or(0.0, |index| point[index]), point)
     }
 
     /// Puts a trajectory at an origin, at the orbit's parameters, and sets the orbit's counters back.
@@ -155,23 +161,31 @@ impl<'m, 'v> Follower<'m, 'v> {
         orbit: &mut Orbit,
         trajectory: &mut Trajectory<f64>,
         origin: &Origin,
-    ) -> Result<(), FlowError> {
+    ) -> Result<(), NoReturn> {
         let system = &self.map.system;
         let (time, point) = self.origin(orbit, origin);
         match origin {
             // Stroboscopic points are displaced anywhere, so the phase follows from the state.
             Origin::Beside { phase, .. } if !matches!(self.map.look, Look::Stroboscopic { .. }) => {
-                trajectory.restart_beside(system, &mut self.work, Closed(*phase), time, &point)?;
-                if let Some(kind) = self.map.look.surface() {
+                trajectory
+                    .restart_beside(system, &mut self.work, Closed(*phase), time, &point)
+                    .map_err(NoReturn::Failed)?;
+                // After a jump across a section a point does not lie on it.
+                let beside = |surface: f64| surface.abs() <= BESIDE_SECTION * largest(&point);
+                let lies_on = self.map.look.section().is_none_or(|surface| {
+                    beside(surface.evaluate(&point, &orbit.parameters, &mut self.scratch))
+                });
+                if let (Some(kind), true) = (self.map.look.surface(), lies_on) {
                     trajectory.leave(system, kind);
                 }
             }
             _ => {
-                trajectory.restart(system, &mut self.work, time, &point)?;
+                trajectory
+                    .restart(system, &mut self.work, time, &point)
+                    .map_err(NoReturn::Failed)?;
                 if let (Origin::Image(_), Some(surface)) = (origin, self.map.look.section()) {
-                    let size = point.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
                     let value = surface.evaluate(&point, &orbit.parameters, &mut self.scratch);
-                    if value.abs() <= ON_SECTION * size {
+                    if value.abs() <= ON_SECTION * largest(&point) {
                         trajectory.leave(system, GuardKind::Section(0));
                     }
                 }
@@ -187,7 +201,7 @@ impl<'m, 'v> Follower<'m, 'v> {
             Look::Event { .. } => Clock::Patience(0),
             Look::Stroboscopic { period } => Clock::Strobe {
                 origin: time,
-                period: period.evaluate(&[], &orbit.parameters, &mut self.scratch),
+                period: self.possible(strobe_period(period, &orbit.parameters))?,
                 count: 0,
             },
         };
@@ -195,11 +209,24 @@ impl<'m, 'v> Follower<'m, 'v> {
         Ok(())
     }
 
+    /// A period that a return can take.
+    fn possible(&self, period: DoubleDouble) -> Result<DoubleDouble, NoReturn> {
+        let limit = self.map.longest_return;
+        let value = period.high();
+        if !(value > 0.0 && value.is_finite()) {
+            Err(NoReturn::Period { value })
+        } else if value > limit {
+            Err(NoReturn::Time { limit })
+        } else {
+            Ok(period)
+        }
+    }
+
     fn set_horizon(&self, orbit: &mut Orbit, trajectory: &mut Trajectory<f64>) {
         let horizon = match &mut orbit.clock {
             Clock::Patience(part) => {
                 let share = (*part + 1) as f64 / PATIENCE_PARTS as f64;
-                orbit.since + self.map.longest_return * share
+                (orbit.since + self.map.longest_return * share, 0.0)
             }
             Clock::Strobe {
                 origin,
@@ -207,10 +234,12 @@ impl<'m, 'v> Follower<'m, 'v> {
                 count,
             } => {
                 *count += 1;
-                *origin + *period * *count as f64
+                let time =
+                    DoubleDouble::from(*origin) + *period * DoubleDouble::from(*count as f64);
+                (time.high(), time.low())
             }
         };
-        trajectory.set_horizon(horizon);
+        trajectory.set_horizon_parts(horizon);
     }
 
     /// Takes in what happened to a trajectory.
@@ -223,7 +252,7 @@ impl<'m, 'v> Follower<'m, 'v> {
     ) -> Next {
         let occurrence = match told {
             Ok(occurrence) => occurrence,
-            Err(error) => return self.report(orbit, trajectory, Err(failure(error))),
+            Err(error) => return self.report(orbit, trajectory, Err(NoReturn::Failed(error))),
         };
         match *occurrence {
             Occurrence::Impact { contact, .. } => {
@@ -247,6 +276,16 @@ impl<'m, 'v> Follower<'m, 'v> {
                 orbit.passage.accumulations += 1;
                 orbit.takeoff = f64::NAN;
                 if self.map.look.sees(EventKind::Accumulation, contact) {
+                    return self.returned(orbit, trajectory);
+                }
+            }
+            Occurrence::Cascade { contact, .. } => {
+                if self.map.look.sees(EventKind::Cascade, contact) {
+                    return self.returned(orbit, trajectory);
+                }
+            }
+            Occurrence::Ambiguity { contact, .. } => {
+                if self.map.look.sees(EventKind::Ambiguity, contact) {
                     return self.returned(orbit, trajectory);
                 }
             }
@@ -328,10 +367,10 @@ impl<'m, 'v> Follower<'m, 'v> {
             }
             match self.place(orbit, trajectory, &start.origin) {
                 Ok(()) => return Next::Continue,
-                Err(error) => {
+                Err(reason) => {
                     failed = true;
                     let (_, point) = self.origin(orbit, &start.origin);
-                    command = self.arrive(orbit, &point, Err(failure(error)));
+                    command = self.arrive(orbit, &point, Err(reason));
                 }
             }
         }
@@ -353,6 +392,8 @@ impl<'m, 'v> Follower<'m, 'v> {
     }
 }
 
-fn failure(error: FlowError) -> NoReturn {
-    NoReturn::Failed(error)
+/// The period at parameter values that count as exact, as they do in the equations.
+pub(super) fn strobe_period(period: &Formula<DoubleDouble>, parameters: &[f64]) -> DoubleDouble {
+    let exact: Vec<DoubleDouble> = parameters.iter().map(|&value| value.into()).collect();
+    period.evaluate(&[], &exact, &mut Vec::new())
 }

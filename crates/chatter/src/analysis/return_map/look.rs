@@ -5,6 +5,7 @@ use crate::analysis::simulate::EventKind;
 use crate::expressions::Formula;
 use crate::flow::GuardKind;
 use crate::model::Model;
+use crate::numerics::DoubleDouble;
 
 /// Where the flow is looked at. Places are indices; the only section that the system has left is number 0.
 #[derive(Clone, Debug)]
@@ -16,7 +17,8 @@ pub(super) enum Look {
         surface: Option<Formula<f64>>,
     },
     Stroboscopic {
-        period: Formula<f64>,
+        /// In double-double: rounding it would count as often as there are periods.
+        period: Formula<DoubleDouble>,
     },
 }
 
@@ -67,9 +69,9 @@ impl Look {
                 let expr = model
                     .parse_expression(period)
                     .map_err(|error| ReturnMapError::Period { text, error })?;
-                let formula = Formula::<f64>::new(&model.graph, expr);
+                let formula = Formula::<DoubleDouble>::new(&model.graph, expr);
                 let parameters = model.parameter_values(&[]);
-                let value = formula.evaluate(&[], &parameters, &mut Vec::new());
+                let value = formula.evaluate(&[], &parameters, &mut Vec::new()).high();
                 if !(value > 0.0 && value.is_finite()) {
                     return Err(ReturnMapError::PeriodValue {
                         text: period.clone(),

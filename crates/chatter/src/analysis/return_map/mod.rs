@@ -3,25 +3,33 @@
 //! ```text
 //! ReturnSpec       at which events or times, how long a return may take
 //! ReturnMap        a Map: points are states of the model
+//!   phases         which coordinates are phases, and how time goes on at other parameters
 //!   follow         hundreds of orbits in one fleet, so that SIMD lanes stay full
 //! ```
 
 mod follow;
 mod look;
+mod phases;
 mod spec;
+mod translations;
 
 #[cfg(test)]
 mod tests;
 
 pub use spec::{ReturnMapError, ReturnSpec, Sampling};
 
-use crate::analysis::map::{Arrival, Command, Map, NoReturn, Origin, Passage, Scope, Start};
+use crate::analysis::map::{
+    Arrival, Carry, Command, CoordinateKind, Map, NoReturn, Origin, Passage, PhaseLost, Scope,
+    Start,
+};
 use crate::analysis::simulate::check_tolerance;
 use crate::expressions::{Expr, Symbol};
 use crate::flow::{Settings, System};
 use crate::model::Model;
+use core::sync::atomic::AtomicBool;
 use follow::Follower;
 use look::Look;
+use phases::Phases;
 
 /// A model looked at where a [`ReturnSpec`] says.
 #[derive(Clone, Debug)]
@@ -30,6 +38,7 @@ pub struct ReturnMap {
     system: System,
     settings: Settings,
     look: Look,
+    phases: Phases,
     longest_return: f64,
     most_impacts: u64,
 }
@@ -52,6 +61,7 @@ impl ReturnMap {
         let mut model = model.clone();
         let look = Look::new(&spec.sampling, &mut model)?;
         let system = System::new(&model).map_err(ReturnMapError::System)?;
+        let phases = Phases::new(&model);
         Ok(Self {
             model,
             system,
@@ -60,6 +70,7 @@ impl ReturnMap {
                 ..Settings::default()
             },
             look,
+            phases,
             longest_return: spec.longest_return,
             most_impacts: spec.most_impacts,
         })
@@ -68,6 +79,14 @@ impl ReturnMap {
     /// The model, with the sections that are looked at.
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// The time from look to look at these parameters, if that is fixed.
+    fn period(&self, parameters: &[f64]) -> Option<f64> {
+        match &self.look {
+            Look::Stroboscopic { period } => Some(follow::strobe_period(period, parameters).high()),
+            Look::Event { .. } => None,
+        }
     }
 
     /// The parameters at these positions and those defined through them.
@@ -129,6 +148,33 @@ impl Map for ReturnMap {
         coordinates.filter(|&index| Some(index) != clock).collect()
     }
 
+    fn coordinate_kinds(&self, parameters: &[f64]) -> Vec<CoordinateKind> {
+        self.phases
+            .kinds(&self.model, parameters, self.period(parameters))
+    }
+
+    fn check_carry(&self, swept: &[usize], values: &[Vec<f64>]) -> Result<(), PhaseLost> {
+        let Some(time) = self.model.time else {
+            return Ok(());
+        };
+        let moving = self.moving(swept);
+        let look = |parameters: &[f64]| self.period(parameters);
+        if self.phases.can_carry(&self.model, &moving, values, &look) {
+            return Ok(());
+        }
+        Err(PhaseLost {
+            coordinate: self.model.states[time].name.clone(),
+            parameters: (swept.iter())
+                .map(|&index| self.model.parameters[index].name.clone())
+                .collect(),
+        })
+    }
+
+    fn carried(&self, carry: &Carry<'_>) -> Vec<f64> {
+        let periods = self.period(carry.before).zip(self.period(carry.after));
+        self.phases.carried(&self.model, carry, periods)
+    }
+
     fn scope(&self) -> Scope {
         let mut scope = Scope {
             graph: self.model.graph.clone(),
@@ -157,7 +203,8 @@ impl Map for ReturnMap {
             origin: Origin::Image(point.to_vec()),
         };
         let mut passage = Err(NoReturn::LeftDomain);
-        self.follow(&every, &[start], &mut |arrival: Arrival<'_>| {
+        let stop = AtomicBool::new(false);
+        self.follow(&every, &[start], &stop, &mut |arrival: Arrival<'_>| {
             point.copy_from_slice(arrival.point);
             passage = arrival.passage;
             Command::Retire
@@ -169,8 +216,9 @@ impl Map for ReturnMap {
         &self,
         swept: &[usize],
         starts: &[Start],
+        stop: &AtomicBool,
         visit: &mut dyn FnMut(Arrival<'_>) -> Command,
     ) {
-        Follower::new(self, swept, visit).run(starts);
+        Follower::new(self, swept, visit).run(starts, stop);
     }
 }

@@ -1,5 +1,7 @@
 //! Return maps against single trajectories, exact solutions and double-double arithmetic.
 
+mod carry;
+
 use super::*;
 use crate::analysis::diagram::{
     Bounds, Exponent, Outcome, Range, Record, Row, Spec, Start as Begin, Started, Threads, diagram,
@@ -7,6 +9,7 @@ use crate::analysis::diagram::{
 use crate::analysis::simulate::EventKind;
 use crate::flow::{Occurrence, Trajectory};
 use crate::numerics::{DoubleDouble, Real};
+use core::sync::atomic::AtomicBool;
 
 fn shipped(name: &str) -> Model {
     let path = format!("{}/../../models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -75,7 +78,7 @@ fn rows_are_the_bits_of_single_trajectories_whatever_the_company() {
 fn carried_rows_do_not_depend_on_threads() {
     let (_, map) = valve();
     let mut spec = sweep(0.0201, 0.0223, 48, 10, 10);
-    spec.start = Begin::CarryUp;
+    (spec.start, spec.chunk) = (Begin::CarryUp, Some(4));
     spec.exponent = Exponent::Largest;
     let rows = diagram(&map, &spec, &Threads::new(1)).unwrap();
     let bits = |rows: &[Row]| rows.iter().map(Row::to_bytes).collect::<Vec<_>>();
@@ -148,7 +151,7 @@ fn map_image(map: &ReturnMap, q: f64, returns: u64) -> Vec<f64> {
         origin: Origin::Initial,
     };
     let (mut count, mut end) = (0, Vec::new());
-    map.follow(&[0], &[start], &mut |arrival| {
+    map.follow(&[0], &[start], &AtomicBool::new(false), &mut |arrival| {
         count += 1;
         end = arrival.point.to_vec();
         if count == returns {
@@ -227,7 +230,7 @@ fn every_kind_of_look_has_its_exact_map() {
             origin: Origin::Initial,
         };
         let mut told = Vec::new();
-        map.follow(&[0], &[start], &mut |arrival| {
+        map.follow(&[0], &[start], &AtomicBool::new(false), &mut |arrival| {
             told.push((arrival.point.to_vec(), arrival.passage.clone().unwrap()));
             if told.len() == 4 {
                 Command::Retire
@@ -384,7 +387,7 @@ fn exponents_of_stable_orbits_are_their_multipliers() {
         origin: Origin::Initial,
     };
     let mut ys = Vec::new();
-    map.follow(&[0], &[start], &mut |arrival| {
+    map.follow(&[0], &[start], &AtomicBool::new(false), &mut |arrival| {
         ys.push(arrival.point[1]);
         if ys.len() == 400 {
             Command::Retire

@@ -3,6 +3,7 @@
 //! ```text
 //! Spec        how long, what stops it, what is sampled
 //! simulate -> Simulation    events, contact phases, counts, samples, outcome
+//! Verification              how far it agrees with a twin of twice the digits
 //! ```
 //!
 //! ```
@@ -38,6 +39,7 @@ mod result;
 mod samples;
 mod spec;
 mod tolerance;
+mod verify;
 
 #[cfg(test)]
 mod tests;
@@ -49,16 +51,18 @@ pub use samples::{Samples, Sink};
 pub use spec::{EventKind, EventTarget, Sampling, Spec, SpecError, Stop};
 pub use tolerance::WrongTolerance;
 pub(crate) use tolerance::check_tolerance;
+pub use verify::{EndError, Parting, Verification, digits};
 
 use crate::flow::{FlowError, Occurrence, Settings, System, SystemError, Trajectory};
-use crate::model::Model;
+use crate::model::{Model, ModelError};
 use crate::numerics::Real;
 use core::fmt;
 use core::ops::ControlFlow;
 use recorder::Recorder;
 
-/// The observer is asked every so many steps: often enough for a reaction within a millisecond, too rarely to cost.
-const STEPS_BETWEEN_REPORTS: u64 = 64;
+/// The observer is asked every so many steps: often enough for a reaction within a blink even where each step has to be
+/// settled by itself, too rarely to cost.
+const STEPS_BETWEEN_REPORTS: u64 = 16;
 
 /// So many steps one after the other, without an event, that do not change the time: the equations grow without bound at
 /// a time that is reached to rounding, where each step is a part of what is left.
@@ -121,6 +125,7 @@ fn follow<R: Real>(
     mut sink: Option<&mut Sink<'_, R>>,
 ) -> Result<Simulation<R>, SimulateError> {
     let mut targets = spec.targets(model)?;
+    model.check_defined().map_err(SimulateError::Model)?;
     let system = System::new(model).map_err(SimulateError::System)?;
     let settings = Settings {
         tolerance: spec.tolerance,
@@ -165,7 +170,10 @@ fn follow<R: Real>(
             Ok(occurrence) => occurrence,
             Err(error) => break Outcome::Failed(error),
         };
-        if occurrence.is_none() && stops_at_rest && recorder.at_rest(&work.dense(), &trajectory) {
+        if occurrence.is_none()
+            && stops_at_rest
+            && recorder.at_rest(&system, &work.dense(), &trajectory)
+        {
             break Outcome::Rest;
         }
         let sampled = recorder.motion(&work.dense(), &trajectory, &mut sink);
@@ -209,7 +217,7 @@ fn check_restitution<R: Real>(
     for (contact, described) in model.contacts.iter().enumerate() {
         let restitution = described.restitution;
         let value = (model.graph.evaluate(restitution, state, parameters)).to_f64();
-        if !model.graph.depends_on_state(restitution) && !(0.0..1.0).contains(&value) {
+        if !model.graph.depends_on_state(restitution) && !(0.0..=1.0).contains(&value) {
             let time = time.to_f64();
             return Err(SimulateError::Start(FlowError::Restitution {
                 time,
@@ -226,6 +234,8 @@ fn check_restitution<R: Real>(
 pub enum SimulateError {
     /// The specification is wrong by itself or does not fit the model.
     Spec(SpecError),
+    /// Some formula of the model has no value at its parameters.
+    Model(ModelError),
     /// The model cannot be compiled.
     System(SystemError),
     /// No trajectory starts from the initial state.
@@ -242,6 +252,7 @@ impl fmt::Display for SimulateError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Spec(error) => error.fmt(out),
+            Self::Model(error) => error.fmt(out),
             Self::System(error) => error.fmt(out),
             Self::Start(error) => error.fmt(out),
         }

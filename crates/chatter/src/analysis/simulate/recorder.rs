@@ -3,7 +3,7 @@
 use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
 use super::samples::{Sampler, Sink};
 use super::spec::Sampling;
-use crate::flow::{Closed, Dense, Occurrence, Trajectory};
+use crate::flow::{Closed, Dense, Occurrence, System, Trajectory};
 use crate::numerics::Real;
 use core::ops::ControlFlow;
 
@@ -97,7 +97,7 @@ impl<R: Real> Recorder<R> {
                     contact,
                     rate_before,
                     rate_after,
-                    closes: trajectory.closed().contains(contact),
+                    closes: rate_after <= R::ZERO && trajectory.closed().contains(contact),
                 }
             }
             Occurrence::Accumulation {
@@ -124,6 +124,19 @@ impl<R: Real> Recorder<R> {
                 self.counts.sections += 1;
                 EventDetail::Section { section }
             }
+            Occurrence::Cascade {
+                contact,
+                impacts,
+                error,
+            } => EventDetail::Cascade {
+                contact,
+                impacts,
+                error,
+            },
+            Occurrence::Ambiguity { contact, other } => {
+                self.counts.ambiguities += 1;
+                EventDetail::Ambiguity { contact, other }
+            }
             // The impact before it says so already.
             Occurrence::Capture { .. } | Occurrence::Horizon => {
                 self.fresh = false;
@@ -145,17 +158,17 @@ impl<R: Real> Recorder<R> {
         self.events.last().filter(|_| self.fresh)
     }
 
-    /// Whether a contact is closed and the state does not change during the step just made: then, in an autonomous
-    /// system, it never will. Asked before the step is noted: it is no part of the run.
-    pub(super) fn at_rest(&self, dense: &Dense<'_, R>, trajectory: &Trajectory<R>) -> bool {
-        let still = |(index, &value): (usize, &R)| {
-            [0.0, 0.5]
-                .iter()
-                .all(|&fraction| dense.state(index, R::splat(fraction)) == value)
-        };
+    /// Whether a contact is closed and nothing moves: then, in an autonomous system, nothing ever will. Asked before the step
+    /// is noted: it is no part of the run.
+    pub(super) fn at_rest(
+        &self,
+        system: &System,
+        dense: &Dense<'_, R>,
+        trajectory: &Trajectory<R>,
+    ) -> bool {
         trajectory.closed() != Closed::NONE
             && dense.step() > R::ZERO
-            && trajectory.state().iter().enumerate().all(still)
+            && trajectory.is_in_equilibrium(system)
     }
 
     pub(super) fn finish(

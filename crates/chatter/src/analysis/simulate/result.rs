@@ -3,6 +3,7 @@
 use super::samples::Samples;
 use super::spec::{EventKind, EventTarget};
 use crate::flow::{Closed, FlowError};
+use crate::numerics::Real;
 
 /// A trajectory as a list of what happened. Contacts and sections are indices into the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +76,8 @@ pub struct Counts {
     pub grazes: u64,
     /// Sections crossed.
     pub sections: u64,
+    /// Simultaneous impacts whose order changes what follows, and is not said by the equations.
+    pub ambiguities: u64,
 }
 
 /// Something that happened.
@@ -91,13 +94,7 @@ pub struct Event<R> {
 impl<R> Event<R> {
     /// The kind of event.
     pub const fn kind(&self) -> EventKind {
-        match self.detail {
-            EventDetail::Impact { .. } => EventKind::Impact,
-            EventDetail::Accumulation { .. } => EventKind::Accumulation,
-            EventDetail::Release { .. } => EventKind::Release,
-            EventDetail::Graze { .. } => EventKind::Graze,
-            EventDetail::Section { .. } => EventKind::Section,
-        }
+        self.detail.kind()
     }
 }
 
@@ -121,8 +118,8 @@ pub enum EventDetail<R> {
         contact: usize,
         /// How many impacts of the sequence were integrated one by one.
         impacts: u64,
-        /// Estimated error of its time: of the completion, and of rounding (or the tolerance) in the impacts before it, but
-        /// not of the state that the sequence began from.
+        /// Estimated local error of its time: of the completion, and of rounding (or the tolerance) in the impacts before
+        /// it, but not of the state that the sequence began from. [`Verification`](super::Verification) finds all of it.
         error: f64,
     },
     /// The contact force vanished and the contact opens.
@@ -142,6 +139,94 @@ pub enum EventDetail<R> {
         /// Which.
         section: usize,
     },
+    /// Binary collisions at one instant that have no last one converged.
+    Cascade {
+        /// The contact of the latest of them.
+        contact: usize,
+        /// How many were carried out one by one, those told as impacts among them.
+        impacts: u64,
+        /// Estimated error of the rates after it, as a part of the greatest rate before.
+        error: f64,
+    },
+    /// Two contacts close at one instant, and what follows depends on which of them collides first.
+    Ambiguity {
+        /// The contact that collides first, closing fastest.
+        contact: usize,
+        /// The contact that could as well.
+        other: usize,
+    },
+}
+
+impl<R> EventDetail<R> {
+    /// The kind of event.
+    pub const fn kind(&self) -> EventKind {
+        match self {
+            Self::Impact { .. } => EventKind::Impact,
+            Self::Accumulation { .. } => EventKind::Accumulation,
+            Self::Release { .. } => EventKind::Release,
+            Self::Graze { .. } => EventKind::Graze,
+            Self::Section { .. } => EventKind::Section,
+            Self::Cascade { .. } => EventKind::Cascade,
+            Self::Ambiguity { .. } => EventKind::Ambiguity,
+        }
+    }
+}
+
+impl<R: Real> EventDetail<R> {
+    /// Number of the contact or section.
+    pub fn place(&self) -> usize {
+        match *self {
+            Self::Section { section } => section,
+            Self::Impact { contact, .. }
+            | Self::Accumulation { contact, .. }
+            | Self::Release { contact }
+            | Self::Graze { contact, .. }
+            | Self::Cascade { contact, .. }
+            | Self::Ambiguity { contact, .. } => contact,
+        }
+    }
+
+    /// With numbers rounded to doubles.
+    pub fn to_f64(&self) -> EventDetail<f64> {
+        match *self {
+            Self::Impact {
+                contact,
+                rate_before,
+                rate_after,
+                closes,
+            } => EventDetail::Impact {
+                contact,
+                rate_before: rate_before.to_f64(),
+                rate_after: rate_after.to_f64(),
+                closes,
+            },
+            Self::Accumulation {
+                contact,
+                impacts,
+                error,
+            } => EventDetail::Accumulation {
+                contact,
+                impacts,
+                error,
+            },
+            Self::Release { contact } => EventDetail::Release { contact },
+            Self::Graze { contact, rate } => EventDetail::Graze {
+                contact,
+                rate: rate.to_f64(),
+            },
+            Self::Section { section } => EventDetail::Section { section },
+            Self::Cascade {
+                contact,
+                impacts,
+                error,
+            } => EventDetail::Cascade {
+                contact,
+                impacts,
+                error,
+            },
+            Self::Ambiguity { contact, other } => EventDetail::Ambiguity { contact, other },
+        }
+    }
 }
 
 /// A stretch of persistent contact.

@@ -2,7 +2,7 @@
 
 use super::spec::Sampling;
 use crate::flow::{Closed, Dense, Trajectory};
-use crate::numerics::Real;
+use crate::numerics::{DoubleDouble, Real};
 use core::ops::ControlFlow;
 
 /// States at a sequence of times that never falls.
@@ -77,8 +77,9 @@ pub(super) struct Sampler<R> {
     sampling: Sampling,
     samples: Samples<R>,
     start: R,
-    /// How many samples at equal intervals have been taken.
+    /// How many samples at equal intervals have been taken, and where the step began that comes next.
     taken: u64,
+    reached: (R, R),
     /// Whether the latest step was not within the window of interest.
     outside: bool,
 }
@@ -102,6 +103,7 @@ impl<R: Real> Sampler<R> {
             samples,
             start,
             taken: 1,
+            reached: trajectory.time_parts(),
             outside,
         }
     }
@@ -158,14 +160,22 @@ impl<R: Real> Sampler<R> {
                 }
             }
             Sampling::Every(interval) => {
-                let interval = R::from_double_double(interval);
-                let start = self.start;
-                let due = |taken: u64| interval.mul_add(R::splat(taken as f64), start);
-                while due(self.taken) <= trajectory.time() {
-                    let time = due(self.taken);
+                let start = self.start.to_double_double();
+                let due = |taken: u64| start + interval * DoubleDouble::from(taken as f64);
+                let (reached, low) = trajectory.time_parts();
+                let before = core::mem::replace(&mut self.reached, (reached, low));
+                loop {
+                    let due = due(self.taken);
+                    let time = R::from_double_double(due);
+                    if time > reached {
+                        break;
+                    }
                     self.taken += 1;
                     if dense.step() > R::ZERO {
-                        let fraction = ((time - before) / dense.step()).max(R::ZERO).min(R::ONE);
+                        // What rounding the time has taken away is part of a step all the same.
+                        let rest = due - time.to_double_double();
+                        let late = (time - before.0) + (R::from_double_double(rest) - before.1);
+                        let fraction = (late / dense.step()).max(R::ZERO).min(R::ONE);
                         self.samples
                             .push(time, closed, |index| dense.state(index, fraction));
                     } else {

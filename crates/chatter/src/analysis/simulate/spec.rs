@@ -1,10 +1,10 @@
 //! What is to be simulated, in a form that can be stored.
 
 use super::place::UnknownPlace;
-use super::result::{Event, EventDetail};
+use super::result::Event;
 use super::tolerance::{WrongTolerance, check_tolerance};
 use crate::model::Model;
-use crate::numerics::DoubleDouble;
+use crate::numerics::{DoubleDouble, Real};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -136,16 +136,22 @@ pub enum EventKind {
     Graze,
     /// A section was crossed.
     Section,
+    /// Collisions of several contacts at one instant without a last one.
+    Cascade,
+    /// Impacts of several contacts at one instant whose order matters.
+    Ambiguity,
 }
 
 impl EventKind {
     /// All kinds.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Impact,
         Self::Accumulation,
         Self::Release,
         Self::Graze,
         Self::Section,
+        Self::Cascade,
+        Self::Ambiguity,
     ];
 
     /// Its name in results.
@@ -156,6 +162,8 @@ impl EventKind {
             Self::Release => "release",
             Self::Graze => "graze",
             Self::Section => "section",
+            Self::Cascade => "cascade",
+            Self::Ambiguity => "ambiguity",
         }
     }
 }
@@ -245,16 +253,10 @@ struct OpenTarget {
 
 impl Targets {
     /// The target that this event completes.
-    pub(super) fn reached_by<R>(&mut self, event: Option<&Event<R>>) -> Option<EventTarget> {
+    pub(super) fn reached_by<R: Real>(&mut self, event: Option<&Event<R>>) -> Option<EventTarget> {
         let event = event?;
         let kind = event.kind();
-        let place = match event.detail {
-            EventDetail::Section { section } => section,
-            EventDetail::Impact { contact, .. }
-            | EventDetail::Accumulation { contact, .. }
-            | EventDetail::Release { contact }
-            | EventDetail::Graze { contact, .. } => contact,
-        };
+        let place = event.detail.place();
         for open in &mut self.0 {
             if open.target.kind == kind && open.place.is_none_or(|wanted| wanted == place) {
                 open.left -= 1;

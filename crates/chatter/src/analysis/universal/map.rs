@@ -187,6 +187,7 @@ mod tests {
     use super::*;
     use crate::analysis::map::{Command, Origin, Start};
     use crate::numerics::DoubleDouble;
+    use core::sync::atomic::AtomicBool;
 
     fn map(slope: f64, offset: f64) -> UniversalMap<f64> {
         UniversalMap::new(Universal::new(0.8).unwrap(), slope, offset).unwrap()
@@ -202,14 +203,19 @@ mod tests {
             })
             .collect();
         let mut orbits = vec![Vec::new(); starts.len()];
-        map.follow(&[OFFSET], &starts, &mut |arrival| {
-            orbits[arrival.orbit].push(arrival.point[0].to_bits());
-            if orbits[arrival.orbit].len() == 50 + 3 * arrival.orbit {
-                Command::Retire
-            } else {
-                Command::Continue
-            }
-        });
+        map.follow(
+            &[OFFSET],
+            &starts,
+            &AtomicBool::new(false),
+            &mut |arrival| {
+                orbits[arrival.orbit].push(arrival.point[0].to_bits());
+                if orbits[arrival.orbit].len() == 50 + 3 * arrival.orbit {
+                    Command::Retire
+                } else {
+                    Command::Continue
+                }
+            },
+        );
         for (k, orbit) in orbits.iter().enumerate() {
             let mut point = [0.01];
             for &bits in orbit {

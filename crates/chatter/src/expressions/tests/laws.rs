@@ -39,6 +39,46 @@ proptest! {
         prop_assert_eq!(again, expr);
     }
 
+    /// Numbers at both ends of the range, which do not all fit into one.
+    #[test]
+    fn rebuilding_a_product_of_extreme_numbers_changes_nothing(
+        numbers in proptest::collection::vec(extreme(), 1..6),
+        divided in proptest::collection::vec(any::<bool>(), 6),
+        symbol in any::<bool>(),
+        shift in extreme(),
+    ) {
+        let mut graph = Graph::default();
+        let mut expr = if symbol { graph.state(0) } else { graph.number(1.0) };
+        for (&number, &divided) in numbers.iter().zip(&divided) {
+            let number = graph.number(number);
+            expr = if divided { graph.div(expr, number) } else { graph.mul(expr, number) };
+        }
+        prop_assert_eq!(graph.substitute(expr, &|_| None), expr);
+        let shift = graph.number(shift);
+        let sum = graph.sub(expr, shift);
+        prop_assert_eq!(graph.substitute(sum, &|_| None), sum);
+    }
+
+    /// At points where denominators, radicands and arguments of logarithms often vanish.
+    #[test]
+    fn simplification_keeps_where_there_is_no_value(tree in plain(), at in corners()) {
+        let expected = exactly(&tree, &at);
+        let mut graph = Graph::default();
+        let expr = tree.build(&mut graph);
+        let parts = graph.reachable(&[expr]);
+        let values = graph.evaluate_all(&parts, &at[0], &at[1]);
+        let undefined = values.iter().any(|value| !value.is_finite());
+        match expected {
+            Exactly::Undefined => prop_assert!(undefined, "{tree:?} at {at:?}"),
+            Exactly::Value(value) => {
+                prop_assert!(!undefined, "{tree:?} at {at:?}");
+                let found = values[values.len() - 1];
+                prop_assert!((found - value).abs() <= 1e-12 * (1.0 + value.abs()), "{found} {value}");
+            }
+            Exactly::Unsure => {}
+        }
+    }
+
     #[test]
     fn formulas_are_read_back_as_they_were(tree in plain(), at in point()) {
         if let Some((_, allowed)) = reference(&tree, &at) {
@@ -149,4 +189,127 @@ fn check_spans(text: &str) -> Result<(), TestCaseError> {
         prop_assert!(!error.to_string().is_empty());
     }
     Ok(())
+}
+
+/// The first and second number cannot be multiplied, the first and third can.
+#[test]
+fn rebuilding_numbers_at_the_end_of_the_range_changes_nothing() {
+    for text in [
+        "5e-324*355e-4*353e2-32",
+        "355e-4*5e-324*353e2*x",
+        "1e300*1e300*1e-300*x",
+        "x/1e-320/1e5",
+    ] {
+        let mut graph = Graph::default();
+        let expr = read(&mut graph, text).unwrap();
+        assert_eq!(graph.substitute(expr, &|_| None), expr, "{text}");
+    }
+}
+
+fn extreme() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        Just(5e-324),
+        Just(2.5e-310),
+        Just(f64::MIN_POSITIVE),
+        Just(1.7e308),
+        Just(355e-4),
+        Just(353e2),
+        Just(-32.0),
+        Just(0.1),
+        (-308_i32..308).prop_map(|power| libm::pow(10.0, f64::from(power))),
+    ]
+}
+
+/// Small numbers whose sums, products and many quotients are exact, zero most often.
+fn corners() -> impl Strategy<Value = [Vec<f64>; 2]> {
+    let number = || proptest::sample::select(vec![0.0, 0.0, 1.0, -1.0, 2.0, -2.0, 0.5, 4.0]);
+    let three = || proptest::collection::vec(number(), 3);
+    (three(), three()).prop_map(|(states, parameters)| [states, parameters])
+}
+
+/// What is known of a tree's value without any rounding.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Exactly {
+    Value(f64),
+    /// Some part of it has none.
+    Undefined,
+    /// It has been rounded: whether it vanishes cannot be said.
+    Unsure,
+}
+
+fn exactly(tree: &Plain, at: &[Vec<f64>; 2]) -> Exactly {
+    use Exactly::{Undefined, Unsure, Value};
+    /// Beyond, sums may be rounded.
+    const LARGEST: f64 = 1e6;
+    let of = |tree: &Plain| exactly(tree, at);
+    let value = match tree {
+        Plain::Number(value) => Value(*value),
+        Plain::Decimal(text) => match text.parse::<f64>() {
+            Ok(value) if value != 0.1 => Value(value),
+            _ => Unsure,
+        },
+        Plain::Pi => Unsure,
+        Plain::State(index) => Value(at[0][*index]),
+        Plain::Parameter(index) => Value(at[1][*index]),
+        Plain::Negate(a) => match of(a) {
+            Value(a) => Value(-a),
+            other => other,
+        },
+        Plain::Root(a) => exact_power(of(a), Value(0.5)),
+        Plain::Power(a, b) => exact_power(of(a), of(b)),
+        Plain::Call(function, a) => match of(a) {
+            Value(a) => {
+                let value = function.of(a);
+                let outside = *function == Function::Ln && a <= 0.0;
+                if outside || value.is_nan() {
+                    Undefined
+                } else if value == libm::rint(value) && (a == 0.0 || a == 1.0) {
+                    Value(value)
+                } else {
+                    Unsure
+                }
+            }
+            other => other,
+        },
+        Plain::Add(a, b) | Plain::Subtract(a, b) | Plain::Multiply(a, b) | Plain::Divide(a, b) => {
+            match (of(a), of(b)) {
+                (Undefined, _) | (_, Undefined) => Undefined,
+                (Value(a), Value(b)) => match tree {
+                    Plain::Add(..) => Value(a + b),
+                    Plain::Subtract(..) => Value(a - b),
+                    Plain::Multiply(..) => Value(a * b),
+                    _ if b == 0.0 => Undefined,
+                    _ if (a / b).mul_add(b, -a) == 0.0 => Value(a / b),
+                    _ => Unsure,
+                },
+                (_, Value(0.0)) if matches!(tree, Plain::Divide(..)) => Undefined,
+                _ => Unsure,
+            }
+        }
+    };
+    match value {
+        Value(value) if value.abs() > LARGEST || (value != 0.0 && value.abs() < 1.0 / LARGEST) => {
+            Unsure
+        }
+        value => value,
+    }
+}
+
+fn exact_power(base: Exactly, exponent: Exactly) -> Exactly {
+    use Exactly::{Undefined, Unsure, Value};
+    match (base, exponent) {
+        (Undefined, _) | (_, Undefined) => Undefined,
+        (Value(base), Value(exponent)) => {
+            let whole = exponent == libm::rint(exponent);
+            let value = libm::pow(base, exponent);
+            if (base == 0.0 && exponent < 0.0) || (base < 0.0 && !whole) {
+                Undefined
+            } else if whole && exponent >= 0.0 || value == libm::rint(value) {
+                Value(value)
+            } else {
+                Unsure
+            }
+        }
+        _ => Unsure,
+    }
 }

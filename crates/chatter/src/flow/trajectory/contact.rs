@@ -1,82 +1,144 @@
-//! Contacts at rest: what is closed, what holds it there, and what opens it.
+//! Contacts at rest: which of them stay closed, what holds them, and what opens them.
+//!
+//! The forces of contacts at rest obey 0 <= l, 0 <= a, l a = 0: who pushes stays closed, who does not push may rise. Where
+//! neither force nor acceleration can be told from zero, the jerk decides, as at release.
 
 use super::Trajectory;
-use crate::expressions::Operand;
+use crate::expressions::{Expansion, Operand};
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, GuardKind, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
-use crate::flow::touching::Touching;
-use crate::numerics::Real;
+use crate::flow::touching::{Left, Touching};
+use crate::numerics::complementarity::complementary;
+use crate::numerics::polynomial::magnitude;
+use crate::numerics::{Real, WithTerms};
 
-/// A quantity this small against the state and its rate of change counts as zero where a trajectory starts, or where a
-/// contact comes to rest: given states are rarely good to more digits.
-const REST: f64 = 1e-13;
+/// Captures of columns one contact after the other converge at least as fast as plastic collisions do, by halves.
+const COLUMN_SWEEPS: usize = 60;
+
+/// A gap that no order of its expansion moves by more than this part of the state's own motion stays as it is.
+const BALANCE_ROUNDOFFS: f64 = 1024.0;
 
 impl<R: Real> Trajectory<R> {
-    /// An impulse at one contact may change the rates of contacts that are closed: they open, or collide in turn.
-    pub(super) fn follow_impulse(
+    /// Brings contacts to rest, beside those that are closed already, and decides which of all these stay closed.
+    pub(super) fn bring_to_rest(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-    ) -> Result<(), FlowError> {
-        for contact in self.closed.contacts() {
-            let local = self.local(system, work, contact)?;
-            if local[1].abs() <= self.rest_level() {
-                continue;
-            }
-            // Either way it is an open contact now; an inward rate collides at the start of the next step.
-            self.open(system, contact, u8::from(local[1] > R::ZERO))?;
-        }
-        Ok(())
-    }
-
-    /// Brings the state to rest on a contact and decides what holds from there: closed, or lifting off at once.
-    pub(super) fn rest(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        contact: usize,
+        resting: Closed,
     ) -> Result<(), FlowError> {
         self.tracker.interrupt();
         self.sequence = 0;
         self.latest_impact = None;
         self.flight_time = R::splat(FOREVER);
+        let all = Closed(self.closed.0 | resting.0);
+        let before = self.closed;
+        let mut members = all.contacts();
+        if let (Some(contact), None) = (members.next(), members.next()) {
+            self.settle_one(system, work, contact)?;
+        } else {
+            self.settle_all(system, work, all)?;
+        }
+        let captured = self.closed.contacts().filter(|&c| !before.contains(c));
+        (self.pending).extend(captured.map(|contact| Occurrence::Capture { contact }));
+        Ok(())
+    }
+
+    /// A single contact at rest: closed, or lifting off at once.
+    fn settle_one(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<(), FlowError> {
+        self.enter(system, Closed::NONE)?;
         let at_rest = self.at_rest(system, work, contact)?;
         // Columns stay as they are if the contact lifts off at once: nothing holds it.
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
-        let [_, _, acceleration, jerk] = self.local(system, work, contact)?;
-        let level = self.rest_level();
-        if acceleration > level {
-            self.touch(system, GuardKind::Gap(contact), 2);
+        let [_, _, acceleration, _] = self.local(system, work, contact)?;
+        if acceleration.value > acceleration.level() {
+            self.leave_gap(system, contact, 2);
             return Ok(());
         }
-        if acceleration < -level {
+        if acceleration.value < -acceleration.level() {
             self.take(coordinates..at_rest.len(), &at_rest);
-            return self.close(system, work, contact);
+            return self.enter(system, Closed::NONE.with(contact));
         }
-        if jerk > level {
-            self.touch(system, GuardKind::Gap(contact), 3);
-            return Ok(());
-        }
-        if jerk < -level {
+        if self.settle_by_jerk(system, work, contact)? {
             self.take(coordinates..at_rest.len(), &at_rest);
-            self.close(system, work, contact)?;
-            self.touch(system, GuardKind::Reaction(contact), 1);
-            return Ok(());
         }
-        if !self.is_balanced(system, work, contact)? {
+        Ok(())
+    }
+
+    /// Several contacts at rest, by complementarity of their forces and accelerations.
+    fn settle_all(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        all: Closed,
+    ) -> Result<(), FlowError> {
+        self.project(system, all)?;
+        let touch = self.touch_values(system)?;
+        let contacts: Vec<usize> = all.contacts().collect();
+        let free: Vec<R> = (contacts.iter())
+            .map(|&i| touch.acceleration[i].value)
+            .collect();
+        let block = touch.block(&contacts);
+        // A force is told from zero by all that it balances.
+        let terms = |&i: &usize| touch.acceleration[i].level();
+        let level = contacts.iter().map(terms).fold(R::ZERO, R::max);
+        let levels = vec![level; contacts.len()];
+        let Some(found) = complementary(&block, &free, &levels) else {
+            return Err(self.dependent(&contacts));
+        };
+        let mut held = Closed::NONE;
+        let mut undecided = Vec::new();
+        for (k, &contact) in contacts.iter().enumerate() {
+            if found.p[k] > level {
+                held = held.with(contact);
+            } else if found.w[k] <= level {
+                undecided.push(contact);
+            }
+        }
+        self.enter(system, held)?;
+        for (k, &contact) in contacts.iter().enumerate() {
+            if !held.contains(contact) && found.w[k] > level {
+                self.leave_gap(system, contact, 2);
+            }
+        }
+        for contact in undecided {
+            self.settle_by_jerk(system, work, contact)?;
+        }
+        self.capture_columns(system, work)
+    }
+
+    /// A contact at rest without acceleration in the present mode: its jerk decides, or it is balanced. Returns whether it
+    /// is closed.
+    fn settle_by_jerk(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<bool, FlowError> {
+        let [_, _, _, jerk] = self.local(system, work, contact)?;
+        if jerk.value > jerk.level() {
+            self.leave_gap(system, contact, 3);
+            return Ok(false);
+        }
+        let balanced = jerk.value >= -jerk.level();
+        if balanced && !self.is_balanced(system, work, contact)? {
             return Err(FlowError::UndecidedRelease {
                 time: self.time.to_f64(),
                 contact,
             });
         }
-        self.take(coordinates..at_rest.len(), &at_rest);
-        self.close(system, work, contact)?;
-        self.touch(system, GuardKind::Reaction(contact), Touching::BALANCED);
-        Ok(())
+        self.enter(system, self.closed.with(contact))?;
+        let roots = if balanced { Touching::BALANCED } else { 1 };
+        self.touch(system, GuardKind::Reaction(contact), roots);
+        Ok(true)
     }
 
     /// Whether the gap of a contact at rest stays zero by itself: the field does not move it to any order that is
@@ -88,23 +150,27 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
     ) -> Result<bool, FlowError> {
         let program = self.program(system)?;
-        let phase = self.closed.0 as usize;
         let guard = program
             .guards
             .iter()
             .find(|guard| guard.kind == GuardKind::Gap(contact));
         let (Some(constants), Some(Operand::Series(slot))) =
-            (&self.constants[phase], guard.map(|guard| guard.series))
+            (&self.constants[self.mode], guard.map(|guard| guard.series))
         else {
             return Ok(false);
         };
+        // In the time that the field itself needs to change, from the latest expansion.
+        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
         work.expand_at(
             &program.tape,
             &constants.tape,
             (&self.state, &self.low),
-            R::ONE,
+            unit,
         );
-        let level = self.rest_level();
+        let motion = (0..self.coordinates)
+            .map(|i| magnitude(work.point.series(i), R::ONE))
+            .fold(R::ZERO, R::max);
+        let level = motion * R::splat(BALANCE_ROUNDOFFS * R::ROUNDOFF);
         Ok(work.point.series(slot).iter().all(|c| c.abs() <= level))
     }
 
@@ -127,7 +193,7 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Vec<R>, FlowError> {
         let program = self.program(system)?;
         let mut at_rest = self.state.clone();
-        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+        if let Some(constants) = &self.constants[self.mode] {
             work.values_at(
                 &program.captures[contact],
                 &constants.captures[contact],
@@ -138,40 +204,25 @@ impl<R: Real> Trajectory<R> {
         Ok(at_rest)
     }
 
-    fn close(
+    /// Takes from the columns what the closed contacts do not allow to vary.
+    fn capture_columns(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-        contact: usize,
     ) -> Result<(), FlowError> {
-        self.enter(system, self.closed.with(contact))?;
-        self.pending = Some(Occurrence::Capture { contact });
-        // The new constraint force may relieve contacts that were closed before.
-        loop {
-            let program = self.program(system)?;
-            let Some(constants) = &self.constants[self.closed.0 as usize] else {
-                return Ok(());
-            };
-            let mut pushes = vec![R::ZERO; self.closed.contacts().count()];
-            work.values_at(
-                &program.reactions,
-                &constants.reactions,
-                (&self.state, &self.low),
-                &mut pushes,
-            );
-            let level = self.rest_level();
-            let relieved = self
-                .closed
-                .contacts()
-                .zip(pushes)
-                .find(|&(other, push)| other != contact && push < -level);
-            match relieved {
-                Some((other, _)) => self.open(system, other, 2)?,
-                None => return Ok(()),
+        if self.state.len() == self.coordinates {
+            return Ok(());
+        }
+        for _ in 0..COLUMN_SWEEPS {
+            for contact in self.closed.contacts() {
+                let at_rest = self.at_rest(system, work, contact)?;
+                self.take(self.coordinates..at_rest.len(), &at_rest);
             }
         }
+        Ok(())
     }
 
+    /// A closed contact opens, with so many roots of its gap here.
     pub(super) fn open(
         &mut self,
         system: &System,
@@ -179,23 +230,31 @@ impl<R: Real> Trajectory<R> {
         roots: u8,
     ) -> Result<(), FlowError> {
         self.enter(system, self.closed.without(contact))?;
-        self.touch(system, GuardKind::Gap(contact), roots);
+        self.leave_gap(system, contact, roots);
         self.flight_time = R::splat(FOREVER);
         Ok(())
     }
 
-    /// Changes the phase; guards that both phases have keep their roots at the present state.
+    /// Changes the mode; guards that both modes have keep their roots at the present state.
     pub(super) fn enter(&mut self, system: &System, closed: Closed) -> Result<(), FlowError> {
         let before = self.touching;
-        let old = system.program(self.closed);
+        let old = system.program(self.mode);
+        self.mode = system.meet(closed);
         self.closed = closed;
+        if self.constants.len() <= self.mode {
+            self.constants.resize(self.mode + 1, None);
+        }
+        if self.constants[self.mode].is_none() {
+            self.constants[self.mode] = system.constants(self.mode, &self.parameters);
+        }
         let program = self.program(system)?;
         self.touching = Touching::NONE;
+        self.left = Left::NONE;
         for (index, guard) in program.guards.iter().enumerate() {
             let same =
                 old.and_then(|old| old.guards.iter().position(|other| other.kind == guard.kind));
             let roots = same.map_or(0, |place| before.get(place));
-            // A balance holds in one phase.
+            // A balance holds in one mode.
             if !guard.is_balanced(roots) {
                 self.touching.set(index, roots);
             }
@@ -203,42 +262,62 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
+    /// Says how many roots of the gap of an open contact lie at the present state.
+    pub(super) fn leave_gap(&mut self, system: &System, contact: usize, roots: u8) {
+        self.touch(system, GuardKind::Gap(contact), roots);
+    }
+
     pub(super) fn touch(&mut self, system: &System, kind: GuardKind, roots: u8) {
         let place = system
-            .program(self.closed)
+            .program(self.mode)
             .and_then(|program| program.guards.iter().position(|guard| guard.kind == kind));
         if let Some(index) = place {
             self.touching.set(index, roots);
         }
     }
 
-    /// Gap, rate, acceleration and jerk of a contact in the present phase.
+    /// Whether nothing moves any more: no component of the field can be told from zero by its terms.
+    pub fn is_in_equilibrium(&self, system: &System) -> bool {
+        let (Some(program), Some(constants)) = (
+            system.program(self.mode),
+            self.constants.get(self.mode).and_then(Option::as_ref),
+        ) else {
+            return false;
+        };
+        let mut field = vec![WithTerms::exact(R::ZERO); self.coordinates];
+        Expansion::new(&[&program.field]).evaluate(
+            &program.field,
+            &WithTerms::all(&constants.field),
+            &WithTerms::all(&self.state),
+            &WithTerms::remainders(&self.low),
+            &mut field,
+        );
+        field.iter().all(|f| f.value.abs() <= f.level())
+    }
+
+    /// Gap, rate, acceleration and jerk of a contact in the present mode.
     pub(super) fn local(
         &self,
         system: &System,
-        work: &mut Workspace<R>,
+        _work: &mut Workspace<R>,
         contact: usize,
-    ) -> Result<[R; LOCAL_SCALARS], FlowError> {
+    ) -> Result<[WithTerms<R>; LOCAL_SCALARS], FlowError> {
         let program = self.program(system)?;
-        let mut local = [R::ZERO; LOCAL_SCALARS];
-        if let Some(constants) = &self.constants[self.closed.0 as usize] {
-            work.values_at(
-                &program.locals[contact],
-                &constants.locals[contact],
-                (&self.state, &self.low),
+        let mut local = [WithTerms::exact(R::ZERO); LOCAL_SCALARS];
+        if let Some(constants) = &self.constants[self.mode] {
+            let tape = &program.locals[contact];
+            Expansion::new(&[tape]).evaluate(
+                tape,
+                &WithTerms::all(&constants.locals[contact]),
+                &WithTerms::all(&self.state),
+                &WithTerms::remainders(&self.low),
                 &mut local,
             );
         }
-        if local.iter().all(|value| value.is_finite()) {
+        if local.iter().all(|value| value.value.is_finite()) {
             Ok(local)
         } else {
             Err(self.left_domain())
         }
-    }
-
-    pub(super) fn rest_level(&self) -> R {
-        let coordinates = &self.state[..self.coordinates];
-        let largest = coordinates.iter().fold(R::ONE, |most, x| most.max(x.abs()));
-        largest * R::splat(REST)
     }
 }

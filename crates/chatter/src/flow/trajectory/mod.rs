@@ -1,10 +1,12 @@
-//! One trajectory: its state, its phase, and the mode machine that says what an event leads to.
+//! One trajectory: its state, its mode, and the mode machine that says what an event leads to.
 //!
-//! The phase, not a nudge, says on which side of a surface the state is: a guard that is `touching` has so many roots at
+//! The mode, not a nudge, says on which side of a surface the state is: a guard that is `touching` has so many roots at
 //! the start of the next step, which are divided out. Intervals are half open: an event at the end of a step belongs to
 //! it, one at the start does not.
 
+mod collisions;
 mod contact;
+mod projection;
 mod sequence;
 mod start;
 
@@ -12,19 +14,28 @@ use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
 use super::occurrence::Occurrence;
 use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
-use super::resolve::{Resolution, resolve};
-use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
+use super::resolve::{Resolution, crossed_here, resolve};
+use super::sides::Sides;
+use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace, least_step};
 use super::system::System;
-use super::touching::Touching;
+use super::touch::TouchConstants;
+use super::touching::{Left, Touching};
+use crate::model::Simultaneous;
 use crate::numerics::{Real, two_sum};
+use collisions::Collisions;
+use std::collections::VecDeque;
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
 const REACH_USED: f64 = 0.95;
 
-/// A trajectory, at a time and state, in a phase.
+/// A trajectory, at a time and state, in a mode.
 #[derive(Clone, Debug)]
 pub struct Trajectory<R> {
+    parameters: Vec<R>,
+    /// By number of the mode; none where it was never entered.
     pub(crate) constants: Vec<Option<ProgramConstants<R>>>,
+    touch_constants: TouchConstants<R>,
+    law: Simultaneous,
     time: R,
     time_low: R,
     pub(crate) state: Vec<R>,
@@ -32,20 +43,34 @@ pub struct Trajectory<R> {
     /// How many of the states are the model's own; columns of derivatives follow.
     coordinates: usize,
     pub(crate) closed: Closed,
-    /// Per guard of the phase's program: how many roots lie at the present state.
+    /// Number of the mode in which these are closed.
+    pub(crate) mode: usize,
+    /// Per guard of the mode's program: how many roots lie at the present state.
     pub(crate) touching: Touching,
+    /// The guards that were last left from rest, and how long ago.
+    left: Left<R>,
+    pub(crate) sides: Sides,
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
     horizon: R,
+    /// Its rounding remainder.
+    horizon_low: R,
     tracker: ChatterTracker<R>,
     /// How many impacts the sequence has so far: each slower than the one before, at one contact.
     sequence: u64,
     /// Contact and incoming rate of the latest impact.
     latest_impact: Option<(usize, R)>,
-    instant_impacts: usize,
+    /// The longest step since the start.
+    longest_step: R,
+    /// Impacts since the last flight that was longer than rounding.
+    burst: usize,
+    /// Collisions that are still to come at this instant.
+    collisions: Option<Collisions<R>>,
     /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
     completion: Option<(usize, Accumulation<R>)>,
-    pending: Option<Occurrence<R>>,
+    /// What happened last may have moved the state across a section, of which nothing has been told yet.
+    may_have_crossed: bool,
+    pending: VecDeque<Occurrence<R>>,
 }
 
 /// What the kernel found for one trajectory.
@@ -54,6 +79,10 @@ pub(crate) struct StepResult<R> {
     pub step: R,
     pub event: Option<usize>,
     pub touched: Option<usize>,
+    /// Other contacts that close at the same instant: the impact has not been applied then.
+    pub crowd: Closed,
+    /// A section was crossed by a jump: the state does not lie on it.
+    pub jumped: bool,
     pub at_horizon: bool,
     pub impact: [R; IMPACT_SCALARS],
     pub flight_time: R,
@@ -94,16 +123,26 @@ impl<R: Real> Trajectory<R> {
 
     /// Sets the time at which the trajectory stops next, for [`run_fleet`](super::run_fleet).
     pub fn set_horizon(&mut self, horizon: R) {
+        self.set_horizon_parts((horizon, R::ZERO));
+    }
+
+    /// As [`set_horizon`](Self::set_horizon), with the rounding remainder of the time: many periods after the start their
+    /// sum is no number of this type.
+    pub fn set_horizon_parts(&mut self, (horizon, low): (R, R)) {
         self.horizon = horizon;
+        self.horizon_low = low;
     }
 
     pub(crate) fn remaining(&self) -> R {
-        (self.horizon - self.time) - self.time_low
+        (self.horizon - self.time) + (self.horizon_low - self.time_low)
     }
 
     /// Whether the next call to [`advance`](Self::advance) needs no step.
     pub(crate) fn has_pending(&self) -> bool {
-        self.pending.is_some() || self.completion.is_some() || self.remaining() <= R::ZERO
+        !self.pending.is_empty()
+            || self.collisions.is_some()
+            || self.completion.is_some()
+            || self.remaining() <= R::ZERO
     }
 
     /// Moves by one step: to the next event, to `horizon`, or as far as one expansion reaches. Tells what happened, if
@@ -117,10 +156,33 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         horizon: R,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        self.horizon = horizon;
+        self.set_horizon(horizon);
+        self.advance_to_horizon(system, work)
+    }
+
+    /// As [`advance`](Self::advance), to the horizon that was set.
+    ///
+    /// # Errors
+    /// As for [`advance`](Self::advance).
+    pub fn advance_to_horizon(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
         work.step = R::ZERO;
-        if let Some(occurrence) = self.pending.take() {
+        if let Some(occurrence) = self.pending.pop_front() {
             return Ok(Some(occurrence));
+        }
+        if self.collisions.is_some() {
+            return self.collide_on(system, work);
+        }
+        let program = self.program(system)?;
+        let stays = self.completion.is_some() || self.remaining() <= R::ZERO;
+        if stays && self.may_have_crossed {
+            self.may_have_crossed = false;
+            if let Some(told) = self.cross_here(system, work, program)? {
+                return Ok(Some(told));
+            }
         }
         if let Some((contact, end)) = self.completion.take() {
             return self.complete(system, work, contact, &end).map(Some);
@@ -128,7 +190,6 @@ impl<R: Real> Trajectory<R> {
         if self.remaining() <= R::ZERO {
             return Ok(Some(Occurrence::Horizon));
         }
-        let program = self.program(system)?;
         let class = self.load(work);
         if !work.try_step(program, class, self.touching) {
             return self.advance_settled(system, work, program);
@@ -164,33 +225,81 @@ impl<R: Real> Trajectory<R> {
         program: &Program,
     ) -> Result<StepResult<R>, FlowError> {
         let class = self.load(work);
-        let resolution = resolve(work, program, class, self.touching)
+        let resolution = resolve(work, program, class, (self.touching, self.left))
             .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
-        work.finish(program);
-        let stalled = self.time + work.step == self.time
-            && work.event == R::splat(NO_EVENT)
-            && resolution.touched.is_none()
-            && work.step < self.remaining();
-        if stalled || !work.state.iter().all(|x| x.is_finite()) {
+        work.travel();
+        let crowd = self.crowd(work, program);
+        if crowd == Closed::NONE {
+            work.collide(program);
+        }
+        if !work.state.iter().all(|x| x.is_finite()) {
             return Err(FlowError::LeftDomain {
                 time: self.time.to_f64(),
                 state: self.state.iter().map(|x| x.to_f64()).collect(),
             });
         }
         let mut result = self.result(work);
-        let Resolution { touched, shortened } = resolution;
+        let Resolution {
+            touched,
+            shortened,
+            jumped,
+        } = resolution;
         result.touched = touched;
+        result.jumped = jumped;
         result.at_horizon &= !shortened;
+        result.crowd = crowd;
         Ok(result)
+    }
+
+    /// The contacts beside the one that ended the step whose gaps cannot be told from zero there.
+    fn crowd(&self, work: &Workspace<R>, program: &Program) -> Closed {
+        let event = work.event.to_f64();
+        let at = |index: usize| index as f64 == event;
+        let mut crowd = Closed::NONE;
+        for (index, guard) in program.guards.iter().enumerate() {
+            if let GuardKind::Gap(contact) = guard.kind
+                && !at(index)
+                && work.closes_too(program, index, self.touching)
+            {
+                crowd = crowd.with(contact);
+            }
+        }
+        let impact = (program.guards.iter().enumerate())
+            .any(|(index, guard)| at(index) && matches!(guard.kind, GuardKind::Gap(_)));
+        if impact { crowd } else { Closed::NONE }
+    }
+
+    /// Tells of a section that the latest event took the trajectory across, before the next event or the end.
+    fn cross_here(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        if system.sections() == 0 {
+            return Ok(None);
+        }
+        let class = self.load(work);
+        let Some(jumped) = crossed_here(work, program, class, self.touching) else {
+            return Ok(None);
+        };
+        let result = StepResult {
+            step: R::ZERO,
+            event: Some(work.event.to_f64() as usize),
+            jumped,
+            ..self.result(work)
+        };
+        self.keep_sides(work);
+        let told = self.digest(system, work, program, &result)?;
+        // There may be another.
+        self.may_have_crossed = true;
+        Ok(told)
     }
 
     fn program<'s>(&self, system: &'s System) -> Result<&'s Program, FlowError> {
         system
-            .program(self.closed)
-            .ok_or_else(|| FlowError::DependentContacts {
-                time: self.time.to_f64(),
-                contacts: self.closed.contacts().collect(),
-            })
+            .program(self.mode)
+            .ok_or_else(|| self.dependent(&self.closed.contacts().collect::<Vec<_>>()))
     }
 
     /// The order class of the next step and its unit of time.
@@ -208,16 +317,24 @@ impl<R: Real> Trajectory<R> {
     }
 
     fn load(&self, work: &mut Workspace<R>) -> usize {
-        if let Some(constants) = &self.constants[self.closed.0 as usize] {
+        if let Some(constants) = &self.constants[self.mode] {
             work.load_constants(constants);
         }
         let (class, tau) = self.plan();
         work.state.copy_from_slice(&self.state);
         work.low.copy_from_slice(&self.low);
+        for (section, side) in work.sides.iter_mut().enumerate() {
+            *side = self.sides.get(section);
+        }
         work.reach = self.reach;
         work.horizon = self.remaining();
+        work.least_step = self.least_step();
         work.tau = tau;
         class
+    }
+
+    pub(crate) fn least_step(&self) -> R {
+        least_step(self.time)
     }
 
     fn result(&self, work: &Workspace<R>) -> StepResult<R> {
@@ -227,6 +344,8 @@ impl<R: Real> Trajectory<R> {
             step: work.step,
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
+            crowd: Closed::NONE,
+            jumped: false,
             at_horizon: event == NO_EVENT && StepResult::reaches(work.step, remaining),
             impact: work.impact,
             flight_time: work.flight_time,
@@ -237,7 +356,14 @@ impl<R: Real> Trajectory<R> {
     fn accept(&mut self, work: &Workspace<R>) {
         self.state.copy_from_slice(&work.state);
         self.low.copy_from_slice(&work.low);
+        self.keep_sides(work);
         self.reach = work.reach;
+    }
+
+    fn keep_sides(&mut self, work: &Workspace<R>) {
+        for (section, &side) in work.sides.iter().enumerate() {
+            self.sides.set(section, side);
+        }
     }
 
     /// Says what a step means whose end (state, remainder and reach) is already in place.
@@ -250,17 +376,29 @@ impl<R: Real> Trajectory<R> {
         result: &StepResult<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.advance_time(result.step);
-        let balanced = self.balanced(program);
-        self.touching = Touching::NONE;
-        if result.step > R::ZERO {
-            self.instant_impacts = 0;
-        }
         let undisturbed = match result.event {
             Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
             None => true,
         };
-        if undisturbed {
+        self.may_have_crossed = !undisturbed || result.touched.is_some();
+        self.left = if undisturbed {
+            self.left.after(self.touching, result.step)
+        } else {
+            Left::NONE
+        };
+        let negligible = self.negligible();
+        let balanced = self.balanced(program);
+        if !undisturbed {
+            self.touching = Touching::NONE;
+        } else if result.step > negligible {
             self.touching = balanced;
+        }
+        if result.step > negligible {
+            self.burst = 0;
+            self.longest_step = self.longest_step.max(result.step);
+        }
+        if self.closed != Closed::NONE {
+            self.stay_on_contacts(system, work)?;
         }
         if let Some(index) = result.touched {
             self.touching.set(index, 2);
@@ -271,15 +409,20 @@ impl<R: Real> Trajectory<R> {
             // The rest of a predicted flight, if a section or the horizon cut it.
             self.flight_time = self.rest_of_flight(result.step);
             if result.at_horizon {
+                // The state is where the step led, a rounding error of it off: the remainder keeps that, or it would add up
+                // from one horizon to the next.
+                let late = -self.remaining();
                 self.time = self.horizon;
-                self.time_low = R::ZERO;
+                self.time_low = self.horizon_low + late;
                 return Ok(Some(Occurrence::Horizon));
             }
             return Ok(None);
         };
         match program.guards[index].kind {
             GuardKind::Section(section) => {
-                self.touching.set(index, 1);
+                if !result.jumped {
+                    self.touching.set(index, 1);
+                }
                 self.flight_time = self.rest_of_flight(result.step);
                 Ok(Some(Occurrence::Section { section }))
             }
@@ -288,12 +431,23 @@ impl<R: Real> Trajectory<R> {
                 self.tracker.interrupt();
                 Ok(Some(Occurrence::Release { contact }))
             }
+            GuardKind::Gap(contact) if !self.is_alone(program, contact, result.crowd) => {
+                let touching = Closed(self.closed.0 | result.crowd.0).with(contact);
+                self.collide(system, work, contact, touching)
+            }
             GuardKind::Gap(contact) => {
                 self.flight_time = result.flight_time;
                 self.touching.set(index, 1);
                 self.after_impact(system, work, contact, &result.impact)
             }
         }
+    }
+
+    /// Whether an impact here was applied by the step itself.
+    #[inline(always)]
+    fn is_alone(&self, program: &Program, contact: usize, crowd: Closed) -> bool {
+        crowd == Closed::NONE
+            && (program.impacts[contact].as_ref()).is_some_and(|impact| impact.is_alone)
     }
 
     /// What is left of a predicted flight after a step that did not end it.
@@ -336,7 +490,7 @@ impl<R: Real> Trajectory<R> {
         self.tracker.interrupt();
         match program.guards[index].kind {
             GuardKind::Gap(contact) => {
-                let rate = self.local(system, work, contact)?[1];
+                let rate = self.local(system, work, contact)?[1].value;
                 Ok(Some(Occurrence::Graze { contact, rate }))
             }
             GuardKind::Reaction(_) | GuardKind::Section(_) => Ok(None),

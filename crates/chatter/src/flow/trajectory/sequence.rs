@@ -1,12 +1,12 @@
 //! The sequence that an impact belongs to: it goes on, or chatter ends.
 
-use super::{ORDER_CLASSES, Trajectory};
+use super::Trajectory;
 use crate::expressions::Operand;
-use crate::flow::chatter::{Accumulation, LocalPoint};
+use crate::flow::chatter::{Accumulation, LocalPoint, SequenceMap};
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, GuardKind};
-use crate::flow::step::{Workspace, legal_rates};
+use crate::flow::step::{FOREVER, Workspace, legal_rates};
 use crate::flow::system::System;
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::{Real, two_sum};
@@ -18,8 +18,11 @@ const AT_REST: f64 = 1e-12;
 /// Rounding errors of the flights of a sequence add up like the steps of a random walk of this many roundoffs each.
 const WALK_ROUNDOFFS: f64 = 4.0;
 
-/// More impacts at one instant than this are no sequence of collisions of several contacts.
-const INSTANT_IMPACTS: usize = 1000;
+/// After so many impacts in a time that is below rounding it is asked which contacts have come to rest together; …
+const BURST: usize = 64;
+
+/// … and more than these do not happen at one instant.
+const LONGEST_BURST: usize = 100_000;
 
 impl<R: Real> Trajectory<R> {
     #[inline(always)]
@@ -30,7 +33,15 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
         impact: &[R],
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let &[rate_before, rate_after, acceleration, jerk, restitution] = impact else {
+        let &[
+            rate_before,
+            rate_after,
+            acceleration,
+            jerk,
+            restitution,
+            at_rest,
+        ] = impact
+        else {
             return Ok(None);
         };
         let finite = self.state.iter().all(|x| x.is_finite()) && rate_after.is_finite();
@@ -39,13 +50,6 @@ impl<R: Real> Trajectory<R> {
         }
         if rate_before >= R::ZERO && self.sequence > 0 {
             return self.end_here(system, work, contact).map(Some);
-        }
-        self.instant_impacts += 1;
-        if self.instant_impacts > INSTANT_IMPACTS {
-            return Err(FlowError::ImpactsWithoutEnd {
-                time: self.time.to_f64(),
-                count: self.instant_impacts,
-            });
         }
         if !legal_rates(rate_before, rate_after) {
             return Err(FlowError::Restitution {
@@ -65,43 +69,82 @@ impl<R: Real> Trajectory<R> {
             rate_before,
             rate_after,
         };
-        let rebounds = rate_after > R::ZERO;
+        let rebounds = restitution > R::ZERO && rate_after > R::ZERO;
         if !rebounds {
-            self.rest(system, work, contact)?;
+            self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
             return Ok(Some(occurrence));
         }
-        if self.closed != Closed::NONE {
-            self.follow_impulse(system, work)?;
+        self.burst += 1;
+        let negligible = self.negligible();
+        let is_short = self.flight_time <= negligible;
+        if system.contacts() > 1 && (is_short || self.burst.is_multiple_of(BURST)) {
+            if self.end_burst(system, work)? != Closed::NONE {
+                return Ok(Some(occurrence));
+            }
+            if self.burst > LONGEST_BURST {
+                return Err(FlowError::ImpactsWithoutEnd {
+                    time: self.time.to_f64(),
+                    count: self.burst,
+                });
+            }
         }
+        let rest_of_sequence = if self.flight_time < R::splat(FOREVER) && at_rest < R::ONE {
+            self.flight_time / (R::ONE - at_rest)
+        } else {
+            R::splat(FOREVER)
+        };
+        self.tracker.keep_pace(contact, self.time, rest_of_sequence);
         let local = LocalPoint {
             rate: rate_after,
             acceleration,
             jerk,
-            restitution,
+            restitution: at_rest,
         };
-        let end = self.tracker.observe(
-            contact,
-            local,
-            (self.time, self.time_low),
-            (&self.state, &self.low),
-        );
-        let negligible = self.reach[ORDER_CLASSES - 1] * R::splat(R::ROUNDOFF);
+        let end = if at_rest < R::ONE {
+            self.sequence_end(system, work, contact, local)?
+        } else {
+            None
+        };
         if let Some(end) = end
             && self.ends_undisturbed(system, work, contact, &end)?
         {
             self.completion = Some((contact, end));
-        } else if acceleration < R::ZERO && self.flight_time <= negligible {
-            // Flights shorter than a roundoff of the time scale, as when several contacts chatter at once: what is left
-            // of the sequence is below rounding.
-            let after = self.flight_time / (R::ONE - restitution);
+        } else if acceleration < R::ZERO && at_rest < R::ONE && is_short {
+            // What is left of the sequence is below rounding.
+            let after = rest_of_sequence;
             let end = Accumulation {
                 after,
                 change: vec![R::ZERO; self.state.len()],
-                error: after.to_f64(),
+                error: self.tracker.rest_of_impacts(contact).to_f64(),
             };
             self.completion = Some((contact, end));
         }
         Ok(Some(occurrence))
+    }
+
+    /// Shows an impact to the tracker; the end of the sequence where it is certain.
+    #[inline(always)]
+    fn sequence_end(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        local: LocalPoint<R>,
+    ) -> Result<Option<Accumulation<R>>, FlowError> {
+        let program = self.program(system)?;
+        let constants = &self.constants[self.mode];
+        let (Some(tapes), Some(constants)) = (&program.sequences[contact], constants) else {
+            return Ok(None);
+        };
+        let mut map = SequenceMap {
+            tapes,
+            constants: &constants.sequences[contact],
+            work,
+            coordinates: self.coordinates,
+        };
+        let time = (self.time, self.time_low);
+        let state = (&self.state[..], &self.low[..]);
+        Ok(self.tracker.observe(contact, local, time, state, &mut map))
     }
 
     /// Whether nothing else happens until the end of a chatter sequence: the trajectory does not stop before, no other
@@ -120,7 +163,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(false);
         }
         let program = self.program(system)?;
-        let Some(constants) = &self.constants[self.closed.0 as usize] else {
+        let Some(constants) = &self.constants[self.mode] else {
             return Ok(true);
         };
         if program.guards.len() < 2 {
@@ -155,7 +198,8 @@ impl<R: Real> Trajectory<R> {
             .all(|&(slot, change)| work.point.series(slot)[0].abs() <= change * R::splat(AT_REST)))
     }
 
-    /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero.
+    /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero. What
+    /// impacts before it leave of the sequence is the error of its time.
     pub(super) fn end_here(
         &mut self,
         system: &System,
@@ -165,7 +209,7 @@ impl<R: Real> Trajectory<R> {
         let end = Accumulation {
             after: R::ZERO,
             change: vec![R::ZERO; self.state.len()],
-            error: self.flight_time.min(self.reach[0]).to_f64(),
+            error: self.tracker.rest_of_impacts(contact).to_f64(),
         };
         self.complete(system, work, contact, &end)
     }
@@ -186,9 +230,10 @@ impl<R: Real> Trajectory<R> {
         let walk = libm::sqrt(impacts as f64) * R::ROUNDOFF * WALK_ROUNDOFFS;
         let relative = walk.max(work.tail.precision);
         let error = relative.mul_add(self.time.to_f64().abs(), end.error);
-        self.rest(system, work, contact)?;
+        self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
+        self.may_have_crossed = true;
         // The accumulation says more than the capture that ends it.
-        self.pending = None;
+        self.pending.clear();
         Ok(Occurrence::Accumulation {
             contact,
             impacts,

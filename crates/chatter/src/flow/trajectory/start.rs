@@ -4,10 +4,16 @@ use super::{ORDER_CLASSES, Trajectory};
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
 use crate::flow::program::{Closed, GuardKind};
+use crate::flow::sides::Sides;
 use crate::flow::step::{FOREVER, Workspace};
-use crate::flow::system::System;
-use crate::flow::touching::Touching;
+use crate::flow::system::{FLIGHT, System};
+use crate::flow::touching::{Left, Touching};
 use crate::numerics::Real;
+use std::collections::VecDeque;
+
+/// A start inside an obstacle by this part of the terms of its gap touches it: states are stored and typed with twelve
+/// digits and more.
+const PENETRATION: f64 = 1e-12;
 
 /// First guess of the unit of time, before anything is known; a step finds its own size from there.
 const FIRST_UNIT: f64 = 0.125;
@@ -25,23 +31,33 @@ impl<R: Real> Trajectory<R> {
         state: &[R],
     ) -> Result<Self, FlowError> {
         let mut trajectory = Self {
-            constants: system.constants(parameters),
+            parameters: parameters.to_vec(),
+            constants: Vec::new(),
+            touch_constants: system.touches().constants(parameters),
+            law: system.simultaneous(),
             time,
             time_low: R::ZERO,
             state: state.to_vec(),
             low: vec![R::ZERO; state.len()],
             coordinates: system.coordinates(),
             closed: Closed::NONE,
+            mode: FLIGHT,
             touching: Touching::NONE,
+            left: Left::NONE,
+            sides: Sides::UNKNOWN,
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),
             horizon: R::splat(FOREVER),
+            horizon_low: R::ZERO,
             tracker: ChatterTracker::new(work.tail),
             sequence: 0,
             latest_impact: None,
-            instant_impacts: 0,
+            longest_step: R::ZERO,
+            burst: 0,
+            collisions: None,
             completion: None,
-            pending: None,
+            may_have_crossed: false,
+            pending: VecDeque::new(),
         };
         trajectory.restart(system, work, time, state)?;
         Ok(trajectory)
@@ -59,21 +75,39 @@ impl<R: Real> Trajectory<R> {
         state: &[R],
     ) -> Result<(), FlowError> {
         self.move_to(system, Closed::NONE, time, state)?;
-        for contact in 0..system.contacts() {
-            let local = self.local(system, work, contact)?;
-            if local[0] < -self.rest_level() {
+        let touch = self.touch_values(system)?;
+        let mut touching = Closed::NONE;
+        for (contact, gap) in touch.gap.iter().enumerate() {
+            let slack = gap.level().max(R::splat(PENETRATION * gap.terms));
+            if gap.value < -slack {
                 return Err(FlowError::Penetrates {
                     contact,
-                    gap: local[0].to_f64(),
+                    gap: gap.value.to_f64(),
                 });
             }
-            if local[0] <= self.rest_level() && local[1].abs() <= self.rest_level() {
-                self.rest(system, work, contact)?;
-            } else if local[0].abs() <= self.rest_level() && local[1] > R::ZERO {
-                self.touch(system, GuardKind::Gap(contact), 1);
+            if gap.value <= gap.level() {
+                touching = touching.with(contact);
             }
         }
-        self.pending = None;
+        let mut resting = Closed::NONE;
+        let mut closing = None;
+        for contact in touching.contacts() {
+            let rate = touch.rate[contact];
+            if rate.value > rate.level() {
+                self.leave_gap(system, contact, 1);
+            } else if rate.value >= -rate.level() {
+                resting = resting.with(contact);
+            } else {
+                closing = Some(contact);
+            }
+        }
+        if let Some(contact) = closing {
+            let told = self.collide(system, work, contact, touching)?;
+            self.pending.extend(told);
+        } else if resting != Closed::NONE {
+            self.bring_to_rest(system, work, resting)?;
+            self.pending.clear();
+        }
         Ok(())
     }
 
@@ -91,11 +125,13 @@ impl<R: Real> Trajectory<R> {
         state: &[R],
     ) -> Result<(), FlowError> {
         self.move_to(system, closed, time, state)?;
-        for contact in closed.contacts() {
+        let mut members = closed.contacts();
+        if let (Some(contact), None) = (members.next(), members.next()) {
             let at_rest = self.at_rest(system, work, contact)?;
             self.take(0..at_rest.len(), &at_rest);
+            return Ok(());
         }
-        Ok(())
+        self.project(system, closed)
     }
 
     /// Says that the state lies on a surface and that this does not count as a crossing: the next one does.
@@ -105,7 +141,10 @@ impl<R: Real> Trajectory<R> {
 
     /// Changes the parameter values. A [`restart`](Self::restart) must follow: the phase was found with the old ones.
     pub fn set_parameters(&mut self, system: &System, parameters: &[R]) {
-        self.constants = system.constants(parameters);
+        self.parameters.clear();
+        self.parameters.extend_from_slice(parameters);
+        self.constants.clear();
+        self.touch_constants = system.touches().constants(parameters);
     }
 
     fn move_to(
@@ -124,15 +163,20 @@ impl<R: Real> Trajectory<R> {
         self.reach = [R::ZERO; ORDER_CLASSES];
         self.reach[ORDER_CLASSES - 1] = R::splat(FIRST_UNIT);
         self.flight_time = R::splat(FOREVER);
-        self.horizon = R::splat(FOREVER);
+        self.set_horizon(R::splat(FOREVER));
         self.tracker.restart();
         self.sequence = 0;
         self.latest_impact = None;
-        self.instant_impacts = 0;
+        self.longest_step = R::ZERO;
+        self.burst = 0;
+        self.collisions = None;
         self.completion = None;
-        self.pending = None;
+        self.may_have_crossed = false;
+        self.pending.clear();
         self.enter(system, closed)?;
         self.touching = Touching::NONE;
+        self.left = Left::NONE;
+        self.sides = Sides::UNKNOWN;
         Ok(())
     }
 }

@@ -41,7 +41,7 @@ impl Assembly<'_> {
             (self.graph.as_number(restitution), &contact.restitution)
         {
             let value = value.high();
-            if !(0.0..1.0).contains(&value) {
+            if !(0.0..=1.0).contains(&value) {
                 self.report(ModelErrorKind::Restitution { value }, &formula.place);
             }
         }

@@ -24,6 +24,7 @@ fn blank(states: usize, parameters: usize) -> Model {
         states: (0..states).map(state).collect(),
         time: None,
         parameters: (0..parameters).map(parameter).collect(),
+        simultaneous: crate::model::Simultaneous::Binary,
         contacts: Vec::new(),
         sections: Vec::new(),
         definitions: Vec::new(),

@@ -17,12 +17,12 @@ x = 1
 v = 0
 ";
     let simulation = run::<f64>(&model(text, &[]), &Spec::until(10.0));
-    let Outcome::Failed(FlowError::LeftDomain { time, .. }) = simulation.outcome else {
+    let Outcome::Failed(FlowError::Singular { time, .. }) = simulation.outcome else {
         panic!("{:?}", simulation.outcome)
     };
     assert!((time - 1.5).abs() < 1e-9, "{time}");
     assert!(simulation.counts.impacts > 0);
-    assert_eq!(simulation.outcome.name(), "left_domain");
+    assert_eq!(simulation.outcome.name(), "singular");
 }
 
 /// A restitution that passes 1 at the fourth impact: the run ends there, at the state before that impact.

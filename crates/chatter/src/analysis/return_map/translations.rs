@@ -1,0 +1,162 @@
+//! Translations that leave the equations as they are: states that matter only by their differences, or not at all.
+
+use crate::expressions::{Expr, Formula, Symbol};
+use crate::model::Model;
+
+/// The derivatives of the equations, of which translations are the null vectors.
+#[derive(Clone, Debug)]
+pub(super) struct Translations {
+    /// Of each equation by each state.
+    slopes: Vec<Vec<Formula<f64>>>,
+}
+
+/// A state that can be moved together with others without any equation noticing.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Translation {
+    /// The state.
+    pub state: usize,
+    /// Others, and how far each moves while this one moves by one.
+    pub others: Vec<(usize, f64)>,
+}
+
+/// The equations are looked at in so many places: a derivative that vanishes in all of them vanishes.
+const PLACES: usize = 4;
+
+/// How far the places are from each other, in parts of the state's size or of one. Incommensurate with anything in a model.
+const APART: f64 = 0.061_803_398_874_989_49;
+
+/// A slope this small against the others of its equation, after elimination, is rounding error.
+const ROUNDING: f64 = 1e-10;
+
+impl Translations {
+    /// Of these equations of a model.
+    pub fn new(model: &Model, equations: &[Expr]) -> Self {
+        let mut graph = model.graph.clone();
+        let states = model.states.len();
+        let slopes = equations.iter().map(|&equation| {
+            (0..states)
+                .map(|state| {
+                    let slope = graph.derivative(equation, Symbol::State(state));
+                    Formula::new(&graph, slope)
+                })
+                .collect()
+        });
+        Self {
+            slopes: slopes.collect(),
+        }
+    }
+
+    /// All of them, at these parameters; `state` says how large states are.
+    pub fn at(&self, parameters: &[f64], state: &[f64]) -> Vec<Translation> {
+        let mut rows = self.rows(parameters, state);
+        let states = state.len();
+        // Gauss-Jordan; the states without a pivot are free to move.
+        let mut pivots: Vec<(usize, usize)> = Vec::new();
+        for column in 0..states {
+            let open = pivots.len();
+            let largest = (open..rows.len()).max_by(|&a, &b| {
+                let size = |row: usize| rows[row][column].abs();
+                size(a).total_cmp(&size(b))
+            });
+            let Some(row) = largest.filter(|&row| rows[row][column].abs() > ROUNDING) else {
+                continue;
+            };
+            rows.swap(open, row);
+            let pivot = rows[open][column];
+            rows[open].iter_mut().for_each(|x| *x /= pivot);
+            let cleared = rows[open].clone();
+            for (index, other) in rows.iter_mut().enumerate() {
+                let times = other[column];
+                if index != open && times != 0.0 {
+                    other
+                        .iter_mut()
+                        .zip(&cleared)
+                        .for_each(|(x, y)| *x -= times * y);
+                }
+            }
+            pivots.push((open, column));
+        }
+        let bound = |state: &usize| pivots.iter().any(|(_, column)| column == state);
+        let translation = |state: usize| {
+            let others = pivots
+                .iter()
+                .map(|&(row, column)| (column, -rows[row][state]));
+            Translation {
+                state,
+                others: others.filter(|(_, times)| times.abs() > ROUNDING).collect(),
+            }
+        };
+        (0..states)
+            .filter(|state| !bound(state))
+            .map(translation)
+            .collect()
+    }
+
+    /// Slopes of all equations in all places, each equation in units of its largest.
+    fn rows(&self, parameters: &[f64], state: &[f64]) -> Vec<Vec<f64>> {
+        let mut scratch = Vec::new();
+        let mut rows = Vec::new();
+        for place in 0..PLACES {
+            let moved: Vec<f64> = (state.iter().enumerate())
+                .map(|(index, x)| {
+                    let step = ((1 + index + place * state.len()) as f64 * APART).fract();
+                    x + step * (1.0 + x.abs())
+                })
+                .collect();
+            for slopes in &self.slopes {
+                let row: Vec<f64> = (slopes.iter())
+                    .map(|slope| slope.evaluate(&moved, parameters, &mut scratch))
+                    .collect();
+                let size = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                // Outside the domain there is nothing to learn.
+                if size > 0.0 && row.iter().all(|x| x.is_finite()) {
+                    rows.push(row.iter().map(|x| x / size).collect());
+                }
+            }
+        }
+        rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(states: &str, gap: &str) -> Vec<Translation> {
+        let names: Vec<&str> = states
+            .lines()
+            .filter_map(|line| line.split(' ').next())
+            .collect();
+        let initial: Vec<String> = names.iter().map(|name| format!("{name} = 1\n")).collect();
+        let text = format!(
+            "[parameters]\nn = 3\nomega = 2\n[flight]\n{states}\n[[contact]]\nname = \"c\"\ngap = \"{gap}\"\n\
+             impulse = {{ u = -1, v = 1 }}\nrestitution = \"0.5\"\n[initial]\n{}",
+            initial.concat()
+        );
+        let model = Model::from_toml(&text, "test").unwrap();
+        let parameters = model.parameter_values::<f64>(&[]);
+        let state = model.initial_state(&parameters);
+        Translations::new(&model, &model.equations()).at(&parameters, &state)
+    }
+
+    #[test]
+    fn what_matters_only_by_differences_is_found() {
+        let gears = "a = \"u\"\nu = \"-(a - n*b) - u\"\nb = \"v\"\nv = \"a - n*b + sin(omega*t)\"";
+        // Both wheels may turn on together: one three times as far as the other.
+        let found = of(gears, "a - n*b + 1");
+        assert_eq!(found.len(), 1);
+        assert_eq!((found[0].state, found[0].others.len()), (2, 1));
+        assert_eq!(found[0].others[0].0, 0);
+        assert!((found[0].others[0].1 - 3.0).abs() < 1e-12);
+        // Nothing is free where one of them is held, …
+        let held = "a = \"u\"\nu = \"-a - (a - n*b) - u\"\nb = \"v\"\nv = \"a - n*b\"";
+        assert_eq!(of(held, "a - n*b + 1"), []);
+        // … and what nothing depends on is free alone.
+        let way = "a = \"u\"\nu = \"-a - u\"\nb = \"v\"\nv = \"-v\"";
+        let alone = Translation {
+            state: 2,
+            others: Vec::new(),
+        };
+        assert_eq!(of(way, "a + 1"), [alone]);
+    }
+}

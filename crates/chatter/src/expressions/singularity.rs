@@ -1,0 +1,405 @@
+//! Where functions stop being analytic: zeros of denominators, of radicands, of arguments of logarithms.
+//!
+//! A Taylor series converges as far as the nearest singular point of its function in the complex plane, and its terms show
+//! that point only by as much as it matters here: the corner of sqrt(x^2) shows in none of them. What always shows is the
+//! zero of the argument. A step therefore keeps away from the zeros s_i of every such argument a(s): by Rouche's theorem
+//! there is none within s where
+//!
+//! ```text
+//! sum_{k >= 1} |a_k| s^k < |a_0|
+//! ```
+//!
+//! and where that says too little, the power sums of the inverse zeros, sum_i s_i^-k, which are the coefficients of
+//! -a'/a, grow like the nearest one's.
+
+use super::graph::Function;
+use super::series::{Expansion, convolve};
+use super::tape::{Op, Operand, Tape};
+use crate::numerics::{Mask, Scalar};
+
+/// What has no value, or a corner, where its argument vanishes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Singularity {
+    /// A denominator.
+    Division,
+    /// The argument of a square root.
+    SquareRoot,
+    /// The base of a power with an exponent that is no integer.
+    Power,
+    /// The argument of a logarithm.
+    Logarithm,
+    /// The distance of the argument of an inverse sine or cosine from 1 and -1.
+    InverseSine,
+    /// The cosine of the argument of a tangent.
+    Tangent,
+}
+
+impl Singularity {
+    /// What happens there, as the rest of a sentence that begins with the time.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Division => {
+                "a denominator reaches zero: the equations have no finite value there"
+            }
+            Self::SquareRoot => {
+                "the argument of a square root reaches zero, where the root is not smooth: the equations cannot be followed past it"
+            }
+            Self::Power => {
+                "the base of a power reaches zero, where the power is not smooth: the equations cannot be followed past it"
+            }
+            Self::Logarithm => {
+                "the argument of a logarithm reaches zero: the equations have no finite value there"
+            }
+            Self::InverseSine => {
+                "the argument of asin or acos reaches 1 or -1, where they are not smooth: the equations cannot be followed past it"
+            }
+            Self::Tangent => {
+                "the argument of tan reaches a pole: the equations have no finite value there"
+            }
+        }
+    }
+}
+
+/// A series that must not vanish along a step, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Singular {
+    pub slot: usize,
+    pub kind: Singularity,
+    /// The constant that the exponent of a power is: whole and above zero, it is smooth everywhere.
+    pub exponent: Option<usize>,
+}
+
+/// A step goes this part of the way to the nearest zero: what lies beyond the last term is then at most as large as it.
+const SHARE: f64 = 0.5;
+
+/// Where an argument changes by less than this part, its zero is so far that rounding cannot matter: a step towards a
+/// singular point that shows in the terms goes a fifth of the way or more.
+const FAR: f64 = 1.0 / 8.0;
+
+/// An argument is told from zero if it exceeds so many times the bound of its rounding error. A step halves it at most,
+/// so that none goes from one side of zero to the other.
+const CLEAR: f64 = 8.0;
+
+/// Below this products of numbers lose digits, and an argument counts as zero.
+const NOTHING: f64 = 1e-290;
+
+impl Tape {
+    /// Adds what its operations need to be different from zero; what is there already says better why.
+    pub(super) fn find_singular(&mut self) {
+        let mut producers = vec![None; self.slots];
+        for op in &self.ops {
+            for out in op.writes() {
+                producers[out] = Some(op.clone());
+            }
+        }
+        let named = core::mem::take(&mut self.singular);
+        let from_ops = self.ops.iter().filter_map(|op| match *op {
+            Op::Divide { denominator, .. } => Some((denominator, Singularity::Division, None)),
+            Op::SquareRoot { radicand, .. } => Some((radicand, Singularity::SquareRoot, None)),
+            Op::Power { base, exponent, .. } => Some((base, Singularity::Power, Some(exponent))),
+            _ => None,
+        });
+        // Roots first: a denominator that is a root vanishes where its radicand does.
+        let (divisions, others): (Vec<_>, Vec<_>) =
+            from_ops.partition(|&(_, kind, _)| kind == Singularity::Division);
+        let named = named
+            .iter()
+            .map(|singular| (singular.slot, singular.kind, None));
+        let mut slots = Vec::new();
+        for (slot, kind, exponent) in named.chain(others).chain(divisions) {
+            slots.clear();
+            zeros_of(slot, &producers, &mut slots);
+            for &slot in &slots {
+                let known = (self.singular.iter()).any(|known| {
+                    known.slot == slot && known.exponent.is_none_or(|e| exponent == Some(e))
+                });
+                if !known {
+                    self.singular.push(Singular {
+                        slot,
+                        kind,
+                        exponent,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// The series whose zeros are those of a series.
+fn zeros_of(slot: usize, producers: &[Option<Op>], into: &mut Vec<usize>) {
+    match producers[slot] {
+        Some(Op::Square { base, .. } | Op::Power { base, .. }) => zeros_of(base, producers, into),
+        Some(Op::SquareRoot { radicand, .. }) => zeros_of(radicand, producers, into),
+        Some(Op::Multiply { left, right, .. }) => {
+            zeros_of(left, producers, into);
+            zeros_of(right, producers, into);
+        }
+        Some(Op::Divide { numerator, .. }) => {
+            if let Operand::Series(numerator) = numerator {
+                zeros_of(numerator, producers, into);
+            }
+        }
+        Some(Op::Integral {
+            function: Function::Exp | Function::Cosh,
+            ..
+        }) => {}
+        _ => into.push(slot),
+    }
+}
+
+impl<S: Scalar> Expansion<S> {
+    /// The longest scaled time up to `wanted` that keeps away from every singular point, and where all arguments can be
+    /// told from zero at its start. `scratch` has room for a coefficient an order.
+    #[inline(always)]
+    pub(crate) fn regular(
+        &mut self,
+        tape: &Tape,
+        constants: &[S],
+        wanted: S,
+        scratch: &mut [S],
+    ) -> (S, S::Mask) {
+        let mut longest = wanted;
+        let mut clear = S::Mask::splat(true);
+        let mut bounded = false;
+        for singular in &tape.singular {
+            let a = self.series(singular.slot);
+            let start = a[0].abs();
+            let change = short_magnitude(&a[1..], wanted) * wanted;
+            let far = change.at_most(start * S::splat(FAR)) & S::splat(NOTHING).less(start);
+            if far.all() {
+                continue;
+            }
+            let far = far | smooth(singular, constants);
+            if far.all() {
+                continue;
+            }
+            let within = change.at_most(start * S::splat(SHARE));
+            let within = within | far;
+            let mut counted = within;
+            if !within.all() {
+                let (reach, computed) = nearest_zero(a, scratch);
+                let limit = S::select(within, wanted, reach * S::splat(SHARE));
+                longest = S::select(limit.less(longest), limit, longest);
+                counted = counted | computed;
+            }
+            if !bounded {
+                self.bound_errors(tape, constants);
+                bounded = true;
+            }
+            clear = clear & (far | (counted & self.told_from_zero(singular.slot)));
+        }
+        (longest, clear)
+    }
+
+    /// Why the expansion reaches no further than a few times `scaled_step`, if it is for a singular point, and the scaled
+    /// time of that.
+    pub(crate) fn singularity(
+        &mut self,
+        tape: &Tape,
+        constants: &[S],
+        scaled_step: S,
+    ) -> Option<(Singularity, S)> {
+        /// Steps towards a singular point that shows in the terms are about a quarter of the way.
+        const NEAR: f64 = 64.0;
+        self.bound_errors(tape, constants);
+        let mut scratch = vec![S::splat(0.0); self.order() + 1];
+        for singular in &tape.singular {
+            if smooth(singular, constants).any() {
+                continue;
+            }
+            let a = self.series(singular.slot);
+            let (reach, counted) = nearest_zero(a, &mut scratch);
+            if (counted & reach.at_most(scaled_step * S::splat(NEAR))).any() {
+                return Some((singular.kind, reach));
+            }
+            if (!self.told_from_zero(singular.slot) & a[0].is_finite()).any() {
+                return Some((singular.kind, S::splat(0.0)));
+            }
+        }
+        None
+    }
+
+    #[inline(always)]
+    fn told_from_zero(&self, slot: usize) -> S::Mask {
+        let level = self.errors[slot].mul_add(S::splat(CLEAR), S::splat(NOTHING));
+        level.less(self.get(slot, 0).abs())
+    }
+
+    /// Bounds to first order how far each series of order zero is from its exact value at this state.
+    ///
+    /// States and linear combinations of them come with their rounding remainders, known to twice the precision; only
+    /// what takes them as plain numbers sees them rounded.
+    #[inline(always)]
+    fn bound_errors(&mut self, tape: &Tape, constants: &[S]) {
+        let unit = S::splat(S::ROUNDOFF);
+        let fine = S::splat(S::ROUNDOFF * S::ROUNDOFF);
+        for slot in 0..tape.dimension {
+            self.errors[slot] = self.get(slot, 0).abs() * fine;
+        }
+        for op in &tape.ops {
+            match *op {
+                Op::Linear {
+                    out,
+                    offset,
+                    first,
+                    end,
+                } => {
+                    let mut size = offset.map_or(S::splat(0.0), |index| constants[index].abs());
+                    let mut error = S::splat(0.0);
+                    for &(coefficient, slot) in &tape.terms[first..end] {
+                        let coefficient = constants[coefficient].abs();
+                        size = coefficient.mul_add(self.get(slot, 0).abs(), size);
+                        error = coefficient.mul_add(self.errors[slot], error);
+                    }
+                    self.errors[out] = size.mul_add(fine, error);
+                }
+                Op::Rate { .. } => {}
+                Op::Multiply { out, left, right } => {
+                    let by_left = self.rounded_error(left) * self.get(right, 0).abs();
+                    self.errors[out] =
+                        (self.rounded_error(right)).mul_add(self.get(left, 0).abs(), by_left);
+                }
+                Op::Square { out, base } => {
+                    let twice = self.get(base, 0).abs() * S::splat(2.0);
+                    self.errors[out] = self.rounded_error(base) * twice;
+                }
+                Op::Divide {
+                    out,
+                    numerator,
+                    denominator,
+                    inverse,
+                } => {
+                    let above = match numerator {
+                        Operand::Series(slot) => self.rounded_error(slot),
+                        Operand::Constant(_) => S::splat(0.0),
+                    };
+                    let value = self.get(out, 0).abs();
+                    let both = self.rounded_error(denominator).mul_add(value, above);
+                    self.errors[out] = both * self.inverse(inverse).abs();
+                }
+                Op::SquareRoot {
+                    out,
+                    radicand,
+                    inverse,
+                } => {
+                    self.errors[out] = self.rounded_error(radicand) * self.inverse(inverse).abs();
+                }
+                Op::Power {
+                    out,
+                    base,
+                    exponent,
+                    inverse,
+                } => {
+                    let slope = constants[exponent] * self.get(out, 0) * self.inverse(inverse);
+                    self.errors[out] = self.rounded_error(base) * slope.abs();
+                }
+                // Of order zero it is nothing.
+                Op::Slope { out, .. } => self.errors[out] = S::splat(0.0),
+                Op::Integral {
+                    out,
+                    argument,
+                    weight,
+                    ..
+                } => {
+                    let value = self.get(out, 0).abs() * unit;
+                    let slope = self.get(weight, 0).abs();
+                    self.errors[out] = self.rounded_error(argument).mul_add(slope, value);
+                }
+                Op::SineCosine {
+                    sine,
+                    cosine,
+                    argument,
+                    ..
+                } => {
+                    let of_argument = self.errors[argument];
+                    let (s, c) = (self.get(sine, 0).abs(), self.get(cosine, 0).abs());
+                    self.errors[sine] = of_argument.mul_add(c, s * unit);
+                    self.errors[cosine] = of_argument.mul_add(s, c * unit);
+                }
+            }
+        }
+    }
+
+    /// The error of a series of order zero without its rounding remainder.
+    #[inline(always)]
+    fn rounded_error(&self, slot: usize) -> S {
+        (self.get(slot, 0).abs()).mul_add(S::splat(S::ROUNDOFF), self.errors[slot])
+    }
+}
+
+/// Where a power is one of repeated multiplication.
+#[inline(always)]
+fn smooth<S: Scalar>(singular: &Singular, constants: &[S]) -> S::Mask {
+    match singular.exponent {
+        Some(exponent) => {
+            let exponent = constants[exponent];
+            S::splat(0.0).less(exponent) & exponent.is_whole()
+        }
+        None => S::Mask::splat(false),
+    }
+}
+
+/// [`magnitude`](crate::numerics::polynomial::magnitude) as four sums that need not wait for each other: the whole step
+/// waits for this one.
+#[inline(always)]
+fn short_magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
+    let square = s * s;
+    let fourth = square * square;
+    let mut sums = [S::splat(0.0); 4];
+    let chunks = coefficients.chunks_exact(4);
+    let rest = chunks.remainder();
+    for (sum, &c) in sums.iter_mut().zip(rest) {
+        *sum = c.abs();
+    }
+    for chunk in chunks.rev() {
+        for (sum, &c) in sums.iter_mut().zip(chunk) {
+            *sum = sum.mul_add(fourth, c.abs());
+        }
+    }
+    let low = sums[1].mul_add(s, sums[0]);
+    let high = sums[3].mul_add(s, sums[2]);
+    high.mul_add(square, low)
+}
+
+/// The distance of the zero of a(s) that is nearest to s = 0, and whether it could be computed.
+///
+/// With a'/a = -sum_k q_k s^k, q_k = sum_i s_i^-(k+1): the largest of the later roots |q_k|^(1/(k+1)) is one over that
+/// distance, up to a factor near one for several zeros as near.
+#[inline(always)]
+fn nearest_zero<S: Scalar>(a: &[S], scratch: &mut [S]) -> (S, S::Mask) {
+    let order = a.len() - 1;
+    let inverse = S::splat(1.0) / a[0];
+    let mut closeness = S::splat(f64::MIN);
+    let mut finite = S::Mask::splat(true);
+    for k in 0..order {
+        // (k + 1) a_(k+1) = -sum_{j=0..k} q_j a_(k-j)
+        let rest = convolve(&scratch[..k], &a[1..=k]);
+        let sum = (a[k + 1].mul_add(S::splat((k + 1) as f64), rest)) * inverse;
+        scratch[k] = -sum;
+        finite = finite & sum.is_finite();
+        if k >= order / 2 {
+            let root = sum.abs().coarse_log2() * S::splat(1.0 / (k + 1) as f64);
+            closeness = S::select(root.less(closeness), closeness, root);
+        }
+    }
+    ((-closeness).coarse_exp2(), finite)
+}
+
+impl Op {
+    /// The series that it computes, the derivative of a state aside.
+    fn writes(&self) -> impl Iterator<Item = usize> {
+        let (first, second) = match *self {
+            Self::Rate { .. } => (None, None),
+            Self::SineCosine { sine, cosine, .. } => (Some(sine), Some(cosine)),
+            Self::Linear { out, .. }
+            | Self::Multiply { out, .. }
+            | Self::Square { out, .. }
+            | Self::Divide { out, .. }
+            | Self::SquareRoot { out, .. }
+            | Self::Power { out, .. }
+            | Self::Slope { out, .. }
+            | Self::Integral { out, .. } => (Some(out), None),
+        };
+        first.into_iter().chain(second)
+    }
+}

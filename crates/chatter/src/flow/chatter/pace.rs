@@ -1,0 +1,95 @@
+//! How fast a sequence of impacts has slowed down, and so how long it may still take.
+
+use crate::numerics::Real;
+
+/// Impacts remembered for each contact: enough to span those of another that come between.
+const REMEMBERED: usize = 8;
+
+/// The estimate takes a sequence for one that slows down by this factor at least over the impacts remembered.
+const SLOWEST: f64 = 0.9;
+
+/// The latest impacts of one contact.
+#[derive(Clone, Debug)]
+struct Recent<R> {
+    /// Times, and how long the contact's own sequence would last from there to leading order.
+    impacts: [(R, R); REMEMBERED],
+    count: usize,
+}
+
+/// The latest impacts of each contact.
+#[derive(Clone, Debug)]
+pub(super) struct Pace<R> {
+    contacts: Vec<Recent<R>>,
+}
+
+impl<R: Real> Pace<R> {
+    pub(super) fn new() -> Self {
+        Self {
+            contacts: Vec::new(),
+        }
+    }
+
+    /// Takes note of an impact.
+    #[inline]
+    pub(super) fn observe(&mut self, contact: usize, time: R, rest: R) {
+        if self.contacts.len() <= contact {
+            let none = Recent {
+                impacts: [(R::ZERO, R::ZERO); REMEMBERED],
+                count: 0,
+            };
+            self.contacts.resize(contact + 1, none);
+        }
+        let recent = &mut self.contacts[contact];
+        recent.impacts[recent.count % REMEMBERED] = (time, rest);
+        recent.count += 1;
+    }
+
+    /// How long the impacts of a contact may still go on: what its own sequence would take, or, where others come between
+    /// and slow it down less, what the impacts remembered would if they went on like this. Nothing where the latest impact
+    /// is followed by none.
+    pub(super) fn rest(&self, contact: usize, forever: R) -> R {
+        let Some(recent) = self.contacts.get(contact).filter(|recent| recent.count > 0) else {
+            return R::ZERO;
+        };
+        let (now, rest) = recent.impacts[(recent.count - 1) % REMEMBERED];
+        if rest >= forever {
+            return R::ZERO;
+        }
+        let oldest = recent.count.saturating_sub(REMEMBERED);
+        let (then, before) = recent.impacts[oldest % REMEMBERED];
+        if before <= rest || before >= forever {
+            return rest;
+        }
+        let share = (rest / before).min(R::splat(SLOWEST));
+        rest.max((now - then) * share / (R::ONE - share))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn geometric_and_nested_sequences_end_when_estimated() {
+        // A sequence of its own: each flight is 0.7 of the one before.
+        let (mut pace, mut time, mut flight) = (Pace::new(), 3.0, 0.1);
+        for _ in 0..20 {
+            pace.observe(1, time, flight / 0.3);
+            time += flight;
+            flight *= 0.7;
+        }
+        let end = 3.0 + 0.1 / 0.3;
+        let latest = time - flight / 0.7;
+        let rest: f64 = pace.rest(1, 1e30);
+        assert!((rest / (end - latest) - 1.0).abs() < 1e-9, "{rest}");
+        // Impacts that others keep going: their own flights say a tenth of what is left.
+        let mut pace = Pace::new();
+        for k in 0..20 {
+            let left = f64::powi(0.8, k);
+            pace.observe(0, 5.0 - left, 0.1 * left);
+        }
+        let rest: f64 = pace.rest(0, 1e30);
+        assert!((rest / f64::powi(0.8, 19) - 1.0).abs() < 1e-9, "{rest}");
+        assert!(pace.rest(2, 1e30) == 0.0);
+    }
+}

@@ -1,0 +1,230 @@
+//! All contacts of a system at one state, as numbers: what simultaneous impacts and joint rest are decided by.
+
+use super::variation::Direction;
+use crate::expressions::{Expansion, Expr, Graph, Symbol, Tape};
+use crate::model::Mechanics;
+use crate::numerics::{Real, WithTerms};
+
+/// Gap, rate, acceleration and restitution of every contact, how impulses couple them, the directions in which states are
+/// moved onto them, and what a collision at each does to the state: all of free flight.
+#[derive(Clone, Debug)]
+pub(crate) struct Touches {
+    values: Tape,
+    /// Per contact: the state after a collision there, columns of derivatives by the derivative of the map alone, without
+    /// the shift of its time.
+    collisions: Vec<Tape>,
+    /// The derivative of each gap along each column, contact by contact.
+    slopes: Tape,
+    graph: Graph,
+    contacts: usize,
+    coordinates: usize,
+}
+
+/// The constants of these tapes at one parameter set.
+#[derive(Clone, Debug)]
+pub(crate) struct TouchConstants<R> {
+    values: Vec<R>,
+    collisions: Vec<Vec<R>>,
+    slopes: Vec<R>,
+}
+
+/// Values of [`Touches`], each with its terms.
+#[derive(Clone, Debug)]
+pub(crate) struct Touch<R> {
+    /// h, one a contact.
+    pub gap: Vec<WithTerms<R>>,
+    /// v.
+    pub rate: Vec<WithTerms<R>>,
+    /// a.
+    pub acceleration: Vec<WithTerms<R>>,
+    /// r.
+    pub restitution: Vec<WithTerms<R>>,
+    /// Row i, column j: what an impulse at contact j that changes its own rate by one does to the rate of contact i.
+    pub coupling: Vec<Vec<R>>,
+    /// One row a contact: what that impulse does to the state.
+    pub jump: Vec<Vec<R>>,
+    /// One row a contact: the gradient of its gap, zero for time.
+    pub gradient: Vec<Vec<R>>,
+}
+
+/// Outputs a contact before the rows.
+const SCALARS: usize = 4;
+
+impl Touches {
+    pub(crate) fn new(
+        mechanics: &Mechanics,
+        directions: &[Direction],
+        time: Option<usize>,
+    ) -> Self {
+        let mut mechanics = mechanics.clone();
+        let contacts = mechanics.contacts.clone();
+        let coordinates = mechanics.field.len();
+        let graph = &mut mechanics.graph;
+        let zero = graph.number(0.0);
+        let mut outputs: Vec<Expr> = Vec::new();
+        for contact in &contacts {
+            outputs.extend([
+                contact.gap,
+                contact.rate,
+                contact.acceleration,
+                contact.restitution,
+            ]);
+        }
+        for (i, of) in contacts.iter().enumerate() {
+            for (j, by) in contacts.iter().enumerate() {
+                outputs.push(if i == j {
+                    graph.number(1.0)
+                } else {
+                    graph.lie_derivative(of.rate, &by.jump)
+                });
+            }
+        }
+        for contact in &contacts {
+            outputs.extend(&contact.jump);
+        }
+        for contact in &contacts {
+            outputs.extend((0..coordinates).map(|i| {
+                if Some(i) == time {
+                    zero
+                } else {
+                    graph.derivative(contact.gap, Symbol::State(i))
+                }
+            }));
+        }
+        let values = Tape::new(graph, coordinates, &[], &outputs);
+        let dimension = coordinates * (1 + directions.len());
+        let collisions = (contacts.iter())
+            .map(|contact| {
+                let mut after = contact.after_impact.clone();
+                for direction in directions {
+                    after.extend(direction.along(graph, coordinates, &contact.after_impact));
+                }
+                Tape::new(graph, dimension, &[], &after)
+            })
+            .collect();
+        let mut slopes = Vec::new();
+        for contact in &contacts {
+            for direction in directions {
+                slopes.extend(direction.along(graph, coordinates, &[contact.gap]));
+            }
+        }
+        let slopes = Tape::new(graph, dimension, &[], &slopes);
+        Self {
+            values,
+            collisions,
+            slopes,
+            graph: mechanics.graph,
+            contacts: contacts.len(),
+            coordinates,
+        }
+    }
+
+    /// The constants of all tapes at one parameter set.
+    pub(crate) fn constants<R: Real>(&self, parameters: &[R]) -> TouchConstants<R> {
+        let of = |tape: &Tape| tape.constants(&self.graph, parameters);
+        TouchConstants {
+            values: of(&self.values),
+            collisions: self.collisions.iter().map(of).collect(),
+            slopes: of(&self.slopes),
+        }
+    }
+
+    /// The state after a collision at a contact, with its rounding remainders.
+    pub(crate) fn after_collision<R: Real>(
+        &self,
+        constants: &TouchConstants<R>,
+        contact: usize,
+        state: &[R],
+        low: &[R],
+    ) -> (Vec<R>, Vec<R>) {
+        let tape = &self.collisions[contact];
+        let mut after = vec![R::ZERO; state.len()];
+        let mut expansion = Expansion::new(&[tape]);
+        expansion.evaluate(tape, &constants.collisions[contact], state, low, &mut after);
+        let remainders = (0..after.len()).map(|i| expansion.output_remainder(tape, i));
+        (after, remainders.collect())
+    }
+
+    /// The derivative of the gap of a contact along each column.
+    pub(crate) fn slopes<R: Real>(
+        &self,
+        constants: &TouchConstants<R>,
+        contact: usize,
+        state: &[R],
+        low: &[R],
+    ) -> Vec<R> {
+        let mut slopes = vec![R::ZERO; self.slopes.outputs.len()];
+        let mut expansion = Expansion::new(&[&self.slopes]);
+        expansion.evaluate(&self.slopes, &constants.slopes, state, low, &mut slopes);
+        let columns = slopes.len() / self.contacts;
+        slopes.drain(..contact * columns);
+        slopes.truncate(columns);
+        slopes
+    }
+
+    /// Everything at a state and its rounding remainders.
+    pub(crate) fn at<R: Real>(
+        &self,
+        constants: &TouchConstants<R>,
+        state: &[R],
+        low: &[R],
+    ) -> Touch<R> {
+        let (n, dimension) = (self.contacts, self.coordinates);
+        let mut values = vec![WithTerms::exact(R::ZERO); self.values.outputs.len()];
+        Expansion::new(&[&self.values]).evaluate(
+            &self.values,
+            &WithTerms::all(&constants.values),
+            &WithTerms::all(&state[..dimension]),
+            &WithTerms::remainders(&low[..dimension]),
+            &mut values,
+        );
+        let (scalars, rows) = values.split_at(SCALARS * n);
+        let column = |k: usize| scalars.iter().copied().skip(k).step_by(SCALARS).collect();
+        let table = |first: usize, width: usize| -> Vec<Vec<R>> {
+            (rows[first..first + n * width].chunks(width.max(1)))
+                .map(|row| row.iter().map(|entry| entry.value).collect())
+                .collect()
+        };
+        Touch {
+            gap: column(0),
+            rate: column(1),
+            acceleration: column(2),
+            restitution: column(3),
+            coupling: table(0, n),
+            jump: table(n * n, dimension),
+            gradient: table(n * n + n * dimension, dimension),
+        }
+    }
+}
+
+impl<R: Real> Touch<R> {
+    /// Whether everything is a finite number.
+    pub(crate) fn is_finite(&self) -> bool {
+        let scalars = [&self.gap, &self.rate, &self.acceleration, &self.restitution];
+        (scalars.into_iter().flatten()).all(|value| value.value.is_finite())
+            && (self.coupling.iter().chain(&self.jump).chain(&self.gradient))
+                .flatten()
+                .all(|value| value.is_finite())
+    }
+
+    /// How fast the rate of each contact can change: by what moves it in flight, or by the forces of other contacts.
+    pub(crate) fn greatest_accelerations(&self) -> Vec<R> {
+        let terms = |value: &WithTerms<R>| R::splat(value.terms);
+        let mut greatest: Vec<R> = self.acceleration.iter().map(terms).collect();
+        // A force is handed on from contact to contact.
+        for _ in 1..greatest.len() {
+            let handed = |row: &Vec<R>| {
+                let forces = row.iter().zip(&greatest);
+                forces.fold(R::ZERO, |most, (&by, &force)| most.max(by.abs() * force))
+            };
+            greatest = self.coupling.iter().map(handed).collect();
+        }
+        greatest
+    }
+
+    /// The rows and columns of these contacts in the coupling.
+    pub(crate) fn block(&self, contacts: &[usize]) -> Vec<Vec<R>> {
+        let row = |&i: &usize| contacts.iter().map(|&j| self.coupling[i][j]).collect();
+        contacts.iter().map(row).collect()
+    }
+}

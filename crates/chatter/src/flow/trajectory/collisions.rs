@@ -1,0 +1,454 @@
+//! Impacts of several contacts at one instant.
+//!
+//! *Binary* collisions: of the contacts that touch, the one that closes fastest collides, x+ = x - (1 + r) v W / b, and so on
+//! until none that touches closes any more. Contacts that were closed collide like any other. A cascade without a last
+//! collision, as of plastic bodies between others, converges geometrically, and is followed to rounding. *Moreau's* law:
+//! one impulse vector with 0 <= p, v+ + r v- >= 0, p (v+ + r v-) = 0 for all contacts that touch.
+//!
+//! Each collision is told by itself, one a call. Where columns of derivatives are carried, they are those of the point of
+//! the event while it lasts: m + f s with the shift s = -grad(h) m / v of its time, and m - f s again afterwards.
+
+use super::Trajectory;
+use crate::flow::error::FlowError;
+use crate::flow::occurrence::Occurrence;
+use crate::flow::program::Closed;
+use crate::flow::step::{FOREVER, Workspace, flight_time, legal_rates};
+use crate::flow::system::System;
+use crate::flow::touch::Touch;
+use crate::model::Simultaneous;
+use crate::numerics::complementarity::complementary;
+use crate::numerics::{Real, WithTerms, two_sum};
+
+/// So many collisions of an instant are told one by one; what follows of a cascade is told as a whole.
+const TOLD: u64 = 64;
+
+/// A cascade has converged long before, whatever the restitution: it is none.
+const MOST: u64 = 100_000;
+
+/// Outcomes of two orders of collisions are one if they agree to this part of the greatest rate.
+const SAME_OUTCOME: f64 = 1e-9;
+
+/// Collisions that are still to come at the present instant.
+#[derive(Clone, Debug)]
+pub(super) struct Collisions<R> {
+    touching: Closed,
+    /// How many there were so far.
+    count: u64,
+    /// The greatest rate that each contact of the system has had at this instant.
+    greatest: Vec<R>,
+    /// The shift of the event's time, one a column of derivatives.
+    shifts: Vec<R>,
+}
+
+impl<R: Real> Trajectory<R> {
+    /// Begins the collisions of contacts that touch now, one of which closes, and carries out the first.
+    pub(super) fn collide(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        touching: Closed,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        // More contacts than coordinates may touch at once: then each gap is as near to zero as it is.
+        let (state, low) = (self.state.clone(), self.low.clone());
+        if self.close_gaps(system, touching).is_err() {
+            (self.state, self.low) = (state, low);
+        }
+        let touch = self.touch_values(system)?;
+        let shifts = self.event_columns(system, work, &touch, contact)?;
+        self.collisions = Some(Collisions {
+            touching,
+            count: 0,
+            greatest: vec![R::ZERO; system.contacts()],
+            shifts,
+        });
+        if self.law == Simultaneous::Binary
+            && let Some((contact, other)) = ambiguity(&touch, touching)
+        {
+            return Ok(Some(Occurrence::Ambiguity { contact, other }));
+        }
+        self.collide_on(system, work)
+    }
+
+    /// The next collision of the present instant.
+    pub(super) fn collide_on(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        loop {
+            let touch = self.touch_values(system)?;
+            let Some(collisions) = &mut self.collisions else {
+                return Ok(None);
+            };
+            collisions.note(&touch);
+            let (touching, count) = (collisions.touching, collisions.count);
+            let Some(fastest) = collisions.fastest_closing(&touch) else {
+                self.end_collisions(system, work, &touch)?;
+                return Ok(None);
+            };
+            if count >= MOST {
+                return Err(FlowError::ImpactsWithoutEnd {
+                    time: self.time.to_f64(),
+                    count: MOST as usize,
+                });
+            }
+            let impulses = match self.law {
+                Simultaneous::Binary => {
+                    let restitution = touch.restitution[fastest].value;
+                    self.check_restitution(fastest, restitution)?;
+                    let (after, low) = system.touches().after_collision(
+                        &self.touch_constants,
+                        fastest,
+                        &self.state,
+                        &self.low,
+                    );
+                    (self.state, self.low) = (after, low);
+                    let rate = touch.rate[fastest].value;
+                    vec![(fastest, rate, -(restitution * rate))]
+                }
+                Simultaneous::Moreau => self.moreau(&touch, touching)?,
+            };
+            let done = count + impulses.len() as u64;
+            let touch = self.touch_values(system)?;
+            let Some(collisions) = &mut self.collisions else {
+                return Ok(None);
+            };
+            collisions.count = done;
+            collisions.note(&touch);
+            let ended = collisions.fastest_closing(&touch).is_none();
+            let error = collisions.rounding(&touch);
+            if ended {
+                self.end_collisions(system, work, &touch)?;
+            }
+            if count < TOLD {
+                let mut told = (impulses.into_iter()).map(|(contact, rate_before, rate_after)| {
+                    Occurrence::Impact {
+                        contact,
+                        rate_before,
+                        rate_after,
+                    }
+                });
+                let first = told.next();
+                let captures = core::mem::take(&mut self.pending);
+                self.pending.extend(told);
+                self.pending.extend(captures);
+                return Ok(first);
+            }
+            if ended {
+                return Ok(Some(Occurrence::Cascade {
+                    contact: fastest,
+                    impacts: done,
+                    error,
+                }));
+            }
+        }
+    }
+
+    /// Moreau's impulses: contact, rate before and after of each that gets one. The state is moved.
+    fn moreau(
+        &mut self,
+        touch: &Touch<R>,
+        touching: Closed,
+    ) -> Result<Vec<(usize, R, R)>, FlowError> {
+        let contacts: Vec<usize> = touching.contacts().collect();
+        for &i in &contacts {
+            if touch.rate[i].value < -touch.rate[i].level() {
+                self.check_restitution(i, touch.restitution[i].value)?;
+            }
+        }
+        let wanted = |&i: &usize| (R::ONE + touch.restitution[i].value) * touch.rate[i].value;
+        let q: Vec<R> = contacts.iter().map(wanted).collect();
+        let levels: Vec<R> = contacts.iter().map(|&i| touch.rate[i].level()).collect();
+        let block = touch.block(&contacts);
+        let Some(found) = complementary(&block, &q, &levels) else {
+            return Err(self.dependent(&contacts));
+        };
+        let mut impulses = Vec::new();
+        for (k, &i) in contacts.iter().enumerate() {
+            if found.p[k] > levels[k] {
+                let before = touch.rate[i].value;
+                let change = (block[k].iter().zip(&found.p))
+                    .fold(R::ZERO, |sum, (&by, &p)| by.mul_add(p, sum));
+                impulses.push((i, before, before + change));
+                self.push(&touch.jump[i], found.p[k]);
+            }
+        }
+        Ok(impulses)
+    }
+
+    /// Adds so many times a direction to the coordinates.
+    pub(super) fn push(&mut self, direction: &[R], by: R) {
+        for ((x, low), &component) in self.state.iter_mut().zip(&mut self.low).zip(direction) {
+            if component != R::ZERO {
+                (*x, *low) = two_sum(*x, component.mul_add(by, *low));
+            }
+        }
+    }
+
+    /// No contact that touches closes any more: those that separate are open, those at rest are decided by their forces.
+    fn end_collisions(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        touch: &Touch<R>,
+    ) -> Result<(), FlowError> {
+        let Some(collisions) = self.collisions.take() else {
+            return Ok(());
+        };
+        let mut resting = Closed::NONE;
+        let mut separating = Closed::NONE;
+        for contact in collisions.touching.contacts() {
+            if touch.rate[contact].value <= collisions.level(&touch, contact) {
+                resting = resting.with(contact);
+            } else {
+                separating = separating.with(contact);
+            }
+        }
+        let held = Closed(self.closed.0 & !separating.0);
+        self.enter(system, held)?;
+        for contact in separating.contacts() {
+            self.leave_gap(system, contact, 1);
+        }
+        self.flight_time = R::splat(FOREVER);
+        if resting != Closed::NONE {
+            self.bring_to_rest(system, work, resting)?;
+        }
+        self.restore_columns(system, work, &collisions.shifts)?;
+        self.burst += collisions.count as usize;
+        self.after_collisions(system, work, separating)
+    }
+
+    /// Predicts the next flight, and ends sequences of impacts whose flights have become shorter than rounding.
+    fn after_collisions(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        separating: Closed,
+    ) -> Result<(), FlowError> {
+        self.tracker.interrupt();
+        self.sequence = 0;
+        self.latest_impact = None;
+        let mut shortest = R::splat(FOREVER);
+        for contact in separating.contacts() {
+            let [_, rate, acceleration, jerk] = self.local(system, work, contact)?;
+            shortest = shortest.min(flight_time(rate.value, acceleration.value, jerk.value));
+        }
+        self.flight_time = shortest;
+        if shortest <= self.negligible() {
+            self.end_burst(system, work)?;
+        }
+        Ok(())
+    }
+
+    /// Brings all contacts to rest whose remaining motion is below rounding: chatter of several at once.
+    pub(super) fn end_burst(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<Closed, FlowError> {
+        /// What is left of a sequence may take so many times its next flight.
+        const FLIGHTS_LEFT: f64 = 64.0;
+        let touch = self.touch_values(system)?;
+        let span = self.negligible() * R::splat(FLIGHTS_LEFT);
+        let accelerations = touch.greatest_accelerations();
+        let mut resting = self.closed;
+        for contact in 0..system.contacts() {
+            let (gap, rate) = (touch.gap[contact], touch.rate[contact]);
+            let slow = rate.level().max(accelerations[contact] * span);
+            let near = gap.level().max((rate.value.abs() + slow) * span);
+            if rate.value.abs() <= slow && gap.value.abs() <= near {
+                resting = resting.with(contact);
+            }
+        }
+        let mut chattering = Closed(resting.0 & !self.closed.0).contacts();
+        if let Some(contact) = chattering.next() {
+            let end = Occurrence::Accumulation {
+                contact,
+                impacts: self.burst as u64,
+                error: span.to_f64(),
+            };
+            self.burst = 0;
+            self.pending.push_back(end);
+            self.bring_to_rest(system, work, resting)?;
+        }
+        Ok(resting)
+    }
+
+    /// Flights shorter than this are a roundoff of the time, or of the longest step before.
+    pub(super) fn negligible(&self) -> R {
+        self.time.abs().max(self.longest_step) * R::splat(R::ROUNDOFF)
+    }
+
+    /// All contacts at the present state.
+    pub(super) fn touch_values(&self, system: &System) -> Result<Touch<R>, FlowError> {
+        let touch = system
+            .touches()
+            .at(&self.touch_constants, &self.state, &self.low);
+        if touch.is_finite() {
+            Ok(touch)
+        } else {
+            Err(self.left_domain())
+        }
+    }
+
+    fn check_restitution(&self, contact: usize, value: R) -> Result<(), FlowError> {
+        if legal_rates(-R::ONE, value) {
+            return Ok(());
+        }
+        Err(FlowError::Restitution {
+            time: self.time.to_f64(),
+            contact,
+            value: value.to_f64(),
+        })
+    }
+
+    pub(super) fn dependent(&self, contacts: &[usize]) -> FlowError {
+        FlowError::DependentContacts {
+            time: self.time.to_f64(),
+            contacts: contacts.to_vec(),
+        }
+    }
+
+    /// Turns columns at fixed time into those of the event's point; returns the shifts of its time.
+    fn event_columns(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        touch: &Touch<R>,
+        contact: usize,
+    ) -> Result<Vec<R>, FlowError> {
+        if self.state.len() == self.coordinates {
+            return Ok(Vec::new());
+        }
+        let rate = touch.rate[contact].value;
+        let touches = system.touches();
+        let slopes = touches.slopes(&self.touch_constants, contact, &self.state, &self.low);
+        let shifts: Vec<R> = slopes.iter().map(|&slope| -(slope / rate)).collect();
+        self.shift_columns(system, work, &shifts, R::ONE)?;
+        Ok(shifts)
+    }
+
+    /// Turns columns of the event's point into those at fixed time again, in the mode that follows.
+    fn restore_columns(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        shifts: &[R],
+    ) -> Result<(), FlowError> {
+        self.shift_columns(system, work, shifts, -R::ONE)
+    }
+
+    fn shift_columns(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        shifts: &[R],
+        sign: R,
+    ) -> Result<(), FlowError> {
+        if shifts.is_empty() {
+            return Ok(());
+        }
+        let program = self.program(system)?;
+        let Some(constants) = &self.constants[self.mode] else {
+            return Ok(());
+        };
+        let start = (&self.state[..], &self.low[..]);
+        work.expand_at(&program.tape, &constants.tape, start, R::ONE);
+        let size = self.coordinates;
+        let field: Vec<R> = (0..size).map(|i| work.point.series(i)[1]).collect();
+        for (column, &shift) in shifts.iter().enumerate() {
+            for (i, &f) in field.iter().enumerate() {
+                let at = size * (column + 1) + i;
+                self.state[at] = (f * sign).mul_add(shift, self.state[at]);
+                self.low[at] = R::ZERO;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<R: Real> Collisions<R> {
+    /// Takes note of the rates between two collisions.
+    fn note(&mut self, touch: &Touch<R>) {
+        for (greatest, rate) in self.greatest.iter_mut().zip(&touch.rate) {
+            *greatest = greatest.max(rate.value.abs());
+        }
+    }
+
+    /// A rate this small is none: it is rounding of its terms, or of what it was before the collisions.
+    fn level(&self, touch: &Touch<R>, contact: usize) -> R {
+        let before = WithTerms::exact(self.greatest[contact]);
+        touch.rate[contact].level().max(before.level())
+    }
+
+    /// Of the contacts that touch the one that closes fastest, the first of equals.
+    fn fastest_closing(&self, touch: &Touch<R>) -> Option<usize> {
+        let mut fastest: Option<usize> = None;
+        for contact in self.touching.contacts() {
+            let rate = touch.rate[contact].value;
+            let faster = fastest.is_none_or(|other| rate < touch.rate[other].value);
+            if rate < -self.level(touch, contact) && faster {
+                fastest = Some(contact);
+            }
+        }
+        fastest
+    }
+
+    /// How much of the greatest rates cannot be told from zero.
+    fn rounding(&self, touch: &Touch<R>) -> f64 {
+        let share = |contact: usize| (self.level(touch, contact) / self.greatest[contact]).to_f64();
+        let shares = self.touching.contacts().map(share);
+        shares.filter(|share| share.is_finite()).fold(0.0, f64::max)
+    }
+}
+
+/// Whether the rates after all collisions depend on which of two contacts that close goes first; if so, which.
+fn ambiguity<R: Real>(touch: &Touch<R>, touching: Closed) -> Option<(usize, usize)> {
+    let contacts: Vec<usize> = touching.contacts().collect();
+    let closes = |&&i: &&usize| touch.rate[i].value < -touch.rate[i].level();
+    let mut closing: Vec<usize> = contacts.iter().filter(closes).copied().collect();
+    if closing.len() < 2 {
+        return None;
+    }
+    closing.sort_by(|&a, &b| {
+        let (a, b) = (touch.rate[a].value, touch.rate[b].value);
+        a.partial_cmp(&b).unwrap_or(core::cmp::Ordering::Equal)
+    });
+    let outcomes: Vec<Option<Vec<f64>>> = (closing.iter())
+        .map(|&first| outcome(touch, &contacts, first))
+        .collect();
+    let scale = touch.rate[closing[0]].value.to_f64().abs();
+    let same = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| match (a, b) {
+        (Some(a), Some(b)) => (a.iter().zip(b)).all(|(a, b)| (a - b).abs() <= SAME_OUTCOME * scale),
+        _ => false,
+    };
+    (1..closing.len())
+        .find(|&k| !same(&outcomes[0], &outcomes[k]))
+        .map(|k| (closing[0], closing[k]))
+}
+
+/// The impulses of all collisions if this contact goes first; none if they have no end.
+fn outcome<R: Real>(touch: &Touch<R>, contacts: &[usize], first: usize) -> Option<Vec<f64>> {
+    let number = |value: &WithTerms<R>| value.value.to_f64();
+    let mut rates: Vec<f64> = contacts.iter().map(|&i| number(&touch.rate[i])).collect();
+    let levels: Vec<f64> = contacts
+        .iter()
+        .map(|&i| touch.rate[i].level().to_f64())
+        .collect();
+    let mut impulses = vec![0.0; contacts.len()];
+    let mut next = contacts.iter().position(|&i| i == first)?;
+    for _ in 0..MOST {
+        let push = -(1.0 + number(&touch.restitution[contacts[next]])) * rates[next];
+        impulses[next] += push;
+        for (k, &i) in contacts.iter().enumerate() {
+            rates[k] += touch.coupling[i][contacts[next]].to_f64() * push;
+        }
+        let fastest = (0..contacts.len()).min_by(|&a, &b| rates[a].total_cmp(&rates[b]))?;
+        if rates[fastest] >= -levels[fastest] {
+            return Some(impulses);
+        }
+        next = fastest;
+    }
+    None
+}

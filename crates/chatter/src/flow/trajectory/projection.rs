@@ -1,0 +1,93 @@
+//! Keeps the state on the contacts that hold it: rounding errors of the field would move it off them, slowly.
+
+use super::Trajectory;
+use crate::flow::error::FlowError;
+use crate::flow::program::Closed;
+use crate::flow::step::Workspace;
+use crate::flow::system::System;
+use crate::flow::touch::Touch;
+use crate::numerics::Real;
+use crate::numerics::linear::solve;
+
+/// Gaps that are not linear, and what rounding leaves of a first correction, need a second, never a third at this distance.
+const CORRECTIONS: usize = 2;
+
+impl<R: Real> Trajectory<R> {
+    /// Puts the state back onto the closed contacts after a step, if it has left them.
+    pub(super) fn stay_on_contacts(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<(), FlowError> {
+        let program = self.program(system)?;
+        let Some(constants) = &self.constants[self.mode] else {
+            return Ok(());
+        };
+        let mut residuals = vec![R::ZERO; program.residuals.outputs.len()];
+        work.values_at(
+            &program.residuals,
+            &constants.residuals,
+            (&self.state, &self.low),
+            &mut residuals,
+        );
+        if residuals.iter().all(|&value| value == R::ZERO) {
+            return Ok(());
+        }
+        self.project(system, self.closed)
+    }
+
+    /// Makes gaps and rates of these contacts zero: gaps by the least displacement, rates along the impulses.
+    pub(super) fn project(&mut self, system: &System, contacts: Closed) -> Result<(), FlowError> {
+        self.close_gaps(system, contacts)?;
+        let contacts: Vec<usize> = contacts.contacts().collect();
+        for _ in 0..CORRECTIONS {
+            let touch = self.touch_values(system)?;
+            let rates: Vec<R> = contacts.iter().map(|&i| touch.rate[i].value).collect();
+            let pushes = self.solved(&touch.block(&contacts), &rates, &contacts)?;
+            for (&i, &by) in contacts.iter().zip(&pushes) {
+                self.push(&touch.jump[i], -by);
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the gaps of these contacts zero, which are zero but for rounding.
+    pub(super) fn close_gaps(
+        &mut self,
+        system: &System,
+        contacts: Closed,
+    ) -> Result<(), FlowError> {
+        let contacts: Vec<usize> = contacts.contacts().collect();
+        for _ in 0..CORRECTIONS {
+            let touch = self.touch_values(system)?;
+            let gaps: Vec<R> = contacts.iter().map(|&i| touch.gap[i].value).collect();
+            let pushes = self.solved(&gram(&touch, &contacts), &gaps, &contacts)?;
+            for (&i, &by) in contacts.iter().zip(&pushes) {
+                self.push(&touch.gradient[i], -by);
+            }
+        }
+        Ok(())
+    }
+
+    fn solved(
+        &self,
+        rows: &[Vec<R>],
+        right: &[R],
+        contacts: &[usize],
+    ) -> Result<Vec<R>, FlowError> {
+        if right.iter().all(|&value| value == R::ZERO) {
+            return Ok(vec![R::ZERO; right.len()]);
+        }
+        solve(rows, right).ok_or_else(|| self.dependent(contacts))
+    }
+}
+
+/// Products of the gradients of the gaps with each other.
+fn gram<R: Real>(touch: &Touch<R>, contacts: &[usize]) -> Vec<Vec<R>> {
+    let dot = |&i: &usize, &j: &usize| {
+        (touch.gradient[i].iter().zip(&touch.gradient[j]))
+            .fold(R::ZERO, |sum, (&a, &b)| a.mul_add(b, sum))
+    };
+    let row = |i: &usize| contacts.iter().map(|j| dot(i, j)).collect();
+    contacts.iter().map(row).collect()
+}

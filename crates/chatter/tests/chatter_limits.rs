@@ -1,0 +1,256 @@
+//! Where chatter sequences end, against closed forms and recurrences in double-double, and that the error told of each
+//! time is true.
+
+use chatter::flow::{Column, Occurrence, Settings, System, Trajectory};
+use chatter::model::{Model, ModelBuilder};
+use chatter::numerics::{DoubleDouble, Real, Scalar};
+use proptest::prelude::*;
+
+type Dd = DoubleDouble;
+
+/// A ball that falls onto a surface, with restitution and further forces as given.
+fn ball(
+    parameters: &[(&str, f64)],
+    gap: &str,
+    force: &str,
+    restitution: &str,
+    start: (f64, f64),
+) -> Model {
+    let mut builder = ModelBuilder::new();
+    for &(name, value) in parameters {
+        builder = builder.parameter(name, value);
+    }
+    builder
+        .state("y", "v", start.0)
+        .state("v", force, start.1)
+        .state("x", "5/16", 0.0)
+        .contact("floor", gap, [("v", 1.0)], restitution)
+        .build()
+        .expect("a valid model")
+}
+
+/// Time of the last accumulation before `until`, the error told with it, and the state at `until`. Parameters and initial
+/// state are the model's to double precision, whatever the number type, but for the parameter that is shifted.
+fn accumulation<R: Real>(
+    model: &Model,
+    columns: &[Column],
+    shift: &[(usize, R)],
+    until: f64,
+) -> (Option<(R, f64)>, Vec<R>) {
+    let system = System::with_columns(model, columns).expect("a valid system");
+    let mut work = system.workspace::<R>(&Settings::default());
+    let of = |value: &f64| R::splat(*value);
+    let values = model.parameter_values::<f64>(&[]);
+    let mut parameters: Vec<R> = values.iter().map(of).collect();
+    for &(place, value) in shift {
+        parameters[place] = value;
+    }
+    let mut state: Vec<R> = model.initial_state(&values).iter().map(of).collect();
+    let coordinates = state.len();
+    state.resize(coordinates * (1 + columns.len()), R::ZERO);
+    let mut trajectory =
+        Trajectory::start(&system, &mut work, &parameters, R::ZERO, &state).expect("a legal start");
+    let mut found = None;
+    loop {
+        match trajectory.advance(&system, &mut work, R::splat(until)) {
+            Ok(Some(Occurrence::Accumulation { error, .. })) => {
+                found = Some((trajectory.time(), error));
+            }
+            Ok(Some(Occurrence::Horizon)) => return (found, trajectory.state().to_vec()),
+            Ok(_) => {}
+            Err(error) => panic!("{error}"),
+        }
+    }
+}
+
+/// The end of a ball's sequence on a floor at rest with unit gravity, from rest at a height; the restitution is a function
+/// of time, horizontal place and incoming rate.
+fn recurrence(height: f64, restitution: impl Fn(Dd, Dd) -> Dd) -> Dd {
+    let two = Dd::from(2.0);
+    let mut rate = (two * Dd::from(height)).sqrt();
+    let mut time = rate;
+    while rate.to_f64() > 1e-40 && time.to_f64() < 1e3 {
+        rate = restitution(time, rate) * rate;
+        time += two * rate;
+    }
+    time
+}
+
+/// That a time and its error, in doubles, agree with what is true, and are nearly as good as doubles can be.
+fn assert_told((time, error): (f64, f64), truth: Dd, context: &str) {
+    let off = (Dd::from(time) - truth).abs().to_f64();
+    assert!(
+        off <= 10.0 * error,
+        "{context}: off by {off:e}, told {error:e}"
+    );
+    let most = 1e-13 * truth.to_f64().abs().max(1.0);
+    assert!(
+        off <= most && error <= 100.0 * most,
+        "{context}: off by {off:e}, told {error:e}"
+    );
+}
+
+#[test]
+fn a_restitution_that_grows_with_time_ends_where_its_recurrence_does() {
+    let model = ball(&[("r", 0.7), ("d", 0.02)], "y", "-1", "r + d*t", (0.1, 0.0));
+    let truth = recurrence(0.1, |t, _| Dd::from(0.7) + Dd::from(0.02) * t);
+    assert!((truth.to_f64() - 2.854_493_895_543_174).abs() < 1e-14);
+    let (found, _) = accumulation::<f64>(&model, &[], &[], 4.0);
+    assert_told(found.expect("an accumulation"), truth, "doubles");
+    let (found, _) = accumulation::<Dd>(&model, &[], &[], 4.0);
+    let (time, error) = found.expect("an accumulation");
+    let off = (time - truth).abs().to_f64();
+    assert!(
+        off < 1e-29 && off < 10.0 * error,
+        "off by {off:e} to thirty digits, told {error:e}"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Constant restitution on a floor that moves steadily.
+    #[test]
+    fn closed_forms(height in 0.01_f64..3.0, r in 0.02_f64..0.93, speed in -0.5_f64..0.5, g in 0.2_f64..9.0) {
+        let parameters = [("r", r), ("c", speed), ("g", g)];
+        let model = ball(&parameters, "y - c*t", "-g", "r", (height, 0.0));
+        let [h, r, c, g] = [height, r, speed, g].map(Dd::from);
+        // In the floor's frame the ball starts at -c.
+        let first = (c * c + Dd::from(2.0) * g * h).sqrt();
+        let truth = (first - c) / g + Dd::from(2.0) * r * first / (g * (Dd::ONE - r));
+        let until = truth.to_f64() + 1.0;
+        let (found, _) = accumulation::<f64>(&model, &[], &[], until);
+        assert_told(found.expect("an accumulation"), truth, "doubles");
+        let (found, _) = accumulation::<Dd>(&model, &[], &[], until);
+        let (time, error) = found.expect("an accumulation");
+        let off = (time - truth).abs().to_f64();
+        prop_assert!(off <= 1e-27 && off <= 10.0 * error, "{:e} {:e}", off, error);
+    }
+
+    /// Restitution that depends on time, place and incoming rate.
+    #[test]
+    fn recurrences(
+        height in 0.02_f64..1.0,
+        r in 0.3_f64..0.8,
+        drift in -0.03_f64..0.03,
+        wave in 0.0_f64..0.1,
+        loss in 0.0_f64..0.4,
+    ) {
+        let parameters = [("r", r), ("d", drift), ("w", wave), ("c", loss)];
+        // Incoming rates are negative.
+        let model = ball(&parameters, "y", "-1", "(r + d*t + w*sin(x))*exp(c*v)", (height, 0.0));
+        let [r, d, w, c] = [r, drift, wave, loss].map(Dd::from);
+        let truth = recurrence(height, |t, rate| {
+            let sine = (Dd::from(0.3125) * t).sin_cos().0;
+            (r + d * t + w * sine) * (-c * rate).exp()
+        });
+        // A restitution that reaches one on the way ends nothing.
+        prop_assume!(truth.to_f64() < 20.0);
+        let (found, _) = accumulation::<f64>(&model, &[], &[], truth.to_f64() + 1.0);
+        assert_told(found.expect("an accumulation"), truth, "doubles");
+    }
+
+    /// Forces of any kind, and restitution that drifts: doubles against double-double.
+    #[test]
+    fn errors_told_are_true(
+        (height, rate) in (0.02_f64..0.5, -0.5_f64..0.5),
+        (damping, stiffness) in (0.0_f64..0.5, 0.0_f64..2.0),
+        (force, frequency) in (0.0_f64..0.3, 0.3_f64..4.0),
+        (r, drift, pace) in (0.2_f64..0.8, 0.0_f64..0.15, 0.2_f64..3.0),
+    ) {
+        let parameters = [
+            ("d", damping), ("k", stiffness), ("a", force), ("w", frequency),
+            ("r", r), ("s", drift), ("p", pace),
+        ];
+        let acceleration = "-1 - d*v - k*y + a*cos(w*t)";
+        let model = ball(&parameters, "y", acceleration, "r + s*sin(p*t)", (height, rate));
+        const UNTIL: f64 = 9.0;
+        let (fine, _) = accumulation::<Dd>(&model, &[], &[], UNTIL);
+        let (found, _) = accumulation::<f64>(&model, &[], &[], UNTIL);
+        prop_assert_eq!(fine.is_some(), found.is_some());
+        if let (Some((truth, _)), Some(found)) = (fine, found) {
+            assert_told(found, truth, "doubles");
+        }
+    }
+
+    /// Columns of derivatives by every parameter, the restitution's among them, through complete chatter.
+    #[test]
+    fn columns_through_complete_chatter(
+        (height, damping, stiffness) in (0.05_f64..0.5, 0.0_f64..0.5, 0.0_f64..2.0),
+        (force, frequency, tilt) in (0.05_f64..0.3, 0.3_f64..3.0, -0.1_f64..0.1),
+        (r, drift, pace) in (0.3_f64..0.75, 0.0_f64..0.1, 0.2_f64..2.0),
+    ) {
+        let parameters = [
+            ("d", damping), ("k", stiffness), ("a", force), ("w", frequency), ("c", tilt),
+            ("r", r), ("s", drift), ("p", pace),
+        ];
+        let acceleration = "-1 - d*v - k*y + a*cos(w*t) + c*x";
+        let restitution = "r + s*sin(p*t) + c*y";
+        let model = ball(&parameters, "y - c*x", acceleration, restitution, (height, 0.1));
+        const UNTIL: f64 = 8.0;
+        const STEP: f64 = 1e-9;
+        let columns: Vec<Column> = (0..parameters.len()).map(Column::Parameter).collect();
+        let (found, with) = accumulation::<f64>(&model, &columns, &[], UNTIL);
+        if found.is_none() {
+            return Ok(());
+        }
+        let count = with.len() / (1 + columns.len());
+        for (p, &(name, value)) in parameters.iter().enumerate() {
+            let shifted = |sign: f64| {
+                let value = Dd::from(value) + Dd::from(sign * STEP);
+                accumulation::<Dd>(&model, &[], &[(p, value)], UNTIL).1
+            };
+            let (plus, minus) = (shifted(1.0), shifted(-1.0));
+            for i in 0..count {
+                let difference = ((plus[i] - minus[i]) / Dd::from(2.0 * STEP)).to_f64();
+                let derivative = with[(p + 1) * count + i];
+                prop_assert!(
+                    (derivative - difference).abs() <= 1e-10 * difference.abs().max(1.0),
+                    "d state {} / d {}: {:e}, not {:e}", i, name, derivative, difference
+                );
+            }
+        }
+    }
+
+    /// Two bodies that stay together: resistance accelerates neither towards the other, and what rounding leaves of the
+    /// rebound says nothing of the time, which is known to all digits.
+    #[test]
+    fn a_plastic_impact_without_acceleration_is_known_to_all_digits(
+        mass in 0.05_f64..20.0,
+        (gap, speed, other) in (0.1_f64..1.0, 0.8_f64..2.0, -0.4_f64..0.3),
+    ) {
+        let model = ModelBuilder::new()
+            .parameter("m", mass)
+            .state("x", "v", 0.0)
+            .state("v", "-0.25*v", speed)
+            .state("y", "w", gap)
+            .state("w", "-0.25*w", other)
+            .contact("pair", "y - x", [("v", "-1"), ("w", "1/m")], 0.0)
+            .build()
+            .expect("a valid model");
+        let system = System::new(&model).expect("a valid system");
+        let mut work = system.workspace::<f64>(&Settings::default());
+        let parameters = model.parameter_values::<f64>(&[]);
+        let state = model.initial_state(&parameters);
+        let mut trajectory = Trajectory::start(&system, &mut work, &parameters, 0.0, &state)
+            .expect("a legal start");
+        let truth = -4.0 * (-0.25 * gap / (speed - other)).ln_1p();
+        let mut met = None;
+        loop {
+            match trajectory.advance(&system, &mut work, 10.0).expect("a finite field") {
+                Some(Occurrence::Impact { .. }) => met = met.or(Some(trajectory.time())),
+                Some(Occurrence::Accumulation { error, .. }) => {
+                    let off = (trajectory.time() - truth).abs();
+                    prop_assert!(error <= 1e-14 * truth.max(1.0), "told {:e}", error);
+                    prop_assert!(off <= 10.0 * error + 4.0 * f64::EPSILON * truth, "off by {:e}, told {:e}", off, error);
+                }
+                Some(Occurrence::Horizon) => break,
+                _ => {}
+            }
+        }
+        let off = (met.expect("an impact") - truth).abs();
+        prop_assert!(off <= 1e-14 * truth.max(1.0), "off by {:e}", off);
+        let apart = trajectory.state()[2] - trajectory.state()[0];
+        prop_assert!(apart.abs() <= 1e-13, "apart by {:e}", apart);
+    }
+}

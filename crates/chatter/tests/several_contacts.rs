@@ -1,0 +1,415 @@
+//! Several contacts: laws that hold whatever the masses, restitutions and starts.
+
+use chatter::analysis::simulate::{
+    EventDetail, EventKind, Outcome, Sampling, Simulation, Spec, Stop, simulate,
+};
+use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
+use proptest::prelude::*;
+use std::fmt::Write;
+use std::ops::ControlFlow;
+
+/// Bodies on a line, ordered; each pair of neighbours is a contact, and the first may stand on a floor.
+#[derive(Clone, Debug)]
+struct Chain {
+    masses: Vec<f64>,
+    /// One a contact, that with the floor first if there is one.
+    restitutions: Vec<f64>,
+    positions: Vec<f64>,
+    velocities: Vec<f64>,
+    gravity: f64,
+    has_floor: bool,
+    moreau: bool,
+}
+
+impl Chain {
+    fn text(&self) -> String {
+        let mut text = String::new();
+        if self.moreau {
+            text += "simultaneous = \"moreau\"\n";
+        }
+        text += "[flight]\n";
+        for i in 0..self.masses.len() {
+            let _ = writeln!(text, "x{i} = \"v{i}\"\nv{i} = {:?}", -self.gravity);
+        }
+        let mut restitutions = self.restitutions.iter();
+        let mut contact = |name: String, gap: String, impulse: String| {
+            let r = restitutions.next().expect("one a contact");
+            let _ = writeln!(
+                text,
+                "[[contact]]\nname = \"{name}\"\ngap = \"{gap}\"\nimpulse = {{ {impulse} }}\nrestitution = {r:?}"
+            );
+        };
+        if self.has_floor {
+            contact("floor".into(), "x0".into(), "v0 = 1".into());
+        }
+        for i in 1..self.masses.len() {
+            let (below, above) = (-1.0 / self.masses[i - 1], 1.0 / self.masses[i]);
+            contact(
+                format!("pair{i}"),
+                format!("x{i} - x{}", i - 1),
+                format!("v{} = {below:?}, v{i} = {above:?}", i - 1),
+            );
+        }
+        text += "[initial]\n";
+        for (i, (x, v)) in self.positions.iter().zip(&self.velocities).enumerate() {
+            let _ = writeln!(text, "x{i} = {x:?}\nv{i} = {v:?}");
+        }
+        text
+    }
+
+    fn run<R: Real>(&self, until: f64, stops: Vec<Stop>) -> Simulation<R> {
+        let model = Model::from_toml(&self.text(), "chain").expect("a valid model");
+        let spec = Spec {
+            stops,
+            sampling: vec![Sampling::Dense { per_step: 3 }],
+            ..Spec::until(until)
+        };
+        simulate::<R>(&model, &spec, &mut |_| ControlFlow::Continue(())).expect("a legal start")
+    }
+
+    /// The states of a simulation come as position and velocity of one body after the other.
+    fn gaps(&self, state: &[f64]) -> Vec<f64> {
+        self.differences(state, 0)
+    }
+
+    fn rates(&self, state: &[f64]) -> Vec<f64> {
+        self.differences(state, 1)
+    }
+
+    fn differences(&self, state: &[f64], part: usize) -> Vec<f64> {
+        let value = |i: usize| state[2 * i + part];
+        let floor = self.has_floor.then(|| value(0));
+        let pairs = (1..self.masses.len()).map(|i| value(i) - value(i - 1));
+        floor.into_iter().chain(pairs).collect()
+    }
+
+    fn energy(&self, state: &[f64]) -> f64 {
+        (self.masses.iter().enumerate())
+            .map(|(i, m)| m * (0.5 * state[2 * i + 1].powi(2) + self.gravity * state[2 * i]))
+            .sum()
+    }
+
+    fn momentum(&self, state: &[f64]) -> f64 {
+        let parts = self.masses.iter().enumerate();
+        parts.map(|(i, m)| m * state[2 * i + 1]).sum()
+    }
+
+    /// The laws of impacts hold all along a simulation.
+    fn check(&self, run: &Simulation<f64>) -> Result<(), TestCaseError> {
+        prop_assert!(
+            matches!(
+                run.outcome,
+                Outcome::Horizon | Outcome::ImpactBudget | Outcome::Rest
+            ),
+            "{:?} {}",
+            run.outcome,
+            self.text()
+        );
+        let scale = (self.positions.iter().chain(&self.velocities))
+            .fold(1.0, |most: f64, x| most.max(x.abs()));
+        let samples = &run.samples[0];
+        for k in 0..samples.len() {
+            let state: Vec<f64> = samples.states.iter().map(|values| values[k]).collect();
+            for gap in self.gaps(&state) {
+                prop_assert!(
+                    gap >= -1e-12 * scale,
+                    "{gap:e} at {}: {}",
+                    samples.times[k],
+                    self.text()
+                );
+            }
+        }
+        let mut energy = self.energy(&run.start_state);
+        let momentum = self.momentum(&run.start_state);
+        let most = self.masses.iter().fold(0.0, |most: f64, m| most.max(*m));
+        let mut instant = run.events.iter().peekable();
+        while let Some(event) = instant.next() {
+            let now = self.energy(&event.state);
+            prop_assert!(
+                now <= energy + 1e-12 * most * scale * scale * self.masses.len() as f64,
+                "energy {energy} -> {now} at {}: {}",
+                event.time,
+                self.text()
+            );
+            energy = now;
+            if !self.has_floor && self.gravity == 0.0 {
+                prop_assert!((self.momentum(&event.state) - momentum).abs() < 1e-11 * scale * most);
+            }
+            // The last of an instant leaves no contact that touches and closes.
+            if instant.peek().is_none_or(|next| next.time > event.time) {
+                let (gaps, rates) = (self.gaps(&event.state), self.rates(&event.state));
+                for (gap, rate) in gaps.iter().zip(&rates) {
+                    let touches = gap.abs() <= 1e-14 * scale;
+                    prop_assert!(
+                        !touches || *rate >= -1e-6 * scale,
+                        "{gap:e} {rate:e} at {}",
+                        event.time
+                    );
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn stack(restitutions: &[f64], masses: &[f64], spacing: f64) -> Chain {
+    let count = restitutions.len();
+    Chain {
+        masses: masses[..count].to_vec(),
+        restitutions: restitutions.to_vec(),
+        positions: (0..count).map(|i| 1.0 + spacing * i as f64).collect(),
+        velocities: vec![0.0; count],
+        gravity: 1.0,
+        has_floor: true,
+        moreau: false,
+    }
+}
+
+fn cradle(count: usize, moving: usize, restitution: f64) -> Chain {
+    Chain {
+        masses: vec![1.0; count],
+        restitutions: vec![restitution; count - 1],
+        positions: (0..count)
+            .map(|i| if i < moving { -1.0 } else { 0.0 })
+            .collect(),
+        velocities: (0..count)
+            .map(|i| if i < moving { 1.0 } else { 0.0 })
+            .collect(),
+        gravity: 0.0,
+        has_floor: false,
+        moreau: false,
+    }
+}
+
+fn velocities(run: &Simulation<f64>) -> Vec<f64> {
+    run.state.iter().copied().skip(1).step_by(2).collect()
+}
+
+#[test]
+fn plastic_stacks_lie_on_the_floor() {
+    for count in 1..=5 {
+        let chain = stack(&vec![0.0; count], &[1.0, 2.0, 0.3, 5.0, 1.0], 0.5);
+        let run = chain.run::<f64>(30.0, vec![]);
+        chain.check(&run).unwrap();
+        assert_eq!(run.closed.contacts().count(), count);
+        assert!(run.state.iter().all(|x| x.abs() < 1e-15), "{:?}", run.state);
+    }
+}
+
+#[test]
+fn a_mass_that_rests_on_another_stops_with_it() {
+    let mut chain = stack(&[0.0, 0.0], &[1.0, 1.0], 0.0);
+    chain.positions = vec![1.0, 1.0];
+    let run = chain.run::<f64>(3.0, vec![]);
+    chain.check(&run).unwrap();
+    assert_eq!(run.closed.contacts().count(), 2);
+    assert!(run.state.iter().all(|x| x.abs() < 1e-15), "{:?}", run.state);
+    assert!(
+        run.events
+            .iter()
+            .any(|event| event.kind() == EventKind::Cascade)
+    );
+}
+
+#[test]
+fn as_many_balls_leave_a_cradle_as_hit_it() {
+    for (count, moving) in [(3, 1), (5, 1), (5, 2), (5, 3), (9, 4), (20, 1)] {
+        let run = cradle(count, moving, 1.0).run::<f64>(3.0, vec![]);
+        let expected: Vec<f64> = (0..count)
+            .map(|i| if i + moving < count { 0.0 } else { 1.0 })
+            .collect();
+        assert_eq!(velocities(&run), expected, "{count} {moving}");
+        assert_eq!(run.counts.ambiguities, 0);
+    }
+}
+
+/// Impulses of three equal balls by Moreau's law: the pair that is hit moves on together, the first is thrown back.
+#[test]
+fn moreaus_law_solves_its_complementarity() {
+    let mut chain = cradle(3, 1, 1.0);
+    chain.moreau = true;
+    let run = chain.run::<f64>(3.0, vec![]);
+    for (value, expected) in velocities(&run).iter().zip([-1.0, 2.0, 2.0]) {
+        assert!((value - expected / 3.0).abs() < 1e-15, "{:?}", run.state);
+    }
+}
+
+/// Two balls of which both fall from rest at 0.5: chatter of the lower within chatter of the upper. The end was computed
+/// by a separate program.
+#[test]
+fn chatter_of_chatter_ends_where_it_ends() {
+    let mut chain = stack(&[0.6, 0.6], &[1.0, 1.0], 0.0);
+    chain.positions = vec![0.5, 0.5];
+    let run = chain.run::<f64>(10.0, vec![]);
+    chain.check(&run).unwrap();
+    let last = run.events.last().expect("events");
+    assert!(
+        (last.time - 2.224_237_063_64).abs() < 1e-11,
+        "{}",
+        last.time
+    );
+    let fine = chain.run::<DoubleDouble>(10.0, vec![]);
+    let end = fine.events.last().expect("events").time.to_f64();
+    assert!((last.time - end).abs() < 1e-12, "{} {end}", last.time);
+    assert_eq!(run.closed, fine.closed);
+}
+
+#[test]
+fn simultaneous_impacts_whose_order_matters_are_told() {
+    let wedge = |slope: f64| {
+        format!(
+            "[flight]\nx = \"vx\"\ny = \"vy\"\nvx = 0\nvy = -1\n\
+             [[contact]]\nname = \"left\"\ngap = \"y - x\"\nimpulse = {{ vx = -1, vy = 1 }}\nrestitution = 0.5\n\
+             [[contact]]\nname = \"right\"\ngap = \"y + {slope}*x\"\nimpulse = {{ vx = {slope}, vy = 1 }}\nrestitution = 0.5\n\
+             [initial]\nx = 0\ny = 1\nvx = 0\nvy = 0\n"
+        )
+    };
+    let run = |text: &str| {
+        let model = Model::from_toml(text, "wedge").expect("a valid model");
+        simulate::<f64>(
+            &model,
+            &Spec::until(1.6),
+            &mut |_| ControlFlow::Continue(()),
+        )
+        .expect("a legal start")
+    };
+    let oblique = run(&wedge(0.5));
+    assert_eq!(oblique.counts.ambiguities, 1);
+    let EventDetail::Ambiguity { contact, other } = oblique.events[0].detail else {
+        panic!("{:?}", oblique.events[0]);
+    };
+    assert_ne!(contact, other);
+    // At a right angle no impulse changes the rate of the other contact.
+    let square = run(&wedge(1.0));
+    assert_eq!(square.counts.ambiguities, 0);
+    assert!(square.counts.impacts >= 2);
+}
+
+/// A body on a moving ramp for a million units of time, and a stack: states stay on what holds them.
+#[test]
+fn closed_contacts_stay_closed() {
+    let text = "[parameters]\nw = 0.01\n[flight]\ny = \"v\"\nv = \"-1\"\nz = \"u\"\nu = \"-1\"\n\
+        [[contact]]\nname = \"table\"\ngap = \"y - 3*sin(w*t)\"\nimpulse = { v = 1 }\nrestitution = 0.3\n\
+        [[contact]]\nname = \"pair\"\ngap = \"z - y\"\nimpulse = { u = 1, v = -1 }\nrestitution = 0.3\n\
+        [initial]\ny = 0\nv = 0.03\nz = 0\nu = 0.03\n";
+    let model = Model::from_toml(text, "ramp").expect("a valid model");
+    let spec = Spec {
+        sampling: vec![Sampling::Every(DoubleDouble::from(997.0))],
+        ..Spec::until(1e6)
+    };
+    let run =
+        simulate::<f64>(&model, &spec, &mut |_| ControlFlow::Continue(())).expect("a legal start");
+    assert_eq!(run.outcome, Outcome::Horizon);
+    let samples = &run.samples[0];
+    for k in 0..samples.len() {
+        let (y, z) = (samples.states[0][k], samples.states[2][k]);
+        let table = 3.0 * libm::sin(0.01 * samples.times[k]);
+        assert!(
+            (y - table).abs() < 1e-11 && (z - y).abs() < 1e-14,
+            "{y} {z} {table}"
+        );
+    }
+}
+
+#[test]
+fn an_impulse_may_have_any_length() {
+    for scale in [1.0, 3.0, 1.0 / 3.0, 1e9, 1e-9, -0.7] {
+        let text = format!(
+            "[parameters]\nm = 7.3\n[flight]\nx = \"v\"\nv = \"0\"\ny = \"u\"\nu = \"-0.3*y\"\n\
+             [[contact]]\ngap = \"y - x\"\nimpulse = {{ v = \"-({scale})\", u = \"({scale})/m\" }}\nrestitution = 0\n\
+             [initial]\nx = 0\nv = 0.1\ny = 1\nu = -0.7\n"
+        );
+        let model = Model::from_toml(&text, "scaled").expect("a valid model");
+        let run = simulate::<f64>(&model, &Spec::until(50.0), &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .expect("a legal start");
+        assert_eq!(run.counts.accumulations, 0, "{scale}");
+        let closes =
+            |detail: &EventDetail<f64>| matches!(detail, EventDetail::Impact { closes: true, .. });
+        assert!(
+            run.events
+                .iter()
+                .filter(|e| e.kind() == EventKind::Impact)
+                .all(|e| closes(&e.detail))
+        );
+    }
+}
+
+/// Units of length and time change nothing but the numbers.
+#[test]
+fn results_do_not_depend_on_units() {
+    let run = |length: f64, time: f64| {
+        let mut chain = stack(&[0.4, 0.5, 0.3], &[1.0, 0.7, 1.9], 0.2);
+        chain.gravity = length / (time * time);
+        chain.positions.iter_mut().for_each(|x| *x *= length);
+        chain.run::<f64>(20.0 * time, vec![Stop::Rest])
+    };
+    let reference = run(1.0, 1.0);
+    assert_eq!(reference.outcome, Outcome::Rest);
+    for (length, time) in [
+        (1e9, 1.0),
+        (1e-9, 1.0),
+        (1.0, 1e9),
+        (1.0, 1e-9),
+        (1e-6, 1e6),
+        (1e5, 1e-5),
+    ] {
+        let scaled = run(length, time);
+        assert_eq!(scaled.outcome, Outcome::Rest, "{length} {time}");
+        let (a, b) = (scaled.time / time, reference.time);
+        assert!((a - b).abs() < 1e-11, "{length} {time}: {a} {b}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn stacks_obey_the_laws_and_come_to_rest(
+        masses in proptest::collection::vec(0.1_f64..10.0, 4),
+        restitutions in proptest::collection::vec(0.0_f64..0.8, 1..=4),
+        spacing in 0.0_f64..0.5,
+    ) {
+        let chain = stack(&restitutions, &masses, spacing);
+        let run = chain.run::<f64>(200.0, vec![Stop::Rest]);
+        chain.check(&run)?;
+        prop_assert_eq!(&run.outcome, &Outcome::Rest, "{}", chain.text());
+        prop_assert!(run.state.iter().all(|x| x.abs() < 1e-12), "{:?}", run.state);
+        // The end is a legal start, and nothing happens there.
+        let mut again = chain.clone();
+        again.positions = run.state.iter().copied().step_by(2).collect();
+        again.velocities = velocities(&run);
+        let rest = again.run::<f64>(10.0, vec![]);
+        prop_assert_eq!(rest.closed, run.closed);
+        prop_assert_eq!(rest.counts.impacts, 0);
+    }
+
+    #[test]
+    fn cradles_obey_the_laws(
+        masses in proptest::collection::vec(0.1_f64..10.0, 2..7),
+        restitution in 0.0_f64..=1.0,
+        steps in proptest::collection::vec(0_u8..3, 7),
+        velocities in proptest::collection::vec(-1.0_f64..1.0, 7),
+        moreau in any::<bool>(),
+    ) {
+        let count = masses.len();
+        let mut place = 0.0;
+        let positions: Vec<f64> = steps[..count].iter().map(|&step| {
+            place += f64::from(step) * 0.25;
+            place
+        }).collect();
+        let chain = Chain {
+            restitutions: vec![restitution; count - 1],
+            velocities: velocities[..count].to_vec(),
+            masses,
+            positions,
+            gravity: 0.0,
+            has_floor: false,
+            moreau,
+        };
+        let run = chain.run::<f64>(20.0, vec![]);
+        chain.check(&run)?;
+    }
+}

@@ -1,0 +1,291 @@
+//! Where equations stop being smooth: a step never reaches past such a point, however little of it the terms of its series
+//! show, and a run ends there with its time.
+
+use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use chatter::expressions::Singularity;
+use chatter::flow::FlowError;
+use chatter::model::Model;
+use chatter::numerics::Real;
+use proptest::prelude::*;
+use std::ops::ControlFlow;
+
+fn model(text: &str) -> Model {
+    Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{text}: {errors:?}"))
+}
+
+/// A run, which has to be quick: the observer is asked every few steps.
+fn run<R: Real>(model: &Model, spec: &Spec) -> Simulation<R> {
+    const MOST_REPORTS: u32 = 20_000;
+    let mut reports = 0;
+    simulate(model, spec, &mut |_| {
+        reports += 1;
+        if reports > MOST_REPORTS {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    })
+    .unwrap()
+}
+
+/// v' = `rate`, up to a time.
+fn rate(rate: &str, initial: f64, until: f64) -> Simulation<f64> {
+    let text = format!("[flight]\nv = \"{rate}\"\n[initial]\nv = {initial}\n");
+    run(&model(&text), &Spec::until(until))
+}
+
+fn assert_singular(
+    what: &str,
+    simulation: &Simulation<f64>,
+    kind: Singularity,
+    at: f64,
+    error: f64,
+) {
+    match simulation.outcome {
+        Outcome::Failed(FlowError::Singular { time, kind: found }) => {
+            assert_eq!(found, kind, "{what}");
+            assert!((time - at).abs() <= error, "{what}: {time} is not {at}");
+        }
+        ref other => panic!("{what}: {other:?} at {}", simulation.time),
+    }
+}
+
+#[test]
+fn poles_and_corners_end_a_run_at_their_time() {
+    use Singularity::{Division, InverseSine, Logarithm, Power, SquareRoot, Tangent};
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+    for (text, kind, at) in [
+        ("tan(2*t)", Tangent, FRAC_PI_4),
+        ("tan(t)^2", Tangent, FRAC_PI_2),
+        ("tan(exp(t))", Tangent, FRAC_PI_2.ln()),
+        ("1/cos(t)", Division, FRAC_PI_2),
+        ("1/sin(t + 1)^2", Division, PI - 1.0),
+        ("1/(1 - t)", Division, 1.0),
+        ("3/(t - 2)^2", Division, 2.0),
+        ("1e-20/(1 - t)", Division, 1.0),
+        ("(1 - t)/(1 - t)", Division, 1.0),
+        ("sin(1 - t)/(1 - t)", Division, 1.0),
+        ("exp(-1/(1 - t)^2)", Division, 1.0),
+        ("0*v/(1 - t)", Division, 1.0),
+        ("log(1 - t)", Logarithm, 1.0),
+        ("log((2 - t)^2)", Logarithm, 2.0),
+        ("0*log(1.5 - t)", Logarithm, 1.5),
+        ("asin(t)", InverseSine, 1.0),
+        ("acos(t/2)", InverseSine, 2.0),
+        ("sqrt(1 - t)", SquareRoot, 1.0),
+        ("sqrt((1 - t)^2)", SquareRoot, 1.0),
+        ("((2 - t)^2)^1.5", SquareRoot, 2.0),
+        ("(1 - t)^1.5", SquareRoot, 1.0),
+        ("((1 - t)^3)^(1/3)", Power, 1.0),
+        ("(1 - t)^(-1/3)", Power, 1.0),
+    ] {
+        let simulation = rate(text, 1.0, 3.0);
+        assert_singular(text, &simulation, kind, at, 1e-14 * at.abs());
+    }
+    // Where the argument itself is known to rounding only, its double zero is known to the root of that.
+    for (text, at) in [
+        ("sqrt(1 - 2*t + t^2)", 1.0),
+        ("asin(sin(t))", FRAC_PI_2),
+        ("acos(cos(t + 1))", PI - 1.0),
+    ] {
+        let simulation = rate(text, 1.0, 3.0);
+        assert!(
+            matches!(
+                simulation.outcome,
+                Outcome::Failed(FlowError::Singular { .. })
+            ),
+            "{text}"
+        );
+        assert!((simulation.time.to_f64() - at).abs() < 1e-7, "{text}");
+    }
+    // The state that reaches the pole takes a time that depends on it.
+    assert_singular("-1/v", &rate("-1/v", 1.0, 3.0), Division, 0.5, 1e-14);
+    assert_singular(
+        "-1/v^2",
+        &rate("-1/v^2", 1.0, 3.0),
+        Division,
+        1.0 / 3.0,
+        1e-14,
+    );
+    assert_singular("start", &rate("1/(v - 1)^2", 1.0, 3.0), Division, 0.0, 0.0);
+    assert_singular("start", &rate("sqrt(t)", 1.0, 3.0), SquareRoot, 0.0, 0.0);
+}
+
+/// A state without a finite value is no end that was asked for.
+#[test]
+fn what_is_not_a_number_is_said() {
+    for text in ["sqrt(-1 - t)", "log(-1 - t)", "asin(2 + t)", "(-1 - t)^1.3"] {
+        let simulation = rate(text, 1.0, 3.0);
+        assert!(
+            matches!(simulation.outcome, Outcome::Failed(_)),
+            "{text}: {:?}",
+            simulation.outcome
+        );
+    }
+}
+
+/// A whole exponent needs no base above zero, be it a parameter or too large to multiply out.
+#[test]
+fn whole_powers_are_smooth() {
+    for n in ["2", "3", "7", "2000"] {
+        let text = format!(
+            "[parameters]\nn = {n}\n[flight]\nx = \"cos(t)\"\nv = \"x^n\"\n[initial]\nx = -0.3\nv = 0\n"
+        );
+        let simulation: Simulation<f64> = run(&model(&text), &Spec::until(7.0));
+        assert_eq!(simulation.outcome, Outcome::Horizon, "{n}");
+    }
+}
+
+/// x'' = -x - k (x + sqrt(x^2 + eps)) / 2, and what stays constant.
+fn spring(k: f64, eps: f64, x: f64, v: f64) -> (Model, impl Fn(f64, f64) -> f64) {
+    let text = format!(
+        "[flight]\nx = \"v\"\nv = \"-x - {k:?}*(x + sqrt(x^2 + {eps:?}))/2\"\n[initial]\nx = {x:?}\nv = {v:?}\n"
+    );
+    let energy = move |x: f64, v: f64| {
+        let root = (x * x + eps).sqrt();
+        let bend = if eps > 0.0 {
+            eps * (x / eps.sqrt()).asinh()
+        } else {
+            0.0
+        };
+        v * v / 2.0 + x * x / 2.0 + k / 4.0 * (x * x + x * root + bend)
+    };
+    (model(&text), energy)
+}
+
+#[test]
+fn a_bilinear_spring_keeps_its_energy_however_sharp_its_corner() {
+    for eps in [
+        1e-60, 1e-30, 1e-25, 1e-20, 1e-15, 1e-10, 1e-7, 1e-4, 1e-2, 0.3, 1.0,
+    ] {
+        let (model, energy) = spring(3.0, eps, -2.0, 0.3);
+        let simulation: Simulation<f64> = run(&model, &Spec::until(50.0));
+        assert_eq!(simulation.outcome, Outcome::Horizon, "{eps}");
+        let [x, v] = simulation.state[..] else {
+            panic!()
+        };
+        let drift = energy(x, v) - energy(-2.0, 0.3);
+        assert!(drift.abs() < 2e-13, "{eps}: {drift}");
+    }
+}
+
+#[test]
+fn a_corner_ends_a_run_where_it_is_reached() {
+    let (model, _) = spring(3.0, 0.0, -2.0, 0.3);
+    let simulation = run(&model, &Spec::until(20.0));
+    let at = (2.0_f64 / 0.3).atan();
+    assert_singular("spring", &simulation, Singularity::SquareRoot, at, 1e-14);
+}
+
+/// The end of a flight is known though the flight cannot be continued: an impact comes before what is singular at it.
+#[test]
+fn what_is_singular_on_a_surface_does_not_hide_the_impact() {
+    for force in [
+        "0.1*sqrt(y)",
+        "0.1*y^1.5",
+        "0.01*log(y)",
+        "0.1*sqrt(y*(2 - y))",
+        "0.1*sqrt(y^2)",
+    ] {
+        let text = format!(
+            "[flight]\ny = \"v\"\nv = \"-1 - {force}\"\n[[contact]]\ngap = \"y\"\nimpulse = {{ v = 1 }}\n\
+             restitution = 0.5\n[initial]\ny = 1\nv = 0\n"
+        );
+        let simulation: Simulation<f64> = run(&model(&text), &Spec::until(5.0));
+        assert_eq!(simulation.counts.impacts, 1, "{force}");
+        let at = simulation.time;
+        assert!(
+            matches!(simulation.outcome, Outcome::Failed(FlowError::Singular { time, .. }) if time == at),
+            "{force}"
+        );
+    }
+}
+
+/// A looser tolerance means less work, not more: rounding, not truncation, says whether a guard can be told from zero.
+#[test]
+fn a_loose_tolerance_is_quick() {
+    for (name, text) in [
+        ("ball", include_str!("../../../models/bouncing_ball.toml")),
+        (
+            "table",
+            include_str!("../../../models/bouncing_ball_on_table.toml"),
+        ),
+        (
+            "follower",
+            include_str!("../../../models/cam_follower.toml"),
+        ),
+        (
+            "oscillator",
+            include_str!("../../../models/impact_oscillator.toml"),
+        ),
+        (
+            "stops",
+            include_str!("../../../models/impact_oscillator_two_sided.toml"),
+        ),
+        (
+            "linear",
+            include_str!("../../../models/linear_impacting_system.toml"),
+        ),
+        (
+            "valve",
+            include_str!("../../../models/pressure_relief_valve.toml"),
+        ),
+    ] {
+        let model = model(text);
+        let reports = |tolerance: f64| {
+            let mut count = 0_u32;
+            let spec = Spec {
+                tolerance,
+                ..Spec::until(20.0)
+            };
+            let simulation: Simulation<f64> = simulate(&model, &spec, &mut |_| {
+                count += 1;
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+            assert_eq!(
+                simulation.outcome,
+                Outcome::Horizon,
+                "{name} at {tolerance}"
+            );
+            count
+        };
+        let tight = reports(0.0);
+        for tolerance in [1e-12, 1e-8, 1e-5, 1e-3, 1e-2, 0.5] {
+            let loose = reports(tolerance);
+            // Another path may have other impacts.
+            assert!(
+                2 * loose <= 3 * tight + 2,
+                "{name} at {tolerance}: {loose} for {tight}"
+            );
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    /// Whatever the spring and its corner, energy is kept; nothing is stepped over.
+    #[test]
+    fn energy_is_kept_at_any_corner(
+        k in 0.1_f64..20.0,
+        exponent in -40.0_f64..0.0,
+        x in -3.0_f64..-0.1,
+        v in -2.0_f64..2.0,
+    ) {
+        let (model, energy) = spring(k, 10_f64.powf(exponent), x, v);
+        let simulation: Simulation<f64> = run(&model, &Spec::until(10.0));
+        prop_assert_eq!(&simulation.outcome, &Outcome::Horizon);
+        let start = energy(x, v);
+        let drift = energy(simulation.state[0], simulation.state[1]) - start;
+        prop_assert!(drift.abs() < 2e-13 * (1.0 + start), "{}", drift);
+    }
+
+    /// A pole is met at its time wherever it is, alone or beside other terms, of any strength.
+    #[test]
+    fn poles_are_met(at in 0.1_f64..2.9, strength in -25.0_f64..3.0, power in 1_i32..4) {
+        let strength = 10_f64.powf(strength);
+        let text = format!("cos(3*t) + {strength:?}/({at:?} - t)^{power}");
+        let simulation = rate(&text, 0.0, 3.0);
+        assert_singular(&text, &simulation, Singularity::Division, at, 1e-14);
+    }
+}

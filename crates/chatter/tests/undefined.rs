@@ -1,0 +1,151 @@
+//! Folding never changes where an expression is undefined: what has no value at some parameter or state is refused, or ends
+//! the run there.
+
+use chatter::analysis::simulate::{Outcome, SimulateError, Spec, simulate};
+use chatter::expressions::Singularity;
+use chatter::flow::FlowError;
+use chatter::model::{Model, ModelErrorKind};
+use std::ops::ControlFlow;
+
+fn text(field: &str, impulse: &str, restitution: &str, section: &str) -> String {
+    format!(
+        "[parameters]\ng = 1\nr = 0.5\nm = 2\n[flight]\ny = \"v\"\nv = \"{field}\"\n[[contact]]\nname = \"floor\"\n\
+         gap = \"y\"\nimpulse = {{ v = \"{impulse}\" }}\nrestitution = \"{restitution}\"\n[section.cut]\n\
+         surface = \"{section}\"\n[initial]\ny = 1\nv = 0\n"
+    )
+}
+
+/// The message of the only error.
+fn refused(text: &str) -> String {
+    let errors = Model::from_toml(text, "test").expect_err(text);
+    assert!(
+        matches!(errors.errors()[0].kind(), ModelErrorKind::NotFinite { .. }),
+        "{text}"
+    );
+    errors.errors()[0].kind().to_string()
+}
+
+#[test]
+fn formulas_without_a_value_are_refused() {
+    for undefined in [
+        "0/0",
+        "1/0",
+        "(1/0)*0",
+        "(1/0)-(1/0)",
+        "log(0)*0",
+        "0*sqrt(-1)",
+        "(g-1)/(g-1)",
+        "(1/(g-1))^0",
+        "1^(1/(g-1))",
+        "log(g-1)-log(g-1)",
+        "1/(1/(g-1))",
+        "asin(2*g)*0",
+        "sqrt(g-2)^2",
+    ] {
+        for text in [
+            text(undefined, "1", "r", "v"),
+            text(&format!("v*({undefined}) - g"), "1", "r", "v"),
+            text("-g", undefined, "r", "v"),
+            text("-g", "1", undefined, "v"),
+            text("-g", "1", "r", &format!("v + ({undefined})")),
+            text("-g", "1", "r", "v").replace("r = 0.5", &format!("r = \"{undefined}\"")),
+            text("-g", "1", "r", "v").replace("y = 1\n", &format!("y = \"{undefined}\"\n")),
+            text("-g", "1", "r", "v") + &format!("[definitions]\nunused = \"{undefined}\"\n"),
+        ] {
+            refused(&text);
+        }
+    }
+    let message = refused(&text("-v*r/(g - 1)", "1", "r", "v"));
+    assert_eq!(message, "`1/(g - 1)` in d/dt of `v` is inf");
+    let message = refused(&text("-g", "1/(m - 2)", "r", "v"));
+    assert_eq!(
+        message,
+        "the impulse on `v` of contact `floor`, `1/(m - 2)`, is inf"
+    );
+}
+
+/// Overflow in the middle of a formula is no gap in where it is defined.
+#[test]
+fn formulas_with_a_value_are_taken() {
+    for defined in [
+        "1/(1 + exp(1000*g))",
+        "tanh(exp(800))",
+        "r/r",
+        "0*r",
+        "(g-1)*0",
+        "sqrt(g-1)",
+        "0^g",
+        "(1/m)/(1/m)",
+    ] {
+        let text = text(&format!("-g - ({defined})"), "1", "r", "v");
+        assert!(Model::from_toml(&text, "test").is_ok(), "{defined}");
+    }
+}
+
+#[test]
+fn parameters_that_leave_a_formula_without_a_value_are_refused() {
+    let spec = Spec::until(1.0);
+    for (field, impulse, name) in [
+        ("-g*r/r", "1", "r"),
+        ("-g", "1/m", "m"),
+        ("-g", "m/m^2", "m"),
+        ("-g + 0*log(m)", "1", "m"),
+        ("-g*m^0.5*m^0.5", "m/m", "m"),
+    ] {
+        let mut model = Model::from_toml(&text(field, impulse, "0.5", "v"), "test").unwrap();
+        assert!(model.check_defined().is_ok());
+        model.set_parameter(name, "0").unwrap();
+        let error = model.check_defined().expect_err(field);
+        assert!(error.to_string().contains(" is "), "{error}");
+        let outcome = simulate::<f64>(&model, &spec, &mut |_| ControlFlow::Continue(()));
+        assert!(matches!(outcome, Err(SimulateError::Model(_))), "{field}");
+        assert!(model.set_parameter("g", "0/0").is_err());
+        assert!(model.set_initial("y", "log(0)*0").is_err());
+    }
+}
+
+/// A ball that falls from 1 reaches y = 0.5 at time 1.
+#[test]
+fn states_that_leave_a_formula_without_a_value_end_the_run() {
+    for (field, kind) in [
+        ("-g*(y - 0.5)/(y - 0.5)", Singularity::Division),
+        ("-g + 0/(y - 0.5)", Singularity::Division),
+        ("-g + 1/(y - 0.5) - 1/(y - 0.5)", Singularity::Division),
+        ("-g*(1/(y - 0.5))^0", Singularity::Division),
+        ("-g + 0*log(y - 0.5)", Singularity::Logarithm),
+        ("-g + 0*sqrt(y - 0.5)", Singularity::SquareRoot),
+        ("-g*(y - 0.5)^-2*(y - 0.5)^2", Singularity::Division),
+    ] {
+        let model = Model::from_toml(&text(field, "1", "r", "v"), "test").unwrap();
+        let run = simulate::<f64>(
+            &model,
+            &Spec::until(5.0),
+            &mut |_| ControlFlow::Continue(()),
+        )
+        .unwrap();
+        let Outcome::Failed(FlowError::Singular { time, kind: found }) = run.outcome else {
+            panic!("{field}: {:?}", run.outcome);
+        };
+        assert_eq!(found, kind, "{field}");
+        assert!((time - 1.0).abs() < 1e-13, "{field}: {time}");
+    }
+}
+
+/// What the impulse is divided by cancels exactly, in any unit: a plastic impact leaves no rate.
+#[test]
+fn derived_quotients_cancel_exactly() {
+    for impulse in ["1", "m", "1/m", "1/m^2", "sqrt(m)"] {
+        for m in ["3", "0.7", "1e-9"] {
+            let mut model = Model::from_toml(&text("-g", impulse, "0", "v"), "test").unwrap();
+            model.set_parameter("m", m).unwrap();
+            let run = simulate::<f64>(
+                &model,
+                &Spec::until(5.0),
+                &mut |_| ControlFlow::Continue(()),
+            )
+            .unwrap();
+            assert_eq!(run.counts.impacts, 1, "{impulse} at {m}");
+            assert_eq!(run.state[..2], [0.0, 0.0], "{impulse} at {m}");
+        }
+    }
+}
