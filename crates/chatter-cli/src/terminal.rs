@@ -101,6 +101,12 @@ pub fn complain(message: &str) {
     remark(&format!("{title} {message}"));
 }
 
+/// Warns the user of what a result may not be good for.
+pub fn warn(message: &str) {
+    let title = Style::new(colors_on_stderr()).warning("warning:");
+    remark(&format!("{title} {message}"));
+}
+
 /// Tells the user what goes on beside the result.
 pub fn remark(message: &str) {
     tell(&printable(message));

@@ -9,7 +9,7 @@ use crate::terminal::{self, Style};
 use chatter::analysis::simulate::{SimulateError, Spec, simulate};
 use chatter::expressions::{Expr, Names};
 use chatter::flow::{FlowError, SystemError};
-use chatter::model::{Check, ContactFormulas, Model, NamedFormula, check};
+use chatter::model::{Check, ContactFormulas, Model, NamedFormula, Simultaneous, check};
 use clap::Args;
 use core::ops::ControlFlow;
 use serde::Serialize;
@@ -57,6 +57,17 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     Ok(failure::SUCCESS)
 }
 
+fn in_words(law: Simultaneous) -> &'static str {
+    match law {
+        Simultaneous::Binary => {
+            "one after the other, the one that closes fastest first, until none that touches closes"
+        }
+        Simultaneous::Moreau => {
+            "all that touch at once, impulses p >= 0 with v+ + r v- >= 0 and p (v+ + r v-) = 0"
+        }
+    }
+}
+
 struct Report<'a> {
     model: &'a Model,
     source: &'a str,
@@ -93,6 +104,7 @@ struct Document<'a> {
     parameters: Named<f64>,
     initial: Named<f64>,
     flight: Named<String>,
+    simultaneous: &'static str,
     contacts: Vec<ContactObject<'a>>,
     sections: Vec<SectionObject<'a>>,
     warnings: Vec<String>,
@@ -194,6 +206,11 @@ impl Report<'_> {
         for contact in &self.check.contacts {
             text += &self.contact(style, contact);
         }
+        if self.model.contacts.len() > 1 {
+            let law = self.model.simultaneous;
+            let law = (law.name().to_owned(), in_words(law).to_owned());
+            text += &block(style, "several contacts at one instant", "  ", &[law]);
+        }
         let sections = self.model.sections.iter();
         let sections: Vec<(String, String)> = sections
             .map(|section| {
@@ -275,6 +292,7 @@ impl Report<'_> {
             parameters,
             initial,
             flight: named(flight.iter().collect()),
+            simultaneous: self.model.simultaneous.name(),
             contacts: (self.check.contacts.iter())
                 .map(|contact| ContactObject {
                     name: &contact.name,

@@ -33,6 +33,12 @@ EXAMPLES
   chatter simulate impact_oscillator --set omega=2.8 --until '100*2*pi/omega' --sample '2*pi/omega' --out strobe.csv
   chatter simulate pressure_relief_valve --set q=0.0203 --initial y3=9.9 --stop section:closing=10 --events
 
+SEVERAL CONTACTS AT ONE INSTANT
+  Collisions are binary, the contact that closes fastest first, until no contact that touches closes any more; closed
+  contacts collide like any other. What has no last collision is carried to its limit: an event `cascade`. Where the
+  order of collisions changes the result, an event `ambiguity` says so. simultaneous = \"moreau\" at the top of a model
+  applies Moreau's law to all touching contacts at once instead.
+
 JSON
   One document: outcome, time, state (by name), counts, events (kind, time, contact or section, state just after the
   event, rate_before and rate_after; for accumulations impacts and the local error of the time), contact_phases,
@@ -59,7 +65,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     impacts: Option<Count>,
 
-    /// End at the COUNT-th such event. KIND is impact, accumulation, release, graze or section; NAME is a contact, or a
+    /// End at the COUNT-th such event. KIND is impact, accumulation, release, graze, section, cascade or
+    /// ambiguity; NAME is a contact, or a
     /// section after `section:`. `rest` ends the run when the system is at rest for ever
     #[arg(long, value_name = "KIND[:NAME][=COUNT]")]
     stop: Vec<StopOption>,
@@ -361,6 +368,12 @@ fn follow<R: Real>(
             text += &format!("{remark}\n");
         }
         terminal::print(&text).map_err(Failure::Output)?;
+    }
+    if simulation.counts.ambiguities > 0 {
+        terminal::warn(
+            "contacts close at one instant whose order of collisions changes the result, and the equations do not say it: \
+             the fastest went first (events of kind `ambiguity`)",
+        );
     }
     if let Outcome::Failed(error) = &simulation.outcome {
         terminal::complain(&sentence(error, subject.model));

@@ -23,7 +23,7 @@ const COMPLETE_CHATTER: (Outcome, &str, Color) =
     (Outcome::CompleteChatter, "complete chatter", Color::NIGHT);
 
 /// What else orbits settle to. Chaos is pale, since it is most of many maps and the periods are what is looked for.
-const OTHERS: [(Outcome, &str, Color); 8] = [
+const OTHERS: [(Outcome, &str, Color); 9] = [
     (Outcome::Chaotic, "chaotic", Color::rgb(250, 222, 200)),
     (
         Outcome::Quasiperiodic,
@@ -40,6 +40,7 @@ const OTHERS: [(Outcome, &str, Color); 8] = [
     ),
     (Outcome::NoStart, "no start", Color::WHITE),
     (Outcome::Undetermined, "undetermined", Color::BLACK),
+    (Outcome::NotFinite, "not finite", Color::rgb(160, 60, 120)),
 ];
 
 /// Most cells of a map: more than any page or screen shows, and some hundred bytes each.

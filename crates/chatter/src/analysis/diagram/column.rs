@@ -193,7 +193,9 @@ impl Column {
         if sweep.compares() && settled != Outcome::Unsettled {
             self.orbit = self.tail.latest(period.unwrap_or(COMPARED), &self.kinds);
         }
-        let outcome = if chatters {
+        let outcome = if !self.samples.iter().all(|value| value.is_finite()) {
+            Outcome::NotFinite
+        } else if chatters {
             Outcome::CompleteChatter
         } else {
             settled

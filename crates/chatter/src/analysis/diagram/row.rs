@@ -80,11 +80,13 @@ pub enum Outcome {
     NoStart,
     /// The mechanics do not determine what follows.
     Undetermined,
+    /// An observed quantity has no finite value at a sample.
+    NotFinite,
 }
 
 impl Outcome {
     /// All of them, by code.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Periodic,
         Self::Chaotic,
         Self::Quasiperiodic,
@@ -94,6 +96,7 @@ impl Outcome {
         Self::NoReturn,
         Self::NoStart,
         Self::Undetermined,
+        Self::NotFinite,
     ];
 
     /// A word for it, the same in all output.
@@ -108,6 +111,7 @@ impl Outcome {
             Self::NoReturn => "no_return",
             Self::NoStart => "no_start",
             Self::Undetermined => "undetermined",
+            Self::NotFinite => "not_finite",
         }
     }
 }

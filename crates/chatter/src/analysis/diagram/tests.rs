@@ -86,6 +86,16 @@ fn a_map_that_leaves_its_domain_is_said_to() {
 }
 
 #[test]
+fn an_observed_quantity_without_a_value_is_said() {
+    let mut spec = spec(2.8, 3.2, 2);
+    // The fixed point lies above 0.6, one point of the 2-cycle below.
+    spec.observe = vec![Observed::plain("log(x - 0.6)")];
+    let rows = diagram(&PLAIN, &spec, &Threads::new(1)).unwrap();
+    assert_eq!(rows[0].outcome, Outcome::Periodic);
+    assert_eq!((rows[1].outcome, rows[1].period), (Outcome::NotFinite, 2));
+}
+
+#[test]
 fn exponents_are_those_of_the_books() {
     for map in [PLAIN, Logistic { knows_slope: true }] {
         let mut spec = spec(3.2, 4.0, 2);

@@ -18,6 +18,9 @@ const AT_REST: f64 = 1e-12;
 /// Rounding errors of the flights of a sequence add up like the steps of a random walk of this many roundoffs each.
 const WALK_ROUNDOFFS: f64 = 4.0;
 
+/// Rates smaller than so many roundoffs of the largest state are asked for their terms.
+const ASKED_ROUNDOFFS: f64 = 1024.0;
+
 /// After so many impacts in a time that is below rounding it is asked which contacts have come to rest together; …
 const BURST: usize = 64;
 
@@ -50,6 +53,12 @@ impl<R: Real> Trajectory<R> {
         }
         if rate_before >= R::ZERO && self.sequence > 0 {
             return self.end_here(system, work, contact).map(Some);
+        }
+        if self.may_be_rounding(rate_before) {
+            let rate = self.local(system, work, contact)?[1];
+            if rate_before.abs() <= rate.level() {
+                return self.no_impact(system, work, contact, rate_before).map(Some);
+            }
         }
         if !legal_rates(rate_before, rate_after) {
             return Err(FlowError::Restitution {
@@ -120,6 +129,28 @@ impl<R: Real> Trajectory<R> {
             self.completion = Some((contact, end));
         }
         Ok(Some(occurrence))
+    }
+
+    /// Whether a rate is so small that it is worth asking what terms it is the sum of.
+    fn may_be_rounding(&self, rate: R) -> bool {
+        let states = self.state[..self.coordinates].iter();
+        let largest = states.fold(R::ZERO, |most, x| most.max(x.abs()));
+        rate.abs() <= largest * R::splat(ASKED_ROUNDOFFS * R::ROUNDOFF)
+    }
+
+    /// A contact is met with a rate that cannot be told from zero: the end of a sequence, or a graze.
+    fn no_impact(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        rate: R,
+    ) -> Result<Occurrence<R>, FlowError> {
+        if self.sequence > 0 {
+            return self.end_here(system, work, contact);
+        }
+        self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
+        Ok(Occurrence::Graze { contact, rate })
     }
 
     /// Shows an impact to the tracker; the end of the sequence where it is certain.
