@@ -48,7 +48,7 @@ const MODELS: [(&str, &str, f64); 8] = [
 ];
 
 /// An estimate is no bound.
-const LARGEST_RATIO: f64 = 2.0;
+const LARGEST_RATIO: f64 = 3.0;
 
 fn estimates(border: &Border<DoubleDouble>) -> Vec<Estimate<DoubleDouble>> {
     let exact = &border.exact;

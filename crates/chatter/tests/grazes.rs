@@ -50,7 +50,12 @@ impl Touching {
             4 => (format!("{a:?} + x - {a:?}"), format!("{w:?}^2*({a:?} - x)")),
             _ => (format!("sqrt(1 + x/{a:?}) - 1"), push),
         };
-        let rate = if self.form == 1 { 2.0 * a * w } else { 0.0 };
+        // As a formula, so that it is exact in every number type.
+        let rate = if self.form == 1 {
+            format!("2*{a:?}*{w:?}")
+        } else {
+            "0".to_owned()
+        };
         ModelBuilder::new()
             .state("x", "v", 0.0)
             .state("v", field, rate)
@@ -76,11 +81,15 @@ fn touching() -> impl Strategy<Value = Touching> {
     )
 }
 
-fn check<R: Real>(touching: &Touching) -> Result<(), TestCaseError> {
+/// An impact is told only of a depth that the steps err by, with a rate below a part `least` of the greatest, and never
+/// one without a rate.
+fn check<R: Real>(touching: &Touching, least: f64) -> Result<(), TestCaseError> {
     let period = 2.0 * core::f64::consts::PI / touching.frequency;
     // A second time it would not be exact any more.
     let (grazes, rates) = touches::<R>(&touching.model(), 1.5 * period);
-    prop_assert!(rates.is_empty(), "{:?} {:?}", grazes, rates);
+    let speed = touching.amplitude * touching.frequency;
+    let is_none = |rate: &f64| rate.abs() < least * speed && rate.abs() > least * least * speed;
+    prop_assert!(rates.iter().all(is_none), "{:?} {:?}", grazes, rates);
     // Rounding may also keep it from getting there.
     prop_assert!(grazes.len() <= 1);
     for graze in grazes {
@@ -94,8 +103,9 @@ proptest! {
 
     #[test]
     fn touching_is_no_impact(touching in touching()) {
-        check::<f64>(&touching)?;
-        check::<DoubleDouble>(&touching)?;
+        // What steps err by, some hundred roundoffs, is a depth that is met with a rate of the size of its root.
+        check::<f64>(&touching, 1e-6)?;
+        check::<DoubleDouble>(&touching, 1e-13)?;
     }
 }
 

@@ -170,7 +170,7 @@ fn follow<R: Real>(
             Ok(occurrence) => occurrence,
             Err(error) => break Outcome::Failed(error),
         };
-        if occurrence.is_none()
+        if matches!(occurrence, None | Some(Occurrence::Horizon))
             && stops_at_rest
             && recorder.at_rest(&system, &work.dense(), &trajectory)
         {

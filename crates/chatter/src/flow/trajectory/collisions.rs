@@ -22,6 +22,9 @@ use crate::numerics::{Real, WithTerms, two_sum};
 /// So many collisions of an instant are told one by one; what follows of a cascade is told as a whole.
 const TOLD: u64 = 64;
 
+/// So many collisions in a time that is below rounding, one after the other, are collisions of one instant.
+const MOST_APART: usize = 64;
+
 /// A cascade has converged long before, whatever the restitution: it is none.
 const MOST: u64 = 100_000;
 
@@ -235,44 +238,85 @@ impl<R: Real> Trajectory<R> {
             shortest = shortest.min(flight_time(rate.value, acceleration.value, jerk.value));
         }
         self.flight_time = shortest;
-        if shortest <= self.negligible() {
-            self.end_burst(system, work)?;
+        if shortest <= self.negligible() && self.end_burst(system, work)? {
+            return Ok(());
+        }
+        if self.burst > MOST_APART {
+            self.burst = 0;
+            self.end_squeeze(system, work)?;
         }
         Ok(())
     }
 
-    /// Brings all contacts to rest whose remaining motion is below rounding: chatter of several at once.
+    /// Brings all contacts to rest whose remaining motion is below rounding: chatter of several at once. Returns whether
+    /// there were any.
     pub(super) fn end_burst(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-    ) -> Result<Closed, FlowError> {
-        /// What is left of a sequence may take so many times its next flight.
-        const FLIGHTS_LEFT: f64 = 64.0;
+    ) -> Result<bool, FlowError> {
         let touch = self.touch_values(system)?;
-        let span = self.negligible() * R::splat(FLIGHTS_LEFT);
+        let span = self.rest_of_burst();
+        let near = self.near_contacts(&touch, span, |rate, slow| rate <= slow);
+        let resting = Closed(self.closed.0 | near.0);
+        let Some(contact) = Closed(near.0 & !self.closed.0).contacts().next() else {
+            return Ok(false);
+        };
+        self.pending.push_back(Occurrence::Accumulation {
+            contact,
+            impacts: self.burst as u64,
+            error: span.to_f64(),
+        });
+        self.burst = 0;
+        self.bring_to_rest(system, work, resting)?;
+        Ok(true)
+    }
+
+    /// A body that is squeezed hits both its neighbours ever faster, and meets them at one instant with a rate that is
+    /// none: from where gaps are below rounding these are collisions of that instant. Returns whether there are any.
+    pub(super) fn end_squeeze(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<bool, FlowError> {
+        let touch = self.touch_values(system)?;
+        let near = self.near_contacts(&touch, self.rest_of_burst(), |_, _| true);
+        let touching = Closed(self.closed.0 | near.0);
+        let rate = |contact: usize| touch.rate[contact].value;
+        let slower = |a: &usize, b: &usize| {
+            let order = rate(*a).partial_cmp(&rate(*b));
+            order.unwrap_or(core::cmp::Ordering::Equal)
+        };
+        let Some(fastest) = touching.contacts().min_by(slower) else {
+            return Ok(false);
+        };
+        let closes = rate(fastest) < -touch.rate[fastest].level();
+        if !closes || touching.contacts().count() < 2 {
+            return Ok(false);
+        }
+        let told = self.collide(system, work, fastest, touching)?;
+        self.pending.extend(told);
+        Ok(true)
+    }
+
+    /// What is left of a sequence whose flights are below rounding may take this long.
+    fn rest_of_burst(&self) -> R {
+        const FLIGHTS_LEFT: f64 = 64.0;
+        self.negligible() * R::splat(FLIGHTS_LEFT)
+    }
+
+    /// Contacts that could be met within this time, with a rate and what changes it in that time as asked.
+    fn near_contacts(&self, touch: &Touch<R>, span: R, asked: impl Fn(R, R) -> bool) -> Closed {
         let accelerations = touch.greatest_accelerations();
-        let mut resting = self.closed;
-        for contact in 0..system.contacts() {
-            let (gap, rate) = (touch.gap[contact], touch.rate[contact]);
+        let mut near = Closed::NONE;
+        for (contact, (gap, rate)) in touch.gap.iter().zip(&touch.rate).enumerate() {
             let slow = rate.level().max(accelerations[contact] * span);
-            let near = gap.level().max((rate.value.abs() + slow) * span);
-            if rate.value.abs() <= slow && gap.value.abs() <= near {
-                resting = resting.with(contact);
+            let reached = gap.level().max((rate.value.abs() + slow) * span);
+            if gap.value.abs() <= reached && asked(rate.value.abs(), slow) {
+                near = near.with(contact);
             }
         }
-        let mut chattering = Closed(resting.0 & !self.closed.0).contacts();
-        if let Some(contact) = chattering.next() {
-            let end = Occurrence::Accumulation {
-                contact,
-                impacts: self.burst as u64,
-                error: span.to_f64(),
-            };
-            self.burst = 0;
-            self.pending.push_back(end);
-            self.bring_to_rest(system, work, resting)?;
-        }
-        Ok(resting)
+        near
     }
 
     /// Flights shorter than this are a roundoff of the time, or of the longest step before.

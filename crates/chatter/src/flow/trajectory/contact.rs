@@ -276,7 +276,8 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// Whether nothing moves any more: no component of the field can be told from zero by its terms.
+    /// Whether nothing moves any more: no component of the field can be told from zero by its terms, and by the forces of
+    /// contacts, which may have cancelled when formulas were simplified.
     pub fn is_in_equilibrium(&self, system: &System) -> bool {
         let (Some(program), Some(constants)) = (
             system.program(self.mode),
@@ -292,7 +293,17 @@ impl<R: Real> Trajectory<R> {
             &WithTerms::remainders(&self.low),
             &mut field,
         );
-        field.iter().all(|f| f.value.abs() <= f.level())
+        let Ok(touch) = self.touch_values(system) else {
+            return false;
+        };
+        let accelerations = touch.greatest_accelerations();
+        let forces = |i: usize| {
+            (self.closed.contacts())
+                .map(|contact| touch.jump[contact][i].abs() * accelerations[contact])
+                .fold(R::ZERO, |sum, force| sum + force)
+        };
+        (field.iter().enumerate())
+            .all(|(i, f)| f.value.abs() <= f.level().max(WithTerms::exact(forces(i)).level()))
     }
 
     /// Gap, rate, acceleration and jerk of a contact in the present mode.

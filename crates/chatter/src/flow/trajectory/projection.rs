@@ -12,6 +12,9 @@ use crate::numerics::linear::solve;
 /// Gaps that are not linear, and what rounding leaves of a first correction, need a second, never a third at this distance.
 const CORRECTIONS: usize = 2;
 
+/// What a correction leaves of a state, if it is less than so many roundoffs of what it was, is nothing.
+const LEFT_ROUNDOFFS: f64 = 8.0;
+
 impl<R: Real> Trajectory<R> {
     /// Puts the state back onto the closed contacts after a step, if it has left them.
     pub(super) fn stay_on_contacts(
@@ -38,14 +41,25 @@ impl<R: Real> Trajectory<R> {
 
     /// Makes gaps and rates of these contacts zero: gaps by the least displacement, rates along the impulses.
     pub(super) fn project(&mut self, system: &System, contacts: Closed) -> Result<(), FlowError> {
+        let mut largest: Vec<R> = (self.state[..self.coordinates].iter())
+            .map(|x| x.abs())
+            .collect();
         self.close_gaps(system, contacts)?;
         let contacts: Vec<usize> = contacts.contacts().collect();
         for _ in 0..CORRECTIONS {
+            for (largest, x) in largest.iter_mut().zip(&self.state) {
+                *largest = largest.max(x.abs());
+            }
             let touch = self.touch_values(system)?;
             let rates: Vec<R> = contacts.iter().map(|&i| touch.rate[i].value).collect();
             let pushes = self.solved(&touch.block(&contacts), &rates, &contacts)?;
             for (&i, &by) in contacts.iter().zip(&pushes) {
                 self.push(&touch.jump[i], -by);
+            }
+        }
+        for ((x, low), largest) in self.state.iter_mut().zip(&mut self.low).zip(largest) {
+            if x.abs() <= largest * R::splat(LEFT_ROUNDOFFS * R::ROUNDOFF) {
+                (*x, *low) = (R::ZERO, R::ZERO);
             }
         }
         Ok(())

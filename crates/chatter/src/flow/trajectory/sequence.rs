@@ -73,12 +73,15 @@ impl<R: Real> Trajectory<R> {
         }
         self.latest_impact = Some((contact, rate_before));
         self.sequence += 1;
+        // What the impulse leaves of a plastic impact's rate is rounding.
+        let is_plastic = restitution == R::ZERO;
+        let rate_after = if is_plastic { R::ZERO } else { rate_after };
         let occurrence = Occurrence::Impact {
             contact,
             rate_before,
             rate_after,
         };
-        let rebounds = restitution > R::ZERO && rate_after > R::ZERO;
+        let rebounds = rate_after > R::ZERO;
         if !rebounds {
             self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
             return Ok(Some(occurrence));
@@ -87,7 +90,9 @@ impl<R: Real> Trajectory<R> {
         let negligible = self.negligible();
         let is_short = self.flight_time <= negligible;
         if system.contacts() > 1 && (is_short || self.burst.is_multiple_of(BURST)) {
-            if self.end_burst(system, work)? != Closed::NONE {
+            let ends = self.end_burst(system, work)?
+                || (self.burst >= BURST && self.end_squeeze(system, work)?);
+            if ends {
                 return Ok(Some(occurrence));
             }
             if self.burst > LONGEST_BURST {
