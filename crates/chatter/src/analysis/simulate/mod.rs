@@ -172,7 +172,7 @@ fn follow<R: Real>(
         };
         if matches!(occurrence, None | Some(Occurrence::Horizon))
             && stops_at_rest
-            && recorder.at_rest(&system, &work.dense(), &trajectory)
+            && recorder.at_rest(&system, &mut work, &trajectory)
         {
             break Outcome::Rest;
         }

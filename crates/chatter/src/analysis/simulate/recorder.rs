@@ -3,7 +3,7 @@
 use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
 use super::samples::{Sampler, Sink};
 use super::spec::Sampling;
-use crate::flow::{Closed, Dense, Occurrence, System, Trajectory};
+use crate::flow::{Closed, Dense, Occurrence, System, Trajectory, Workspace};
 use crate::numerics::Real;
 use core::ops::ControlFlow;
 
@@ -163,12 +163,12 @@ impl<R: Real> Recorder<R> {
     pub(super) fn at_rest(
         &self,
         system: &System,
-        dense: &Dense<'_, R>,
+        work: &mut Workspace<R>,
         trajectory: &Trajectory<R>,
     ) -> bool {
         trajectory.closed() != Closed::NONE
-            && dense.step() > R::ZERO
-            && trajectory.is_in_equilibrium(system)
+            && work.dense().step() > R::ZERO
+            && trajectory.is_in_equilibrium(system, work)
     }
 
     pub(super) fn finish(

@@ -202,7 +202,7 @@ impl<R: Real> Trajectory<R> {
         let mut resting = Closed::NONE;
         let mut separating = Closed::NONE;
         for contact in collisions.touching.contacts() {
-            if touch.rate[contact].value <= collisions.level(&touch, contact) {
+            if touch.rate[contact].value <= collisions.level(touch, contact) {
                 resting = resting.with(contact);
             } else {
                 separating = separating.with(contact);
@@ -300,7 +300,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// What is left of a sequence whose flights are below rounding may take this long.
-    fn rest_of_burst(&self) -> R {
+    pub(super) fn rest_of_burst(&self) -> R {
         const FLIGHTS_LEFT: f64 = 64.0;
         self.negligible() * R::splat(FLIGHTS_LEFT)
     }

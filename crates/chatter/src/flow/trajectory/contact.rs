@@ -9,7 +9,7 @@ use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, GuardKind, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
-use crate::flow::system::System;
+use crate::flow::system::{FLIGHT, System};
 use crate::flow::touching::{Left, Touching};
 use crate::numerics::complementarity::complementary;
 use crate::numerics::polynomial::magnitude;
@@ -276,9 +276,10 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// Whether nothing moves any more: no component of the field can be told from zero by its terms, and by the forces of
-    /// contacts, which may have cancelled when formulas were simplified.
-    pub fn is_in_equilibrium(&self, system: &System) -> bool {
+    /// Whether nothing moves any more: no component of the field can be told from zero by its terms, by the forces of
+    /// contacts, which may have cancelled when formulas were simplified, or by what flight adds to it in a time below
+    /// rounding.
+    pub fn is_in_equilibrium(&self, system: &System, work: &mut Workspace<R>) -> bool {
         let (Some(program), Some(constants)) = (
             system.program(self.mode),
             self.constants.get(self.mode).and_then(Option::as_ref),
@@ -296,14 +297,25 @@ impl<R: Real> Trajectory<R> {
         let Ok(touch) = self.touch_values(system) else {
             return false;
         };
+        let (Some(flight), Some(Some(constants))) =
+            (system.program(FLIGHT), self.constants.get(FLIGHT))
+        else {
+            return false;
+        };
+        let start = (&self.state[..], &self.low[..]);
+        work.expand_at(&flight.tape, &constants.tape, start, R::ONE);
+        let added = |i: usize| work.point.series(i)[2].abs() * self.rest_of_burst();
         let accelerations = touch.greatest_accelerations();
         let forces = |i: usize| {
             (self.closed.contacts())
                 .map(|contact| touch.jump[contact][i].abs() * accelerations[contact])
                 .fold(R::ZERO, |sum, force| sum + force)
         };
-        (field.iter().enumerate())
-            .all(|(i, f)| f.value.abs() <= f.level().max(WithTerms::exact(forces(i)).level()))
+        let level = |i: usize, f: &WithTerms<R>| {
+            let forces = WithTerms::exact(forces(i)).level();
+            f.level().max(forces).max(added(i))
+        };
+        (field.iter().enumerate()).all(|(i, f)| f.value.abs() <= level(i, f))
     }
 
     /// Gap, rate, acceleration and jerk of a contact in the present mode.
