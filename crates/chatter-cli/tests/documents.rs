@@ -174,13 +174,13 @@ fn a_run_that_cannot_go_on_keeps_what_it_has() {
     );
     let table = folder.file("leaky.csv");
     let leaky = document(&["simulate", &model, "--json", "--out", &table], 1);
-    assert_eq!(leaky["outcome"], "left_domain");
-    assert_eq!(leaky["error"]["kind"], "left_domain");
+    assert_eq!(leaky["outcome"], "singular");
+    assert_eq!(leaky["error"]["kind"], "singular");
     assert!(
         leaky["error"]["message"]
             .as_str()
             .unwrap()
-            .contains("leave their domain")
+            .contains("the argument of a square root reaches zero")
     );
     assert_eq!(events(&leaky, "impact").len(), 1);
     assert!((number(&leaky["time"]) - 1.5).abs() < 1e-3);

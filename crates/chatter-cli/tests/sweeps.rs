@@ -258,7 +258,7 @@ fn orbits_are_judged_by_their_whole_state() {
     );
     // What is observed does not matter, be it the same all the time or never the same.
     for observed in ["0*v", "t"] {
-        let line = "diagram impact_oscillator --at omega=2.72 --period 2*pi/omega --transient 500 --json --observe";
+        let line = "diagram impact_oscillator --at omega=2.72 --period 2*pi/omega --transient 500 --keep 400 --json --observe";
         let found = document(&typed(line, &[&format!("c={observed}")]));
         assert_eq!(texts(&found, "outcome"), ["chaotic"], "{observed}");
         let line =

@@ -50,8 +50,8 @@ const WRONG: &[(&str, &str)] = &[
         "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = \"v\"\nrestitution = 0.5\n",
     ),
     (
-        "a restitution of one",
-        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 1\n",
+        "a restitution above one",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 1.001\n",
     ),
     (
         "a negative restitution",
