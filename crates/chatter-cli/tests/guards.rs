@@ -242,7 +242,7 @@ fn check_tells_what_simulate_would_refuse() {
         ),
         (
             ball("-1", "[parameters]\ng = 0").replace("v = 1 }", "v = \"1/g\" }"),
-            "rate per impulse",
+            "impulse",
         ),
     ];
     for (text, expected) in cases {
