@@ -32,7 +32,7 @@ impl Stack {
                 let floor = low <= zero && v_low < zero;
                 let pair = gap <= zero && rate < zero;
                 if floor && (!pair || v_low <= rate) {
-                    rate = rate + (Dd::ONE + r) * v_low;
+                    rate += (Dd::ONE + r) * v_low;
                     v_low = -r * v_low;
                     lies = false;
                 } else if pair {
@@ -70,11 +70,11 @@ impl Stack {
             time += step;
             gap += rate * step;
             if lies {
-                gap = gap - step * step / two;
-                rate = rate - step;
+                gap -= step * step / two;
+                rate -= step;
             } else {
                 low += v_low * step - step * step / two;
-                v_low = v_low - step;
+                v_low -= step;
             }
             if floor <= pair {
                 low = zero;
