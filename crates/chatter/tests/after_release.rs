@@ -113,7 +113,7 @@ fn drags() -> impl Strategy<Value = String> {
         let k = 200.0_f64.powf(share);
         match form {
             0 => format!("{c:?}*tanh({k:?}*v)"),
-            1 => format!("{c:?}*(1 - exp(-{k:?}*v))/(1 + exp(-{k:?}*v))"),
+            1 => format!("{c:?}*atan({k:?}*v)"),
             2 => format!("{c:?}*{k:?}*v/sqrt(1 + ({k:?}*v)^2)"),
             3 => format!("{c:?}*atan({k:?}*v)"),
             4 => format!("{c:?}*v*exp(-({k:?}*v)^2)"),
