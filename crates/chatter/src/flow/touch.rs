@@ -59,8 +59,6 @@ impl Touches {
         let mut mechanics = mechanics.clone();
         let contacts = mechanics.contacts.clone();
         let coordinates = mechanics.field.len();
-        let graph = &mut mechanics.graph;
-        let zero = graph.number(0.0);
         let mut outputs: Vec<Expr> = Vec::new();
         for contact in &contacts {
             outputs.extend([
@@ -70,15 +68,13 @@ impl Touches {
                 contact.restitution,
             ]);
         }
-        for (i, of) in contacts.iter().enumerate() {
-            for (j, by) in contacts.iter().enumerate() {
-                outputs.push(if i == j {
-                    graph.number(1.0)
-                } else {
-                    graph.lie_derivative(of.rate, &by.jump)
-                });
+        for i in 0..contacts.len() {
+            for j in 0..contacts.len() {
+                outputs.push(mechanics.rate_per_jump(i, j));
             }
         }
+        let graph = &mut mechanics.graph;
+        let zero = graph.number(0.0);
         for contact in &contacts {
             outputs.extend(&contact.jump);
         }
@@ -170,14 +166,8 @@ impl Touches {
         low: &[R],
     ) -> Touch<R> {
         let (n, dimension) = (self.contacts, self.coordinates);
-        let mut values = vec![WithTerms::exact(R::ZERO); self.values.outputs.len()];
-        Expansion::new(&[&self.values]).evaluate(
-            &self.values,
-            &WithTerms::all(&constants.values),
-            &WithTerms::all(&state[..dimension]),
-            &WithTerms::remainders(&low[..dimension]),
-            &mut values,
-        );
+        let start = (&state[..dimension], &low[..dimension]);
+        let values = with_terms(&self.values, &constants.values, start);
         let (scalars, rows) = values.split_at(SCALARS * n);
         let column = |k: usize| scalars.iter().copied().skip(k).step_by(SCALARS).collect();
         let table = |first: usize, width: usize| -> Vec<Vec<R>> {
@@ -195,6 +185,23 @@ impl Touches {
             gradient: table(n * n + n * dimension, dimension),
         }
     }
+}
+
+/// Outputs of a tape at a state and its rounding remainders, each with its terms.
+pub(crate) fn with_terms<R: Real>(
+    tape: &Tape,
+    constants: &[R],
+    (state, low): (&[R], &[R]),
+) -> Vec<WithTerms<R>> {
+    let mut values = vec![WithTerms::exact(R::ZERO); tape.outputs.len()];
+    Expansion::new(&[tape]).evaluate(
+        tape,
+        &WithTerms::all(constants),
+        &WithTerms::all(state),
+        &WithTerms::remainders(low),
+        &mut values,
+    );
+    values
 }
 
 impl<R: Real> Touch<R> {

@@ -227,7 +227,7 @@ impl Mechanics {
     }
 
     /// B_ij: what a unit jump at contact `j` does to the rate of contact `i`.
-    fn rate_per_jump(&mut self, i: usize, j: usize) -> Expr {
+    pub(crate) fn rate_per_jump(&mut self, i: usize, j: usize) -> Expr {
         if i == j {
             return self.graph.number(1.0);
         }

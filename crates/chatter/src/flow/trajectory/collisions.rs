@@ -9,6 +9,7 @@
 //! the event while it lasts: m + f s with the shift s = -grad(h) m / v of its time, and m - f s again afterwards.
 
 use super::Trajectory;
+use super::sequence::BURST;
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::Closed;
@@ -21,9 +22,6 @@ use crate::numerics::{Real, WithTerms, two_sum};
 
 /// So many collisions of an instant are told one by one; what follows of a cascade is told as a whole.
 const TOLD: u64 = 64;
-
-/// So many collisions in a time that is below rounding, one after the other, are collisions of one instant.
-const MOST_APART: usize = 64;
 
 /// A cascade has converged long before, whatever the restitution: it is none.
 const MOST: u64 = 100_000;
@@ -217,7 +215,8 @@ impl<R: Real> Trajectory<R> {
         if resting != Closed::NONE {
             self.bring_to_rest(system, work, resting)?;
         }
-        self.restore_columns(system, work, &collisions.shifts)?;
+        // At fixed time again, in the mode that follows.
+        self.shift_columns(system, work, &collisions.shifts, -R::ONE)?;
         self.burst += collisions.count as usize;
         self.after_collisions(system, work, separating)
     }
@@ -234,14 +233,14 @@ impl<R: Real> Trajectory<R> {
         self.latest_impact = None;
         let mut shortest = R::splat(FOREVER);
         for contact in separating.contacts() {
-            let [_, rate, acceleration, jerk] = self.local(system, work, contact)?;
+            let [_, rate, acceleration, jerk] = self.local(system, contact)?;
             shortest = shortest.min(flight_time(rate.value, acceleration.value, jerk.value));
         }
         self.flight_time = shortest;
         if shortest <= self.negligible() && self.end_burst(system, work)? {
             return Ok(());
         }
-        if self.burst > MOST_APART {
+        if self.burst > BURST {
             self.burst = 0;
             self.end_squeeze(system, work)?;
         }
@@ -371,16 +370,6 @@ impl<R: Real> Trajectory<R> {
         let shifts: Vec<R> = slopes.iter().map(|&slope| -(slope / rate)).collect();
         self.shift_columns(system, work, &shifts, R::ONE)?;
         Ok(shifts)
-    }
-
-    /// Turns columns of the event's point into those at fixed time again, in the mode that follows.
-    fn restore_columns(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        shifts: &[R],
-    ) -> Result<(), FlowError> {
-        self.shift_columns(system, work, shifts, -R::ONE)
     }
 
     fn shift_columns(

@@ -4,12 +4,13 @@
 //! neither force nor acceleration can be told from zero, the jerk decides, as at release.
 
 use super::Trajectory;
-use crate::expressions::{Expansion, Operand};
+use crate::expressions::Operand;
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, GuardKind, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::{FLIGHT, System};
+use crate::flow::touch::with_terms;
 use crate::flow::touching::{Left, Touching};
 use crate::numerics::complementarity::complementary;
 use crate::numerics::polynomial::magnitude;
@@ -58,7 +59,7 @@ impl<R: Real> Trajectory<R> {
         // Columns stay as they are if the contact lifts off at once: nothing holds it.
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
-        let [_, _, acceleration, _] = self.local(system, work, contact)?;
+        let [_, _, acceleration, _] = self.local(system, contact)?;
         if acceleration.value > acceleration.level() {
             self.leave_gap(system, contact, 2);
             return Ok(());
@@ -123,7 +124,7 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         contact: usize,
     ) -> Result<bool, FlowError> {
-        let [_, _, _, jerk] = self.local(system, work, contact)?;
+        let [_, _, _, jerk] = self.local(system, contact)?;
         if jerk.value > jerk.level() {
             self.leave_gap(system, contact, 3);
             return Ok(false);
@@ -286,14 +287,8 @@ impl<R: Real> Trajectory<R> {
         ) else {
             return false;
         };
-        let mut field = vec![WithTerms::exact(R::ZERO); self.coordinates];
-        Expansion::new(&[&program.field]).evaluate(
-            &program.field,
-            &WithTerms::all(&constants.field),
-            &WithTerms::all(&self.state),
-            &WithTerms::remainders(&self.low),
-            &mut field,
-        );
+        let start = (&self.state[..], &self.low[..]);
+        let field = with_terms(&program.field, &constants.field, start);
         let Ok(touch) = self.touch_values(system) else {
             return false;
         };
@@ -302,7 +297,6 @@ impl<R: Real> Trajectory<R> {
         else {
             return false;
         };
-        let start = (&self.state[..], &self.low[..]);
         work.expand_at(&flight.tape, &constants.tape, start, R::ONE);
         let added = |i: usize| work.point.series(i)[2].abs() * self.rest_of_burst();
         let accelerations = touch.greatest_accelerations();
@@ -322,20 +316,14 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn local(
         &self,
         system: &System,
-        _work: &mut Workspace<R>,
         contact: usize,
     ) -> Result<[WithTerms<R>; LOCAL_SCALARS], FlowError> {
         let program = self.program(system)?;
         let mut local = [WithTerms::exact(R::ZERO); LOCAL_SCALARS];
         if let Some(constants) = &self.constants[self.mode] {
-            let tape = &program.locals[contact];
-            Expansion::new(&[tape]).evaluate(
-                tape,
-                &WithTerms::all(&constants.locals[contact]),
-                &WithTerms::all(&self.state),
-                &WithTerms::remainders(&self.low),
-                &mut local,
-            );
+            let start = (&self.state[..], &self.low[..]);
+            let values = with_terms(&program.locals[contact], &constants.locals[contact], start);
+            local.copy_from_slice(&values);
         }
         if local.iter().all(|value| value.value.is_finite()) {
             Ok(local)

@@ -403,7 +403,7 @@ impl<R: Real> Trajectory<R> {
         if let Some(index) = result.touched {
             self.touching.set(index, 2);
             self.flight_time = R::splat(FOREVER);
-            return self.graze(system, work, program, index);
+            return self.graze(system, program, index);
         }
         let Some(index) = result.event else {
             // The rest of a predicted flight, if a section or the horizon cut it.
@@ -483,14 +483,13 @@ impl<R: Real> Trajectory<R> {
     fn graze(
         &mut self,
         system: &System,
-        work: &mut Workspace<R>,
         program: &Program,
         index: usize,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.tracker.interrupt();
         match program.guards[index].kind {
             GuardKind::Gap(contact) => {
-                let rate = self.local(system, work, contact)?[1].value;
+                let rate = self.local(system, contact)?[1].value;
                 Ok(Some(Occurrence::Graze { contact, rate }))
             }
             GuardKind::Reaction(_) | GuardKind::Section(_) => Ok(None),

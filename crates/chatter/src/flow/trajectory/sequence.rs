@@ -22,7 +22,7 @@ const WALK_ROUNDOFFS: f64 = 4.0;
 const ASKED_ROUNDOFFS: f64 = 1024.0;
 
 /// After so many impacts in a time that is below rounding it is asked which contacts have come to rest together; …
-const BURST: usize = 64;
+pub(super) const BURST: usize = 64;
 
 /// … and more than these do not happen at one instant.
 const LONGEST_BURST: usize = 100_000;
@@ -55,7 +55,7 @@ impl<R: Real> Trajectory<R> {
             return self.end_here(system, work, contact).map(Some);
         }
         if self.may_be_rounding(rate_before) {
-            let rate = self.local(system, work, contact)?[1];
+            let rate = self.local(system, contact)?[1];
             if rate_before.abs() <= rate.level() {
                 return self.no_impact(system, work, contact, rate_before).map(Some);
             }
