@@ -67,6 +67,25 @@ impl Graph {
                     let (base_rate, exponent_rate) = (known[base.index()], known[exponent.index()]);
                     self.power_rule(expr, (base, base_rate), (exponent, exponent_rate), zero)
                 }
+                Node::Switch {
+                    surface,
+                    above,
+                    below,
+                    edge,
+                } => {
+                    let (above, below) = (known[above.index()], known[below.index()]);
+                    self.switch(surface, above, below, edge)
+                }
+                Node::Floor(_) => zero,
+                Node::Curve(id, argument, derivative) => {
+                    let rate = known[argument.index()];
+                    if rate == zero {
+                        zero
+                    } else {
+                        let slope = self.curve_at(id, argument, derivative + 1);
+                        self.mul(slope, rate)
+                    }
+                }
                 Node::Call(function, argument) => {
                     let rate = known[argument.index()];
                     if rate == zero {

@@ -3,8 +3,9 @@
 use super::fraction::{Binding, Fraction, Piece, is_root};
 use super::graph::{Expr, Function, Graph, Node, Symbol};
 use super::number_text::{NumberText, number_text};
+use super::piecewise::Edge;
 use super::tex_name::tex_name;
-use crate::numerics::DoubleDouble;
+use crate::numerics::{DoubleDouble, Real};
 
 /// Names of the symbols, by position.
 #[derive(Clone, Copy, Debug)]
@@ -102,6 +103,7 @@ impl<'a> Writer<'a> {
                 self.out.push_str(function_name(*function, self.notation));
                 self.parenthesised(|writer| writer.formula(*argument, Binding::Sum));
             }
+            Node::Switch { .. } | Node::Floor(_) | Node::Curve(..) => self.piecewise(expr),
             Node::Sum(terms) => {
                 for (place, &term) in terms.iter().enumerate() {
                     if self.is_cut {
@@ -129,6 +131,69 @@ impl<'a> Writer<'a> {
                 self.unsigned(&fraction, Binding::Product);
             }
         }
+    }
+
+    /// What is made of pieces, by the name under which it is read again.
+    fn piecewise(&mut self, expr: Expr) {
+        match *self.graph.node(expr) {
+            Node::Floor(argument) => self.called("floor", &[argument]),
+            Node::Curve(id, argument, derivative) => {
+                let name = format!(
+                    "{}{}",
+                    self.graph.curve(id).name(),
+                    "'".repeat(derivative.into())
+                );
+                self.called(&name, &[argument]);
+            }
+            Node::Switch {
+                surface,
+                above,
+                below,
+                edge,
+            } => {
+                let number = |expr| self.graph.as_number(expr).map(|value| value.to_f64());
+                match (number(above), number(below), edge) {
+                    (Some(1.0), Some(-1.0), Edge::Middle) => self.called("sign", &[surface]),
+                    (Some(1.0), Some(0.0), Edge::Above) => self.called("step", &[surface]),
+                    _ => self.choice(surface, edge, [above, below]),
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn choice(&mut self, surface: Expr, edge: Edge, [above, below]: [Expr; 2]) {
+        let compared = match edge {
+            Edge::Below => " > 0",
+            Edge::Above | Edge::Middle => " >= 0",
+        };
+        self.out.push_str(match self.notation {
+            Notation::Text => "if",
+            Notation::Tex => r"\operatorname{if}",
+        });
+        self.parenthesised(|writer| {
+            writer.formula(surface, Binding::Sum);
+            writer.out.push_str(compared);
+            for piece in [above, below] {
+                writer.out.push_str(", ");
+                writer.formula(piece, Binding::Sum);
+            }
+        });
+    }
+
+    fn called(&mut self, name: &str, arguments: &[Expr]) {
+        match self.notation {
+            Notation::Text => self.out.push_str(name),
+            Notation::Tex => self.out.push_str(&format!(r"\operatorname{{{name}}}")),
+        }
+        self.parenthesised(|writer| {
+            for (place, &argument) in arguments.iter().enumerate() {
+                if place > 0 {
+                    writer.out.push_str(", ");
+                }
+                writer.formula(argument, Binding::Sum);
+            }
+        });
     }
 
     /// A fraction without its sign.

@@ -99,6 +99,37 @@ impl Graph {
                 }
             }
             &Node::Power(base, exponent) => self.domain_of_power(base, exponent),
+            &Node::Switch {
+                surface,
+                above,
+                below,
+                ..
+            } => {
+                let parts = [surface, above, below].map(|part| self.domain(part));
+                // Where a piece is the surface itself it has the surface's sign there, as in |x| and max(x, 0).
+                let sign_above = if above == surface {
+                    Sign::NotNegative
+                } else {
+                    parts[1].sign
+                };
+                let sign_below = if self.is_negative_of(below, surface) {
+                    Sign::NotNegative
+                } else {
+                    parts[2].sign
+                };
+                Domain {
+                    total: parts.iter().all(|part| part.total),
+                    sign: sign_above.min(sign_below),
+                }
+            }
+            &Node::Floor(argument) => Domain {
+                total: self.domain(argument).total,
+                sign: Sign::Unknown,
+            },
+            Node::Curve(..) => Domain {
+                total: false,
+                sign: Sign::Unknown,
+            },
             &Node::Call(function, argument) => Domain {
                 total: self.domain(argument).total
                     && !matches!(
@@ -138,6 +169,18 @@ impl Graph {
         Domain {
             total: below.total && asked == Demands::default(),
             sign,
+        }
+    }
+
+    /// Whether one expression is minus one times another, by its form.
+    fn is_negative_of(&self, a: Expr, b: Expr) -> bool {
+        match self.node(a) {
+            Node::Product(factors) => {
+                factors.len() == 2
+                    && factors[1] == b
+                    && self.as_number(factors[0]) == Some(DoubleDouble::from(-1.0))
+            }
+            _ => false,
         }
     }
 

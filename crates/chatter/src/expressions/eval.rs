@@ -1,6 +1,7 @@
 //! Plain evaluation of an expression at a point.
 
 use super::graph::{Expr, Function, Graph, Node, Symbol};
+use super::piecewise::floor;
 use crate::numerics::{DoubleDouble, Real};
 
 /// Largest integer exponent taken by repeated multiplication; past it the logarithm is more accurate.
@@ -39,6 +40,16 @@ impl Graph {
                     }),
                 Node::Power(base, exponent) => power(value(base), value(exponent)),
                 Node::Call(function, argument) => function.of(value(argument)),
+                Node::Switch {
+                    surface,
+                    above,
+                    below,
+                    edge,
+                } => edge.choose(value(surface), value(above), value(below)),
+                Node::Floor(argument) => floor(value(argument)),
+                Node::Curve(id, argument, derivative) => {
+                    self.curve(*id).value(value(argument), *derivative)
+                }
             };
         }
         exprs.iter().map(|expr| known[expr.index()]).collect()

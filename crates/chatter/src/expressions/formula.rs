@@ -1,9 +1,12 @@
 //! An expression made ready to be evaluated at many points.
 
+use super::curve::Curve;
 use super::eval::power;
 use super::graph::{Expr, Function, Graph, Node, Symbol};
+use super::piecewise::{Edge, floor};
 use crate::numerics::{DoubleDouble, Real};
 use core::ops::Range;
+use std::sync::Arc;
 
 /// One value, from constants, inputs and values of earlier steps.
 #[derive(Clone, Debug)]
@@ -15,6 +18,9 @@ enum Step<R> {
     Product(Range<usize>),
     Power(usize, usize),
     Call(Function, usize),
+    Switch([usize; 3], Edge),
+    Floor(usize),
+    Curve(Arc<Curve>, usize, u8),
 }
 
 /// Gives the same value as [`Graph::evaluate`], to the bit, without looking anything up.
@@ -49,6 +55,16 @@ impl<R: Real> Formula<R> {
                 Node::Product(factors) => Step::Product(range(factors)),
                 Node::Power(base, exponent) => Step::Power(place(base), place(exponent)),
                 Node::Call(function, argument) => Step::Call(*function, place(argument)),
+                Node::Switch {
+                    surface,
+                    above,
+                    below,
+                    edge,
+                } => Step::Switch([surface, above, below].map(place), *edge),
+                Node::Floor(argument) => Step::Floor(place(argument)),
+                Node::Curve(id, argument, derivative) => {
+                    Step::Curve(graph.curve(*id).clone(), place(argument), *derivative)
+                }
             };
             formula.steps.push(step);
         }
@@ -66,6 +82,14 @@ impl<R: Real> Formula<R> {
                 Step::Parameter(index) => parameters.get(*index).copied().unwrap_or(missing),
                 Step::Power(base, exponent) => power(values[*base], values[*exponent]),
                 Step::Call(function, argument) => function.of(values[*argument]),
+                Step::Switch(places, edge) => {
+                    let [surface, above, below] = places.map(|place| values[place]);
+                    edge.choose(surface, above, below)
+                }
+                Step::Floor(argument) => floor(values[*argument]),
+                Step::Curve(curve, argument, derivative) => {
+                    curve.value(values[*argument], *derivative)
+                }
                 Step::Sum(range) => {
                     let terms = &self.operands[range.clone()];
                     terms[1..]

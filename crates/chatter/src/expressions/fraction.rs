@@ -75,7 +75,12 @@ impl Graph {
     pub(super) fn binding(&self, expr: Expr) -> Binding {
         match self.node(expr) {
             Node::Sum(_) => Binding::Sum,
-            Node::Pi | Node::Symbol(_) | Node::Call(..) => Binding::Atom,
+            Node::Pi
+            | Node::Symbol(_)
+            | Node::Call(..)
+            | Node::Switch { .. }
+            | Node::Floor(_)
+            | Node::Curve(..) => Binding::Atom,
             Node::Number(_) | Node::Product(_) | Node::Power(..) => {
                 let fraction = self.fraction(expr);
                 if fraction.negative {

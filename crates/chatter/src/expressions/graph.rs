@@ -1,9 +1,12 @@
 //! The expression graph: every distinct subexpression is held once.
 
 use super::Number;
+use super::curve::Curve;
 use super::domain::{Domain, Folding};
+use super::piecewise::{CurveId, Edge};
 use crate::numerics::DoubleDouble;
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 /// Handle of an expression in the [`Graph`] that made it. Equal handles are equal expressions.
 ///
@@ -71,6 +74,21 @@ pub enum Node {
     Power(Expr, Expr),
     /// A function and its argument.
     Call(Function, Expr),
+    /// A choice by the sign of a surface.
+    Switch {
+        /// The function that vanishes where the choice changes.
+        surface: Expr,
+        /// The value where it is positive.
+        above: Expr,
+        /// The value where it is negative.
+        below: Expr,
+        /// The value where it is zero.
+        edge: Edge,
+    },
+    /// The largest whole number that does not exceed an expression.
+    Floor(Expr),
+    /// A curve at an argument, or so high a derivative of it.
+    Curve(CurveId, Expr, u8),
 }
 
 /// A graph of so many nodes is looked through as a whole: in a larger one of many small formulas that would take time
@@ -89,6 +107,7 @@ pub struct Graph {
     domains: Vec<Domain>,
     folding: Folding,
     known: HashMap<Node, Expr>,
+    pub(super) curves: Vec<Arc<Curve>>,
 }
 
 impl Graph {
@@ -254,7 +273,19 @@ impl Graph {
                 visit(*base);
                 visit(*exponent);
             }
-            Node::Call(_, argument) => visit(*argument),
+            Node::Call(_, argument) | Node::Floor(argument) | Node::Curve(_, argument, _) => {
+                visit(*argument);
+            }
+            Node::Switch {
+                surface,
+                above,
+                below,
+                ..
+            } => {
+                visit(*surface);
+                visit(*above);
+                visit(*below);
+            }
         }
     }
 }

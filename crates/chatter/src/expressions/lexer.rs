@@ -18,6 +18,10 @@ pub(super) enum Token {
     Open,
     Close,
     Comma,
+    Less,
+    AtMost,
+    Greater,
+    AtLeast,
     End,
 }
 
@@ -63,6 +67,12 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Lexeme>, ParseError> {
             '(' => (Token::Open, 1),
             ')' => (Token::Close, 1),
             ',' => (Token::Comma, 1),
+            '<' if rest.starts_with("<=") => (Token::AtMost, 2),
+            '>' if rest.starts_with(">=") => (Token::AtLeast, 2),
+            '<' => (Token::Less, 1),
+            '>' => (Token::Greater, 1),
+            '≤' => (Token::AtMost, character.len_utf8()),
+            '≥' => (Token::AtLeast, character.len_utf8()),
             '0'..='9' | '.' => {
                 let length = number_length(rest);
                 (Token::Number(number(text, at..at + length)?), length)

@@ -88,7 +88,17 @@ impl Lowering<'_> {
             Node::Power(base, exponent) => {
                 self.depends_on_state(base) || self.depends_on_state(exponent)
             }
-            Node::Call(_, argument) => self.depends_on_state(argument),
+            Node::Call(_, argument) | Node::Floor(argument) | Node::Curve(_, argument, _) => {
+                self.depends_on_state(argument)
+            }
+            Node::Switch {
+                surface,
+                above,
+                below,
+                ..
+            } => [surface, above, below]
+                .into_iter()
+                .any(|part| self.depends_on_state(part)),
         };
         self.stateful[expr.index()] = Some(answer);
         answer
@@ -142,8 +152,24 @@ impl Lowering<'_> {
             Node::Product(factors) => self.product(expr, &factors),
             Node::Power(base, exponent) => self.power(base, exponent),
             Node::Call(function, argument) => self.call(function, argument),
-            // Parameters and numbers never reach here: they are constants.
-            Node::Number(_) | Node::Pi | Node::Symbol(Symbol::Parameter(_)) => self.linear(&[expr]),
+            // Parameters and numbers never reach here: they are constants. Nor do corners, which the mode has settled: one
+            // that does is a constant without a value.
+            Node::Number(_)
+            | Node::Pi
+            | Node::Symbol(Symbol::Parameter(_))
+            | Node::Switch { .. }
+            | Node::Floor(_)
+            | Node::Curve(..) => {
+                let offset = Some(self.constant(expr));
+                let (out, end) = (self.new_slot(), self.tape.terms.len());
+                self.tape.ops.push(Op::Linear {
+                    out,
+                    offset,
+                    first: end,
+                    end,
+                });
+                out
+            }
         };
         self.series.insert(expr, slot);
         slot

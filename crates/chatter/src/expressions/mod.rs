@@ -1,6 +1,9 @@
 //! Expression graphs, their parser, derivatives and tapes.
 
 mod call;
+mod condition;
+mod corners;
+mod curve;
 mod derivative;
 mod display;
 mod domain;
@@ -15,6 +18,7 @@ mod number_text;
 mod operand;
 mod parse_error;
 mod parser;
+mod piecewise;
 mod product;
 mod series;
 mod singularity;
@@ -25,6 +29,8 @@ mod tape;
 mod tex_name;
 mod weighted;
 
+pub use corners::{Corners, LookedUpIn, Lookup, Side, Sides, Smooth, Surfaces};
+pub use curve::Curve;
 pub use display::Names;
 pub use domain::Folding;
 pub use formula::Formula;
@@ -33,6 +39,7 @@ pub use lexer::is_name;
 pub use number::Number;
 pub use parse_error::{ParseError, ParseErrorKind};
 pub use parser::{DEEPEST_NESTING, LONGEST_TEXT, names};
+pub use piecewise::{Condition, CurveId, Edge};
 pub use series::{Expansion, MAX_ORDER};
 pub use singularity::Singularity;
 pub use suggest::{is_reserved, nearest};

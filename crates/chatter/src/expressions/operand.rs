@@ -1,10 +1,12 @@
 //! Reads the operands of an expression: numbers, names, calls, parentheses.
 
+use super::condition::WORDS;
 use super::graph::Expr;
 use super::lexer::Token;
 use super::parse_error::{ParseError, ParseErrorKind};
 use super::parser::Parser;
-use super::suggest::{self, Callable};
+use super::piecewise::Condition;
+use super::suggest::{self, Arity, Callable};
 
 impl Parser<'_> {
     pub(super) fn operand(&mut self) -> Result<Expr, ParseError> {
@@ -37,6 +39,10 @@ impl Parser<'_> {
     fn name(&mut self) -> Result<Expr, ParseError> {
         let name_at = self.at;
         let name = &self.text[self.span()];
+        if WORDS.contains(&name) {
+            let kind = ParseErrorKind::StrayWord(name.to_string());
+            return Err(self.error(kind, None));
+        }
         self.advance();
         let is_called = self.token() == Token::Open;
         if let Some(callable) = suggest::callable(name) {
@@ -45,6 +51,13 @@ impl Parser<'_> {
             } else {
                 Err(self.bare_function(name_at))
             };
+        }
+        if is_called && let Some(curve) = self.graph.curve_named(name) {
+            let arguments = self.arguments()?;
+            let &[argument] = &arguments[..] else {
+                return Err(self.argument_count(name_at, Arity::Exactly(1), arguments.len()));
+            };
+            return Ok(self.graph.curve_at(curve, argument, 0));
         }
         let quantity = if name == suggest::PI {
             Some(self.graph.pi())
@@ -74,6 +87,37 @@ impl Parser<'_> {
     }
 
     fn call(&mut self, name_at: usize, callable: Callable) -> Result<Expr, ParseError> {
+        if callable == Callable::If {
+            return self.choice(name_at);
+        }
+        let arguments = self.arguments()?;
+        let arity = callable.arity();
+        if !arity.allows(arguments.len()) {
+            return Err(self.argument_count(name_at, arity, arguments.len()));
+        }
+        let graph = &mut *self.graph;
+        Ok(match (callable, &arguments[..]) {
+            (Callable::SquareRoot, &[x]) => graph.sqrt(x),
+            (Callable::Function(function), &[x]) => graph.call(function, x),
+            (Callable::Abs, &[x]) => graph.abs(x),
+            (Callable::Sign, &[x]) => graph.sign(x),
+            (Callable::Step, &[x]) => graph.step(x),
+            (Callable::Floor, &[x]) => graph.floor(x),
+            (Callable::Mod, &[x, m]) => graph.modulo(x, m),
+            (Callable::Atan2, &[y, x]) => graph.atan2(y, x),
+            (Callable::Hypot, &[x, y]) => graph.hypot(x, y),
+            (Callable::Clamp, &[x, low, high]) => graph.clamp(x, low, high),
+            (Callable::Max, &[first, ref rest @ ..]) => {
+                (rest.iter()).fold(first, |most, &next| graph.max(most, next))
+            }
+            (Callable::Min, &[first, ref rest @ ..]) => {
+                (rest.iter()).fold(first, |least, &next| graph.min(least, next))
+            }
+            _ => return Err(self.argument_count(name_at, arity, arguments.len())),
+        })
+    }
+
+    fn arguments(&mut self) -> Result<Vec<Expr>, ParseError> {
         self.open();
         let mut arguments = Vec::new();
         if self.token() != Token::Close {
@@ -83,20 +127,38 @@ impl Parser<'_> {
             }
         }
         self.close()?;
-        let &[argument] = &arguments[..] else {
-            return Err(ParseError {
-                span: self.lexemes[name_at].span.start..self.lexemes[self.at - 1].span.end,
-                kind: ParseErrorKind::ArgumentCount {
-                    function: self.written(name_at),
-                    found: arguments.len(),
-                },
-                suggestion: None,
-            });
-        };
-        Ok(match callable {
-            Callable::SquareRoot => self.graph.sqrt(argument),
-            Callable::Function(function) => self.graph.call(function, argument),
-        })
+        Ok(arguments)
+    }
+
+    /// `if(condition, yes, no)`.
+    fn choice(&mut self, name_at: usize) -> Result<Expr, ParseError> {
+        self.open();
+        if self.take(Token::Close) {
+            self.unclosed.pop();
+            return Err(self.argument_count(name_at, Callable::If.arity(), 0));
+        }
+        let condition: Condition = self.condition()?;
+        let mut pieces = Vec::new();
+        while self.take(Token::Comma) {
+            pieces.push(self.sum()?);
+        }
+        self.close()?;
+        match pieces[..] {
+            [yes, no] => Ok(self.graph.choose(&condition, yes, no)),
+            _ => Err(self.argument_count(name_at, Callable::If.arity(), pieces.len() + 1)),
+        }
+    }
+
+    fn argument_count(&self, name_at: usize, expected: Arity, found: usize) -> ParseError {
+        ParseError {
+            span: self.lexemes[name_at].span.start..self.lexemes[self.at - 1].span.end,
+            kind: ParseErrorKind::ArgumentCount {
+                function: self.written(name_at),
+                expected: expected.words(),
+                found,
+            },
+            suggestion: None,
+        }
     }
 
     fn bare_function(&self, name_at: usize) -> ParseError {
@@ -112,12 +174,12 @@ impl Parser<'_> {
         }
     }
 
-    fn open(&mut self) {
+    pub(super) fn open(&mut self) {
         self.unclosed.push(self.at);
         self.advance();
     }
 
-    fn close(&mut self) -> Result<(), ParseError> {
+    pub(super) fn close(&mut self) -> Result<(), ParseError> {
         if self.take(Token::Close) {
             self.unclosed.pop();
             return Ok(());
@@ -142,6 +204,13 @@ impl Parser<'_> {
         match self.token() {
             Token::Close => self.error(ParseErrorKind::UnopenedParenthesis, None),
             Token::Comma => self.error(ParseErrorKind::StrayComma, self.decimal_comma()),
+            Token::Less | Token::AtMost | Token::Greater | Token::AtLeast => {
+                self.error(ParseErrorKind::StrayComparison, None)
+            }
+            Token::Name if WORDS.contains(&&self.text[self.span()]) => {
+                let word = self.written(self.at);
+                self.error(ParseErrorKind::StrayWord(word), None)
+            }
             _ => {
                 let (before, after) = (self.written(self.at - 1), self.written(self.at));
                 ParseError {

@@ -42,10 +42,12 @@ pub enum ParseErrorKind {
     NotAFunction(String),
     /// A function without the parentheses of its argument.
     BareFunction(String),
-    /// A call with another number of arguments than one.
+    /// A call with another number of arguments than the function takes.
     ArgumentCount {
         /// The function.
         function: String,
+        /// How many it takes, in words.
+        expected: &'static str,
         /// How many arguments it was given.
         found: usize,
     },
@@ -63,6 +65,12 @@ pub enum ParseErrorKind {
         /// The beginning of the second.
         after: String,
     },
+    /// The first argument of `if` is a number.
+    NotACondition,
+    /// A comparison outside the first argument of `if`.
+    StrayComparison,
+    /// `and`, `or` or `not` outside the first argument of `if`.
+    StrayWord(String),
     /// A comma outside the argument list of a function.
     StrayComma,
     /// An opening parenthesis, at the span, is never closed.
@@ -108,12 +116,29 @@ impl fmt::Display for ParseErrorKind {
                     "the function `{name}` needs its argument in parentheses"
                 )
             }
-            Self::ArgumentCount { function, found } => {
+            Self::ArgumentCount {
+                function,
+                expected,
+                found,
+            } => {
+                let are = if *found == 1 { "is" } else { "are" };
                 write!(
                     out,
-                    "`{function}` takes one argument, but {found} are given"
+                    "`{function}` takes {expected}, but {found} {are} given"
                 )
             }
+            Self::NotACondition => write!(
+                out,
+                "the first argument of `if` is a condition such as `x > 0`, not a number"
+            ),
+            Self::StrayComparison => write!(
+                out,
+                "a comparison is true or false and no number: it stands in `if(x > 0, a, b)`"
+            ),
+            Self::StrayWord(word) => write!(
+                out,
+                "`{word}` joins conditions: it stands in the first argument of `if`"
+            ),
             Self::MissingOperand { after, found } => {
                 write!(out, "expected a number, a name or `(`")?;
                 if let Some(after) = after {

@@ -185,10 +185,10 @@ impl Parser<'_> {
         Ok(self.graph.power(base, exponent))
     }
 
-    fn nested(
+    pub(super) fn nested<T>(
         &mut self,
-        parse: impl FnOnce(&mut Self) -> Result<Expr, ParseError>,
-    ) -> Result<Expr, ParseError> {
+        parse: impl FnOnce(&mut Self) -> Result<T, ParseError>,
+    ) -> Result<T, ParseError> {
         if self.depth == DEEPEST_NESTING {
             return Err(self.error(ParseErrorKind::TooDeep, None));
         }

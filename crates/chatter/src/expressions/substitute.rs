@@ -24,6 +24,20 @@ impl Graph {
                     self.power(known[base.index()], known[exponent.index()])
                 }
                 Node::Call(function, argument) => self.call(function, known[argument.index()]),
+                Node::Switch {
+                    surface,
+                    above,
+                    below,
+                    edge,
+                } => {
+                    let [surface, above, below] =
+                        [surface, above, below].map(|part| known[part.index()]);
+                    self.switch(surface, above, below, edge)
+                }
+                Node::Floor(argument) => self.floor(known[argument.index()]),
+                Node::Curve(id, argument, derivative) => {
+                    self.curve_at(id, known[argument.index()], derivative)
+                }
             };
         }
         known[expr.index()]

@@ -7,9 +7,61 @@ use super::graph::Function;
 pub(super) enum Callable {
     Function(Function),
     SquareRoot,
+    Abs,
+    Sign,
+    Min,
+    Max,
+    Clamp,
+    Step,
+    If,
+    Mod,
+    Floor,
+    Atan2,
+    Hypot,
 }
 
-const FUNCTIONS: [(&str, Callable); 13] = [
+/// How many arguments a function takes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Arity {
+    Exactly(usize),
+    AtLeast(usize),
+}
+
+impl Arity {
+    pub fn allows(self, count: usize) -> bool {
+        match self {
+            Self::Exactly(wanted) => count == wanted,
+            Self::AtLeast(least) => count >= least,
+        }
+    }
+
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Exactly(1) => "one argument",
+            Self::Exactly(2) => "two arguments",
+            Self::Exactly(_) => "three arguments",
+            Self::AtLeast(_) => "two arguments or more",
+        }
+    }
+}
+
+impl Callable {
+    pub fn arity(self) -> Arity {
+        match self {
+            Self::Function(_)
+            | Self::SquareRoot
+            | Self::Abs
+            | Self::Sign
+            | Self::Step
+            | Self::Floor => Arity::Exactly(1),
+            Self::Mod | Self::Atan2 | Self::Hypot => Arity::Exactly(2),
+            Self::Clamp | Self::If => Arity::Exactly(3),
+            Self::Min | Self::Max => Arity::AtLeast(2),
+        }
+    }
+}
+
+const FUNCTIONS: [(&str, Callable); 24] = [
     ("sqrt", Callable::SquareRoot),
     ("exp", Callable::Function(Function::Exp)),
     ("log", Callable::Function(Function::Ln)),
@@ -23,13 +75,24 @@ const FUNCTIONS: [(&str, Callable); 13] = [
     ("sinh", Callable::Function(Function::Sinh)),
     ("cosh", Callable::Function(Function::Cosh)),
     ("tanh", Callable::Function(Function::Tanh)),
+    ("abs", Callable::Abs),
+    ("sign", Callable::Sign),
+    ("min", Callable::Min),
+    ("max", Callable::Max),
+    ("clamp", Callable::Clamp),
+    ("step", Callable::Step),
+    ("if", Callable::If),
+    ("mod", Callable::Mod),
+    ("floor", Callable::Floor),
+    ("atan2", Callable::Atan2),
+    ("hypot", Callable::Hypot),
 ];
 
 /// The name of the circle constant.
 pub(super) const PI: &str = "pi";
 
 /// Habits from other notations and languages.
-const ALIASES: [(&str, &str); 20] = [
+const ALIASES: [(&str, &str); 33] = [
     ("arcsin", "asin"),
     ("arccos", "acos"),
     ("arctan", "atan"),
@@ -50,6 +113,19 @@ const ALIASES: [(&str, &str); 20] = [
     ("cbrt", "x^(1/3)"),
     ("root", "sqrt"),
     ("√", "sqrt"),
+    ("sgn", "sign"),
+    ("signum", "sign"),
+    ("fabs", "abs"),
+    ("heaviside", "step"),
+    ("theta", "step"),
+    ("ceil", "-floor(-x)"),
+    ("round", "floor(x + 0.5)"),
+    ("trunc", "sign(x)*floor(abs(x))"),
+    ("fmod", "mod"),
+    ("where", "if"),
+    ("ifelse", "if"),
+    ("piecewise", "if"),
+    ("norm", "hypot"),
 ];
 
 /// The names of the functions, in the order they are listed to a reader.
@@ -67,7 +143,7 @@ pub(super) fn callable(name: &str) -> Option<Callable> {
 
 /// Whether the language keeps `name` for itself: the circle constant and the functions.
 pub fn is_reserved(name: &str) -> bool {
-    name == PI || callable(name).is_some()
+    name == PI || callable(name).is_some() || super::condition::WORDS.contains(&name)
 }
 
 /// The function, or formula, that an unknown function may stand for.
@@ -118,6 +194,11 @@ pub(super) fn for_character(character: char) -> Option<String> {
         '²' => "^2",
         '³' => "^3",
         '√' => "sqrt",
+        '=' => ">=",
+        '&' => "and",
+        '|' => "or",
+        '!' | '¬' => "not",
+        '%' => "mod(x, m)",
         '[' | '{' => "(",
         ']' | '}' => ")",
         '₀'..='₉' => {

@@ -150,7 +150,26 @@ fn phase(graph: &mut Graph, equations: &[Expr], state: usize) -> Option<Phase> {
                     change => change,
                 }
             }
-            Node::Call(_, argument) => bounded(&[argument], &changes),
+            Node::Curve(id, argument, _) => {
+                match (changes[argument.index()], graph.curve(id).period()) {
+                    (Change::Drift(rate), Some(period)) => {
+                        // As a sine whose argument turns once while the curve's goes through its period.
+                        let (two, pi) = (graph.number(2.0), graph.pi());
+                        let period = graph.number_exact(period);
+                        let turns = graph.div(rate, period);
+                        rates.push(graph.product(&[two, pi, turns]));
+                        Change::Periodic
+                    }
+                    _ => bounded(&[argument], &changes),
+                }
+            }
+            Node::Call(_, argument) | Node::Floor(argument) => bounded(&[argument], &changes),
+            Node::Switch {
+                surface,
+                above,
+                below,
+                ..
+            } => bounded(&[surface, above, below], &changes),
         };
     }
     let change = |equation: &Expr| changes[equation.index()];

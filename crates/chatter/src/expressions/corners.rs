@@ -1,0 +1,384 @@
+//! The corners of a set of expressions: surfaces whose sign chooses between pieces, and arguments that are looked up in
+//! curves or rounded down. Which piece holds is data; given that, expressions are smooth.
+
+use super::graph::{Expr, Graph, Node};
+use super::piecewise::{CurveId, Edge, floor};
+use crate::numerics::{DoubleDouble, Real};
+use std::collections::HashMap;
+
+/// Where a state stands to a surface.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Side {
+    /// Where the surface's function is positive.
+    Above,
+    /// Where it is negative.
+    Below,
+    /// On it, held there by the fields of both sides.
+    Sliding,
+}
+
+impl Side {
+    /// 1 above, -1 below, 0 on the surface.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Above => 1.0,
+            Self::Below => -1.0,
+            Self::Sliding => 0.0,
+        }
+    }
+}
+
+/// The side of every surface.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default)]
+pub struct Sides(u128);
+
+impl Sides {
+    /// How many surfaces can be told apart.
+    pub const MOST: usize = 64;
+
+    /// The side of a surface.
+    pub fn get(self, surface: usize) -> Side {
+        match self.0 >> (2 * surface) & 3 {
+            0 => Side::Above,
+            1 => Side::Below,
+            _ => Side::Sliding,
+        }
+    }
+
+    /// The same but for one surface.
+    #[must_use]
+    pub fn with(self, surface: usize, side: Side) -> Self {
+        let bits = match side {
+            Side::Above => 0,
+            Side::Below => 1,
+            Side::Sliding => 2,
+        };
+        Self(self.0 & !(3 << (2 * surface)) | bits << (2 * surface))
+    }
+
+    /// Whether the surfaces of a set are on the same sides.
+    pub fn agree(self, other: Self, surfaces: Surfaces) -> bool {
+        let mut rest = surfaces.0;
+        let mut mask = 0_u128;
+        while rest != 0 {
+            mask |= 3 << (2 * rest.trailing_zeros());
+            rest &= rest - 1;
+        }
+        (self.0 ^ other.0) & mask == 0
+    }
+}
+
+/// A set of surfaces, or of lookups.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct Surfaces(u64);
+
+impl Surfaces {
+    /// The set with one more.
+    #[must_use]
+    pub fn with(self, surface: usize) -> Self {
+        Self(self.0 | 1 << surface)
+    }
+
+    /// What is in either set.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether it is in the set.
+    pub fn contains(self, surface: usize) -> bool {
+        self.0 >> surface & 1 == 1
+    }
+
+    /// Its members, ascending.
+    pub fn members(self) -> impl Iterator<Item = usize> {
+        let mut rest = self.0;
+        core::iter::from_fn(move || {
+            let first = (rest != 0).then(|| rest.trailing_zeros() as usize)?;
+            rest &= rest - 1;
+            Some(first)
+        })
+    }
+}
+
+/// What an argument is looked up in.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum LookedUpIn {
+    /// The whole numbers: the argument is rounded down.
+    WholeNumbers,
+    /// A curve.
+    Curve(CurveId),
+}
+
+/// An argument that is looked up: on each piece the result is a polynomial, whose coefficients are parameters of the mode.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Lookup {
+    /// The argument, as it was written.
+    pub argument: Expr,
+    /// In what.
+    pub within: LookedUpIn,
+}
+
+/// Parameters of a lookup: where its piece begins and ends, where its polynomial is centred, and the coefficients.
+pub const LOOKUP_SLOTS: usize = 7;
+
+/// A piece without end goes on this far.
+const ENDLESS: f64 = 1e200;
+
+/// All corners that a set of expressions may have.
+#[derive(Clone, Debug, Default)]
+pub struct Corners {
+    /// The functions whose sign chooses, as they were written.
+    pub surfaces: Vec<Expr>,
+    /// For each of them what holds where it is exactly zero, by the first choice that asks for it.
+    edges: Vec<Edge>,
+    /// What is looked up.
+    pub lookups: Vec<Lookup>,
+    /// The number of the first parameter of the first lookup.
+    pub first_slot: usize,
+}
+
+/// Expressions on one side of every surface.
+#[derive(Clone, Debug)]
+pub struct Smooth {
+    /// The expressions, in order.
+    pub exprs: Vec<Expr>,
+    /// The surfaces on whose side they depend.
+    pub surfaces: Surfaces,
+    /// The lookups in them.
+    pub lookups: Surfaces,
+}
+
+impl Corners {
+    /// The corners of all expressions that `roots` are made of. The parameters of lookups come after `parameters` others.
+    pub fn of(graph: &Graph, roots: &[Expr], parameters: usize) -> Self {
+        let parts = graph.reachable(roots);
+        let moves = graph.depend_on_state(&parts);
+        let mut corners = Self {
+            first_slot: parameters,
+            ..Self::default()
+        };
+        for (&part, _) in parts.iter().zip(moves).filter(|&(_, moves)| moves) {
+            match *graph.node(part) {
+                Node::Switch { surface, edge, .. } if !corners.surfaces.contains(&surface) => {
+                    corners.surfaces.push(surface);
+                    corners.edges.push(edge);
+                }
+                Node::Floor(_) | Node::Curve(..) => {
+                    if let Some(lookup) = lookup(graph, part)
+                        && !corners.lookups.contains(&lookup)
+                    {
+                        corners.lookups.push(lookup);
+                    }
+                }
+                _ => {}
+            }
+        }
+        corners
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.surfaces.is_empty() && self.lookups.is_empty()
+    }
+
+    /// How many parameters lookups add to those of the model.
+    pub fn slots(&self) -> usize {
+        self.lookups.len() * LOOKUP_SLOTS
+    }
+
+    /// The expressions on the given side of each surface, lookups as polynomials. Of a surface that is slid on the side
+    /// above is taken.
+    pub fn smooth(&self, graph: &mut Graph, sides: Sides, exprs: &[Expr]) -> Smooth {
+        let mut found = Smooth {
+            exprs: Vec::with_capacity(exprs.len()),
+            surfaces: Surfaces::default(),
+            lookups: Surfaces::default(),
+        };
+        if self.is_empty() {
+            found.exprs.extend_from_slice(exprs);
+            return found;
+        }
+        let parts = graph.reachable(exprs);
+        let moves = graph.depend_on_state(&parts);
+        // What is needed, from the outside in: of a choice only the piece that holds.
+        let mut needed: HashMap<Expr, bool> = parts.iter().map(|&part| (part, false)).collect();
+        for expr in exprs {
+            needed.insert(*expr, true);
+        }
+        for (&part, &moves) in parts.iter().zip(&moves).rev() {
+            if !needed[&part] {
+                continue;
+            }
+            match (moves, graph.node(part)) {
+                (
+                    true,
+                    &Node::Switch {
+                        surface,
+                        above,
+                        below,
+                        ..
+                    },
+                ) => {
+                    if let Some(index) = self.surface(surface) {
+                        found.surfaces = found.surfaces.with(index);
+                        let chosen = match sides.get(index) {
+                            Side::Above | Side::Sliding => above,
+                            Side::Below => below,
+                        };
+                        needed.insert(chosen, true);
+                    }
+                }
+                _ => graph.for_each_operand(part, |operand| {
+                    needed.insert(operand, true);
+                }),
+            }
+        }
+        let mut known: HashMap<Expr, Expr> = HashMap::with_capacity(parts.len());
+        for (&part, &moves) in parts.iter().zip(&moves) {
+            if !needed[&part] {
+                continue;
+            }
+            let of = |part: &Expr| known.get(part).copied().unwrap_or(*part);
+            let smooth = match graph.node(part).clone() {
+                _ if !moves => part,
+                Node::Number(_) | Node::Pi | Node::Symbol(_) => part,
+                Node::Sum(terms) => {
+                    let terms: Vec<Expr> = terms.iter().map(of).collect();
+                    graph.sum(&terms)
+                }
+                Node::Product(factors) => {
+                    let factors: Vec<Expr> = factors.iter().map(of).collect();
+                    graph.product(&factors)
+                }
+                Node::Power(base, exponent) => graph.power(of(&base), of(&exponent)),
+                Node::Call(function, argument) => graph.call(function, of(&argument)),
+                Node::Switch {
+                    surface,
+                    above,
+                    below,
+                    ..
+                } => {
+                    let index = self.surface(surface);
+                    match index.map(|index| sides.get(index)) {
+                        Some(Side::Below) => of(&below),
+                        _ => of(&above),
+                    }
+                }
+                Node::Floor(argument) => {
+                    self.piece(graph, part, of(&argument), 0, &mut found.lookups)
+                }
+                Node::Curve(_, argument, derivative) => {
+                    self.piece(graph, part, of(&argument), derivative, &mut found.lookups)
+                }
+            };
+            known.insert(part, smooth);
+        }
+        found.exprs.extend(exprs.iter().map(|expr| known[expr]));
+        found
+    }
+
+    /// The number of a surface.
+    pub fn surface(&self, surface: Expr) -> Option<usize> {
+        self.surfaces.iter().position(|&known| known == surface)
+    }
+
+    /// The polynomial of a lookup's piece, or a derivative of it.
+    fn piece(
+        &self,
+        graph: &mut Graph,
+        part: Expr,
+        argument: Expr,
+        derivative: u8,
+        used: &mut Surfaces,
+    ) -> Expr {
+        let Some(index) = lookup(graph, part)
+            .and_then(|lookup| self.lookups.iter().position(|&known| known == lookup))
+        else {
+            return part;
+        };
+        *used = used.with(index);
+        let degree = match self.lookups[index].within {
+            LookedUpIn::WholeNumbers => 0,
+            LookedUpIn::Curve(id) => graph.curve(id).degree(),
+        };
+        let first = self.first_slot + index * LOOKUP_SLOTS;
+        let origin = graph.parameter(first + 2);
+        let along = graph.sub(argument, origin);
+        let mut terms = vec![graph.number(0.0)];
+        for k in usize::from(derivative)..=degree {
+            let falling = (0..usize::from(derivative)).map(|i| (k - i) as f64);
+            let factor = graph.number(falling.product());
+            let coefficient = graph.parameter(first + 3 + k);
+            let exponent = graph.number((k - usize::from(derivative)) as f64);
+            let power = graph.power(along, exponent);
+            terms.push(graph.product(&[factor, coefficient, power]));
+        }
+        graph.sum(&terms)
+    }
+
+    /// Where the pieces of a lookup end, as functions that are positive within: of its lower and its upper end.
+    pub fn ends(&self, graph: &mut Graph, index: usize, argument: Expr) -> [Expr; 2] {
+        let first = self.first_slot + index * LOOKUP_SLOTS;
+        let (low, high) = (graph.parameter(first), graph.parameter(first + 1));
+        [graph.sub(argument, low), graph.sub(high, argument)]
+    }
+
+    /// The side of every surface, and the piece of every lookup, by the values at a state.
+    pub fn at<R: Real>(&self, graph: &Graph, states: &[R], parameters: &[R]) -> (Sides, Vec<i64>) {
+        let surfaces = graph.evaluate_all(&self.surfaces, states, parameters);
+        let mut sides = Sides::default();
+        for (index, &value) in surfaces.iter().enumerate() {
+            let on_it = value == R::ZERO && self.edges[index] == Edge::Below;
+            if value < R::ZERO || on_it {
+                sides = sides.with(index, Side::Below);
+            }
+        }
+        let arguments: Vec<Expr> = self.lookups.iter().map(|lookup| lookup.argument).collect();
+        let arguments = graph.evaluate_all(&arguments, states, parameters);
+        let pieces = (self.lookups.iter().zip(&arguments))
+            .map(|(lookup, &argument)| match lookup.within {
+                LookedUpIn::WholeNumbers => floor(argument).to_f64() as i64,
+                LookedUpIn::Curve(id) => graph.curve(id).piece_at(argument.to_double_double()),
+            })
+            .collect();
+        (sides, pieces)
+    }
+
+    /// The parameters of a piece of a lookup; none where there is none.
+    pub fn slots_of<R: Real>(&self, graph: &Graph, index: usize, piece: i64) -> Option<Vec<R>> {
+        let wide = |value: DoubleDouble| R::from_double_double(value);
+        match self.lookups[index].within {
+            LookedUpIn::WholeNumbers => {
+                let low = R::splat(piece as f64);
+                let zero = R::ZERO;
+                Some(vec![low, low + R::ONE, zero, low, zero, zero, zero])
+            }
+            LookedUpIn::Curve(id) => {
+                let piece = graph.curve(id).piece(piece)?;
+                let end = |end: Option<DoubleDouble>, far: f64| end.map_or(R::splat(far), wide);
+                let mut slots = vec![
+                    end(piece.low, -ENDLESS),
+                    end(piece.high, ENDLESS),
+                    wide(piece.origin),
+                ];
+                slots.extend(piece.coefficients.iter().map(|&c| wide(c)));
+                Some(slots)
+            }
+        }
+    }
+}
+
+fn lookup(graph: &Graph, part: Expr) -> Option<Lookup> {
+    match *graph.node(part) {
+        Node::Floor(argument) => Some(Lookup {
+            argument,
+            within: LookedUpIn::WholeNumbers,
+        }),
+        Node::Curve(id, argument, _) => Some(Lookup {
+            argument,
+            within: LookedUpIn::Curve(id),
+        }),
+        _ => None,
+    }
+}
