@@ -15,7 +15,7 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::Closed;
 use crate::flow::step::{FOREVER, Workspace, flight_time, legal_rates};
 use crate::flow::system::System;
-use crate::flow::touch::Touch;
+use crate::flow::touch::{Touch, TouchConstants, Touches};
 use crate::model::Simultaneous;
 use crate::numerics::complementarity::complementary;
 use crate::numerics::{Real, WithTerms, two_sum};
@@ -98,13 +98,8 @@ impl<R: Real> Trajectory<R> {
                 Simultaneous::Binary => {
                     let restitution = touch.restitution[fastest].value;
                     self.check_restitution(fastest, restitution)?;
-                    let (after, low) = system.touches().after_collision(
-                        &self.touch_constants,
-                        fastest,
-                        &self.state,
-                        &self.low,
-                    );
-                    (self.state, self.low) = (after, low);
+                    (self.state, self.low) = self.after_collision(system, fastest)?;
+                    self.stop_sliding(system, fastest)?;
                     let rate = touch.rate[fastest].value;
                     vec![(fastest, rate, -(restitution * rate))]
                 }
@@ -212,6 +207,7 @@ impl<R: Real> Trajectory<R> {
             self.leave_gap(system, contact, 1);
         }
         self.flight_time = R::splat(FOREVER);
+        self.settle_corners(system, None)?;
         if resting != Closed::NONE {
             self.bring_to_rest(system, work, resting)?;
         }
@@ -325,14 +321,45 @@ impl<R: Real> Trajectory<R> {
 
     /// All contacts at the present state.
     pub(super) fn touch_values(&self, system: &System) -> Result<Touch<R>, FlowError> {
-        let touch = system
-            .touches()
-            .at(&self.touch_constants, &self.state, &self.low);
+        let (touches, constants) = self.touches(system)?;
+        let touch = touches.at(constants, &self.state, &self.low);
         if touch.is_finite() {
             Ok(touch)
         } else {
             Err(self.left_domain())
         }
+    }
+
+    /// What says of all contacts at once, on the sides where the state is, with its constants.
+    fn touches<'s>(
+        &'s self,
+        system: &'s System,
+    ) -> Result<(&'s Touches, &'s TouchConstants<R>), FlowError> {
+        let touches = system.touches(self.flight);
+        let constants = self.touch_constants.get(self.flight);
+        touches
+            .zip(constants.and_then(Option::as_ref))
+            .ok_or_else(|| self.left_domain())
+    }
+
+    fn after_collision(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<(Vec<R>, Vec<R>), FlowError> {
+        let (touches, constants) = self.touches(system)?;
+        Ok(touches.after_collision(constants, contact, &self.state, &self.low))
+    }
+
+    /// The rate of sliding of a contact with friction, and the change of the state that makes it larger by one and leaves
+    /// the gap rate as it is.
+    pub(super) fn sliding(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<Option<(R, Vec<R>)>, FlowError> {
+        let (touches, constants) = self.touches(system)?;
+        Ok(touches.sliding(constants, contact, &self.state, &self.low))
     }
 
     fn check_restitution(&self, contact: usize, value: R) -> Result<(), FlowError> {
@@ -365,14 +392,14 @@ impl<R: Real> Trajectory<R> {
             return Ok(Vec::new());
         }
         let rate = touch.rate[contact].value;
-        let touches = system.touches();
-        let slopes = touches.slopes(&self.touch_constants, contact, &self.state, &self.low);
+        let (touches, constants) = self.touches(system)?;
+        let slopes = touches.slopes(constants, contact, &self.state, &self.low);
         let shifts: Vec<R> = slopes.iter().map(|&slope| -(slope / rate)).collect();
         self.shift_columns(system, work, &shifts, R::ONE)?;
         Ok(shifts)
     }
 
-    fn shift_columns(
+    pub(super) fn shift_columns(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,

@@ -36,7 +36,43 @@ impl<R: Real> Trajectory<R> {
         if residuals.iter().all(|&value| value == R::ZERO) {
             return Ok(());
         }
+        self.stay_on_surfaces(system, work)?;
+        if self.closed == Closed::NONE {
+            return Ok(());
+        }
         self.project(system, self.closed)
+    }
+
+    /// Puts the state back onto the surfaces that it slides along, and rates of sliding that stick to zero: by the least
+    /// displacement.
+    fn stay_on_surfaces(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<(), FlowError> {
+        let first = 2 * self.closed.contacts().count();
+        for _ in 0..CORRECTIONS {
+            let program = self.program(system)?;
+            let Some(constants) = &self.constants[self.mode] else {
+                return Ok(());
+            };
+            let start = (&self.state[..], &self.low[..]);
+            let mut values = vec![R::ZERO; program.residuals.outputs.len()];
+            work.values_at(&program.residuals, &constants.residuals, start, &mut values);
+            let mut gradients = vec![R::ZERO; program.held_gradients.outputs.len()];
+            let own = &constants.held_gradients;
+            work.values_at(&program.held_gradients, own, start, &mut gradients);
+            for (value, gradient) in values[first..]
+                .iter()
+                .zip(gradients.chunks(self.coordinates))
+            {
+                let square = gradient.iter().fold(R::ZERO, |sum, &g| g.mul_add(g, sum));
+                if *value != R::ZERO && square > R::ZERO {
+                    self.push(gradient, -(*value / square));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Makes gaps and rates of these contacts zero: gaps by the least displacement, rates along the impulses.
