@@ -261,26 +261,39 @@ impl<R: Real> Trajectory<R> {
 
     /// Brings all contacts to rest whose remaining motion is below rounding: chatter of several at once. Returns whether
     /// there were any.
+    ///
+    /// The impulse that does so may take others along that touch as well, and still move: those come to rest with them, or
+    /// collide now.
     pub(super) fn end_burst(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
     ) -> Result<bool, FlowError> {
-        let touch = self.touch_values(system)?;
         let span = self.rest_of_burst();
-        let near = self.near_contacts(&touch, span, |rate, slow| rate <= slow);
-        let resting = Closed(self.closed.0 | near.0);
-        let Some(contact) = Closed(near.0 & !self.closed.0).contacts().next() else {
-            return Ok(false);
-        };
-        self.pending.push_back(Occurrence::Accumulation {
-            contact,
-            impacts: self.burst as u64,
-            error: span.to_f64(),
-        });
-        self.burst = 0;
-        self.bring_to_rest(system, work, resting)?;
-        Ok(true)
+        let mut decided = self.closed;
+        let mut ended = false;
+        loop {
+            let touch = self.touch_values(system)?;
+            let near = self.near_contacts(&touch, span, |rate, slow| rate <= slow);
+            let Some(contact) = Closed(near.0 & !decided.0).contacts().next() else {
+                break;
+            };
+            if !ended {
+                self.pending.push_back(Occurrence::Accumulation {
+                    contact,
+                    impacts: self.burst as u64,
+                    error: span.to_f64(),
+                });
+            }
+            ended = true;
+            decided = Closed(decided.0 | near.0);
+            self.bring_to_rest(system, work, Closed(near.0 & !self.closed.0))?;
+        }
+        if ended {
+            self.burst = 0;
+            self.end_squeeze(system, work)?;
+        }
+        Ok(ended)
     }
 
     /// A body that is squeezed hits both its neighbours ever faster, and meets them at one instant with a rate that is
