@@ -26,6 +26,10 @@ const TOLD: u64 = 64;
 /// A cascade has converged long before, whatever the restitution: it is none.
 const MOST: u64 = 100_000;
 
+/// A cascade that is told as a whole stops where no rate is closing by more than rounding; what it would still do to the rates
+/// of contacts beside is a few times that.
+const SETTLED_LEVELS: f64 = 64.0;
+
 /// Outcomes of two orders of collisions are one if they agree to this part of the greatest rate.
 const SAME_OUTCOME: f64 = 1e-9;
 
@@ -35,7 +39,8 @@ pub(super) struct Collisions<R> {
     touching: Closed,
     /// How many there were so far.
     count: u64,
-    /// The greatest rate that each contact of the system has had at this instant.
+    /// The greatest rate that each contact of the system has had at this instant, in earlier collisions, too: from what a
+    /// squeezed body has lost, nothing is told apart any more.
     greatest: Vec<R>,
     /// The shift of the event's time, one a column of derivatives.
     shifts: Vec<R>,
@@ -60,7 +65,7 @@ impl<R: Real> Trajectory<R> {
         self.collisions = Some(Collisions {
             touching,
             count: 0,
-            greatest: vec![R::ZERO; system.contacts()],
+            greatest: self.greatest_rates(system),
             shifts,
         });
         if self.law == Simultaneous::Binary
@@ -194,8 +199,14 @@ impl<R: Real> Trajectory<R> {
         };
         let mut resting = Closed::NONE;
         let mut separating = Closed::NONE;
+        let levels = if collisions.count > TOLD {
+            SETTLED_LEVELS
+        } else {
+            1.0
+        };
         for contact in collisions.touching.contacts() {
-            if touch.rate[contact].value <= collisions.level(touch, contact) {
+            let level = collisions.level(touch, contact) * R::splat(levels);
+            if touch.rate[contact].value <= level {
                 resting = resting.with(contact);
             } else {
                 separating = separating.with(contact);
@@ -213,6 +224,7 @@ impl<R: Real> Trajectory<R> {
         }
         // At fixed time again, in the mode that follows.
         self.shift_columns(system, work, &collisions.shifts, -R::ONE)?;
+        self.rates_of_instant = collisions.greatest;
         self.burst += collisions.count as usize;
         self.after_collisions(system, work, separating)
     }
@@ -245,26 +257,39 @@ impl<R: Real> Trajectory<R> {
 
     /// Brings all contacts to rest whose remaining motion is below rounding: chatter of several at once. Returns whether
     /// there were any.
+    ///
+    /// The impulse that does so may take others along that touch as well, and still move: those come to rest with them, or
+    /// collide now.
     pub(super) fn end_burst(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
     ) -> Result<bool, FlowError> {
-        let touch = self.touch_values(system)?;
         let span = self.rest_of_burst();
-        let near = self.near_contacts(&touch, span, |rate, slow| rate <= slow);
-        let resting = Closed(self.closed.0 | near.0);
-        let Some(contact) = Closed(near.0 & !self.closed.0).contacts().next() else {
-            return Ok(false);
-        };
-        self.pending.push_back(Occurrence::Accumulation {
-            contact,
-            impacts: self.burst as u64,
-            error: span.to_f64(),
-        });
-        self.burst = 0;
-        self.bring_to_rest(system, work, resting)?;
-        Ok(true)
+        let mut decided = self.closed;
+        let mut ended = false;
+        loop {
+            let touch = self.touch_values(system)?;
+            let near = self.near_contacts(&touch, span, |rate, slow| rate <= slow);
+            let Some(contact) = Closed(near.0 & !decided.0).contacts().next() else {
+                break;
+            };
+            if !ended {
+                self.pending.push_back(Occurrence::Accumulation {
+                    contact,
+                    impacts: self.burst as u64,
+                    error: span.to_f64(),
+                });
+            }
+            ended = true;
+            decided = Closed(decided.0 | near.0);
+            self.bring_to_rest(system, work, Closed(near.0 & !self.closed.0))?;
+        }
+        if ended {
+            self.burst = 0;
+            self.end_squeeze(system, work)?;
+        }
+        Ok(ended)
     }
 
     /// A body that is squeezed hits both its neighbours ever faster, and meets them at one instant with a rate that is
@@ -285,7 +310,11 @@ impl<R: Real> Trajectory<R> {
         let Some(fastest) = touching.contacts().min_by(slower) else {
             return Ok(false);
         };
-        let closes = rate(fastest) < -touch.rate[fastest].level();
+        let before = (self.rates_of_instant.get(fastest)).map_or(R::ZERO, |&rate| rate);
+        let level = touch.rate[fastest]
+            .level()
+            .max(WithTerms::exact(before).level());
+        let closes = rate(fastest) < -level;
         if !closes || touching.contacts().count() < 2 {
             return Ok(false);
         }
@@ -378,6 +407,13 @@ impl<R: Real> Trajectory<R> {
             time: self.time.to_f64(),
             contacts: contacts.to_vec(),
         }
+    }
+
+    /// The greatest rates of all contacts since time last passed.
+    fn greatest_rates(&self, system: &System) -> Vec<R> {
+        let mut rates = self.rates_of_instant.clone();
+        rates.resize(system.contacts(), R::ZERO);
+        rates
     }
 
     /// Turns columns at fixed time into those of the event's point; returns the shifts of its time.

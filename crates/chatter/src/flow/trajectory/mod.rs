@@ -75,6 +75,8 @@ pub struct Trajectory<R> {
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
     burst: usize,
+    /// The greatest rates that contacts had in collisions since then.
+    rates_of_instant: Vec<R>,
     /// Collisions that are still to come at this instant.
     collisions: Option<Collisions<R>>,
     /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
@@ -406,6 +408,7 @@ impl<R: Real> Trajectory<R> {
         }
         if result.step > negligible {
             self.burst = 0;
+            self.rates_of_instant.clear();
             self.longest_step = self.longest_step.max(result.step);
         }
         if !program.residuals.outputs.is_empty() {

@@ -57,6 +57,7 @@ impl<R: Real> Trajectory<R> {
             latest_impact: None,
             longest_step: R::ZERO,
             burst: 0,
+            rates_of_instant: Vec::new(),
             collisions: None,
             completion: None,
             may_have_crossed: false,
@@ -193,6 +194,7 @@ impl<R: Real> Trajectory<R> {
         self.latest_impact = None;
         self.longest_step = R::ZERO;
         self.burst = 0;
+        self.rates_of_instant.clear();
         self.collisions = None;
         self.completion = None;
         self.may_have_crossed = false;
