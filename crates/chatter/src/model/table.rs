@@ -159,15 +159,16 @@ impl<'i> TableReader<'i> {
                 .and_then(|value| value.to_string().parse().ok()),
         };
         let Some(number) = number else {
-            let text = self
-                .text
-                .get(place.span.clone())
-                .unwrap_or_default()
-                .to_owned();
+            let text = self.written(place).to_owned();
             self.report(ModelErrorKind::NotANumber { text }, place);
             return Content::Broken;
         };
         Content::Number(number)
+    }
+
+    /// What stands there.
+    pub fn written(&self, place: &Place) -> &'i str {
+        self.text.get(place.span.clone()).unwrap_or_default()
     }
 
     /// One of the directions.
