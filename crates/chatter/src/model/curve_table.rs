@@ -1,11 +1,13 @@
 //! The knots of a table, from its keys or from a file that it names.
 
-use super::data_file::{Loader, Wanted, read_columns};
 use super::data_file::{DataFileError, Where};
+use super::data_file::{Loader, Wanted, read_columns};
 use super::draft::{Column, Content, Formula, KnotsDraft, Name, Place, SourceText};
 use super::error::{ModelError, ModelErrorKind};
 use super::table::{Item, TableReader};
-use crate::expressions::{CURVE_KINDS, CurveKind, Graph, OUTSIDES, Outside, ParseErrorKind, nearest};
+use crate::expressions::{
+    CURVE_KINDS, CurveKind, Graph, OUTSIDES, Outside, ParseErrorKind, nearest,
+};
 use crate::numerics::DoubleDouble;
 use std::sync::Arc;
 use toml::Spanned;
@@ -74,7 +76,12 @@ impl<'i> TableReader<'i> {
 
     /// Numbers stand in the table or in a file.
     fn check_keys(&mut self, table: String, name: &Name, given: &[(&'static str, Place)]) {
-        let place = |key: &str| given.iter().find(|(given, _)| *given == key).map(|(_, place)| place);
+        let place = |key: &str| {
+            given
+                .iter()
+                .find(|(given, _)| *given == key)
+                .map(|(_, place)| place)
+        };
         if place("file").is_some() {
             for key in ["x", "y"] {
                 if let Some(place) = place(key) {
@@ -127,7 +134,11 @@ impl<'i> TableReader<'i> {
         if found != 2 {
             let what = what.to_owned();
             let expected = "two, for the first and the last";
-            let expected = if what == "columns" { "two, for x and y" } else { expected };
+            let expected = if what == "columns" {
+                "two, for x and y"
+            } else {
+                expected
+            };
             let kind = ModelErrorKind::WrongLength {
                 what,
                 found,
@@ -140,7 +151,11 @@ impl<'i> TableReader<'i> {
 
     fn columns(&mut self, value: &Spanned<DeValue<'i>>) -> Option<([Wanted; 2], [Place; 2])> {
         let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type("columns".to_owned(), "an array of two names or numbers", value);
+            self.wrong_type(
+                "columns".to_owned(),
+                "an array of two names or numbers",
+                value,
+            );
             return None;
         };
         let place = self.place(value.span());
@@ -185,7 +200,7 @@ impl<'i> TableReader<'i> {
         // A file that holds something else has it in every line: the first is enough.
         for value in array {
             let formula = self.formula(format!("each of {what}"), value);
-            let number = match constant(&formula) {
+            let number = match self.constant(&formula) {
                 Ok(number) => number?,
                 Err(error) => {
                     self.errors.push(error);
@@ -196,6 +211,35 @@ impl<'i> TableReader<'i> {
             column.spans.push(value.span());
         }
         Some(column)
+    }
+
+    /// The value of a number, or of an expression that depends on nothing; `None` where it is none, which has been
+    /// reported.
+    fn constant(&self, formula: &Formula) -> Result<Option<DoubleDouble>, ModelError> {
+        let text = match &formula.content {
+            Content::Number(number) => return Ok(Some(*number)),
+            Content::Broken => return Ok(None),
+            Content::Text(text) => text,
+        };
+        let mut graph = Graph::default();
+        let error = match graph.parse(text, &|_| None, &[]) {
+            Ok(expr) => return Ok(Some(graph.evaluate(expr, &[], &[]))),
+            Err(error) => error,
+        };
+        let place = formula.place.inside(error.span.clone());
+        let kind = match &error.kind {
+            ParseErrorKind::UnknownName(on) if error.suggestion.is_none() => {
+                ModelErrorKind::TableNotConstant { on: on.clone() }
+            }
+            ParseErrorKind::UnknownFunction(on) if self.tables.contains(on) => {
+                ModelErrorKind::TableNotConstant { on: on.clone() }
+            }
+            _ => ModelErrorKind::Expression {
+                error,
+                known: Vec::new(),
+            },
+        };
+        Err(ModelError::new(kind, &place))
     }
 
     /// Both columns of a file.
@@ -259,28 +303,4 @@ impl<'i> TableReader<'i> {
 /// The words where a model names the file in which something is wrong.
 pub(super) fn read_for(table: &str) -> String {
     format!("read here for table `{table}`")
-}
-
-/// The value of a number, or of an expression that depends on nothing; `None` where it is none, which has been reported.
-fn constant(formula: &Formula) -> Result<Option<DoubleDouble>, ModelError> {
-    let text = match &formula.content {
-        Content::Number(number) => return Ok(Some(*number)),
-        Content::Broken => return Ok(None),
-        Content::Text(text) => text,
-    };
-    let mut graph = Graph::default();
-    match graph.parse(text, &|_| None, &[]) {
-        Ok(expr) => Ok(Some(graph.evaluate(expr, &[], &[]))),
-        Err(error) => {
-            let place = formula.place.inside(error.span.clone());
-            let kind = match error.kind {
-                ParseErrorKind::UnknownName(on) => ModelErrorKind::TableNotConstant { on },
-                _ => ModelErrorKind::Expression {
-                    error,
-                    known: Vec::new(),
-                },
-            };
-            Err(ModelError::new(kind, &place))
-        }
-    }
 }

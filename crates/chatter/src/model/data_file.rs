@@ -101,7 +101,9 @@ impl DataFileError {
             Self::Empty => "expected a line for each knot".to_owned(),
             Self::TooLong { .. } => format!("expected {MOST_KNOTS} at most"),
             Self::NoColumn { known, .. } => format!("expected {}", alternatives(known)),
-            Self::NoNames { .. } => "expected its number, from 1: its columns have no names".to_owned(),
+            Self::NoNames { .. } => {
+                "expected its number, from 1: its columns have no names".to_owned()
+            }
             Self::TwoColumns { .. } => "expected its number, from 1".to_owned(),
             Self::FewColumns { columns: found, .. } => format!("it has {}", columns(*found)),
             Self::Ragged { columns: first, .. } => format!("the first line has {first}"),
@@ -167,7 +169,8 @@ pub(super) fn read_columns(
     let separator = Separator::of(&text[first.clone()]);
     let fields = separator.fields(text, first.clone())?;
     let columns = fields.len();
-    let has_names = (fields.iter()).all(|field| text[field.clone()].parse::<DoubleDouble>().is_err());
+    let has_names =
+        (fields.iter()).all(|field| text[field.clone()].parse::<DoubleDouble>().is_err());
     let names: Vec<&str> = match has_names {
         true => fields.iter().map(|field| &text[field.clone()]).collect(),
         false => Vec::new(),
@@ -222,7 +225,10 @@ fn find(wanted: &Wanted, names: &[&str], columns: usize) -> Result<usize, DataFi
     if names.is_empty() {
         return Err(DataFileError::NoNames { name });
     }
-    let mut places = names.iter().enumerate().filter(|(_, known)| **known == name);
+    let mut places = names
+        .iter()
+        .enumerate()
+        .filter(|(_, known)| **known == name);
     match (places.next(), places.next()) {
         (Some((place, _)), None) => Ok(place),
         (Some(_), Some(_)) => Err(DataFileError::TwoColumns { name }),
@@ -306,7 +312,9 @@ impl Separator {
                 fields.push(trimmed(text, inside.clone(), 0));
                 inside.end + 1
             } else {
-                let end = self.find(&text[start..line.end]).map_or(line.end, |n| start + n);
+                let end = self
+                    .find(&text[start..line.end])
+                    .map_or(line.end, |n| start + n);
                 fields.push(trimmed(text, start..end, 0));
                 end
             };
@@ -340,7 +348,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn numbers(text: &str, wanted: [Wanted; 2]) -> [Vec<f64>; 2] {
-        let columns = read_columns(text, &wanted).unwrap_or_else(|error| panic!("{text:?}: {error:?}"));
+        let columns =
+            read_columns(text, &wanted).unwrap_or_else(|error| panic!("{text:?}: {error:?}"));
         columns.map(|column| column.numbers.iter().map(|number| number.high()).collect())
     }
 
@@ -382,7 +391,10 @@ mod tests {
     fn every_number_knows_its_place() {
         let text = "# é\nangle;lift\n 0.25 ; 1e3\n";
         let [x, y] = read_columns(text, &first_two()).unwrap_or_default();
-        assert_eq!((&text[x.spans[0].clone()], &text[y.spans[0].clone()]), ("0.25", "1e3"));
+        assert_eq!(
+            (&text[x.spans[0].clone()], &text[y.spans[0].clone()]),
+            ("0.25", "1e3")
+        );
     }
 
     #[test]
@@ -395,11 +407,21 @@ mod tests {
             ("1,2\n3,\n", first_two(), "a number is missing", "3,"),
             ("1;2\n1,5;3\n", first_two(), "`1,5` is not a number", "1,5"),
             ("1\n2\n", first_two(), "no column 2", "WANTED 1"),
-            ("1,2\n", [Wanted::Number(0), Wanted::Number(1)], "no column 0", "WANTED 0"),
+            (
+                "1,2\n",
+                [Wanted::Number(0), Wanted::Number(1)],
+                "no column 0",
+                "WANTED 0",
+            ),
             ("a,b\n1,2\n", named("a", "c"), "no column `c`", "WANTED 1"),
             ("1,2\n", named("a", "b"), "no column `a`", "WANTED 0"),
             ("a,a\n1,2\n", named("a", "b"), "two columns `a`", "WANTED 0"),
-            ("\"a,b\n1,2\n", first_two(), "a quotation mark is not closed", "\"a,b"),
+            (
+                "\"a,b\n1,2\n",
+                first_two(),
+                "a quotation mark is not closed",
+                "\"a,b",
+            ),
         ];
         for (text, wanted, message, place) in table {
             let Err((error, at)) = read_columns(text, &wanted) else {

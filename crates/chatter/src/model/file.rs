@@ -1,9 +1,7 @@
 //! Models from TOML text.
 
 use super::data_file::Loader;
-use super::draft::{
-    ContactDraft, Draft, ImpulseDraft, LabelDraft, Name, SectionDraft, TableDraft,
-};
+use super::draft::{ContactDraft, Draft, ImpulseDraft, LabelDraft, Name, SectionDraft, TableDraft};
 use super::error::{ModelError, ModelErrorKind, ModelErrors};
 use super::model::Label;
 use super::syntax::syntax_error;
@@ -27,8 +25,7 @@ const TABLE_NAMES: &[&str] = &[
     "labels",
 ];
 /// The tables, as they are written.
-pub(super) const TABLES: &str =
-    "[parameters], [definitions], [table.NAME], [flight], [[contact]], [section.NAME], [initial] or [labels]";
+pub(super) const TABLES: &str = "[parameters], [definitions], [table.NAME], [flight], [[contact]], [section.NAME], [initial] or [labels]";
 const CONTACT: &[&str] = &["name", "gap", "impulse", "restitution"];
 const SECTION: &[&str] = &["surface", "direction"];
 const LABEL: &[&str] = &["text", "unit"];
@@ -90,7 +87,7 @@ pub(super) fn example(key: &str) -> &'static str {
         "impulse" => "impulse = { v = 1 }",
         "restitution" => "restitution = 0.8",
         "x" => "x = [0, 1, 2]",
-        "y" => "y = [0, 0.5, 0]",
+        "y" => "y = [0, 0.5, 0]         # or both from a file: file = \"points.csv\"",
         _ => "surface = \"y - 1\"",
     }
 }
@@ -154,11 +151,7 @@ fn free(nearest: Option<&str>, known: &[&'static str], items: &[Item]) -> &'stat
     meant.filter(|_| !taken).unwrap_or_default()
 }
 
-fn read<'i>(
-    reader: &mut TableReader<'i>,
-    document: &DeTable<'i>,
-    load: &mut Loader<'_>,
-) -> Draft {
+fn read<'i>(reader: &mut TableReader<'i>, document: &DeTable<'i>, load: &mut Loader<'_>) -> Draft {
     let mut draft = Draft::new(reader.whole());
     let items = reader.items(document);
     for Item { key, value } in &items {
@@ -285,13 +278,14 @@ fn tables<'i>(
 ) -> Vec<TableDraft> {
     const EXPECTED: &str = "a table [table.NAME]";
     let items = reader.table("table", EXPECTED, value).unwrap_or_default();
+    reader.tables = items.iter().map(|item| item.key.text.clone()).collect();
     let table = |Item { key: name, value }| {
         let what = format!("`{}` in table", name.text);
-        let items = reader.table(&what, EXPECTED, value);
-        let knots = items.and_then(|items| reader.knots(&name, &items, load));
-        TableDraft { name, knots }
+        let items = reader.table(&what, EXPECTED, value)?;
+        let knots = reader.knots(&name, &items, load);
+        Some(TableDraft { name, knots })
     };
-    items.into_iter().map(table).collect()
+    items.into_iter().filter_map(table).collect()
 }
 
 fn labels<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> Vec<LabelDraft> {

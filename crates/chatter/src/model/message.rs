@@ -95,7 +95,9 @@ impl fmt::Display for ModelErrorKind {
             Self::WrongColumn { found } => write!(f, "{found} is no column"),
             Self::TableNotConstant { on } => write!(f, "a table cannot depend on `{on}`"),
             Self::DataFile { file, error } => match error {
-                DataFileError::Unavailable { reason } => write!(f, "cannot read `{file}`: {reason}"),
+                DataFileError::Unavailable { reason } => {
+                    write!(f, "cannot read `{file}`: {reason}")
+                }
                 _ => write!(f, "{error} in `{file}`"),
             },
             Self::Curve { table, error } => write!(f, "table `{table}`: {error}"),
@@ -146,7 +148,9 @@ impl ModelErrorKind {
             Self::BothKeys { .. } => "expected one of them".to_owned(),
             Self::KeyWithout { .. } => "says nothing by itself".to_owned(),
             Self::WrongColumn { .. } => "expected a name or a number from 1".to_owned(),
-            Self::TableNotConstant { .. } => "expected a number, or an expression of numbers".to_owned(),
+            Self::TableNotConstant { .. } => {
+                "expected a number, or an expression of numbers".to_owned()
+            }
             Self::DataFile { error, .. } => error.label()?,
             Self::Curve { error, .. } => match error {
                 CurveError::Lengths { .. } => "expected as many as in x".to_owned(),
@@ -157,7 +161,9 @@ impl ModelErrorKind {
                 CurveError::PeriodNotClosed { first, .. } => format!("expected {first} again"),
                 CurveError::OutsideOfPeriodic => "leave this out".to_owned(),
                 CurveError::SlopesOfKind { .. } => "only a `cubic` table takes them".to_owned(),
-                CurveError::TooFew { .. } | CurveError::TooMany { .. } | CurveError::Overflow { .. } => {
+                CurveError::TooFew { .. }
+                | CurveError::TooMany { .. }
+                | CurveError::Overflow { .. } => {
                     return None;
                 }
             },

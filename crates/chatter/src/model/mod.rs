@@ -40,8 +40,8 @@ mod warning;
 
 pub use builder::{ModelBuilder, Value};
 pub use check::{Check, ContactFormulas, NamedFormula, check};
-pub use diagnostic::Palette;
 pub use data_file::{DataFileError, Loader};
+pub use diagnostic::Palette;
 pub use direction::Direction;
 pub use error::{ModelError, ModelErrorKind, ModelErrors, Role};
 pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};

@@ -24,6 +24,8 @@ pub(super) struct TableReader<'i> {
     text: &'i str,
     source: Arc<SourceText>,
     pub errors: Vec<ModelError>,
+    /// Names of the tables of knots, which none of them may depend on.
+    pub tables: Vec<String>,
 }
 
 impl<'i> TableReader<'i> {
@@ -34,6 +36,7 @@ impl<'i> TableReader<'i> {
             text,
             source,
             errors: Vec::new(),
+            tables: Vec::new(),
         }
     }
 

@@ -38,8 +38,18 @@ impl KnotsDraft {
     fn curve(&self, name: &str) -> Result<Curve, CurveError> {
         let outside = self.outside.as_ref().map(|(outside, _)| *outside);
         // Two, as was checked where they were read.
-        let slopes = self.slopes.as_ref().map(|slopes| [slopes.numbers[0], slopes.numbers[1]]);
-        Curve::new(name, self.kind, outside, &self.x.numbers, &self.y.numbers, slopes)
+        let slopes = self
+            .slopes
+            .as_ref()
+            .map(|slopes| [slopes.numbers[0], slopes.numbers[1]]);
+        Curve::new(
+            name,
+            self.kind,
+            outside,
+            &self.x.numbers,
+            &self.y.numbers,
+            slopes,
+        )
     }
 
     fn error(&self, name: &str, error: CurveError) -> ModelError {
@@ -47,10 +57,18 @@ impl KnotsDraft {
         let place = match error {
             CurveError::Lengths { .. } => self.y.place.clone(),
             CurveError::TooFew { .. } | CurveError::TooMany { .. } => self.x.place.clone(),
-            CurveError::NotFinite { axis: Axis::X, index, .. }
+            CurveError::NotFinite {
+                axis: Axis::X,
+                index,
+                ..
+            }
             | CurveError::NotIncreasing { index, .. }
             | CurveError::Overflow { index } => self.x.place_of(index),
-            CurveError::NotFinite { axis: Axis::Y, index, .. }
+            CurveError::NotFinite {
+                axis: Axis::Y,
+                index,
+                ..
+            }
             | CurveError::PeriodNotClosed { index, .. } => self.y.place_of(index),
             CurveError::OutsideOfPeriodic => {
                 let outside = self.outside.as_ref().map(|(_, place)| place.clone());
@@ -60,7 +78,9 @@ impl KnotsDraft {
                 let slopes = self.slopes.as_ref().map(|slopes| slopes.place.clone());
                 slopes.unwrap_or_else(|| self.x.place.clone())
             }
-            CurveError::SlopeNotFinite { end, .. } => slope(end).unwrap_or_else(|| self.x.place.clone()),
+            CurveError::SlopeNotFinite { end, .. } => {
+                slope(end).unwrap_or_else(|| self.x.place.clone())
+            }
         };
         let table = name.to_owned();
         let found = ModelError::new(ModelErrorKind::Curve { table, error }, &place);
