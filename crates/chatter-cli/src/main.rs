@@ -3,6 +3,7 @@
 mod aligned;
 mod border;
 mod commands;
+mod data_files;
 mod diagram;
 mod failure;
 mod json;

@@ -199,6 +199,86 @@ const WRONG: &[(&str, &str)] = &[
         "[flight]\nlift = 1\n[initial]\nlift = 1\n[labels]\nlift = { text = \"valve lift\", units = \"mm\" }\n",
     ),
     (
+        "a table without points",
+        "[table.lift]\nkind = \"cubic\"\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table with misspelt keys and words",
+        "[table.lift]\nx = [0, 1]\ny = [0, 1]\nkind = \"periodic cubic\"\nouside = \"hold\"\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table that cannot be what it should be outside",
+        "[table.lift]\nx = [0, 1]\ny = [0, 1]\noutside = \"hol\"\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table whose x does not increase",
+        "[table.lift]\nx = [0, 10, 20, 15, 30]\ny = [0, 1, 2, 3, 4]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table with a point twice",
+        "[table.lift]\nx = [0, 10, 10, 30]\ny = [0, 1, 2, 3]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table with more of x than of y",
+        "[table.lift]\nx = [0, 10, 20]\ny = [0, 1]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table with values that are not finite",
+        "[table.lift]\nx = [0, 1, 2]\ny = [0, nan, \"1/0\"]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table with one point",
+        "[table.lift]\nx = [0]\ny = [1]\nkind = \"linear\"\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a periodic table that does not close",
+        "[table.lift]\nx = [0, 90, 360]\ny = [0, 1, 0.5]\nkind = \"periodic-cubic\"\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a periodic table with an outside",
+        "[table.lift]\nx = [0, 90, 360]\ny = [0, 1, 0]\nkind = \"periodic-cubic\"\noutside = \"hold\"\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "slopes of a table that takes none",
+        "[table.lift]\nx = [0, 90]\ny = [0, 1]\nkind = \"pchip\"\nslopes = [0, 0]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "three slopes",
+        "[table.lift]\nx = [0, 90]\ny = [0, 1]\nkind = \"cubic\"\nslopes = [0, 0, 0]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table that depends on a parameter, and one on another table",
+        "[parameters]\nheight = 2\n[table.lift]\nx = [0, 1, \"2*pii\"]\ny = [0, \"height\", 1]\n\n[table.drag]\nx = [0, 1]\ny = [0, \"lift(1)\"]\n\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table of words",
+        "[table.lift]\nx = \"0 1 2\"\ny = [0, true, 1]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table in a file and here",
+        "[table.lift]\nfile = \"cam.csv\"\nx = [0, 1]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "a table in a file, read without files",
+        "[table.lift]\nfile = \"cam.csv\"\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "columns of no file, and such as there cannot be",
+        "[table.lift]\nx = [0, 1]\ny = [0, 1]\ncolumns = [\"angle\", \"lift\"]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n[table.drag]\nfile = \"drag.csv\"\ncolumns = [0, -1]\n[table.wind]\nfile = \"wind.csv\"\ncolumns = \"speed\"\n",
+    ),
+    (
+        "tables with names that mean something else",
+        "[parameters]\nlift = 2\n[table.lift]\nx = [0, 1]\ny = [0, 1]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n[table.sqrt]\nx = [0, 1]\ny = [0, 1]\n[table.cam-lift]\nx = [0, 1]\ny = [0, 1]\n",
+    ),
+    (
+        "a table without its argument, one with two, and a misspelt one",
+        "[definitions]\na = \"lift*2\"\nb = \"lift(1, 2)\"\nc = \"lfit(y)\"\n[table.lift]\nx = [0, 1]\ny = [0, 1]\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n",
+    ),
+    (
+        "tables that are none",
+        "[table]\nx = [0, 1]\ny = [0, 1]\n[tables.lift]\nx = [0, 1]\n[flight]\ny = \"y\"\n[initial]\ny = 1\n",
+    ),
+    (
         "everything at once",
         "[parameters]\nr = 0.8\ng = \"9,81\"\n\n[flight]\ny = \"w\"\nv = \"-g - drag(v)\"\n\n[[contact]]\ngap = \"y - \"\nimpulse = { v = true }\nrestitution = 1.5\n\n[initial]\ny = 1\n",
     ),
@@ -209,6 +289,74 @@ fn messages() {
     let mut document = String::new();
     for (what, text) in WRONG {
         let errors = Model::from_toml(text, "model.toml").expect_err(what);
+        document += &format!("=== {what} ===\n{errors}\n\n");
+    }
+    insta::assert_snapshot!(document);
+}
+
+/// What is wrong with a file of numbers, its text, and what else the model says about it.
+const WRONG_DATA: &[(&str, &str, &str)] = &[
+    (
+        "a file without numbers",
+        "# to be measured\nangle,lift\n",
+        "",
+    ),
+    ("a file of one column", "0\n0.5\n", ""),
+    (
+        "a word among numbers",
+        "angle,lift\n0,0\n90,n/a\n180,0\n",
+        "",
+    ),
+    ("a field left out", "angle,lift\n0,0\n90,\n180,0\n", ""),
+    ("decimal commas", "angle;lift\n0;0\n90;0,25\n180;0\n", ""),
+    ("a line too long", "angle,lift\n0,0\n90,0,25\n180,0\n", ""),
+    (
+        "a misspelt column",
+        "time,angle,lift\n0,0,0\n",
+        "columns = [\"angel\", \"lift\"]\n",
+    ),
+    (
+        "names of columns that have none",
+        "0,0\n1,1\n",
+        "columns = [\"angle\", \"lift\"]\n",
+    ),
+    (
+        "two columns of one name",
+        "lift,lift\n0,0\n1,1\n",
+        "columns = [1, \"lift\"]\n",
+    ),
+    (
+        "a column that is not there",
+        "0,0\n1,1\n",
+        "columns = [1, 3]\n",
+    ),
+    ("a quotation mark left open", "\"angle,lift\n0,0\n", ""),
+    (
+        "angles that go back",
+        "angle,lift\n0,0\n90,1\n# again\n45,0.5\n",
+        "",
+    ),
+    (
+        "a lift that is not finite",
+        "angle,lift\n0,0\n90,inf\n180,0\n",
+        "",
+    ),
+    (
+        "a turn that does not close",
+        "angle,lift\n0,0\n90,1\n360,1e-17\n",
+        "kind = \"periodic-cubic\"\n",
+    ),
+];
+
+#[test]
+fn messages_of_data_files() {
+    let mut document = String::new();
+    for (what, data, keys) in WRONG_DATA {
+        let text = format!(
+            "[table.lift]\nfile = \"cam.csv\"\n{keys}\n[flight]\ny = \"lift(y)\"\n[initial]\ny = 1\n"
+        );
+        let mut load = |_: &str| Ok((*data).to_owned());
+        let errors = Model::from_toml_with(&text, "model.toml", &mut load).expect_err(what);
         document += &format!("=== {what} ===\n{errors}\n\n");
     }
     insta::assert_snapshot!(document);
@@ -329,10 +477,17 @@ omega = 6e1
 [definitions]
 table = "A*sin(omega*t)"
 
+[table.drag]
+kind = "cubic"
+x = [-1e1, 0, "10"]
+y = [3, "-pi/8", 3.0]
+slopes = [-1, 1]
+outside = "hold"
+
 [flight]
 y = "v"
 v = """
--g
+-g - drag(v)*0
 """
 
 [[contact]]

@@ -128,7 +128,11 @@ const LONG_TIME: f64 = 1e6;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let Loaded { mut model, text } = arguments.model.load()?;
+    let Loaded {
+        mut model,
+        text,
+        data_files,
+    } = arguments.model.load()?;
     arguments.initial.apply(&mut model)?;
     let window = match &arguments.window {
         Some(window) => Some(window.values(&mut model, "--window")?),
@@ -143,6 +147,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         spec: &spec,
         source: &arguments.model.model,
         text: &text,
+        data_files: &data_files,
         digits,
         time_was_given: arguments.until.is_some(),
     };

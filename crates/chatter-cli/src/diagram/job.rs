@@ -1,6 +1,7 @@
 //! What is to be computed, and what is to be written: all that a run needs to go on where another was broken off.
 
 use super::picture::Shear;
+use crate::data_files::{DataFiles, kept};
 use crate::failure::Failure;
 use crate::terminal;
 use chatter::analysis::diagram::{DiagramError, Row, Spec, Sweep, Swept};
@@ -26,6 +27,9 @@ pub struct Job {
     pub returns: ReturnSpec,
     /// The diagram.
     pub diagram: Spec,
+    /// The files that the model's tables stand in, as they were.
+    #[serde(default, skip_serializing_if = "DataFiles::is_empty")]
+    pub data_files: DataFiles,
 }
 
 /// A job and what becomes of its result.
@@ -178,7 +182,7 @@ impl Job {
 
     /// The model, with everything set into it.
     pub fn model(&self, text: &str) -> Result<Model, Failure> {
-        let mut model = Model::from_toml(text, &self.model)?;
+        let mut model = Model::from_toml_with(text, &self.model, &mut kept(&self.data_files))?;
         for (name, text) in &self.set {
             let from_option = |error: ModelError| error.with_source_name(&format!("--set {name}"));
             model.set_parameter(name, text).map_err(from_option)?;
@@ -236,6 +240,8 @@ impl Job {
             "another version of chatter"
         } else if (&self.set, &self.initial) != (&other.set, &other.initial) {
             "other parameters or initial values"
+        } else if self.data_files != other.data_files {
+            "other tables in the model's files"
         } else if self.returns != other.returns {
             "another section or other limits"
         } else if self.diagram.sweeps != other.diagram.sweeps {

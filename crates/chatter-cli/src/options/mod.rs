@@ -16,7 +16,7 @@ pub use counts::{Counts, Periods};
 pub use decimal::Decimal;
 pub use event::StopOption;
 pub use files::{FigureFile, TableFile};
-pub use model::{Assignment, Initial, Loaded, ModelOptions};
+pub use model::{Assignment, Initial, Loaded, ModelOptions, neighbour};
 pub use orbit::{AtOption, ObserveOption, ShearOption, StartOption};
 pub use quantity::{Quantity, Window};
 pub use section::SectionOption;

@@ -1,5 +1,6 @@
 //! Which model, with which parameters and initial values.
 
+use crate::data_files::{DataFiles, beside, text_of};
 use crate::failure::Failure;
 use crate::shipped;
 use chatter::expressions::nearest;
@@ -66,8 +67,11 @@ pub struct Initial {
 impl ModelOptions {
     /// Reads the model and sets its parameters.
     pub fn load(&self) -> Result<Loaded, Failure> {
-        let text = read(&self.model)?;
-        let mut model = Model::from_toml(&text, &self.model)?;
+        let (text, path) = read(&self.model)?;
+        let mut data_files = DataFiles::new();
+        let mut load = beside(path, &mut data_files);
+        let mut model = Model::from_toml_with(&text, &self.model, &mut load)?;
+        drop(load);
         for Assignment { name, text } in &self.set {
             if model.parameter_index(name).is_none() && model.state_index(name).is_some() {
                 return Err(Failure::input(format!(
@@ -84,7 +88,11 @@ impl ModelOptions {
                 |error: ModelError| error.with_source_name(&format!("--set {}", last.name));
             model.check_defined().map_err(from_option)?;
         }
-        Ok(Loaded { model, text })
+        Ok(Loaded {
+            model,
+            text,
+            data_files,
+        })
     }
 }
 
@@ -94,6 +102,8 @@ pub struct Loaded {
     pub model: Model,
     /// The text of its file.
     pub text: String,
+    /// The files that its tables stand in.
+    pub data_files: DataFiles,
 }
 
 impl Initial {
@@ -121,13 +131,13 @@ impl Initial {
     }
 }
 
-/// The text of a file, else of a shipped model.
-fn read(given: &str) -> Result<String, Failure> {
+/// The text of a file, and its path, else the text of a shipped model.
+fn read(given: &str) -> Result<(String, Option<&Path>), Failure> {
     let path = Path::new(given);
     if !path.exists()
         && let Some(shipped) = shipped::find(given)
     {
-        return Ok(shipped.text.to_owned());
+        return Ok((shipped.text.to_owned(), None));
     }
     if path.is_dir() {
         return Err(Failure::input(format!(
@@ -135,20 +145,11 @@ fn read(given: &str) -> Result<String, Failure> {
         )));
     }
     match std::fs::read(path) {
-        Ok(bytes) => match String::from_utf8(bytes) {
-            Ok(text) => Ok(text),
-            Err(error) => {
-                let before = error.utf8_error().valid_up_to();
-                let bytes = error.as_bytes();
-                let line = bytes[..before]
-                    .iter()
-                    .filter(|&&byte| byte == b'\n')
-                    .count()
-                    + 1;
-                Err(Failure::input(format!(
-                    "`{given}` is no text: line {line} is not UTF-8"
-                )))
-            }
+        Ok(bytes) => match text_of(bytes) {
+            Ok(text) => Ok((text, Some(path))),
+            Err(line) => Err(Failure::input(format!(
+                "`{given}` is no text: line {line} is not UTF-8"
+            ))),
         },
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(not_found(given, path)),
         Err(error) => Err(Failure::input(format!("cannot read `{given}`: {error}"))),
@@ -177,11 +178,11 @@ fn not_found(given: &str, path: &Path) -> Failure {
             shipped.name
         ));
     }
-    failure.did_you_mean(neighbour(path))
+    failure.did_you_mean(neighbour(path, &|name| name.ends_with(".toml")))
 }
 
-/// The model file of the same folder whose name is nearest.
-fn neighbour(path: &Path) -> Option<String> {
+/// The file of the same folder whose name is nearest, among those that fit.
+pub fn neighbour(path: &Path, fits: &dyn Fn(&str) -> bool) -> Option<String> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -190,7 +191,7 @@ fn neighbour(path: &Path) -> Option<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .ok()?
         .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
-        .filter(|name| name.ends_with(".toml"))
+        .filter(|name| fits(name))
         .collect();
     names.sort();
     let best = nearest(&name, names.iter().map(String::as_str))?;

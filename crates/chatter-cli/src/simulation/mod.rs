@@ -14,6 +14,7 @@ pub use expectation::{Expectation, StepWatch};
 pub use sample::SampleOption;
 pub use sentence::sentence;
 
+use crate::data_files::DataFiles;
 use crate::numbers::Digits;
 use chatter::analysis::simulate::{EventDetail, EventKind, Spec};
 use chatter::expressions::Side;
@@ -31,6 +32,8 @@ pub struct Subject<'a> {
     pub source: &'a str,
     /// The text of the model's file.
     pub text: &'a str,
+    /// The files that its tables stand in.
+    pub data_files: &'a DataFiles,
     /// How many digits the user wants.
     pub digits: Digits,
     /// Whether the user said when to end.

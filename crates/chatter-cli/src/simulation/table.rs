@@ -11,6 +11,13 @@ use std::path::{Path, PathBuf};
 
 /// Texts of an NPZ file that say how its arrays came about.
 const TEXTS: [&str; 5] = ["model", "parameters", "specification", "outcome", "version"];
+/// One more, where tables of the model stand in files.
+const DATA_FILES: &str = "data_files";
+
+fn text_names(subject: &Subject) -> impl Iterator<Item = &'static str> {
+    let more = (!subject.data_files.is_empty()).then_some(DATA_FILES);
+    TEXTS.into_iter().chain(more)
+}
 
 /// The samples of a simulation, written as they come.
 ///
@@ -50,7 +57,7 @@ impl<'a> SampleTable<'a> {
             all = all.column(name, Vec::<i64>::new());
         }
         if is_npz {
-            all = (TEXTS.iter()).fold(all, |all, text| all.column(*text, Vec::<f64>::new()));
+            all = text_names(subject).fold(all, |all, text| all.column(text, Vec::<f64>::new()));
         }
         // Before the run, not after it.
         all.check()?;
@@ -143,7 +150,9 @@ impl<'a> SampleTable<'a> {
                 for (name, spool) in closed_names.iter().zip(closed) {
                     writer.spooled(name, spool)?;
                 }
-                for (name, text) in TEXTS.iter().zip(provenance(self.subject, simulation)) {
+                for (name, text) in
+                    text_names(self.subject).zip(provenance(self.subject, simulation))
+                {
                     writer.text(name, &text)?;
                 }
                 writer.finish()?;
@@ -187,8 +196,8 @@ fn text<R: Real>(value: R, digits: Digits) -> String {
     }
 }
 
-/// How a simulation came about, in the order of [`TEXTS`].
-fn provenance<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> [String; 5] {
+/// How a simulation came about, in the order of [`text_names`].
+fn provenance<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> [String; 6] {
     let names = subject.model.parameter_names();
     let parameters = Named::new(names, subject.model.parameter_values::<f64>(&[]));
     [
@@ -197,6 +206,7 @@ fn provenance<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> [String
         stored(subject.spec),
         simulation.outcome.name().to_owned(),
         env!("CARGO_PKG_VERSION").to_owned(),
+        stored(subject.data_files),
     ]
 }
 
@@ -212,8 +222,8 @@ pub fn write_events<R: Real>(
     };
     let mut data = Dataset::new().table(writer.events(simulation));
     if writer.format == Format::Npz {
-        let texts = TEXTS.iter().zip(provenance(subject, simulation));
-        data = texts.fold(data, |data, (name, text)| data.text(*name, text));
+        let texts = text_names(subject).zip(provenance(subject, simulation));
+        data = texts.fold(data, |data, (name, text)| data.text(name, text));
     }
     data.write(path)
 }

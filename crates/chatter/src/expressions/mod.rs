@@ -30,7 +30,9 @@ mod tex_name;
 mod weighted;
 
 pub use corners::{Corners, LookedUpIn, Lookup, Side, Sides, Smooth, Surfaces};
-pub use curve::Curve;
+pub use curve::{
+    Axis, CURVE_KINDS, Curve, CurveError, CurveKind, MOST_KNOTS, OUTSIDES, Outside, Piece,
+};
 pub use display::Names;
 pub use domain::Folding;
 pub use formula::Formula;

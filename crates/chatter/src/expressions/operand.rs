@@ -52,7 +52,10 @@ impl Parser<'_> {
                 Err(self.bare_function(name_at))
             };
         }
-        if is_called && let Some(curve) = self.graph.curve_named(name) {
+        if let Some(curve) = self.graph.curve_named(name) {
+            if !is_called {
+                return Err(self.bare_function(name_at));
+            }
             let arguments = self.arguments()?;
             let &[argument] = &arguments[..] else {
                 return Err(self.argument_count(name_at, Arity::Exactly(1), arguments.len()));
@@ -72,7 +75,7 @@ impl Parser<'_> {
             ),
             None if is_called => (
                 ParseErrorKind::UnknownFunction(name.to_string()),
-                suggest::for_function(name),
+                suggest::for_function(name, self.graph.curve_names()),
             ),
             None => (
                 ParseErrorKind::UnknownName(name.to_string()),

@@ -146,14 +146,24 @@ pub fn is_reserved(name: &str) -> bool {
     name == PI || callable(name).is_some() || super::condition::WORDS.contains(&name)
 }
 
-/// The function, or formula, that an unknown function may stand for.
-pub(super) fn for_function(name: &str) -> Option<String> {
+/// The function, or formula, that an unknown function may stand for, among those of the language and these tables.
+pub(super) fn for_function<'a>(
+    name: &str,
+    tables: impl Iterator<Item = &'a str>,
+) -> Option<String> {
     let lower = name.to_lowercase();
     ALIASES
         .iter()
         .find(|(alias, _)| *alias == lower)
         .map(|&(_, meant)| meant.to_string())
-        .or_else(|| nearest(name, function_names()))
+        .or_else(move || {
+            nearest(
+                name,
+                function_names()
+                    .map(|name| -> &'a str { name })
+                    .chain(tables),
+            )
+        })
 }
 
 /// The name that an unknown one may stand for, among those `known` and the circle constant.

@@ -4,6 +4,7 @@
 mod contacts;
 mod initial;
 mod naming;
+mod tables;
 
 use super::dependency::dependency_order;
 use super::draft::{Draft, Entry, Formula, Place};
@@ -76,6 +77,7 @@ impl<'a> Assembly<'a> {
     fn model(&mut self, draft: &'a Draft) -> Model {
         self.check_flight(draft);
         self.check_names(draft);
+        self.read_tables(draft);
         let parameters = self.read_parameters();
         let definitions = self.read_definitions();
         let equations = self.equations();

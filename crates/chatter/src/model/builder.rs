@@ -2,11 +2,11 @@
 
 use super::draft::{
     ContactDraft, Content, Draft, Entry, Formula, ImpulseDraft, LabelDraft, Name, Place,
-    SectionDraft,
+    SectionDraft, TableDraft,
 };
 use super::error::ModelErrors;
 use super::model::Label;
-use super::{Direction, Model, Simultaneous};
+use super::{Direction, Model, Simultaneous, Table};
 use crate::numerics::DoubleDouble;
 
 /// Something that stands for an expression in a [`ModelBuilder`].
@@ -113,6 +113,15 @@ impl ModelBuilder {
         self.draft
             .definitions
             .push(entry("definitions", name, value.into()));
+        self
+    }
+
+    /// A function of one argument from points, called in expressions by its name.
+    pub fn table(mut self, name: &str, table: Table) -> Self {
+        self.draft.tables.push(TableDraft {
+            name: named("table", name),
+            knots: Some(table.draft(name)),
+        });
         self
     }
 

@@ -4,6 +4,7 @@
 use super::direction::Direction;
 use super::model::Label;
 use super::simultaneous::Simultaneous;
+use crate::expressions::{CurveKind, Outside};
 use crate::numerics::DoubleDouble;
 use core::ops::Range;
 use std::sync::Arc;
@@ -115,6 +116,47 @@ pub(super) struct LabelDraft {
     pub label: Label,
 }
 
+/// Numbers, and where each of them stands.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    /// Stands for all of them.
+    pub place: Place,
+    pub numbers: Vec<DoubleDouble>,
+    /// The text that they stand in, and where.
+    pub source: Arc<SourceText>,
+    pub spans: Vec<Range<usize>>,
+}
+
+impl Column {
+    /// Where number `index` stands.
+    pub fn place_of(&self, index: usize) -> Place {
+        match self.spans.get(index) {
+            Some(span) => Place {
+                source: Arc::clone(&self.source),
+                span: span.clone(),
+                verbatim: None,
+            },
+            None => self.place.clone(),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct KnotsDraft {
+    pub kind: CurveKind,
+    pub outside: Option<(Outside, Place)>,
+    pub x: Column,
+    pub y: Column,
+    pub slopes: Option<Column>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct TableDraft {
+    pub name: Name,
+    /// `None` where they could not be read, which has been reported.
+    pub knots: Option<KnotsDraft>,
+}
+
 /// Everything an author wrote, unresolved.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
@@ -130,6 +172,7 @@ pub(super) struct Draft {
     pub sections: Vec<SectionDraft>,
     pub initial: Vec<Entry>,
     pub definitions: Vec<Entry>,
+    pub tables: Vec<TableDraft>,
     pub labels: Vec<LabelDraft>,
 }
 
@@ -146,6 +189,7 @@ impl Draft {
             sections: Vec::new(),
             initial: Vec::new(),
             definitions: Vec::new(),
+            tables: Vec::new(),
             labels: Vec::new(),
         }
     }

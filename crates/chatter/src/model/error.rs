@@ -1,7 +1,8 @@
 //! What can be wrong with a model.
 
+use super::data_file::DataFileError;
 use super::draft::{Place, SourceText};
-use crate::expressions::ParseError;
+use crate::expressions::{CurveError, ParseError};
 use core::fmt;
 use core::ops::Range;
 use std::sync::Arc;
@@ -77,6 +78,14 @@ impl ModelError {
         self.place.span.clone()
     }
 
+    /// Where it stands, or shows, in the text of this name: what is wrong in another file is told where that is named.
+    pub(super) fn within(&self, name: &str) -> usize {
+        match &self.related {
+            Some(related) if self.place.source.name != name => related.0.span.start,
+            _ => self.place.span.start,
+        }
+    }
+
     /// Line and column (in characters) where it starts, both from 1.
     pub fn line_and_column(&self) -> (usize, usize) {
         let text = &self.place.source.text;
@@ -98,6 +107,8 @@ pub enum Role {
     Parameter,
     /// A definition.
     Definition,
+    /// A table.
+    Table,
     /// A contact.
     Contact,
     /// A section.
@@ -112,6 +123,7 @@ impl fmt::Display for Role {
             Self::State => "state",
             Self::Parameter => "parameter",
             Self::Definition => "definition",
+            Self::Table => "table",
             Self::Contact => "contact",
             Self::Section => "section",
             Self::Time => "time",
@@ -298,6 +310,71 @@ pub enum ModelErrorKind {
         found: String,
         /// The one probably meant.
         nearest: Option<String>,
+    },
+    /// Not a kind of table.
+    UnknownKind {
+        /// What was found.
+        found: String,
+        /// The one probably meant.
+        nearest: Option<String>,
+    },
+    /// Not what a table may be outside.
+    UnknownOutside {
+        /// What was found.
+        found: String,
+        /// The one probably meant.
+        nearest: Option<String>,
+    },
+    /// Two keys of which there can be one.
+    BothKeys {
+        /// The table they are in.
+        table: String,
+        /// One of them.
+        key: &'static str,
+        /// The other.
+        other: &'static str,
+    },
+    /// A key that says nothing without another.
+    KeyWithout {
+        /// The table it is in.
+        table: String,
+        /// The key.
+        key: &'static str,
+        /// The one that is missing.
+        other: &'static str,
+    },
+    /// A list that is too long or too short.
+    WrongLength {
+        /// What the list is for.
+        what: String,
+        /// How many there are.
+        found: usize,
+        /// How many there must be, in words.
+        expected: &'static str,
+    },
+    /// A column that is neither a name nor a number from 1.
+    WrongColumn {
+        /// What was found.
+        found: String,
+    },
+    /// A number of a table that depends on something.
+    TableNotConstant {
+        /// What it depends on.
+        on: String,
+    },
+    /// A file of numbers that cannot be used.
+    DataFile {
+        /// What the model calls it.
+        file: String,
+        /// What is wrong with it.
+        error: DataFileError,
+    },
+    /// Points that no curve of the kind goes through.
+    Curve {
+        /// The table.
+        table: String,
+        /// What is wrong with them.
+        error: CurveError,
     },
     /// Not a law of simultaneous impacts.
     UnknownLaw {

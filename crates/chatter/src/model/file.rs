@@ -1,6 +1,7 @@
 //! Models from TOML text.
 
-use super::draft::{ContactDraft, Draft, ImpulseDraft, LabelDraft, Name, SectionDraft};
+use super::data_file::Loader;
+use super::draft::{ContactDraft, Draft, ImpulseDraft, LabelDraft, Name, SectionDraft, TableDraft};
 use super::error::{ModelError, ModelErrorKind, ModelErrors};
 use super::model::Label;
 use super::syntax::syntax_error;
@@ -16,6 +17,7 @@ const TOP: &[&str] = &["title", "source", "simultaneous"];
 const TABLE_NAMES: &[&str] = &[
     "parameters",
     "definitions",
+    "table",
     "flight",
     "contact",
     "section",
@@ -23,8 +25,7 @@ const TABLE_NAMES: &[&str] = &[
     "labels",
 ];
 /// The tables, as they are written.
-pub(super) const TABLES: &str =
-    "[parameters], [definitions], [flight], [[contact]], [section.NAME], [initial] or [labels]";
+pub(super) const TABLES: &str = "[parameters], [definitions], [table.NAME], [flight], [[contact]], [section.NAME], [initial] or [labels]";
 const CONTACT: &[&str] = &["name", "gap", "impulse", "restitution"];
 const SECTION: &[&str] = &["surface", "direction"];
 const LABEL: &[&str] = &["text", "unit"];
@@ -36,6 +37,19 @@ impl Model {
     /// # Errors
     /// All that is wrong with the text, each with its place.
     pub fn from_toml(text: &str, name: &str) -> Result<Self, ModelErrors> {
+        Self::from_toml_with(text, name, &mut |_| Err(NO_FILES.to_owned()))
+    }
+
+    /// Reads a model file whose tables may stand in files of their own. `load` gives the text of such a file, or says why
+    /// it cannot: it is asked for what the model calls it, once for each table that names it.
+    ///
+    /// # Errors
+    /// All that is wrong with the model, and the first thing that is wrong with each of the files, each with its place.
+    pub fn from_toml_with(
+        text: &str,
+        name: &str,
+        load: &mut Loader<'_>,
+    ) -> Result<Self, ModelErrors> {
         let (document, syntax) = DeTable::parse_recoverable(text);
         let mut reader = TableReader::new(text, name);
         for error in &syntax {
@@ -46,7 +60,7 @@ impl Model {
                 reader.report(kind, &place);
             }
         }
-        let draft = read(&mut reader, document.get_ref());
+        let draft = read(&mut reader, document.get_ref(), load);
         let mut errors = match draft.assemble(reader.errors) {
             Ok(model) => return Ok(model),
             Err(errors) => errors,
@@ -58,10 +72,13 @@ impl Model {
             // What else seems wrong may follow from a line that could not be read, except for errors within expressions.
             errors.retain(|error| error.kind.is_local());
         }
-        errors.sort_by_key(|error| error.place.span.start);
+        errors.sort_by_key(|error| error.within(name));
         Err(ModelErrors::new(errors))
     }
 }
+
+/// Why a model that is given as text has no tables in files.
+const NO_FILES: &str = "the model is read as a text, without the files beside it";
 
 /// A line that gives a missing key.
 pub(super) fn example(key: &str) -> &'static str {
@@ -69,6 +86,8 @@ pub(super) fn example(key: &str) -> &'static str {
         "gap" => "gap = \"y\"",
         "impulse" => "impulse = { v = 1 }",
         "restitution" => "restitution = 0.8",
+        "x" => "x = [0, 1, 2]",
+        "y" => "y = [0, 0.5, 0]         # or both from a file: file = \"points.csv\"",
         _ => "surface = \"y - 1\"",
     }
 }
@@ -102,7 +121,7 @@ impl<'i> TableReader<'i> {
 
     /// What stands in a table under this key; a wrong name is reported, and taken for the nearest right one that is
     /// not there itself, so that nothing further is missed for it. Empty where there is none.
-    fn meant(
+    pub(super) fn meant(
         &mut self,
         key: &Name,
         table: &str,
@@ -132,7 +151,7 @@ fn free(nearest: Option<&str>, known: &[&'static str], items: &[Item]) -> &'stat
     meant.filter(|_| !taken).unwrap_or_default()
 }
 
-fn read<'i>(reader: &mut TableReader<'i>, document: &DeTable<'i>) -> Draft {
+fn read<'i>(reader: &mut TableReader<'i>, document: &DeTable<'i>, load: &mut Loader<'_>) -> Draft {
     let mut draft = Draft::new(reader.whole());
     let items = reader.items(document);
     for Item { key, value } in &items {
@@ -165,6 +184,7 @@ fn read<'i>(reader: &mut TableReader<'i>, document: &DeTable<'i>) -> Draft {
             "contact" => draft.contacts = contacts(reader, value),
             "section" => draft.sections = sections(reader, value),
             "labels" => draft.labels = labels(reader, value),
+            "table" => draft.tables = tables(reader, value, load),
             _ => {}
         }
     }
@@ -251,6 +271,23 @@ fn sections<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> V
     sections
 }
 
+fn tables<'i>(
+    reader: &mut TableReader<'i>,
+    value: &Spanned<DeValue<'i>>,
+    load: &mut Loader<'_>,
+) -> Vec<TableDraft> {
+    const EXPECTED: &str = "a table [table.NAME]";
+    let items = reader.table("table", EXPECTED, value).unwrap_or_default();
+    reader.tables = items.iter().map(|item| item.key.text.clone()).collect();
+    let table = |Item { key: name, value }| {
+        let what = format!("`{}` in table", name.text);
+        let items = reader.table(&what, EXPECTED, value)?;
+        let knots = reader.knots(&name, &items, load);
+        Some(TableDraft { name, knots })
+    };
+    items.into_iter().filter_map(table).collect()
+}
+
 fn labels<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> Vec<LabelDraft> {
     let items = reader
         .table("labels", "a table [labels]", value)
@@ -286,6 +323,7 @@ impl ModelErrorKind {
             | Self::NotANumber { .. }
             | Self::MissingValue => true,
             Self::DuplicateKey { .. } => true,
+            Self::DataFile { .. } | Self::Curve { .. } | Self::TableNotConstant { .. } => true,
             Self::Expression { error, .. } => !matches!(error.kind, ParseErrorKind::UnknownName(_)),
             _ => false,
         }

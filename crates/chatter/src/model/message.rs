@@ -1,8 +1,9 @@
 //! The words for what is wrong with a model: a title, a label at the underlined text, and help.
 
+use super::data_file::DataFileError;
 use super::error::ModelErrorKind;
 use super::names::{alternatives, listed};
-use crate::expressions::ParseErrorKind;
+use crate::expressions::{CURVE_KINDS, CurveError, OUTSIDES, ParseErrorKind};
 use core::fmt;
 
 impl fmt::Display for ModelErrorKind {
@@ -76,6 +77,30 @@ impl fmt::Display for ModelErrorKind {
             Self::UnknownLaw { found, .. } => {
                 write!(f, "unknown law of simultaneous impacts {found:?}")
             }
+            Self::UnknownKind { found, .. } => write!(f, "unknown kind of table {found:?}"),
+            Self::UnknownOutside { found, .. } => {
+                write!(f, "a table cannot be {found:?} outside")
+            }
+            Self::BothKeys { table, key, other } => {
+                write!(f, "{table} has both `{other}` and `{key}`")
+            }
+            Self::KeyWithout { table, key, other } => {
+                write!(f, "{table} has `{key}` and no `{other}`")
+            }
+            Self::WrongLength {
+                what,
+                found,
+                expected,
+            } => write!(f, "{what} must be {expected}, not {found}"),
+            Self::WrongColumn { found } => write!(f, "{found} is no column"),
+            Self::TableNotConstant { on } => write!(f, "a table cannot depend on `{on}`"),
+            Self::DataFile { file, error } => match error {
+                DataFileError::Unavailable { reason } => {
+                    write!(f, "cannot read `{file}`: {reason}")
+                }
+                _ => write!(f, "{error} in `{file}`"),
+            },
+            Self::Curve { table, error } => write!(f, "table `{table}`: {error}"),
             Self::UnknownName { name, role, .. } => write!(f, "the model has no {role} `{name}`"),
         }
     }
@@ -118,6 +143,30 @@ impl ModelErrorKind {
             Self::UnknownLaw { .. } => {
                 format!("expected {}", alternatives(super::simultaneous::LAWS))
             }
+            Self::UnknownKind { .. } => format!("expected {}", alternatives(CURVE_KINDS)),
+            Self::UnknownOutside { .. } => format!("expected {}", alternatives(OUTSIDES)),
+            Self::BothKeys { .. } => "expected one of them".to_owned(),
+            Self::KeyWithout { .. } => "says nothing by itself".to_owned(),
+            Self::WrongColumn { .. } => "expected a name or a number from 1".to_owned(),
+            Self::TableNotConstant { .. } => {
+                "expected a number, or an expression of numbers".to_owned()
+            }
+            Self::DataFile { error, .. } => error.label()?,
+            Self::Curve { error, .. } => match error {
+                CurveError::Lengths { .. } => "expected as many as in x".to_owned(),
+                CurveError::NotIncreasing { .. } => "expected a larger number".to_owned(),
+                CurveError::NotFinite { .. } | CurveError::SlopeNotFinite { .. } => {
+                    "expected a finite number".to_owned()
+                }
+                CurveError::PeriodNotClosed { first, .. } => format!("expected {first} again"),
+                CurveError::OutsideOfPeriodic => "leave this out".to_owned(),
+                CurveError::SlopesOfKind { .. } => "only a `cubic` table takes them".to_owned(),
+                CurveError::TooFew { .. }
+                | CurveError::TooMany { .. }
+                | CurveError::Overflow { .. } => {
+                    return None;
+                }
+            },
             Self::UnknownName { known, .. } if known.is_empty() => return None,
             Self::UnknownName { known, .. } => format!("expected {}", alternatives(known)),
             Self::Expression { error, .. } => match error.kind {
@@ -128,6 +177,7 @@ impl ModelErrorKind {
             | Self::Empty
             | Self::NoFlight
             | Self::WrongType { .. }
+            | Self::WrongLength { .. }
             | Self::LabelOfUnknownName { .. } => return None,
         })
     }
@@ -145,6 +195,8 @@ impl ModelErrorKind {
             | Self::LabelOfUnknownName { nearest, .. }
             | Self::UnknownDirection { nearest, .. }
             | Self::UnknownLaw { nearest, .. }
+            | Self::UnknownKind { nearest, .. }
+            | Self::UnknownOutside { nearest, .. }
             | Self::UnknownName { nearest, .. } => format!("did you mean `{}`?", nearest.as_ref()?),
             Self::UnknownTable { nearest, .. } => format!("did you mean [{}]?", nearest.as_ref()?),
             Self::Expression { error, known } => match (error.help(), &error.kind) {
@@ -167,12 +219,28 @@ impl ModelErrorKind {
                     .to_owned()
             }
             Self::InitialNotConstant { .. } => "it may use parameters".to_owned(),
+            Self::DataFile { error, .. } => error.help()?,
+            Self::Curve { error, .. } => match error {
+                CurveError::NotIncreasing { value, before, .. } if value == before => {
+                    "a table has one value at each x: a jump is a table of kind `steps`, or the sum of two tables"
+                        .to_owned()
+                }
+                CurveError::PeriodNotClosed { .. } => {
+                    "the period is the range of x: the last point is the first again".to_owned()
+                }
+                _ => return None,
+            },
             Self::Restitution { .. } => "an impact turns rate v into -r v".to_owned(),
             Self::DuplicateName { .. }
             | Self::DuplicateKey { .. }
             | Self::MissingValue
             | Self::NotANumber { .. }
             | Self::SingleBrackets
+            | Self::BothKeys { .. }
+            | Self::KeyWithout { .. }
+            | Self::WrongLength { .. }
+            | Self::WrongColumn { .. }
+            | Self::TableNotConstant { .. }
             | Self::Syntax { .. }
             | Self::WrongType { .. }
             | Self::ReservedName { .. }

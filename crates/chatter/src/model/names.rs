@@ -25,7 +25,9 @@ pub(super) fn is_name_of(role: Role, text: &str) -> bool {
             let fits = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
             !text.is_empty() && text.chars().all(fits)
         }
-        Role::State | Role::Parameter | Role::Definition | Role::Time => is_name(text),
+        Role::State | Role::Parameter | Role::Definition | Role::Table | Role::Time => {
+            is_name(text)
+        }
     }
 }
 

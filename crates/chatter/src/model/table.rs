@@ -24,6 +24,8 @@ pub(super) struct TableReader<'i> {
     text: &'i str,
     source: Arc<SourceText>,
     pub errors: Vec<ModelError>,
+    /// Names of the tables of knots, which none of them may depend on.
+    pub tables: Vec<String>,
 }
 
 impl<'i> TableReader<'i> {
@@ -34,6 +36,7 @@ impl<'i> TableReader<'i> {
             text,
             source,
             errors: Vec::new(),
+            tables: Vec::new(),
         }
     }
 
@@ -159,15 +162,16 @@ impl<'i> TableReader<'i> {
                 .and_then(|value| value.to_string().parse().ok()),
         };
         let Some(number) = number else {
-            let text = self
-                .text
-                .get(place.span.clone())
-                .unwrap_or_default()
-                .to_owned();
+            let text = self.written(place).to_owned();
             self.report(ModelErrorKind::NotANumber { text }, place);
             return Content::Broken;
         };
         Content::Number(number)
+    }
+
+    /// What stands there.
+    pub fn written(&self, place: &Place) -> &'i str {
+        self.text.get(place.span.clone()).unwrap_or_default()
     }
 
     /// One of the directions.

@@ -20,7 +20,11 @@ pub fn order(arguments: &Arguments) -> Result<Order, Failure> {
         model: name.clone(),
         set: fixed.set.clone(),
     };
-    let Loaded { mut model, text } = options.load()?;
+    let Loaded {
+        mut model,
+        text,
+        data_files,
+    } = options.load()?;
     fixed.initial.apply(&mut model)?;
     let pairs = |assignments: &[Assignment]| assignments.iter().map(Assignment::pair).collect();
     let job = Job {
@@ -30,6 +34,7 @@ pub fn order(arguments: &Arguments) -> Result<Order, Failure> {
         initial: pairs(&fixed.initial.initial),
         returns: returns(arguments, &mut model)?,
         diagram: specification(arguments, &fixed, &mut model)?,
+        data_files,
     };
     Ok(Order {
         job,

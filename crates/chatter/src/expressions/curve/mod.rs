@@ -224,3 +224,6 @@ impl Piece {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -37,6 +37,7 @@ impl<'a> Assembly<'a> {
         let mut quantities: Vec<(Role, &Name)> = (self.states.iter().copied().map(of(Role::State)))
             .chain(self.parameters.iter().map(of(Role::Parameter)))
             .chain(self.definitions.iter().map(of(Role::Definition)))
+            .chain(draft.tables.iter().map(|table| (Role::Table, &table.name)))
             .collect();
         quantities.sort_by_key(|(_, name)| name.place.span.start);
         let contacts = draft
