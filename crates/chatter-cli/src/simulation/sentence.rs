@@ -67,6 +67,7 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
         | FlowError::NotUnique { .. }
         | FlowError::NoMode { .. }
         | FlowError::OutsideTable { .. }
-        | FlowError::SwitchesWithoutEnd { .. } => error.to_string(),
+        | FlowError::SwitchesWithoutEnd { .. }
+        | FlowError::ResetsWithoutEnd { .. } => error.to_string(),
     }
 }

@@ -278,6 +278,7 @@ impl<S: Scalar> Expansion<S> {
         let slots = tape.slots.max(self.lows.len());
         self.values.resize(slots * Self::STRIDE, S::splat(0.0));
         self.lows.resize(slots, S::splat(0.0));
+        self.errors.resize(slots, S::splat(0.0));
         let auxiliaries = tape.auxiliaries.max(self.auxiliaries.len());
         self.auxiliaries.resize(auxiliaries, S::splat(0.0));
     }

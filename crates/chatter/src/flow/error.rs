@@ -95,6 +95,13 @@ pub enum FlowError {
         /// Index of the contact.
         contact: usize,
     },
+    /// Impacts follow each other ever faster at a contact whose reset does not say what they come to.
+    ResetsWithoutEnd {
+        /// Time of the latest.
+        time: f64,
+        /// Index of the contact.
+        contact: usize,
+    },
     /// Impacts at several contacts that follow each other without time passing.
     ImpactsWithoutEnd {
         /// Time of the event.
@@ -121,6 +128,7 @@ impl FlowError {
             Self::OutsideTable { .. } => "outside_table",
             Self::SwitchesWithoutEnd { .. } => "switches_without_end",
             Self::Jammed { .. } => "jammed",
+            Self::ResetsWithoutEnd { .. } => "resets_without_end",
         }
     }
 }
@@ -190,6 +198,12 @@ impl fmt::Display for FlowError {
                 out,
                 "at time {time} friction jams contact {}: the contact force cannot hold it, so that there is no motion \
                  or there are several (Painlevé)",
+                contact + 1
+            ),
+            Self::ResetsWithoutEnd { time, contact } => write!(
+                out,
+                "at time {time} impacts follow each other ever faster at contact {}, and its `reset` changes the state however \
+                 small their rates are: it does not say what they come to",
                 contact + 1
             ),
             Self::ImpactsWithoutEnd { time, count } => write!(

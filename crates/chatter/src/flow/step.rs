@@ -129,7 +129,8 @@ impl<S: Scalar> Workspace<S> {
             expansion: Expansion::new(&tapes),
             point: Expansion::new(&tapes),
             bernstein: vec![zero; MAX_ORDER + 1],
-            outputs: vec![zero; widest],
+            // An impact in a mode that is met later may change more of the state.
+            outputs: vec![zero; widest.max(IMPACT_SCALARS + dimension)],
             constants: Vec::new(),
             impact_constants: Vec::new(),
             state: vec![zero; dimension],

@@ -89,7 +89,7 @@ impl System {
         let mut model = model.clone();
         let coordinates = model.states.len();
         let rates = |model: &mut Model, p| {
-            let mut graph = core::mem::take(&mut model.graph);
+            let mut graph = model.graph.clone();
             let rates = model.parameter_rates(&mut graph, p);
             model.graph = graph;
             rates
@@ -272,12 +272,6 @@ impl System {
             Corner::Lookup(index) => self.corners.lookups[index].argument,
         };
         self.model.formula(expr)
-    }
-
-    /// Whether one of these corners is the rate of sliding in a contact.
-    pub(crate) fn is_rubbed(&self, corners: &[Corner]) -> bool {
-        let is = |rubbing: &Rubbing| corners.contains(&Corner::Surface(rubbing.surface));
-        self.rubbing.iter().any(is)
     }
 
     /// The model that the system was compiled from.

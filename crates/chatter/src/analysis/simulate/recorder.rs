@@ -178,7 +178,7 @@ impl<R: Real> Recorder<R> {
         work: &mut Workspace<R>,
         trajectory: &Trajectory<R>,
     ) -> bool {
-        trajectory.closed() != Closed::NONE
+        (trajectory.closed() != Closed::NONE || trajectory.is_sliding(system))
             && work.dense().step() > R::ZERO
             && trajectory.is_in_equilibrium(system, work)
     }

@@ -102,6 +102,9 @@ impl<R: Real> Trajectory<R> {
                 });
             }
         }
+        if is_short && system.model().contacts[contact].reset.is_some() {
+            return Err(self.resets_without_end(contact));
+        }
         let rest_of_sequence = if self.flight_time < R::splat(FOREVER) && at_rest < R::ONE {
             self.flight_time / (R::ONE - at_rest)
         } else {
@@ -250,6 +253,13 @@ impl<R: Real> Trajectory<R> {
         self.complete(system, work, contact, &end)
     }
 
+    fn resets_without_end(&self, contact: usize) -> FlowError {
+        FlowError::ResetsWithoutEnd {
+            time: self.time.to_f64(),
+            contact,
+        }
+    }
+
     /// Moves to the end of a chatter sequence.
     pub(super) fn complete(
         &mut self,
@@ -258,6 +268,9 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
         end: &Accumulation<R>,
     ) -> Result<Occurrence<R>, FlowError> {
+        if system.model().contacts[contact].reset.is_some() {
+            return Err(self.resets_without_end(contact));
+        }
         for ((x, low), &change) in self.state.iter_mut().zip(&mut self.low).zip(&end.change) {
             (*x, *low) = two_sum(*x, change + *low);
         }
