@@ -3,7 +3,10 @@
 use super::{Subject, sentence, verification};
 use crate::named::Named;
 use crate::numbers::significant;
-use chatter::analysis::simulate::{Event, EventDetail, Outcome, Simulation, Verification};
+use crate::simulation::side_name;
+use chatter::analysis::simulate::{
+    Event, EventDetail, EventKind, Outcome, Simulation, Verification,
+};
 use chatter::numerics::Real;
 use serde::{Serialize, Serializer};
 
@@ -60,6 +63,7 @@ struct Counts {
     releases: u64,
     grazes: u64,
     sections: u64,
+    switches: u64,
     ambiguities: u64,
 }
 
@@ -88,6 +92,12 @@ struct EventObject<'a> {
     other: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     section: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    surface: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    event: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    side: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     rate_before: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -138,6 +148,7 @@ pub fn document<'a, R: Real>(
             releases: counts.releases,
             grazes: counts.grazes,
             sections: counts.sections,
+            switches: counts.switches,
             ambiguities: counts.ambiguities,
         },
         events: Events {
@@ -256,6 +267,14 @@ impl<'a> Writer<'a> {
             }
             EventDetail::Section { .. } => {
                 object.section = object.contact.take();
+            }
+            EventDetail::Corner { kind, side, .. } => {
+                match kind {
+                    EventKind::Reset => object.event = object.contact.take(),
+                    EventKind::Stick | EventKind::Slip => {}
+                    _ => object.surface = object.contact.take(),
+                }
+                object.side = side.map(side_name);
             }
             EventDetail::Release { .. } => {}
         }

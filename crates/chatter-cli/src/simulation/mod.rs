@@ -16,7 +16,8 @@ pub use sentence::sentence;
 
 use crate::data_files::DataFiles;
 use crate::numbers::Digits;
-use chatter::analysis::simulate::{EventDetail, Spec};
+use chatter::analysis::simulate::{EventDetail, EventKind, Spec};
+use chatter::expressions::Side;
 use chatter::flow::Closed;
 use chatter::model::Model;
 use chatter::numerics::Real;
@@ -58,11 +59,25 @@ impl Subject<'_> {
             .collect()
     }
 
-    /// Name of the contact or section of an event.
+    /// Name of the contact, section or surface of an event.
     pub fn place<R: Real>(&self, detail: &EventDetail<R>) -> &str {
         match detail {
             EventDetail::Section { section } => &self.model.sections[*section].name,
+            EventDetail::Corner { kind, place, .. } => match kind {
+                EventKind::Reset => &self.model.sections[*place].name,
+                EventKind::Stick | EventKind::Slip => &self.model.contacts[*place].name,
+                _ => &self.model.surfaces[*place],
+            },
             _ => &self.model.contacts[detail.place()].name,
         }
+    }
+}
+
+/// A side of a surface in words.
+pub fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Above => "above",
+        Side::Below => "below",
+        Side::Sliding => "on it",
     }
 }

@@ -56,8 +56,17 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
             name(*contact),
             number(*value)
         ),
-        FlowError::TooManySurfaces { .. } | FlowError::ImpactsWithoutEnd { .. } => {
-            error.to_string()
-        }
+        FlowError::Jammed { time, contact } => format!(
+            "at time {} friction jams {}: the contact force cannot hold it, so that there is no motion or there are \
+             several (Painlevé)",
+            number(*time),
+            name(*contact)
+        ),
+        FlowError::TooManySurfaces { .. }
+        | FlowError::ImpactsWithoutEnd { .. }
+        | FlowError::NotUnique { .. }
+        | FlowError::NoMode { .. }
+        | FlowError::OutsideTable { .. }
+        | FlowError::SwitchesWithoutEnd { .. } => error.to_string(),
     }
 }

@@ -73,6 +73,11 @@ impl Sides {
 pub struct Surfaces(u64);
 
 impl Surfaces {
+    /// The first so many.
+    pub fn all(count: usize) -> Self {
+        Self((0..count.min(64)).fold(0, |bits, k| bits | 1 << k))
+    }
+
     /// The set with one more.
     #[must_use]
     pub fn with(self, surface: usize) -> Self {
@@ -175,6 +180,13 @@ impl Corners {
             }
         }
         corners
+    }
+
+    /// One more surface, that nothing in the expressions chooses by; returns its number.
+    pub fn add(&mut self, surface: Expr) -> usize {
+        self.surfaces.push(surface);
+        self.edges.push(Edge::Above);
+        self.surfaces.len() - 1
     }
 
     /// Whether there is none.

@@ -57,6 +57,44 @@ pub enum FlowError {
         /// Minus the ratio of the rates after and before.
         value: f64,
     },
+    /// Several motions start on a surface: the fields on both sides point away from it.
+    NotUnique {
+        /// Time of the event.
+        time: f64,
+        /// The surfaces, as formulas.
+        surfaces: Vec<String>,
+    },
+    /// No motion goes on from a corner of surfaces, or there are more of them at once than are looked through.
+    NoMode {
+        /// Time of the event.
+        time: f64,
+        /// The surfaces, as formulas.
+        surfaces: Vec<String>,
+    },
+    /// The argument of a table has left its range.
+    OutsideTable {
+        /// Time of the event.
+        time: f64,
+        /// Name of the table.
+        table: String,
+        /// The argument.
+        argument: f64,
+    },
+    /// Surfaces are crossed again and again without time passing.
+    SwitchesWithoutEnd {
+        /// Time of the event.
+        time: f64,
+        /// How many crossings were made.
+        count: usize,
+    },
+    /// A contact slides such that the contact force, with the friction that it brings about, cannot hold it: there is no
+    /// motion, or there are several (Painlevé).
+    Jammed {
+        /// Time of the event.
+        time: f64,
+        /// Index of the contact.
+        contact: usize,
+    },
     /// Impacts at several contacts that follow each other without time passing.
     ImpactsWithoutEnd {
         /// Time of the event.
@@ -78,6 +116,11 @@ impl FlowError {
             Self::Restitution { .. } => "restitution",
             Self::ImpactsWithoutEnd { .. } => "impacts_without_end",
             Self::TooManySurfaces { .. } => "too_many_surfaces",
+            Self::NotUnique { .. } => "not_unique",
+            Self::NoMode { .. } => "no_mode",
+            Self::OutsideTable { .. } => "outside_table",
+            Self::SwitchesWithoutEnd { .. } => "switches_without_end",
+            Self::Jammed { .. } => "jammed",
         }
     }
 }
@@ -109,7 +152,7 @@ impl fmt::Display for FlowError {
             ),
             Self::TooManySurfaces { count, limit } => write!(
                 out,
-                "the model has {count} contacts and sections; at most {limit} are supported"
+                "the model has {count} contacts, sections and corners; at most {limit} are supported"
             ),
             Self::Restitution {
                 time,
@@ -118,6 +161,35 @@ impl fmt::Display for FlowError {
             } => write!(
                 out,
                 "at time {time} contact {} has restitution {value}, outside [0, 1]",
+                contact + 1
+            ),
+            Self::NotUnique { time, surfaces } => write!(
+                out,
+                "at time {time} several motions leave the surface {}: the fields on its sides point away from it",
+                surfaces.join(", ")
+            ),
+            Self::NoMode { time, surfaces } => write!(
+                out,
+                "at time {time} the equations do not say how the motion goes on from {}",
+                surfaces.join(", ")
+            ),
+            Self::OutsideTable {
+                time,
+                table,
+                argument,
+            } => write!(
+                out,
+                "at time {time} the argument of table `{table}` leaves its range at {argument}; `outside = \"hold\"` \
+                 would go on with the value at its end"
+            ),
+            Self::SwitchesWithoutEnd { time, count } => write!(
+                out,
+                "at time {time} surfaces are crossed {count} times without time passing"
+            ),
+            Self::Jammed { time, contact } => write!(
+                out,
+                "at time {time} friction jams contact {}: the contact force cannot hold it, so that there is no motion \
+                 or there are several (Painlevé)",
                 contact + 1
             ),
             Self::ImpactsWithoutEnd { time, count } => write!(

@@ -1,25 +1,45 @@
 //! The modes of a system, each compiled when it is first met.
 //!
-//! Which contacts are closed says which equations hold. n contacts have 2^n such sets, of which a motion meets few: so none
-//! is compiled in advance. Every mode is derived from the same expressions, whatever modes were met before it, so that its
+//! A mode is which contacts are closed and on which side of each surface the state is; that says which equations hold. n of
+//! them have 2^n such sets and more, of which a motion meets few: so none is compiled in advance. Every mode is derived from the same expressions, whatever modes were met before it, so that its
 //! results do not depend on the order of meeting, nor on threads.
 
 use super::program::{Closed, Program};
-use crate::expressions::Graph;
+use super::touch::Touches;
+use crate::expressions::{Graph, Sides, Surfaces};
+use crate::model::OnSides;
 use core::fmt;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Modes kept side by side; a further block follows when they are full.
 const BLOCK: usize = 32;
 
-/// One set of closed contacts.
+/// One set of closed contacts and sides.
 #[derive(Debug)]
 pub(crate) struct Mode {
     pub closed: Closed,
-    /// None where these contacts cannot be held together.
+    pub sides: Sides,
+    /// The surfaces whose side matters here.
+    pub surfaces: Surfaces,
+    /// None where these contacts and surfaces cannot be held together.
     pub program: Option<Program>,
     /// Holds the expressions of the program's constants.
     pub graph: Graph,
+    /// Where nothing is closed: what modes with the same sides are derived from.
+    pub flight: Option<Box<Flight>>,
+}
+
+/// What holds on the same sides whatever is closed.
+#[derive(Debug)]
+pub(crate) struct Flight {
+    pub on_sides: OnSides,
+    pub touches: Touches,
+}
+
+impl Mode {
+    fn is(&self, closed: Closed, sides: Sides) -> bool {
+        self.closed == closed && self.sides.agree(sides, self.surfaces)
+    }
 }
 
 /// All modes met so far, by number. They only ever become more, and stay where they are.
@@ -49,14 +69,18 @@ impl Modes {
         block.modes[number % BLOCK].get()
     }
 
-    /// The number of a set of closed contacts; it is built if it was never met before.
-    pub(crate) fn meet(&self, closed: Closed, build: impl FnOnce() -> Mode) -> usize {
-        if let Ok(known) = self.find(closed) {
+    /// The number of a mode; it is built if it was never met before.
+    pub(crate) fn meet(
+        &self,
+        (closed, sides): (Closed, Sides),
+        build: impl FnOnce() -> Mode,
+    ) -> usize {
+        if let Ok(known) = self.find(closed, sides) {
             return known;
         }
         let _alone = (self.building.lock()).unwrap_or_else(PoisonError::into_inner);
         // Another thread may have been faster.
-        let number = match self.find(closed) {
+        let number = match self.find(closed, sides) {
             Ok(known) => return known,
             Err(free) => free,
         };
@@ -69,13 +93,13 @@ impl Modes {
     }
 
     /// The number of a mode, or else the first that is free.
-    fn find(&self, closed: Closed) -> Result<usize, usize> {
+    fn find(&self, closed: Closed, sides: Sides) -> Result<usize, usize> {
         let mut number = 0;
         let mut block = Some(&self.first);
         while let Some(here) = block {
             for mode in &here.modes {
                 match mode.get() {
-                    Some(mode) if mode.closed == closed => return Ok(number),
+                    Some(mode) if mode.is(closed, sides) => return Ok(number),
                     Some(_) => number += 1,
                     None => return Err(number),
                 }
@@ -100,8 +124,11 @@ mod tests {
     fn mode(bits: u128) -> Mode {
         Mode {
             closed: Closed(bits),
+            sides: Sides::default(),
+            surfaces: Surfaces::default(),
             program: None,
             graph: Graph::default(),
+            flight: None,
         }
     }
 
@@ -109,11 +136,11 @@ mod tests {
     fn numbers_stay_whatever_comes_later() {
         let modes = Modes::default();
         let numbers: Vec<usize> = (0..100)
-            .map(|bits| modes.meet(Closed(bits), || mode(bits)))
+            .map(|bits| modes.meet((Closed(bits), Sides::default()), || mode(bits)))
             .collect();
         assert_eq!(numbers, (0..100).collect::<Vec<_>>());
         for bits in (0..100_u128).rev() {
-            let number = modes.meet(Closed(bits), || panic!("met before"));
+            let number = modes.meet((Closed(bits), Sides::default()), || panic!("met before"));
             assert_eq!(
                 modes.get(number).map(|mode| mode.closed),
                 Some(Closed(bits))
@@ -128,7 +155,12 @@ mod tests {
         let meet = |offset: u128| -> Vec<usize> {
             (0..70)
                 .map(|k| (k * 11 + offset) % 70)
-                .map(|bits| (bits, modes.meet(Closed(bits), || mode(bits))))
+                .map(|bits| {
+                    (
+                        bits,
+                        modes.meet((Closed(bits), Sides::default()), || mode(bits)),
+                    )
+                })
                 .map(|(bits, number)| {
                     assert_eq!(
                         modes.get(number).map(|mode| mode.closed),

@@ -1,5 +1,7 @@
 //! What can happen to a trajectory.
 
+use crate::expressions::Side;
+
 /// One event, told after the trajectory has moved to it. Contacts and sections are indices into the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Occurrence<R> {
@@ -57,6 +59,42 @@ pub enum Occurrence<R> {
         /// Where.
         contact: usize,
     },
+    /// A surface was crossed: the field is now that of this side.
+    Switch {
+        /// Which.
+        surface: usize,
+        /// The side that the trajectory is on now.
+        side: Side,
+    },
+    /// A surface is slid along from here on, held by the fields on both sides.
+    Slide {
+        /// Which.
+        surface: usize,
+    },
+    /// Sliding along a surface ended.
+    Leave {
+        /// Which.
+        surface: usize,
+        /// The side that the trajectory is on now.
+        side: Side,
+    },
+    /// Friction holds a closed contact.
+    Stick {
+        /// Which.
+        contact: usize,
+    },
+    /// A contact that stuck begins to slide.
+    Slip {
+        /// Which.
+        contact: usize,
+        /// Above where it slides forwards.
+        side: Side,
+    },
+    /// An event changed the state.
+    Reset {
+        /// The section that is its surface.
+        section: usize,
+    },
     /// A section was crossed in its direction: the sign of its function has changed. At the instant of another event that it
     /// cannot be told apart from it comes after that; the state then lies on the section only if nothing made its function
     /// jump.
@@ -66,4 +104,20 @@ pub enum Occurrence<R> {
     },
     /// The time asked for was reached.
     Horizon,
+}
+
+impl<R> Occurrence<R> {
+    /// Of a corner, or an event: where, and the side that the trajectory is on now.
+    pub fn corner(&self) -> Option<(usize, Option<Side>)> {
+        match *self {
+            Self::Switch { surface, side } | Self::Leave { surface, side } => {
+                Some((surface, Some(side)))
+            }
+            Self::Slide { surface } => Some((surface, None)),
+            Self::Slip { contact, side } => Some((contact, Some(side))),
+            Self::Stick { contact } => Some((contact, None)),
+            Self::Reset { section } => Some((section, None)),
+            _ => None,
+        }
+    }
 }

@@ -1,9 +1,12 @@
 //! What runs in one phase: the field that holds while a given set of contacts is closed, and its guards.
 
 use super::chatter::{SequenceConstants, SequenceExprs, SequenceTapes};
+use super::limits::{Corner, Limits};
+use super::reset::ResetTapes;
 use super::touching::Touching;
-use crate::expressions::{Expr, Graph, Node, Operand, Symbol, Tape};
-use crate::model::{Direction, Mechanics, Section};
+use super::variation::Direction as Along;
+use crate::expressions::{Expr, Graph, Node, Operand, Side, Symbol, Tape};
+use crate::model::{Direction, Mechanics, Section, Sticking};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
 
@@ -52,6 +55,14 @@ pub enum GuardKind {
     Reaction(usize),
     /// A section is crossed.
     Section(usize),
+    /// A surface is met from one of its sides.
+    Switch(usize),
+    /// Sliding along a surface, or sticking, ends towards a side.
+    Leave(usize, Side),
+    /// The argument of a lookup reaches the end of its piece on a side.
+    Piece(usize, Side),
+    /// The impulse of a contact that slides, with the friction that it brings about, ceases to change its rate.
+    Jam(usize),
 }
 
 /// A function of state whose zero ends a step. Gaps and reactions are positive until then.
@@ -71,7 +82,8 @@ pub struct Guard {
 impl Guard {
     /// Whether this is the reaction of a contact that stays closed without a force, and so no guard.
     pub(crate) fn is_balanced(&self, roots: u8) -> bool {
-        roots == Touching::BALANCED && matches!(self.kind, GuardKind::Reaction(_))
+        roots == Touching::BALANCED
+            && !matches!(self.kind, GuardKind::Gap(_) | GuardKind::Section(_))
     }
 }
 
@@ -107,8 +119,15 @@ pub struct Program {
     pub(crate) locals: Vec<Tape>,
     /// Per contact: the state brought to rest on it (gap and rate zero).
     pub(crate) captures: Vec<Tape>,
-    /// Gap and rate of each closed contact, in order.
+    /// Gap and rate of each closed contact, in order; then the surfaces that are slid along, and rates of sliding of
+    /// contacts that stick.
     pub(crate) residuals: Tape,
+    /// For each surface that is held so its gradient, zero for time.
+    pub(crate) held_gradients: Tape,
+    /// For each section what its event does, if it is one.
+    pub(crate) resets: Vec<Option<ResetTapes>>,
+    /// What the mode asks of each corner.
+    pub(crate) standings: Vec<StandingTapes>,
     /// The field of the model's own states, at a point.
     pub(crate) field: Tape,
 }
@@ -122,8 +141,25 @@ pub(crate) struct ProgramConstants<R> {
     pub locals: Vec<Vec<R>>,
     pub captures: Vec<Vec<R>>,
     pub residuals: Vec<R>,
+    pub held_gradients: Vec<R>,
+    pub resets: Vec<[Vec<R>; 2]>,
+    pub standings: Vec<[Vec<R>; 2]>,
     pub field: Vec<R>,
 }
+
+/// How a state stands to a corner in a mode.
+#[derive(Clone, Debug)]
+pub(crate) struct StandingTapes {
+    pub corner: Corner,
+    /// What is zero on a surface; then for each of the guards its value and its first derivatives in time.
+    pub values: Tape,
+    pub guards: Vec<GuardKind>,
+    /// The derivative of the surface along each column.
+    pub slopes: Tape,
+}
+
+/// Values of a guard and its derivatives that decide which mode follows at a corner.
+pub(crate) const STANDING_ORDERS: usize = 4;
 
 /// What holds while a set of contacts is closed, as expressions.
 #[derive(Clone, Debug)]
@@ -133,6 +169,10 @@ pub(crate) struct Phase {
     pub field: Vec<Expr>,
     /// One for each closed contact, in order.
     pub reactions: Vec<Expr>,
+    /// For each surface that is slid along, the share of the fields on both sides.
+    pub shares: Vec<Expr>,
+    /// The friction force of each contact that sticks.
+    pub frictions: Vec<(usize, Expr)>,
     /// For each contact the state after an impact there.
     pub impacts: Vec<Vec<Expr>>,
     /// For each contact the state once its rate is taken away.
@@ -145,11 +185,13 @@ impl Phase {
     /// The phase in which these contacts are closed; none where they cannot be held together.
     pub(crate) fn new(mechanics: &mut Mechanics, closed: Closed) -> Option<Self> {
         let active: Vec<usize> = closed.contacts().collect();
-        let (field, reactions) = if active.is_empty() {
-            (mechanics.field.clone(), Vec::new())
+        let held = if active.is_empty() && mechanics.slides.is_empty() {
+            Sticking {
+                field: mechanics.field.clone(),
+                ..Sticking::default()
+            }
         } else {
-            let sticking = mechanics.sticking(&active).ok()?;
-            (sticking.field, sticking.reactions)
+            mechanics.sticking(&active).ok()?
         };
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
@@ -171,8 +213,10 @@ impl Phase {
         Some(Self {
             sequences,
             closed,
-            field,
-            reactions,
+            field: held.field,
+            reactions: held.reactions,
+            shares: held.shares,
+            frictions: held.frictions,
             impacts: contacts.into_iter().map(|c| c.after_impact).collect(),
             rests,
         })
@@ -183,7 +227,8 @@ impl Program {
     /// Compiles a phase.
     pub(crate) fn new(
         mechanics: &mut Mechanics,
-        sections: &[Section],
+        (sections, limits): (&[Section], &Limits),
+        directions: &[Along],
         time: Option<usize>,
         phase: &Phase,
     ) -> Self {
@@ -194,6 +239,7 @@ impl Program {
             ..
         } = phase;
         let dimension = field.len();
+        let coordinates = mechanics.field.len();
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
         let mut functions = Vec::new();
@@ -218,6 +264,10 @@ impl Program {
             functions.push(surface);
             kinds.push((GuardKind::Section(index), crossing));
         }
+        for (kind, function) in limits.guards() {
+            functions.push(function);
+            kinds.push((kind, Crossing::Falling));
+        }
         let tape = Tape::new(graph, dimension, field, &functions);
         let guards = (kinds.into_iter().zip(&functions).zip(&tape.outputs))
             .map(|(((kind, crossing), &function), &series)| Guard {
@@ -227,9 +277,7 @@ impl Program {
                 is_affine: is_affine(graph, function, dimension),
                 is_expanded: match kind {
                     GuardKind::Gap(_) => !is_state(graph, function),
-                    GuardKind::Reaction(_) | GuardKind::Section(_) => {
-                        !is_affine(graph, function, dimension)
-                    }
+                    _ => !is_affine(graph, function, dimension),
                 },
             })
             .collect();
@@ -290,22 +338,75 @@ impl Program {
                     outputs.push(value);
                 }
             }
-            let is_alone = closed.contacts().all(|other| {
-                let change = graph.lie_derivative(contacts[other].rate, &contact.jump);
+            // Where an impact may change the side of a surface, columns of derivatives go by the event.
+            let has_columns = dimension > coordinates;
+            let keeps_sides = limits.corners.iter().all(|limit| {
+                let change = graph.lie_derivative(limit.surface, &contact.jump);
                 graph
                     .as_number(change)
                     .is_some_and(|value| value.high() == 0.0)
             });
+            let is_alone = (keeps_sides || !has_columns)
+                && closed.contacts().all(|other| {
+                    let change = graph.lie_derivative(contacts[other].rate, &contact.jump);
+                    graph
+                        .as_number(change)
+                        .is_some_and(|value| value.high() == 0.0)
+                });
             impacts.push(Some(ImpactTape {
                 tape: Tape::new(graph, dimension, &[], &outputs),
                 changed,
                 is_alone,
             }));
         }
-        let residuals: Vec<Expr> = (closed.contacts())
+        let mut residuals: Vec<Expr> = (closed.contacts())
             .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
             .collect();
+        let sticks = mechanics.sticks.iter();
+        let held: Vec<Expr> = (mechanics.slides.iter().map(|slide| slide.surface))
+            .chain(
+                sticks
+                    .filter(|stick| closed.contains(stick.contact))
+                    .map(|stick| stick.rate),
+            )
+            .collect();
+        residuals.extend(&held);
         let residuals = Tape::new(graph, dimension, &[], &residuals);
+        let mut gradients = Vec::new();
+        for &held in &held {
+            gradients.extend((0..coordinates).map(|i| {
+                if Some(i) == time {
+                    graph.number(0.0)
+                } else {
+                    graph.derivative(held, Symbol::State(i))
+                }
+            }));
+        }
+        let held_gradients = Tape::new(graph, dimension, &[], &gradients);
+        let resets = (sections.iter())
+            .map(|section| ResetTapes::new(graph, section, field, directions, coordinates))
+            .collect();
+        let standings = (limits.corners.iter())
+            .map(|limit| {
+                let mut outputs = vec![limit.surface];
+                for &(_, guard) in &limit.guards {
+                    let mut value = guard;
+                    for _ in 0..STANDING_ORDERS {
+                        outputs.push(value);
+                        value = graph.lie_derivative(value, field);
+                    }
+                }
+                let slopes: Vec<Expr> = (directions.iter())
+                    .flat_map(|along| along.along(graph, coordinates, &[limit.surface]))
+                    .collect();
+                StandingTapes {
+                    corner: limit.corner,
+                    values: Tape::new(graph, dimension, &[], &outputs),
+                    guards: limit.guards.iter().map(|&(kind, _)| kind).collect(),
+                    slopes: Tape::new(graph, dimension, &[], &slopes),
+                }
+            })
+            .collect();
         let at_point = Tape::new(graph, dimension, &[], &field[..mechanics.field.len()]);
         Self {
             tape,
@@ -316,6 +417,9 @@ impl Program {
             locals,
             captures,
             residuals,
+            held_gradients,
+            resets,
+            standings,
             field: at_point,
         }
     }
@@ -342,23 +446,40 @@ impl Program {
             locals: self.locals.iter().map(of).collect(),
             captures: self.captures.iter().map(of).collect(),
             residuals: of(&self.residuals),
+            held_gradients: of(&self.held_gradients),
+            resets: (self.resets.iter())
+                .map(|reset| match reset {
+                    Some(reset) => [of(&reset.after), of(&reset.crossing)],
+                    None => Default::default(),
+                })
+                .collect(),
+            standings: (self.standings.iter())
+                .map(|standing| [of(&standing.values), of(&standing.slopes)])
+                .collect(),
             field: of(&self.field),
         }
     }
 
     /// Every tape, for sizing scratch space.
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
-        [&self.tape, &self.residuals, &self.field]
-            .into_iter()
-            .chain(&self.locals)
-            .chain(&self.captures)
-            .chain(self.impacts.iter().flatten().map(|impact| &impact.tape))
-            .chain(
-                self.sequences
-                    .iter()
-                    .flatten()
-                    .flat_map(SequenceTapes::tapes),
-            )
+        [
+            &self.tape,
+            &self.residuals,
+            &self.held_gradients,
+            &self.field,
+        ]
+        .into_iter()
+        .chain((self.standings.iter()).flat_map(|s| [&s.values, &s.slopes]))
+        .chain((self.resets.iter().flatten()).flat_map(|r| [&r.after, &r.crossing]))
+        .chain(&self.locals)
+        .chain(&self.captures)
+        .chain(self.impacts.iter().flatten().map(|impact| &impact.tape))
+        .chain(
+            self.sequences
+                .iter()
+                .flatten()
+                .flat_map(SequenceTapes::tapes),
+        )
     }
 }
 

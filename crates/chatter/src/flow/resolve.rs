@@ -257,7 +257,7 @@ impl Unsettled {
                     .iter()
                     .find_map(|guard| match guard.kind {
                         GuardKind::Gap(contact) | GuardKind::Reaction(contact) => Some(contact),
-                        GuardKind::Section(_) => None,
+                        _ => None,
                     })
                     .unwrap_or(0),
             },

@@ -1,14 +1,15 @@
 //! A model compiled for integration.
 
 use super::error::FlowError;
-use super::modes::{Mode, Modes};
+use super::limits::{Corner, Limits};
+use super::modes::{Flight, Mode, Modes};
 use super::program::{Closed, Phase, Program, ProgramConstants};
 use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
-use crate::expressions::{Symbol, Tape};
-use crate::model::{Mechanics, MechanicsError, Model, Section, Simultaneous};
+use crate::expressions::{Corners, Graph, Sides, Surfaces, Symbol, Tape};
+use crate::model::{Mechanics, MechanicsError, Model, OnSides, Rubbing, Simultaneous};
 use crate::numerics::{Real, Scalar};
 use core::fmt;
 use std::sync::Arc;
@@ -37,13 +38,12 @@ impl Default for Settings {
 /// A model compiled for integration, shared by all trajectories and threads: a program for each mode that they meet.
 #[derive(Clone, Debug)]
 pub struct System {
-    mechanics: Mechanics,
-    surfaces: Vec<Section>,
-    time: Option<usize>,
+    /// Its graph continues the model's by what the columns need.
+    model: Arc<Model>,
+    corners: Corners,
+    rubbing: Vec<Rubbing>,
     directions: Vec<Direction>,
     modes: Arc<Modes>,
-    touches: Touches,
-    simultaneous: Simultaneous,
     dimension: usize,
     coordinates: usize,
 }
@@ -70,36 +70,49 @@ impl System {
     /// # Errors
     /// As for [`new`](Self::new).
     pub fn with_columns(model: &Model, columns: &[Column]) -> Result<Self, SystemError> {
-        let contacts = model.contacts.len();
-        if contacts + model.sections.len() > Touching::GUARDS {
+        let (corners, rubbing) = model.corners();
+        // A closed contact that sticks has three guards, a lookup two.
+        let guards = 3 * model.contacts.len() + model.sections.len();
+        let count = guards + 2 * (corners.surfaces.len() + corners.lookups.len());
+        let plain = model.contacts.len() + model.sections.len();
+        let count = if corners.is_empty() { plain } else { count };
+        let corner_count = corners.surfaces.len().max(corners.lookups.len());
+        if count > Touching::GUARDS || corner_count > Sides::MOST {
             return Err(SystemError::Flow(FlowError::TooManySurfaces {
-                count: contacts + model.sections.len(),
+                count,
                 limit: Touching::GUARDS,
             }));
         }
-        let mut mechanics = Mechanics::new(model).map_err(SystemError::Model)?;
+        if corners.is_empty() {
+            Mechanics::new(model).map_err(SystemError::Model)?;
+        }
+        let mut model = model.clone();
         let coordinates = model.states.len();
+        let rates = |model: &mut Model, p| {
+            let mut graph = core::mem::take(&mut model.graph);
+            let rates = model.parameter_rates(&mut graph, p);
+            model.graph = graph;
+            rates
+        };
         let directions: Vec<Direction> = (columns.iter().enumerate())
             .map(|(index, column)| {
                 let parameters = match *column {
                     Column::State => Vec::new(),
-                    Column::Parameter(p) => model.parameter_rates(&mut mechanics.graph, p),
+                    Column::Parameter(p) => rates(&mut model, p),
                 };
                 Direction::new((index + 1) * coordinates, parameters)
             })
             .collect();
         let system = Self {
-            touches: Touches::new(&mechanics, &directions, model.time),
-            simultaneous: model.simultaneous,
-            mechanics,
-            surfaces: model.sections.clone(),
-            time: model.time,
+            model: Arc::new(model),
+            corners,
+            rubbing,
             dimension: coordinates * (1 + columns.len()),
             coordinates,
             directions,
             modes: Arc::default(),
         };
-        system.meet(Closed::NONE);
+        system.meet(Closed::NONE, Sides::default());
         Ok(system)
     }
 
@@ -120,29 +133,90 @@ impl System {
 
     /// Number of contacts.
     pub fn contacts(&self) -> usize {
-        self.mechanics.contacts.len()
+        self.model.contacts.len()
     }
 
     /// Number of sections.
     pub fn sections(&self) -> usize {
-        self.surfaces.len()
+        self.model.sections.len()
     }
 
-    /// The number of the mode in which these contacts are closed.
-    pub(crate) fn meet(&self, closed: Closed) -> usize {
-        self.modes.meet(closed, || {
-            let mut mechanics = self.mechanics.clone();
-            let phase = Phase::new(&mut mechanics, closed);
-            let program = phase.map(|mut phase| {
-                extend(&mut phase, &mut mechanics, &self.directions);
-                Program::new(&mut mechanics, &self.surfaces, self.time, &phase)
-            });
-            Mode {
-                closed,
-                program,
-                graph: mechanics.graph,
-            }
+    /// The number of the mode in which these contacts are closed, on these sides of the surfaces.
+    pub(crate) fn meet(&self, closed: Closed, sides: Sides) -> usize {
+        let flight = (closed != Closed::NONE).then(|| self.meet(Closed::NONE, sides));
+        self.modes.meet((closed, sides), || match flight {
+            Some(flight) => self.held(closed, sides, flight),
+            None => self.flight(sides),
         })
+    }
+
+    /// The mode in which nothing is closed.
+    fn flight(&self, sides: Sides) -> Mode {
+        let found = Mechanics::on_sides(&self.model, &self.corners, &self.rubbing, sides);
+        let Ok(on_sides) = found else {
+            return Mode {
+                closed: Closed::NONE,
+                sides,
+                surfaces: Surfaces::all(self.corners.surfaces.len()),
+                program: None,
+                graph: Graph::default(),
+                flight: None,
+            };
+        };
+        let mut mechanics = on_sides.mechanics.clone();
+        let program = self.compile(&mut mechanics, &on_sides, Closed::NONE, sides);
+        let touches = Touches::new(&on_sides.mechanics, &self.directions, self.model.time);
+        Mode {
+            closed: Closed::NONE,
+            sides,
+            surfaces: on_sides.active,
+            program,
+            graph: mechanics.graph,
+            flight: Some(Box::new(Flight { on_sides, touches })),
+        }
+    }
+
+    /// A mode in which contacts are closed.
+    fn held(&self, closed: Closed, sides: Sides, flight: usize) -> Mode {
+        let flight = self.modes.get(flight).and_then(|mode| mode.flight.as_ref());
+        let mut mechanics = flight.map(|flight| flight.on_sides.mechanics.clone());
+        let program = (flight.zip(mechanics.as_mut())).and_then(|(flight, mechanics)| {
+            self.compile(mechanics, &flight.on_sides, closed, sides)
+        });
+        Mode {
+            closed,
+            sides,
+            surfaces: flight.map_or(Surfaces::all(self.corners.surfaces.len()), |flight| {
+                flight.on_sides.active
+            }),
+            program,
+            graph: mechanics.map_or_else(Graph::default, |mechanics| mechanics.graph),
+            flight: None,
+        }
+    }
+
+    fn compile(
+        &self,
+        mechanics: &mut Mechanics,
+        on_sides: &OnSides,
+        closed: Closed,
+        sides: Sides,
+    ) -> Option<Program> {
+        let mut phase = Phase::new(mechanics, closed)?;
+        extend(&mut phase, mechanics, &self.directions);
+        let limits = Limits::new(
+            mechanics,
+            (&self.corners, on_sides),
+            (&self.rubbing, closed, sides),
+            &phase,
+        );
+        Some(Program::new(
+            mechanics,
+            (&on_sides.sections, &limits),
+            &self.directions,
+            self.model.time,
+            &phase,
+        ))
     }
 
     /// The program of a mode; none where its contacts cannot be held together.
@@ -180,14 +254,50 @@ impl System {
         Some(program.constants(&mode.graph, parameters))
     }
 
-    /// All contacts at one state.
-    pub(crate) fn touches(&self) -> &Touches {
-        &self.touches
+    /// All contacts at one state, on the sides of a mode in which nothing is closed.
+    pub(crate) fn touches(&self, flight: usize) -> Option<&Touches> {
+        let flight = self.modes.get(flight)?.flight.as_ref()?;
+        Some(&flight.touches)
+    }
+
+    /// Whether a section is the surface of an event that changes the state.
+    pub(crate) fn is_event(&self, section: usize) -> bool {
+        self.model.sections[section].reset.is_some()
+    }
+
+    /// What a corner is called in words: its formula.
+    pub(crate) fn corner_name(&self, corner: Corner) -> String {
+        let expr = match corner {
+            Corner::Surface(index) => self.corners.surfaces[index],
+            Corner::Lookup(index) => self.corners.lookups[index].argument,
+        };
+        self.model.formula(expr)
+    }
+
+    /// Whether one of these corners is the rate of sliding in a contact.
+    pub(crate) fn is_rubbed(&self, corners: &[Corner]) -> bool {
+        let is = |rubbing: &Rubbing| corners.contains(&Corner::Surface(rubbing.surface));
+        self.rubbing.iter().any(is)
+    }
+
+    /// The model that the system was compiled from.
+    pub(crate) fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The corners of the model's expressions.
+    pub(crate) fn corners(&self) -> &Corners {
+        &self.corners
+    }
+
+    /// Contacts with friction.
+    pub(crate) fn rubbing(&self) -> &[Rubbing] {
+        &self.rubbing
     }
 
     /// The law of simultaneous impacts.
     pub(crate) fn simultaneous(&self) -> Simultaneous {
-        self.simultaneous
+        self.model.simultaneous
     }
 
     /// Scratch space for steps of this system.

@@ -15,6 +15,9 @@ pub(crate) struct Touches {
     collisions: Vec<Tape>,
     /// The derivative of each gap along each column, contact by contact.
     slopes: Tape,
+    /// Per contact with friction: the rate of sliding, and the change of the state that makes it larger by one and leaves the
+    /// gap rate as it is.
+    slidings: Vec<Option<Tape>>,
     graph: Graph,
     contacts: usize,
     coordinates: usize,
@@ -26,6 +29,7 @@ pub(crate) struct TouchConstants<R> {
     values: Vec<R>,
     collisions: Vec<Vec<R>>,
     slopes: Vec<R>,
+    slidings: Vec<Vec<R>>,
 }
 
 /// Values of [`Touches`], each with its terms.
@@ -105,10 +109,14 @@ impl Touches {
             }
         }
         let slopes = Tape::new(graph, dimension, &[], &slopes);
+        let slidings = (0..contacts.len())
+            .map(|contact| sliding(&mut mechanics, contact, coordinates))
+            .collect();
         Self {
             values,
             collisions,
             slopes,
+            slidings,
             graph: mechanics.graph,
             contacts: contacts.len(),
             coordinates,
@@ -122,6 +130,9 @@ impl Touches {
             values: of(&self.values),
             collisions: self.collisions.iter().map(of).collect(),
             slopes: of(&self.slopes),
+            slidings: (self.slidings.iter())
+                .map(|tape| tape.as_ref().map_or_else(Vec::new, of))
+                .collect(),
         }
     }
 
@@ -158,6 +169,22 @@ impl Touches {
         slopes
     }
 
+    /// The rate of sliding of a contact with friction, and what makes it larger by one.
+    pub(crate) fn sliding<R: Real>(
+        &self,
+        constants: &TouchConstants<R>,
+        contact: usize,
+        state: &[R],
+        low: &[R],
+    ) -> Option<(R, Vec<R>)> {
+        let tape = self.slidings[contact].as_ref()?;
+        let mut values = vec![R::ZERO; tape.outputs.len()];
+        let own = &constants.slidings[contact];
+        Expansion::new(&[tape]).evaluate(tape, own, state, low, &mut values);
+        let direction = values.split_off(1);
+        Some((values[0], direction))
+    }
+
     /// Everything at a state and its rounding remainders.
     pub(crate) fn at<R: Real>(
         &self,
@@ -185,6 +212,26 @@ impl Touches {
             gradient: table(n * n + n * dimension, dimension),
         }
     }
+}
+
+fn sliding(mechanics: &mut Mechanics, contact: usize, coordinates: usize) -> Option<Tape> {
+    let rub = mechanics.rubs.iter().find(|rub| rub.contact == contact)?;
+    let (rate, along) = (rub.rate, rub.along.clone());
+    let gap_rate = mechanics.contacts[contact].rate;
+    let jump = mechanics.contacts[contact].jump.clone();
+    let graph = &mut mechanics.graph;
+    // W_t less as much of the impulse as takes back what it does to the gap rate.
+    let lift = graph.lie_derivative(gap_rate, &along);
+    let level: Vec<Expr> = (along.iter().zip(&jump))
+        .map(|(&along, &jump)| {
+            let share = graph.mul(lift, jump);
+            graph.sub(along, share)
+        })
+        .collect();
+    let change = graph.lie_derivative(rate, &level);
+    let mut outputs = vec![rate];
+    outputs.extend(level.iter().map(|&part| graph.div(part, change)));
+    Some(Tape::new(graph, coordinates, &[], &outputs))
 }
 
 /// Outputs of a tape at a state and its rounding remainders, each with its terms.

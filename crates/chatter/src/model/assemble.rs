@@ -127,12 +127,14 @@ impl<'a> Assembly<'a> {
             contacts,
             sections,
             definitions,
+            surfaces: Vec::new(),
         };
         for (definition, &used) in model.definitions.iter_mut().zip(&self.used) {
             definition.used = used;
         }
         self.check_circles(&model);
         self.label(&mut model, draft);
+        model.surfaces = model.surface_names();
         model
     }
 

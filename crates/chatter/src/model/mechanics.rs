@@ -17,6 +17,14 @@ pub struct Mechanics {
     /// One for each contact of the model, in order.
     pub contacts: Vec<ContactMechanics>,
     parameters: usize,
+    /// The field without what holds the state on the surfaces that it slides along: then not the field of flight.
+    unheld: Vec<Expr>,
+    /// What holds the state on surfaces.
+    pub(crate) slides: Vec<Slide>,
+    /// Contacts that stick, if they are closed.
+    pub(crate) sticks: Vec<Stick>,
+    /// Contacts with friction.
+    pub(crate) rubs: Vec<Stick>,
 }
 
 /// What is derived for one contact with gap h, impulse direction W and restitution r.
@@ -43,7 +51,7 @@ pub struct ContactMechanics {
 }
 
 /// Motion in persistent contact: equation (M2) for any number of contacts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Sticking {
     /// The vector field f - sum_j (W_j / b_j) lambda_j, along which the rates of all active contacts stay constant.
     pub field: Vec<Expr>,
@@ -51,6 +59,10 @@ pub struct Sticking {
     /// change of the gap rate that the contact force takes away. A contact holds while it is negative, and is released
     /// where it rises through zero. For a single contact it is the free acceleration a.
     pub reactions: Vec<Expr>,
+    /// For each surface that is slid along the share of both fields: 1 is the one above alone, -1 the one below.
+    pub(crate) shares: Vec<Expr>,
+    /// The tangential impulse a time of each closed contact that sticks, in the order of [`Mechanics::sticks`].
+    pub(crate) frictions: Vec<(usize, Expr)>,
 }
 
 /// Why a model has no impact map or no sticking field.
@@ -79,6 +91,13 @@ pub enum MechanicsError {
         operations: usize,
         /// How many they may take.
         most: usize,
+    },
+    /// Two surfaces change the field together other than one by one: what slides along both is not determined.
+    MixedSurfaces {
+        /// One, from 0.
+        first: usize,
+        /// The other.
+        second: usize,
     },
     /// There is no contact of this number.
     UnknownContact {
@@ -111,6 +130,11 @@ impl fmt::Display for MechanicsError {
                  {most} are supported, a product of {} factors",
                 most.isqrt()
             ),
+            Self::MixedSurfaces { first, second } => write!(
+                f,
+                "the field changes across surfaces {first} and {second} other than by one change after the other, so that \
+                 what slides along both is not determined"
+            ),
             Self::UnknownContact { index, count } => {
                 write!(
                     f,
@@ -140,17 +164,26 @@ impl Mechanics {
         check_size(&model.graph, &roots)?;
         let mut mechanics = Self {
             graph: model.graph.clone(),
+            unheld: field.clone(),
+            slides: Vec::new(),
+            sticks: Vec::new(),
+            rubs: Vec::new(),
             field,
             contacts: Vec::with_capacity(model.contacts.len()),
             parameters: model.parameters.len(),
         };
         // The equations are evaluated as they were written; what follows from them need not repeat their gaps.
         mechanics.graph.set_folding(Folding::Continued);
-        for contact in &model.contacts {
-            let derived = mechanics.derive(contact)?;
-            mechanics.contacts.push(derived);
-        }
+        mechanics.derive_all(&model.contacts)?;
         Ok(mechanics)
+    }
+
+    fn derive_all(&mut self, contacts: &[super::Contact]) -> Result<(), MechanicsError> {
+        for contact in contacts {
+            let derived = self.derive(contact)?;
+            self.contacts.push(derived);
+        }
+        Ok(())
     }
 
     fn derive(&mut self, contact: &super::Contact) -> Result<ContactMechanics, MechanicsError> {
@@ -203,27 +236,56 @@ impl Mechanics {
         if let Some(&index) = active.iter().find(|&&index| index >= count) {
             return Err(MechanicsError::UnknownContact { index, count });
         }
-        let mut rows: Vec<Vec<Expr>> = Vec::with_capacity(active.len());
-        for &i in active {
-            let mut row: Vec<Expr> = active.iter().map(|&j| self.rate_per_jump(i, j)).collect();
-            row.push(self.contacts[i].acceleration);
+        // What is held, and by what: rates by contact forces, sliding rates by friction, surfaces by the jump of the field.
+        let sticks: Vec<Stick> = (self.sticks.iter())
+            .filter(|stick| active.contains(&stick.contact))
+            .cloned()
+            .collect();
+        let mut held: Vec<(Expr, Vec<Expr>)> = (active.iter())
+            .map(|&i| (self.contacts[i].rate, self.contacts[i].jump.clone()))
+            .collect();
+        held.extend(sticks.iter().map(|stick| (stick.rate, stick.along.clone())));
+        let slides = self.slides.iter();
+        held.extend(slides.map(|slide| (slide.surface, slide.jump.clone())));
+        let mut rows: Vec<Vec<Expr>> = Vec::with_capacity(held.len());
+        for (i, (function, _)) in held.iter().enumerate() {
+            let mut row = Vec::with_capacity(held.len() + 1);
+            for (j, (_, direction)) in held.iter().enumerate() {
+                let is_own = i == j && i < active.len();
+                row.push(if is_own {
+                    self.graph.number(1.0)
+                } else {
+                    self.graph.lie_derivative(*function, direction)
+                });
+            }
+            row.push(self.graph.lie_derivative(*function, &self.unheld));
             rows.push(row);
         }
-        let Some(reactions) = self.solve(rows) else {
+        let Some(solution) = self.solve(rows) else {
             let contacts = active
                 .iter()
                 .map(|&i| self.contacts[i].name.clone())
                 .collect();
             return Err(MechanicsError::DependentContacts { contacts });
         };
-        let mut field = self.field.clone();
-        for (&contact, &reaction) in active.iter().zip(&reactions) {
-            for (component, &jump) in field.iter_mut().zip(&self.contacts[contact].jump) {
-                let share = self.graph.mul(jump, reaction);
+        let mut field = self.unheld.clone();
+        for ((_, direction), &force) in held.iter().zip(&solution) {
+            for (component, &part) in field.iter_mut().zip(direction) {
+                let share = self.graph.mul(part, force);
                 *component = self.graph.sub(*component, share);
             }
         }
-        Ok(Sticking { field, reactions })
+        let (reactions, rest) = solution.split_at(active.len());
+        let (stuck, shares) = rest.split_at(sticks.len());
+        let frictions = (sticks.iter().zip(stuck))
+            .map(|(stick, &force)| (stick.contact, self.graph.neg(force)))
+            .collect();
+        Ok(Sticking {
+            field,
+            reactions: reactions.to_vec(),
+            shares: shares.iter().map(|&share| self.graph.neg(share)).collect(),
+            frictions,
+        })
     }
 
     /// B_ij: what a unit jump at contact `j` does to the rate of contact `i`.
@@ -269,6 +331,11 @@ impl Mechanics {
         is_identically_zero(&self.graph, expr, self.field.len(), self.parameters)
     }
 }
+
+mod sides;
+
+pub(crate) use sides::{OnSides, Rubbing};
+use sides::{Slide, Stick};
 
 #[cfg(test)]
 mod tests;

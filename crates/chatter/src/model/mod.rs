@@ -8,6 +8,7 @@
 mod assemble;
 mod builder;
 mod check;
+mod corners;
 mod curve_table;
 mod data_file;
 mod dependency;
@@ -45,7 +46,8 @@ pub use diagnostic::Palette;
 pub use direction::Direction;
 pub use error::{ModelError, ModelErrorKind, ModelErrors, Role};
 pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};
-pub use model::{Contact, Definition, Label, Model, Parameter, Section, State};
+pub(crate) use mechanics::{OnSides, Rubbing};
+pub use model::{Contact, Definition, Friction, Label, Model, Parameter, Section, State};
 pub use phase::Phase;
 pub use simultaneous::Simultaneous;
 pub use tabulated::Table;

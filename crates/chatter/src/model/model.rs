@@ -31,6 +31,8 @@ pub struct Model {
     pub sections: Vec<Section>,
     /// Named expressions in the order of the file.
     pub definitions: Vec<Definition>,
+    /// Surfaces where an expression changes its form, as formulas: what events of sliding and switching are told with.
+    pub surfaces: Vec<String>,
 }
 
 /// One component of the state.
@@ -77,6 +79,22 @@ pub struct Contact {
     pub impulse: Vec<Expr>,
     /// The restitution r, in [0, 1].
     pub restitution: Expr,
+    /// The state after an impact, one component a state, where that is given in place of impulse and restitution.
+    pub reset: Option<Vec<Expr>>,
+    /// Dry friction along the surface.
+    pub friction: Option<Friction>,
+}
+
+/// Coulomb's friction in a contact: the tangential force is at most the coefficient times the normal one, and opposes
+/// the sliding.
+#[derive(Clone, Debug)]
+pub struct Friction {
+    /// The coefficient mu, not negative.
+    pub coefficient: Expr,
+    /// The direction W_t in which a tangential impulse changes the state, in the unit of the contact's impulse.
+    pub along: Vec<Expr>,
+    /// The rate of sliding v_t, which a positive tangential impulse makes larger.
+    pub rate: Expr,
 }
 
 /// A named surface where trajectories are looked at.
@@ -88,6 +106,8 @@ pub struct Section {
     pub surface: Expr,
     /// Which crossings count.
     pub direction: Direction,
+    /// The state after a crossing, one component a state, if this is an event that changes it.
+    pub reset: Option<Vec<Expr>>,
 }
 
 /// A named expression, written out wherever it is used.

@@ -56,6 +56,7 @@ mod tests {
             contacts: Vec::new(),
             sections: Vec::new(),
             definitions: Vec::new(),
+            surfaces: Vec::new(),
             graph: graph.clone(),
         };
         let rates = model.parameter_rates(&mut graph, 1);

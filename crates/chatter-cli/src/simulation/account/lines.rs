@@ -2,6 +2,7 @@
 
 use super::{Teller, counted};
 use crate::numbers::significant;
+use crate::simulation::side_name;
 use chatter::analysis::simulate::{ContactPhase, Event, EventDetail};
 use chatter::flow::Closed;
 use chatter::numerics::Real;
@@ -109,6 +110,9 @@ impl<R: Real> Teller<'_, R> {
             EventDetail::Release { contact } => self.time_in_contact(contact, event.time),
             EventDetail::Graze { rate, .. } => format!("rate {}", self.detail(rate)),
             EventDetail::Section { .. } => String::new(),
+            EventDetail::Corner { side, .. } => {
+                side.map_or_else(String::new, |side| format!("to {}", side_name(side)))
+            }
             EventDetail::Cascade { impacts, error, .. } => format!(
                 "{} at one instant converge, rates known to {} of the greatest",
                 counted(impacts, "collision"),

@@ -102,6 +102,7 @@ fn crossing<R: Real>(
     let level = graph.number(level);
     let surface = graph.sub(state, level);
     model.sections.push(Section {
+        reset: None,
         name: String::new(),
         surface,
         direction: Direction::Either,

@@ -302,6 +302,13 @@ impl<'m, 'v> Follower<'m, 'v> {
                 }
             }
             Occurrence::Horizon => return self.on_time(orbit, trajectory),
+            ref corner => {
+                if let Some((kind, place, _)) = EventKind::of_corner(corner)
+                    && self.map.look.sees(kind, place)
+                {
+                    return self.returned(orbit, trajectory);
+                }
+            }
         }
         Next::Continue
     }
@@ -363,7 +370,7 @@ impl<'m, 'v> Follower<'m, 'v> {
                 .all(|(value, &index)| orbit.parameters[index].to_bits() == value.to_bits())
             {
                 orbit.parameters = self.parameters(&start.swept);
-                trajectory.set_parameters(&self.map.system, &orbit.parameters);
+                trajectory.set_parameters(&orbit.parameters);
             }
             match self.place(orbit, trajectory, &start.origin) {
                 Ok(()) => return Next::Continue,

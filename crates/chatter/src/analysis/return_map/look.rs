@@ -4,7 +4,7 @@ use super::spec::{ReturnMapError, Sampling};
 use crate::analysis::simulate::EventKind;
 use crate::expressions::Formula;
 use crate::flow::GuardKind;
-use crate::model::Model;
+use crate::model::{Model, Section};
 use crate::numerics::DoubleDouble;
 
 /// Where the flow is looked at. Places are indices; the only section that the system has left is number 0.
@@ -37,11 +37,26 @@ impl Look {
                     place("")?;
                 }
                 let mut sections = core::mem::take(&mut model.sections);
+                let is_event = |section: &Section| section.reset.is_some();
                 match (kind, at) {
+                    (
+                        EventKind::Switch | EventKind::Slide | EventKind::Leave | EventKind::Reset,
+                        at,
+                    ) => {
+                        // Their numbers count all surfaces, and all sections.
+                        model.sections = sections;
+                        Look::Event {
+                            kind: *kind,
+                            at,
+                            surface: None,
+                        }
+                    }
                     (EventKind::Section, Some(index)) => {
                         let section = sections.swap_remove(index);
                         let surface = Formula::new(&model.graph, section.surface);
+                        sections.retain(is_event);
                         model.sections = vec![section];
+                        model.sections.append(&mut sections);
                         Look::Event {
                             kind: *kind,
                             at: Some(0),
@@ -56,15 +71,19 @@ impl Look {
                             surface: None,
                         }
                     }
-                    (_, at) => Look::Event {
-                        kind: *kind,
-                        at,
-                        surface: None,
-                    },
+                    (_, at) => {
+                        sections.retain(is_event);
+                        model.sections = sections;
+                        Look::Event {
+                            kind: *kind,
+                            at,
+                            surface: None,
+                        }
+                    }
                 }
             }
             Sampling::Stroboscopic { period } => {
-                model.sections.clear();
+                model.sections.retain(|section| section.reset.is_some());
                 let text = period.clone();
                 let expr = model
                     .parse_expression(period)

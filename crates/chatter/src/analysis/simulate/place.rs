@@ -20,7 +20,10 @@ impl EventKind {
     /// The index of the contact or section of this name where such events happen.
     pub(crate) fn place(self, model: &Model, name: &str) -> Result<usize, UnknownPlace> {
         let known: Vec<&str> = match self {
-            Self::Section => model.sections.iter().map(|s| &*s.name).collect(),
+            Self::Section | Self::Reset => model.sections.iter().map(|s| &*s.name).collect(),
+            Self::Switch | Self::Slide | Self::Leave => {
+                model.surfaces.iter().map(String::as_str).collect()
+            }
             _ => model.contacts.iter().map(|c| &*c.name).collect(),
         };
         let place = known.iter().position(|known| *known == name);
@@ -43,6 +46,8 @@ impl fmt::Display for UnknownPlace {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match self.kind {
             EventKind::Section => "section",
+            EventKind::Reset => "event",
+            EventKind::Switch | EventKind::Slide | EventKind::Leave => "surface",
             _ => "contact",
         };
         write!(out, "the model has no {what} `{}`", self.name)?;

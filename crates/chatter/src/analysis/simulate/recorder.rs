@@ -2,7 +2,7 @@
 
 use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
 use super::samples::{Sampler, Sink};
-use super::spec::Sampling;
+use super::spec::{EventKind, Sampling};
 use crate::flow::{Closed, Dense, Occurrence, System, Trajectory, Workspace};
 use crate::numerics::Real;
 use core::ops::ControlFlow;
@@ -136,6 +136,18 @@ impl<R: Real> Recorder<R> {
             Occurrence::Ambiguity { contact, other } => {
                 self.counts.ambiguities += 1;
                 EventDetail::Ambiguity { contact, other }
+            }
+            Occurrence::Switch { .. }
+            | Occurrence::Slide { .. }
+            | Occurrence::Leave { .. }
+            | Occurrence::Stick { .. }
+            | Occurrence::Slip { .. }
+            | Occurrence::Reset { .. } => {
+                let Some((kind, place, side)) = EventKind::of_corner(&occurrence) else {
+                    return;
+                };
+                self.counts.switches += 1;
+                EventDetail::Corner { kind, place, side }
             }
             // The impact before it says so already.
             Occurrence::Capture { .. } | Occurrence::Horizon => {

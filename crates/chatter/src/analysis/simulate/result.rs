@@ -2,6 +2,7 @@
 
 use super::samples::Samples;
 use super::spec::{EventKind, EventTarget};
+use crate::expressions::Side;
 use crate::flow::{Closed, FlowError};
 use crate::numerics::Real;
 
@@ -78,6 +79,8 @@ pub struct Counts {
     pub sections: u64,
     /// Simultaneous impacts whose order changes what follows, and is not said by the equations.
     pub ambiguities: u64,
+    /// Corners of the equations passed: surfaces crossed, slid along and left, sticking and slipping, and events.
+    pub switches: u64,
 }
 
 /// Something that happened.
@@ -148,6 +151,15 @@ pub enum EventDetail<R> {
         /// Estimated error of the rates after it, as a part of the greatest rate before.
         error: f64,
     },
+    /// The form of the equations changed at a corner, or an event changed the state.
+    Corner {
+        /// What happened.
+        kind: EventKind,
+        /// The surface; for sticking and slipping the contact; for a reset its section.
+        place: usize,
+        /// The side that the trajectory is on now, where it is on one.
+        side: Option<Side>,
+    },
     /// Two contacts close at one instant, and what follows depends on which of them collides first.
     Ambiguity {
         /// The contact that collides first, closing fastest.
@@ -168,6 +180,7 @@ impl<R> EventDetail<R> {
             Self::Section { .. } => EventKind::Section,
             Self::Cascade { .. } => EventKind::Cascade,
             Self::Ambiguity { .. } => EventKind::Ambiguity,
+            Self::Corner { kind, .. } => *kind,
         }
     }
 }
@@ -177,6 +190,7 @@ impl<R: Real> EventDetail<R> {
     pub fn place(&self) -> usize {
         match *self {
             Self::Section { section } => section,
+            Self::Corner { place, .. } => place,
             Self::Impact { contact, .. }
             | Self::Accumulation { contact, .. }
             | Self::Release { contact }
@@ -225,6 +239,7 @@ impl<R: Real> EventDetail<R> {
                 error,
             },
             Self::Ambiguity { contact, other } => EventDetail::Ambiguity { contact, other },
+            Self::Corner { kind, place, side } => EventDetail::Corner { kind, place, side },
         }
     }
 }

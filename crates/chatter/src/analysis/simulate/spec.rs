@@ -3,6 +3,8 @@
 use super::place::UnknownPlace;
 use super::result::Event;
 use super::tolerance::{WrongTolerance, check_tolerance};
+use crate::expressions::Side;
+use crate::flow::Occurrence;
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real};
 use core::fmt;
@@ -140,11 +142,23 @@ pub enum EventKind {
     Cascade,
     /// Impacts of several contacts at one instant whose order matters.
     Ambiguity,
+    /// A surface was crossed where the field changes its form.
+    Switch,
+    /// A surface is slid along from here on.
+    Slide,
+    /// Sliding along a surface ended.
+    Leave,
+    /// Friction holds a contact.
+    Stick,
+    /// A contact that stuck begins to slide.
+    Slip,
+    /// An event changed the state.
+    Reset,
 }
 
 impl EventKind {
     /// All kinds.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 13] = [
         Self::Impact,
         Self::Accumulation,
         Self::Release,
@@ -152,7 +166,28 @@ impl EventKind {
         Self::Section,
         Self::Cascade,
         Self::Ambiguity,
+        Self::Switch,
+        Self::Slide,
+        Self::Leave,
+        Self::Stick,
+        Self::Slip,
+        Self::Reset,
     ];
+
+    /// The kind of event at a corner of the equations, where, and the side that the trajectory is on then.
+    pub(crate) fn of_corner<R>(told: &Occurrence<R>) -> Option<(Self, usize, Option<Side>)> {
+        let kind = match told {
+            Occurrence::Switch { .. } => Self::Switch,
+            Occurrence::Slide { .. } => Self::Slide,
+            Occurrence::Leave { .. } => Self::Leave,
+            Occurrence::Stick { .. } => Self::Stick,
+            Occurrence::Slip { .. } => Self::Slip,
+            Occurrence::Reset { .. } => Self::Reset,
+            _ => return None,
+        };
+        let (place, side) = told.corner()?;
+        Some((kind, place, side))
+    }
 
     /// Its name in results.
     pub const fn name(self) -> &'static str {
@@ -164,6 +199,12 @@ impl EventKind {
             Self::Section => "section",
             Self::Cascade => "cascade",
             Self::Ambiguity => "ambiguity",
+            Self::Switch => "switch",
+            Self::Slide => "slide",
+            Self::Leave => "leave",
+            Self::Stick => "stick",
+            Self::Slip => "slip",
+            Self::Reset => "reset",
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::Closed;
 use crate::flow::step::{FOREVER, Workspace, flight_time, legal_rates};
 use crate::flow::system::System;
-use crate::flow::touch::Touch;
+use crate::flow::touch::{Touch, TouchConstants, Touches};
 use crate::model::Simultaneous;
 use crate::numerics::complementarity::complementary;
 use crate::numerics::{Real, WithTerms, two_sum};
@@ -26,6 +26,10 @@ const TOLD: u64 = 64;
 /// A cascade has converged long before, whatever the restitution: it is none.
 const MOST: u64 = 100_000;
 
+/// A cascade that is told as a whole stops where no rate is closing by more than rounding; what it would still do to the rates
+/// of contacts beside is a few times that.
+const SETTLED_LEVELS: f64 = 64.0;
+
 /// Outcomes of two orders of collisions are one if they agree to this part of the greatest rate.
 const SAME_OUTCOME: f64 = 1e-9;
 
@@ -35,7 +39,8 @@ pub(super) struct Collisions<R> {
     touching: Closed,
     /// How many there were so far.
     count: u64,
-    /// The greatest rate that each contact of the system has had at this instant.
+    /// The greatest rate that each contact of the system has had at this instant, in earlier collisions, too: from what a
+    /// squeezed body has lost, nothing is told apart any more.
     greatest: Vec<R>,
     /// The shift of the event's time, one a column of derivatives.
     shifts: Vec<R>,
@@ -60,7 +65,7 @@ impl<R: Real> Trajectory<R> {
         self.collisions = Some(Collisions {
             touching,
             count: 0,
-            greatest: vec![R::ZERO; system.contacts()],
+            greatest: self.greatest_rates(system),
             shifts,
         });
         if self.law == Simultaneous::Binary
@@ -98,13 +103,8 @@ impl<R: Real> Trajectory<R> {
                 Simultaneous::Binary => {
                     let restitution = touch.restitution[fastest].value;
                     self.check_restitution(fastest, restitution)?;
-                    let (after, low) = system.touches().after_collision(
-                        &self.touch_constants,
-                        fastest,
-                        &self.state,
-                        &self.low,
-                    );
-                    (self.state, self.low) = (after, low);
+                    (self.state, self.low) = self.after_collision(system, fastest)?;
+                    self.stop_sliding(system, fastest)?;
                     let rate = touch.rate[fastest].value;
                     vec![(fastest, rate, -(restitution * rate))]
                 }
@@ -199,8 +199,14 @@ impl<R: Real> Trajectory<R> {
         };
         let mut resting = Closed::NONE;
         let mut separating = Closed::NONE;
+        let levels = if collisions.count > TOLD {
+            SETTLED_LEVELS
+        } else {
+            1.0
+        };
         for contact in collisions.touching.contacts() {
-            if touch.rate[contact].value <= collisions.level(touch, contact) {
+            let level = collisions.level(touch, contact) * R::splat(levels);
+            if touch.rate[contact].value <= level {
                 resting = resting.with(contact);
             } else {
                 separating = separating.with(contact);
@@ -212,11 +218,13 @@ impl<R: Real> Trajectory<R> {
             self.leave_gap(system, contact, 1);
         }
         self.flight_time = R::splat(FOREVER);
+        self.settle_corners(system, None)?;
         if resting != Closed::NONE {
             self.bring_to_rest(system, work, resting)?;
         }
         // At fixed time again, in the mode that follows.
         self.shift_columns(system, work, &collisions.shifts, -R::ONE)?;
+        self.rates_of_instant = collisions.greatest;
         self.burst += collisions.count as usize;
         self.after_collisions(system, work, separating)
     }
@@ -249,26 +257,39 @@ impl<R: Real> Trajectory<R> {
 
     /// Brings all contacts to rest whose remaining motion is below rounding: chatter of several at once. Returns whether
     /// there were any.
+    ///
+    /// The impulse that does so may take others along that touch as well, and still move: those come to rest with them, or
+    /// collide now.
     pub(super) fn end_burst(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
     ) -> Result<bool, FlowError> {
-        let touch = self.touch_values(system)?;
         let span = self.rest_of_burst();
-        let near = self.near_contacts(&touch, span, |rate, slow| rate <= slow);
-        let resting = Closed(self.closed.0 | near.0);
-        let Some(contact) = Closed(near.0 & !self.closed.0).contacts().next() else {
-            return Ok(false);
-        };
-        self.pending.push_back(Occurrence::Accumulation {
-            contact,
-            impacts: self.burst as u64,
-            error: span.to_f64(),
-        });
-        self.burst = 0;
-        self.bring_to_rest(system, work, resting)?;
-        Ok(true)
+        let mut decided = self.closed;
+        let mut ended = false;
+        loop {
+            let touch = self.touch_values(system)?;
+            let near = self.near_contacts(&touch, span, |rate, slow| rate <= slow);
+            let Some(contact) = Closed(near.0 & !decided.0).contacts().next() else {
+                break;
+            };
+            if !ended {
+                self.pending.push_back(Occurrence::Accumulation {
+                    contact,
+                    impacts: self.burst as u64,
+                    error: span.to_f64(),
+                });
+            }
+            ended = true;
+            decided = Closed(decided.0 | near.0);
+            self.bring_to_rest(system, work, Closed(near.0 & !self.closed.0))?;
+        }
+        if ended {
+            self.burst = 0;
+            self.end_squeeze(system, work)?;
+        }
+        Ok(ended)
     }
 
     /// A body that is squeezed hits both its neighbours ever faster, and meets them at one instant with a rate that is
@@ -289,7 +310,11 @@ impl<R: Real> Trajectory<R> {
         let Some(fastest) = touching.contacts().min_by(slower) else {
             return Ok(false);
         };
-        let closes = rate(fastest) < -touch.rate[fastest].level();
+        let before = (self.rates_of_instant.get(fastest)).map_or(R::ZERO, |&rate| rate);
+        let level = touch.rate[fastest]
+            .level()
+            .max(WithTerms::exact(before).level());
+        let closes = rate(fastest) < -level;
         if !closes || touching.contacts().count() < 2 {
             return Ok(false);
         }
@@ -325,14 +350,45 @@ impl<R: Real> Trajectory<R> {
 
     /// All contacts at the present state.
     pub(super) fn touch_values(&self, system: &System) -> Result<Touch<R>, FlowError> {
-        let touch = system
-            .touches()
-            .at(&self.touch_constants, &self.state, &self.low);
+        let (touches, constants) = self.touches(system)?;
+        let touch = touches.at(constants, &self.state, &self.low);
         if touch.is_finite() {
             Ok(touch)
         } else {
             Err(self.left_domain())
         }
+    }
+
+    /// What says of all contacts at once, on the sides where the state is, with its constants.
+    fn touches<'s>(
+        &'s self,
+        system: &'s System,
+    ) -> Result<(&'s Touches, &'s TouchConstants<R>), FlowError> {
+        let touches = system.touches(self.flight);
+        let constants = self.touch_constants.get(self.flight);
+        touches
+            .zip(constants.and_then(Option::as_ref))
+            .ok_or_else(|| self.left_domain())
+    }
+
+    fn after_collision(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<(Vec<R>, Vec<R>), FlowError> {
+        let (touches, constants) = self.touches(system)?;
+        Ok(touches.after_collision(constants, contact, &self.state, &self.low))
+    }
+
+    /// The rate of sliding of a contact with friction, and the change of the state that makes it larger by one and leaves
+    /// the gap rate as it is.
+    pub(super) fn sliding(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<Option<(R, Vec<R>)>, FlowError> {
+        let (touches, constants) = self.touches(system)?;
+        Ok(touches.sliding(constants, contact, &self.state, &self.low))
     }
 
     fn check_restitution(&self, contact: usize, value: R) -> Result<(), FlowError> {
@@ -353,6 +409,13 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
+    /// The greatest rates of all contacts since time last passed.
+    fn greatest_rates(&self, system: &System) -> Vec<R> {
+        let mut rates = self.rates_of_instant.clone();
+        rates.resize(system.contacts(), R::ZERO);
+        rates
+    }
+
     /// Turns columns at fixed time into those of the event's point; returns the shifts of its time.
     fn event_columns(
         &mut self,
@@ -365,14 +428,14 @@ impl<R: Real> Trajectory<R> {
             return Ok(Vec::new());
         }
         let rate = touch.rate[contact].value;
-        let touches = system.touches();
-        let slopes = touches.slopes(&self.touch_constants, contact, &self.state, &self.low);
+        let (touches, constants) = self.touches(system)?;
+        let slopes = touches.slopes(constants, contact, &self.state, &self.low);
         let shifts: Vec<R> = slopes.iter().map(|&slope| -(slope / rate)).collect();
         self.shift_columns(system, work, &shifts, R::ONE)?;
         Ok(shifts)
     }
 
-    fn shift_columns(
+    pub(super) fn shift_columns(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,

@@ -9,7 +9,7 @@ use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, GuardKind, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
-use crate::flow::system::{FLIGHT, System};
+use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::touching::{Left, Touching};
 use crate::numerics::complementarity::complementary;
@@ -44,6 +44,7 @@ impl<R: Real> Trajectory<R> {
         }
         let captured = self.closed.contacts().filter(|&c| !before.contains(c));
         (self.pending).extend(captured.map(|contact| Occurrence::Capture { contact }));
+        self.settle_corners(system, None)?;
         Ok(())
     }
 
@@ -59,6 +60,7 @@ impl<R: Real> Trajectory<R> {
         // Columns stay as they are if the contact lifts off at once: nothing holds it.
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
+        self.settle_corners(system, None)?;
         let [_, _, acceleration, _] = self.local(system, contact)?;
         if acceleration.value > acceleration.level() {
             self.leave_gap(system, contact, 2);
@@ -233,6 +235,7 @@ impl<R: Real> Trajectory<R> {
         self.enter(system, self.closed.without(contact))?;
         self.leave_gap(system, contact, roots);
         self.flight_time = R::splat(FOREVER);
+        self.settle_corners(system, None)?;
         Ok(())
     }
 
@@ -240,13 +243,11 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn enter(&mut self, system: &System, closed: Closed) -> Result<(), FlowError> {
         let before = self.touching;
         let old = system.program(self.mode);
-        self.mode = system.meet(closed);
+        self.mode = system.meet(closed, self.regime);
+        self.flight = system.meet(Closed::NONE, self.regime);
         self.closed = closed;
-        if self.constants.len() <= self.mode {
-            self.constants.resize(self.mode + 1, None);
-        }
-        if self.constants[self.mode].is_none() {
-            self.constants[self.mode] = system.constants(self.mode, &self.parameters);
+        for mode in [self.flight, self.mode] {
+            self.load_constants(system, mode);
         }
         let program = self.program(system)?;
         self.touching = Touching::NONE;
@@ -261,6 +262,29 @@ impl<R: Real> Trajectory<R> {
             }
         }
         Ok(())
+    }
+
+    /// The constants of a mode at the present parameter values, unless they are known.
+    fn load_constants(&mut self, system: &System, mode: usize) {
+        if self.constants.len() <= mode {
+            self.constants.resize(mode + 1, None);
+        }
+        if self.constants[mode].is_none() {
+            self.constants[mode] = system.constants(mode, &self.parameters);
+        }
+        if self.touch_constants.len() <= mode {
+            self.touch_constants.resize(mode + 1, None);
+        }
+        if self.touch_constants[mode].is_none() {
+            let touches = system.touches(mode);
+            self.touch_constants[mode] = touches.map(|t| t.constants(&self.parameters));
+        }
+    }
+
+    /// Parameter values have changed.
+    pub(super) fn forget_constants(&mut self) {
+        self.constants.clear();
+        self.touch_constants.clear();
     }
 
     /// Says how many roots of the gap of an open contact lie at the present state.
@@ -293,7 +317,7 @@ impl<R: Real> Trajectory<R> {
             return false;
         };
         let (Some(flight), Some(Some(constants))) =
-            (system.program(FLIGHT), self.constants.get(FLIGHT))
+            (system.program(self.flight), self.constants.get(self.flight))
         else {
             return false;
         };

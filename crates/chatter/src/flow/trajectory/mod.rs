@@ -6,20 +6,23 @@
 
 mod collisions;
 mod contact;
+mod corners;
 mod projection;
+mod reset;
 mod sequence;
 mod start;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
 use super::occurrence::Occurrence;
-use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
+use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes};
 use super::resolve::{Resolution, crossed_here, resolve};
 use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace, least_step};
 use super::system::System;
 use super::touch::TouchConstants;
 use super::touching::{Left, Touching};
+use crate::expressions::Sides as SurfaceSides;
 use crate::model::Simultaneous;
 use crate::numerics::{Real, two_sum};
 use collisions::Collisions;
@@ -31,10 +34,12 @@ const REACH_USED: f64 = 0.95;
 /// A trajectory, at a time and state, in a mode.
 #[derive(Clone, Debug)]
 pub struct Trajectory<R> {
+    /// Those of the model, then those of the pieces of lookups.
     parameters: Vec<R>,
     /// By number of the mode; none where it was never entered.
     pub(crate) constants: Vec<Option<ProgramConstants<R>>>,
-    touch_constants: TouchConstants<R>,
+    /// By number of the mode of free flight.
+    touch_constants: Vec<Option<TouchConstants<R>>>,
     law: Simultaneous,
     time: R,
     time_low: R,
@@ -45,6 +50,12 @@ pub struct Trajectory<R> {
     pub(crate) closed: Closed,
     /// Number of the mode in which these are closed.
     pub(crate) mode: usize,
+    /// Number of the mode on the same sides of all surfaces in which nothing is closed.
+    flight: usize,
+    /// The side of each surface.
+    regime: SurfaceSides,
+    /// The piece of each lookup.
+    pieces: Vec<i64>,
     /// Per guard of the mode's program: how many roots lie at the present state.
     pub(crate) touching: Touching,
     /// The guards that were last left from rest, and how long ago.
@@ -64,6 +75,8 @@ pub struct Trajectory<R> {
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
     burst: usize,
+    /// The greatest rates that contacts had in collisions since then.
+    rates_of_instant: Vec<R>,
     /// Collisions that are still to come at this instant.
     collisions: Option<Collisions<R>>,
     /// The end of a chatter sequence whose latest impact has been told of, but which has not been moved to.
@@ -395,9 +408,10 @@ impl<R: Real> Trajectory<R> {
         }
         if result.step > negligible {
             self.burst = 0;
+            self.rates_of_instant.clear();
             self.longest_step = self.longest_step.max(result.step);
         }
-        if self.closed != Closed::NONE {
+        if !program.residuals.outputs.is_empty() {
             self.stay_on_contacts(system, work)?;
         }
         if let Some(index) = result.touched {
@@ -419,6 +433,10 @@ impl<R: Real> Trajectory<R> {
             return Ok(None);
         };
         match program.guards[index].kind {
+            GuardKind::Section(section) if system.is_event(section) => {
+                self.flight_time = self.rest_of_flight(result.step);
+                self.reset(system, work, section).map(Some)
+            }
             GuardKind::Section(section) => {
                 if !result.jumped {
                     self.touching.set(index, 1);
@@ -431,6 +449,13 @@ impl<R: Real> Trajectory<R> {
                 self.tracker.interrupt();
                 Ok(Some(Occurrence::Release { contact }))
             }
+            kind @ (GuardKind::Switch(_) | GuardKind::Leave(..) | GuardKind::Piece(..)) => {
+                self.meet_corner(system, work, kind)
+            }
+            GuardKind::Jam(contact) => Err(FlowError::Jammed {
+                time: self.time.to_f64(),
+                contact,
+            }),
             GuardKind::Gap(contact) if !self.is_alone(program, contact, result.crowd) => {
                 let touching = Closed(self.closed.0 | result.crowd.0).with(contact);
                 self.collide(system, work, contact, touching)
@@ -438,7 +463,10 @@ impl<R: Real> Trajectory<R> {
             GuardKind::Gap(contact) => {
                 self.flight_time = result.flight_time;
                 self.touching.set(index, 1);
-                self.after_impact(system, work, contact, &result.impact)
+                if system.corners().is_empty() {
+                    return self.after_impact(system, work, contact, &result.impact);
+                }
+                self.after_impact_at_corners(system, work, contact, result.impact)
             }
         }
     }
@@ -492,7 +520,7 @@ impl<R: Real> Trajectory<R> {
                 let rate = self.local(system, contact)?[1].value;
                 Ok(Some(Occurrence::Graze { contact, rate }))
             }
-            GuardKind::Reaction(_) | GuardKind::Section(_) => Ok(None),
+            _ => Ok(None),
         }
     }
 

@@ -12,7 +12,7 @@ use crate::numerics::linear::solve;
 /// Gaps that are not linear, and what rounding leaves of a first correction, need a second, never a third at this distance.
 const CORRECTIONS: usize = 2;
 
-/// What a correction leaves of a state, if it is less than so many roundoffs of what it was, is nothing.
+/// What corrections leave of a state, if it is less than so many roundoffs of what it is the sum of, is nothing.
 const LEFT_ROUNDOFFS: f64 = 8.0;
 
 impl<R: Real> Trajectory<R> {
@@ -36,29 +36,58 @@ impl<R: Real> Trajectory<R> {
         if residuals.iter().all(|&value| value == R::ZERO) {
             return Ok(());
         }
+        self.stay_on_surfaces(system, work)?;
+        if self.closed == Closed::NONE {
+            return Ok(());
+        }
         self.project(system, self.closed)
+    }
+
+    /// Puts the state back onto the surfaces that it slides along, and rates of sliding that stick to zero: by the least
+    /// displacement.
+    fn stay_on_surfaces(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<(), FlowError> {
+        let first = 2 * self.closed.contacts().count();
+        for _ in 0..CORRECTIONS {
+            let program = self.program(system)?;
+            let Some(constants) = &self.constants[self.mode] else {
+                return Ok(());
+            };
+            let start = (&self.state[..], &self.low[..]);
+            let mut values = vec![R::ZERO; program.residuals.outputs.len()];
+            work.values_at(&program.residuals, &constants.residuals, start, &mut values);
+            let mut gradients = vec![R::ZERO; program.held_gradients.outputs.len()];
+            let own = &constants.held_gradients;
+            work.values_at(&program.held_gradients, own, start, &mut gradients);
+            for (value, gradient) in values[first..]
+                .iter()
+                .zip(gradients.chunks(self.coordinates))
+            {
+                let square = gradient.iter().fold(R::ZERO, |sum, &g| g.mul_add(g, sum));
+                if *value != R::ZERO && square > R::ZERO {
+                    self.push(gradient, -(*value / square));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Makes gaps and rates of these contacts zero: gaps by the least displacement, rates along the impulses.
     pub(super) fn project(&mut self, system: &System, contacts: Closed) -> Result<(), FlowError> {
-        let mut largest: Vec<R> = (self.state[..self.coordinates].iter())
-            .map(|x| x.abs())
-            .collect();
-        self.close_gaps(system, contacts)?;
+        let mut sizes = self.correct_gaps(system, contacts)?;
         let contacts: Vec<usize> = contacts.contacts().collect();
         for _ in 0..CORRECTIONS {
-            for (largest, x) in largest.iter_mut().zip(&self.state) {
-                *largest = largest.max(x.abs());
-            }
             let touch = self.touch_values(system)?;
             let rates: Vec<R> = contacts.iter().map(|&i| touch.rate[i].value).collect();
             let pushes = self.solved(&touch.block(&contacts), &rates, &contacts)?;
-            for (&i, &by) in contacts.iter().zip(&pushes) {
-                self.push(&touch.jump[i], -by);
-            }
+            let directions = contacts.iter().map(|&i| &touch.jump[i]);
+            self.take_back(directions.zip(pushes), &mut sizes);
         }
-        for ((x, low), largest) in self.state.iter_mut().zip(&mut self.low).zip(largest) {
-            if x.abs() <= largest * R::splat(LEFT_ROUNDOFFS * R::ROUNDOFF) {
+        for ((x, low), size) in self.state.iter_mut().zip(&mut self.low).zip(sizes) {
+            if x.abs() <= size * R::splat(LEFT_ROUNDOFFS * R::ROUNDOFF) {
                 (*x, *low) = (R::ZERO, R::ZERO);
             }
         }
@@ -71,16 +100,33 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         contacts: Closed,
     ) -> Result<(), FlowError> {
+        self.correct_gaps(system, contacts).map(|_| ())
+    }
+
+    /// As [`close_gaps`](Self::close_gaps); returns the sizes of what each coordinate has become the sum of.
+    fn correct_gaps(&mut self, system: &System, contacts: Closed) -> Result<Vec<R>, FlowError> {
+        let mut sizes: Vec<R> = (self.state[..self.coordinates].iter())
+            .map(|x| x.abs())
+            .collect();
         let contacts: Vec<usize> = contacts.contacts().collect();
         for _ in 0..CORRECTIONS {
             let touch = self.touch_values(system)?;
             let gaps: Vec<R> = contacts.iter().map(|&i| touch.gap[i].value).collect();
             let pushes = self.solved(&gram(&touch, &contacts), &gaps, &contacts)?;
-            for (&i, &by) in contacts.iter().zip(&pushes) {
-                self.push(&touch.gradient[i], -by);
+            let directions = contacts.iter().map(|&i| &touch.gradient[i]);
+            self.take_back(directions.zip(pushes), &mut sizes);
+        }
+        Ok(sizes)
+    }
+
+    /// Subtracts so many times each direction from the coordinates, and adds the sizes of that.
+    fn take_back<'a>(&mut self, parts: impl Iterator<Item = (&'a Vec<R>, R)>, sizes: &mut [R]) {
+        for (direction, by) in parts {
+            self.push(direction, -by);
+            for (size, &component) in sizes.iter_mut().zip(direction) {
+                *size = component.abs().mul_add(by.abs(), *size);
             }
         }
-        Ok(())
     }
 
     fn solved(

@@ -269,7 +269,8 @@ impl<R: Real> Trajectory<R> {
         self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
         self.may_have_crossed = true;
         // The accumulation says more than the capture that ends it.
-        self.pending.clear();
+        self.pending
+            .retain(|told| !matches!(told, Occurrence::Capture { .. }));
         Ok(Occurrence::Accumulation {
             contact,
             impacts,

@@ -33,7 +33,7 @@ impl<R: Real> Trajectory<R> {
         let mut trajectory = Self {
             parameters: parameters.to_vec(),
             constants: Vec::new(),
-            touch_constants: system.touches().constants(parameters),
+            touch_constants: Vec::new(),
             law: system.simultaneous(),
             time,
             time_low: R::ZERO,
@@ -42,6 +42,9 @@ impl<R: Real> Trajectory<R> {
             coordinates: system.coordinates(),
             closed: Closed::NONE,
             mode: FLIGHT,
+            flight: FLIGHT,
+            regime: Default::default(),
+            pieces: Vec::new(),
             touching: Touching::NONE,
             left: Left::NONE,
             sides: Sides::UNKNOWN,
@@ -54,6 +57,7 @@ impl<R: Real> Trajectory<R> {
             latest_impact: None,
             longest_step: R::ZERO,
             burst: 0,
+            rates_of_instant: Vec::new(),
             collisions: None,
             completion: None,
             may_have_crossed: false,
@@ -75,6 +79,19 @@ impl<R: Real> Trajectory<R> {
         state: &[R],
     ) -> Result<(), FlowError> {
         self.move_to(system, Closed::NONE, time, state)?;
+        self.settle_corners(system, None)?;
+        self.pending.clear();
+        self.classify(system, work, true)
+    }
+
+    /// Classifies the contacts that the state lies on, none of which is closed yet. Nothing is told of those at rest at the
+    /// start of a trajectory.
+    pub(super) fn classify(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        at_start: bool,
+    ) -> Result<(), FlowError> {
         let touch = self.touch_values(system)?;
         let mut touching = Closed::NONE;
         for (contact, gap) in touch.gap.iter().enumerate() {
@@ -106,7 +123,9 @@ impl<R: Real> Trajectory<R> {
             self.pending.extend(told);
         } else if resting != Closed::NONE {
             self.bring_to_rest(system, work, resting)?;
-            self.pending.clear();
+            if at_start {
+                self.pending.clear();
+            }
         }
         Ok(())
     }
@@ -129,9 +148,14 @@ impl<R: Real> Trajectory<R> {
         if let (Some(contact), None) = (members.next(), members.next()) {
             let at_rest = self.at_rest(system, work, contact)?;
             self.take(0..at_rest.len(), &at_rest);
+            self.settle_corners(system, None)?;
+            self.pending.clear();
             return Ok(());
         }
-        self.project(system, closed)
+        self.project(system, closed)?;
+        self.settle_corners(system, None)?;
+        self.pending.clear();
+        Ok(())
     }
 
     /// Says that the state lies on a surface and that this does not count as a crossing: the next one does.
@@ -140,11 +164,12 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Changes the parameter values. A [`restart`](Self::restart) must follow: the phase was found with the old ones.
-    pub fn set_parameters(&mut self, system: &System, parameters: &[R]) {
+    pub fn set_parameters(&mut self, parameters: &[R]) {
         self.parameters.clear();
         self.parameters.extend_from_slice(parameters);
         self.constants.clear();
-        self.touch_constants = system.touches().constants(parameters);
+        self.pieces.clear();
+        self.touch_constants.clear();
     }
 
     fn move_to(
@@ -169,10 +194,12 @@ impl<R: Real> Trajectory<R> {
         self.latest_impact = None;
         self.longest_step = R::ZERO;
         self.burst = 0;
+        self.rates_of_instant.clear();
         self.collisions = None;
         self.completion = None;
         self.may_have_crossed = false;
         self.pending.clear();
+        self.place_on_sides(system)?;
         self.enter(system, closed)?;
         self.touching = Touching::NONE;
         self.left = Left::NONE;

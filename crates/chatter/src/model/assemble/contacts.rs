@@ -52,6 +52,8 @@ impl Assembly<'_> {
             gap,
             impulse,
             restitution,
+            reset: None,
+            friction: None,
         }
     }
 
@@ -107,6 +109,7 @@ impl Assembly<'_> {
             name: section.name.text.clone(),
             surface,
             direction: section.direction,
+            reset: None,
         }
     }
 }

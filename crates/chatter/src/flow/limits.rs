@@ -1,0 +1,135 @@
+//! Where a mode ends at a corner: functions that are positive while its sides, pieces and sliding hold (MATH.md 9).
+
+use super::program::{Closed, GuardKind, Phase};
+use crate::expressions::{Corners, Expr, Graph, Side, Sides};
+use crate::model::{Mechanics, OnSides, Rubbing};
+
+/// A corner that a mode depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Corner {
+    /// A surface, by number.
+    Surface(usize),
+    /// A lookup, by number.
+    Lookup(usize),
+}
+
+/// What a mode asks of one corner.
+#[derive(Clone, Debug)]
+pub(crate) struct Limit {
+    pub corner: Corner,
+    /// Positive while the mode holds; each ends it where it vanishes.
+    pub guards: Vec<(GuardKind, Expr)>,
+    /// What is zero on the corner: the surface, or the argument up to a constant.
+    pub surface: Expr,
+}
+
+/// All of them, and where contact forces cease to be determined.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Limits {
+    pub corners: Vec<Limit>,
+    /// Of contacts that slide: what an impulse along friction does to the gap rate.
+    pub jams: Vec<(GuardKind, Expr)>,
+}
+
+impl Limits {
+    pub(crate) fn new(
+        mechanics: &mut Mechanics,
+        (corners, on_sides): (&Corners, &OnSides),
+        (rubbing, closed, sides): (&[Rubbing], Closed, Sides),
+        phase: &Phase,
+    ) -> Self {
+        let mut limits = Self::default();
+        for index in on_sides.active.members() {
+            let surface = on_sides.surfaces[index];
+            let rubs = rubbing.iter().find(|rubbing| rubbing.surface == index);
+            let guards = match (sides.get(index), rubs) {
+                (Side::Above, _) => vec![(GuardKind::Switch(index), surface)],
+                (Side::Below, _) => {
+                    vec![(GuardKind::Switch(index), mechanics.graph.neg(surface))]
+                }
+                (Side::Sliding, Some(rubs)) if closed.contains(rubs.contact) => {
+                    cone(mechanics, phase, closed, *rubs)
+                }
+                (Side::Sliding, Some(_)) => Vec::new(),
+                (Side::Sliding, None) => {
+                    let place = mechanics.slides.iter().position(|s| s.index == index);
+                    let share = place.and_then(|place| phase.shares.get(place).copied());
+                    share.map_or_else(Vec::new, |share| {
+                        between(&mut mechanics.graph, index, share)
+                    })
+                }
+            };
+            limits.corners.push(Limit {
+                corner: Corner::Surface(index),
+                guards,
+                surface,
+            });
+        }
+        for index in on_sides.looked_up.members() {
+            let argument = on_sides.arguments[index];
+            let [low, high] = corners.ends(&mut mechanics.graph, index, argument);
+            limits.corners.push(Limit {
+                corner: Corner::Lookup(index),
+                guards: vec![
+                    (GuardKind::Piece(index, Side::Below), low),
+                    (GuardKind::Piece(index, Side::Above), high),
+                ],
+                surface: argument,
+            });
+        }
+        for rubbing in rubbing {
+            let slides = sides.get(rubbing.surface) != Side::Sliding;
+            if closed.contains(rubbing.contact) && slides {
+                let room = mechanics.contacts[rubbing.contact].rate_per_impulse;
+                limits.jams.push((GuardKind::Jam(rubbing.contact), room));
+            }
+        }
+        limits
+    }
+
+    /// All guards.
+    pub(crate) fn guards(&self) -> impl Iterator<Item = (GuardKind, Expr)> {
+        let corners = self.corners.iter().flat_map(|limit| &limit.guards);
+        corners.chain(&self.jams).copied()
+    }
+}
+
+/// Sliding goes on while each field has a part in it.
+fn between(graph: &mut Graph, index: usize, share: Expr) -> Vec<(GuardKind, Expr)> {
+    let one = graph.number(1.0);
+    vec![
+        (GuardKind::Leave(index, Side::Above), graph.sub(one, share)),
+        (GuardKind::Leave(index, Side::Below), graph.add(one, share)),
+    ]
+}
+
+/// Sticking goes on while the friction force lies within its cone. At its positive edge the contact begins to slide
+/// backwards.
+fn cone(
+    mechanics: &mut Mechanics,
+    phase: &Phase,
+    closed: Closed,
+    rubs: Rubbing,
+) -> Vec<(GuardKind, Expr)> {
+    let stick = mechanics.sticks.iter().find(|s| s.contact == rubs.contact);
+    let place = closed.contacts().position(|c| c == rubs.contact);
+    let force = (phase.frictions.iter()).find(|(contact, _)| *contact == rubs.contact);
+    let (Some(stick), Some(place), Some(&(_, force))) = (stick.cloned(), place, force) else {
+        return Vec::new();
+    };
+    let room = mechanics.contacts[rubs.contact].rate_per_impulse;
+    let graph = &mut mechanics.graph;
+    let normal = graph.div(phase.reactions[place], room);
+    let limit = graph.mul(stick.coefficient, normal);
+    let limit = graph.neg(limit);
+    vec![
+        (
+            GuardKind::Leave(rubs.surface, Side::Above),
+            graph.add(limit, force),
+        ),
+        (
+            GuardKind::Leave(rubs.surface, Side::Below),
+            graph.sub(limit, force),
+        ),
+    ]
+}

@@ -1,0 +1,114 @@
+//! Events that change the state, and impacts that take it across corners.
+
+use super::Trajectory;
+use crate::flow::error::FlowError;
+use crate::flow::occurrence::Occurrence;
+use crate::flow::program::{Closed, IMPACT_SCALARS};
+use crate::flow::step::{FOREVER, Workspace, flight_time};
+use crate::flow::system::System;
+use crate::numerics::Real;
+
+/// Events without time passing between them: more than so many do not come to an end.
+const MOST_RESETS: usize = 1000;
+
+impl<R: Real> Trajectory<R> {
+    /// Changes the state as the event of a section says.
+    pub(super) fn reset(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        section: usize,
+    ) -> Result<Occurrence<R>, FlowError> {
+        self.burst += 1;
+        if self.burst > MOST_RESETS {
+            return Err(FlowError::SwitchesWithoutEnd {
+                time: self.time.to_f64(),
+                count: self.burst,
+            });
+        }
+        let shifts = self.apply_reset(system, work, section)?;
+        self.tracker.interrupt();
+        self.sequence = 0;
+        self.latest_impact = None;
+        self.flight_time = R::splat(FOREVER);
+        self.enter(system, Closed::NONE)?;
+        self.touching = crate::flow::touching::Touching::NONE;
+        self.settle_corners(system, None)?;
+        self.classify(system, work, false)?;
+        self.shift_columns(system, work, &shifts, -R::ONE)?;
+        // On which side of its own surface it has put the state is found anew: that is no crossing.
+        self.sides.set(section, R::ZERO);
+        self.may_have_crossed = true;
+        Ok(Occurrence::Reset { section })
+    }
+
+    fn apply_reset(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        section: usize,
+    ) -> Result<Vec<R>, FlowError> {
+        let program = self.program(system)?;
+        let (Some(Some(tapes)), Some(constants)) =
+            (program.resets.get(section), &self.constants[self.mode])
+        else {
+            return Ok(Vec::new());
+        };
+        let constants = constants.resets[section].clone();
+        let mut crossing = vec![R::ZERO; tapes.crossing.outputs.len()];
+        let start = (&self.state[..], &self.low[..]);
+        work.values_at(&tapes.crossing, &constants[1], start, &mut crossing);
+        let shifts: Vec<R> = (crossing[1..].iter())
+            .map(|&slope| -(slope / crossing[0]))
+            .collect();
+        self.shift_columns(system, work, &shifts, R::ONE)?;
+        let mut after = self.state.clone();
+        let start = (&self.state[..], &self.low[..]);
+        work.values_at(&tapes.after, &constants[0], start, &mut after);
+        if !after.iter().all(|x| x.is_finite()) {
+            return Err(self.left_domain());
+        }
+        self.take(0..after.len(), &after);
+        Ok(shifts)
+    }
+
+    /// As [`after_impact`](Self::after_impact) where the impact may have taken the state across corners.
+    pub(super) fn after_impact_at_corners(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        mut impact: [R; IMPACT_SCALARS],
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        self.stop_sliding(system, contact)?;
+        if self.settle_corners(system, None)? {
+            // What follows is moved by another field.
+            let [_, _, acceleration, jerk] = self.local(system, contact)?;
+            impact[2] = acceleration.value;
+            impact[3] = jerk.value;
+            self.flight_time = flight_time(impact[1], impact[2], impact[3]);
+            self.tracker.interrupt();
+        }
+        self.after_impact(system, work, contact, &impact)
+    }
+
+    /// An impulse with full friction that has turned the sliding round was larger than what stops it: the contact sticks
+    /// during the impact, and slides no more after it.
+    pub(super) fn stop_sliding(
+        &mut self,
+        system: &System,
+        contact: usize,
+    ) -> Result<(), FlowError> {
+        let Some(rubbing) = system.rubbing().iter().find(|r| r.contact == contact) else {
+            return Ok(());
+        };
+        let before = R::splat(self.regime.get(rubbing.surface).sign());
+        let Some((rate, direction)) = self.sliding(system, contact)? else {
+            return Ok(());
+        };
+        if before == R::ZERO || rate * before < R::ZERO {
+            self.push(&direction, -rate);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,242 @@
+//! Mechanics on given sides of all surfaces: there every expression is smooth (MATH.md 9).
+
+use super::{Mechanics, MechanicsError};
+use crate::expressions::{Corners, Expr, Folding, Side, Sides, Surfaces};
+use crate::model::{Contact, Model, Section};
+
+/// A surface that is slid along.
+#[derive(Clone, Debug)]
+pub(crate) struct Slide {
+    /// Its number.
+    pub index: usize,
+    /// The function that stays zero.
+    pub surface: Expr,
+    /// Half of what the field above has more than the one below.
+    pub jump: Vec<Expr>,
+}
+
+/// A contact that sticks where it is closed.
+#[derive(Clone, Debug)]
+pub(crate) struct Stick {
+    pub contact: usize,
+    /// The rate of sliding, which stays zero.
+    pub rate: Expr,
+    pub along: Vec<Expr>,
+    pub coefficient: Expr,
+}
+
+/// A contact with friction, and the number of the surface that is its rate of sliding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Rubbing {
+    pub contact: usize,
+    pub surface: usize,
+}
+
+/// A model's expressions on given sides.
+#[derive(Clone, Debug)]
+pub(crate) struct OnSides {
+    pub mechanics: Mechanics,
+    /// Sections and events.
+    pub sections: Vec<Section>,
+    /// All surfaces, and the arguments of all lookups, by the sides of those within them.
+    pub surfaces: Vec<Expr>,
+    pub arguments: Vec<Expr>,
+    /// The surfaces, and the lookups, that anything depends on here.
+    pub active: Surfaces,
+    pub looked_up: Surfaces,
+}
+
+impl Mechanics {
+    /// Derives everything on these sides of the surfaces.
+    ///
+    /// Where a surface is slid along the field is Filippov's: the convex combination of those on both sides that keeps the
+    /// surface. For several at once that is defined only where they change the field one by one.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and where the field that keeps to a surface is not determined.
+    pub(crate) fn on_sides(
+        model: &Model,
+        corners: &Corners,
+        rubbing: &[Rubbing],
+        sides: Sides,
+    ) -> Result<OnSides, MechanicsError> {
+        let mut graph = model.graph.clone();
+        let mut active = Surfaces::default();
+        let mut looked_up = Surfaces::default();
+        let mut smooth = |graph: &mut _, sides: Sides, exprs: &[Expr]| {
+            let found = corners.smooth(graph, sides, exprs);
+            active = active.or(found.surfaces);
+            looked_up = looked_up.or(found.lookups);
+            found.exprs
+        };
+        let field = smooth(&mut graph, sides, &model.field());
+        let mut contacts: Vec<Contact> = Vec::with_capacity(model.contacts.len());
+        for contact in &model.contacts {
+            let mut contact = contact.clone();
+            [contact.gap, contact.restitution] = both(smooth(
+                &mut graph,
+                sides,
+                &[contact.gap, contact.restitution],
+            ));
+            contact.impulse = smooth(&mut graph, sides, &contact.impulse);
+            contact.reset = (contact.reset).map(|reset| smooth(&mut graph, sides, &reset));
+            if let Some(friction) = &mut contact.friction {
+                friction.along = smooth(&mut graph, sides, &friction.along);
+                [friction.coefficient, friction.rate] = both(smooth(
+                    &mut graph,
+                    sides,
+                    &[friction.coefficient, friction.rate],
+                ));
+            }
+            contacts.push(contact);
+        }
+        let mut sections = Vec::with_capacity(model.sections.len());
+        for section in &model.sections {
+            let mut section = section.clone();
+            section.surface = smooth(&mut graph, sides, &[section.surface])[0];
+            section.reset = (section.reset).map(|reset| smooth(&mut graph, sides, &reset));
+            sections.push(section);
+        }
+        // The surfaces themselves may have corners.
+        let mut surfaces = Vec::with_capacity(corners.surfaces.len());
+        for &surface in &corners.surfaces {
+            surfaces.push(corners.smooth(&mut graph, sides, &[surface]).exprs[0]);
+        }
+        let mut arguments = Vec::with_capacity(corners.lookups.len());
+        for lookup in &corners.lookups {
+            arguments.push(corners.smooth(&mut graph, sides, &[lookup.argument]).exprs[0]);
+        }
+        for rubbing in rubbing {
+            active = active.with(rubbing.surface);
+        }
+        // So may those that what was found depends on.
+        loop {
+            let before = (active, looked_up);
+            for index in before.0.members() {
+                let inner = corners.smooth(&mut graph, sides, &[corners.surfaces[index]]);
+                active = active.or(inner.surfaces);
+                looked_up = looked_up.or(inner.lookups);
+            }
+            for index in before.1.members() {
+                let argument = corners.lookups[index].argument;
+                let inner = corners.smooth(&mut graph, sides, &[argument]);
+                active = active.or(inner.surfaces);
+                looked_up = looked_up.or(inner.lookups);
+            }
+            if before == (active, looked_up) {
+                break;
+            }
+        }
+        graph.set_folding(Folding::Continued);
+        let is_rubbing = |index: usize| rubbing.iter().any(|rubbing| rubbing.surface == index);
+        let mut slides = Vec::new();
+        let mut unheld = field.clone();
+        let slid = |index: &usize| sides.get(*index) == Side::Sliding && !is_rubbing(*index);
+        for index in active.members().filter(slid) {
+            let below = sides.with(index, Side::Below);
+            let below = corners.smooth(&mut graph, below, &model.field()).exprs;
+            let half = graph.number(0.5);
+            let jump: Vec<Expr> = (field.iter().zip(&below))
+                .map(|(&above, &below)| {
+                    let jump = graph.sub(above, below);
+                    graph.mul(half, jump)
+                })
+                .collect();
+            for (component, &jump) in unheld.iter_mut().zip(&jump) {
+                *component = graph.sub(*component, jump);
+            }
+            slides.push(Slide {
+                index,
+                surface: surfaces[index],
+                jump,
+            });
+        }
+        let mut mechanics = Self {
+            graph,
+            field: unheld.clone(),
+            unheld,
+            slides,
+            sticks: Vec::new(),
+            rubs: Vec::new(),
+            contacts: Vec::with_capacity(contacts.len()),
+            parameters: model.parameters.len() + corners.slots(),
+        };
+        mechanics.check_slides(model, corners, sides, &field)?;
+        for rubbing in rubbing {
+            mechanics.rub(&mut contacts[rubbing.contact], *rubbing, sides);
+        }
+        if !mechanics.slides.is_empty() {
+            mechanics.field = mechanics.sticking(&[])?.field;
+        }
+        mechanics.derive_all(&contacts)?;
+        Ok(OnSides {
+            mechanics,
+            sections,
+            surfaces,
+            arguments,
+            active,
+            looked_up,
+        })
+    }
+
+    /// The impulse of a contact that slides along with the friction that it brings about; or else what makes it stick.
+    fn rub(&mut self, contact: &mut Contact, rubbing: Rubbing, sides: Sides) {
+        let Some(friction) = contact.friction.clone() else {
+            return;
+        };
+        let stick = Stick {
+            contact: rubbing.contact,
+            rate: friction.rate,
+            along: friction.along.clone(),
+            coefficient: friction.coefficient,
+        };
+        self.rubs.push(stick.clone());
+        let against = match sides.get(rubbing.surface) {
+            Side::Above => self.graph.neg(friction.coefficient),
+            Side::Below => friction.coefficient,
+            Side::Sliding => {
+                self.sticks.push(stick);
+                return;
+            }
+        };
+        for (component, &along) in contact.impulse.iter_mut().zip(&friction.along) {
+            let share = self.graph.mul(against, along);
+            *component = self.graph.add(*component, share);
+        }
+    }
+
+    /// Whether surfaces that are slid along together change the field one by one.
+    fn check_slides(
+        &mut self,
+        model: &Model,
+        corners: &Corners,
+        sides: Sides,
+        above: &[Expr],
+    ) -> Result<(), MechanicsError> {
+        let slides = self.slides.clone();
+        for (place, first) in slides.iter().enumerate() {
+            for second in &slides[..place] {
+                let below = (sides.with(first.index, Side::Below)).with(second.index, Side::Below);
+                let below = corners.smooth(&mut self.graph, below, &model.field()).exprs;
+                for i in 0..above.len() {
+                    let two = self.graph.number(2.0);
+                    let both = self.graph.add(first.jump[i], second.jump[i]);
+                    let both = self.graph.mul(two, both);
+                    let change = self.graph.sub(above[i], below[i]);
+                    let mixed = self.graph.sub(change, both);
+                    if !self.vanishes(mixed) {
+                        return Err(MechanicsError::MixedSurfaces {
+                            first: second.index,
+                            second: first.index,
+                        });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn both(pair: Vec<Expr>) -> [Expr; 2] {
+    [pair[0], pair[1]]
+}
