@@ -1,5 +1,5 @@
 //! Any text is read as a model or refused with messages whose places lie in it; what is read can be checked, its
-//! mechanics derived, its constants evaluated and set again.
+//! mechanics derived, its constants evaluated and set again. What follows a NUL is the file that its tables name.
 
 #![no_main]
 
@@ -9,14 +9,20 @@ use libfuzzer_sys::fuzz_target;
 /// Mechanics of more states than this take longer to derive than a fuzzer can wait.
 const MOST_STATES: usize = 8;
 
-fuzz_target!(|text: &str| {
-    let mut model = match Model::from_toml(text, "model.toml") {
+fuzz_target!(|input: &str| {
+    let (text, data) = input.split_once('\0').unwrap_or((input, ""));
+    let mut load = |_: &str| Ok(data.to_owned());
+    let mut model = match Model::from_toml_with(text, "model.toml", &mut load) {
         Ok(model) => model,
         Err(errors) => {
             assert!(!errors.errors().is_empty());
             assert!(!errors.render(Palette::Ansi).is_empty());
             for error in errors.errors() {
-                assert!(text.get(error.span()).is_some(), "{error:?}");
+                let place = match error.source_name() {
+                    "model.toml" => text.get(error.span()).is_some(),
+                    _ => data.get(error.span()).is_some() || text.get(error.span()).is_some(),
+                };
+                assert!(place, "{error:?}");
                 let (line, column) = error.line_and_column();
                 assert!(line >= 1 && column >= 1);
             }

@@ -7,6 +7,7 @@ mod data_files;
 mod diagram;
 mod failure;
 mod json;
+mod model_tables;
 mod named;
 mod numbers;
 mod options;

@@ -1,8 +1,12 @@
-//! Tables in models: from a file, from arrays, from Rust code, and the same to the bit.
+//! Tables in models: from a file, from arrays, from Rust code, and the same to the bit; and motions that are known
+//! otherwise.
 
+use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
 use chatter::expressions::{CurveKind, Outside};
+use chatter::flow::FlowError;
 use chatter::model::{Model, ModelBuilder, Table};
-use chatter::numerics::{DoubleDouble, Real};
+use chatter::numerics::{DoubleDouble, Real, Scalar};
+use std::ops::ControlFlow;
 
 const REST: &str = "[flight]\ny = \"lift(y)\"\n[initial]\ny = 0\n";
 
@@ -74,4 +78,87 @@ fn a_table_without_a_value_is_told_where_it_is_asked() {
                 [flight]\ny = \"c\"\n[initial]\ny = 0\n";
     let errors = Model::from_toml(text, "model.toml").unwrap_err();
     assert_eq!(errors.errors()[0].line_and_column(), (5, 5), "{errors}");
+}
+
+fn run<R: Real>(text: &str, until: f64) -> Simulation<R> {
+    let model = Model::from_toml(text, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
+    simulate(&model, &Spec::until(until), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap()
+}
+
+/// An oscillator with this force, and tables before it.
+fn oscillator(tables: &str, force: &str, start: [f64; 2]) -> String {
+    let [y, v] = start;
+    format!("{tables}[flight]\ny = \"v\"\nv = \"{force}\"\n[initial]\ny = {y}\nv = {v}\n")
+}
+
+/// A cubic polynomial is its own clamped spline: pieces that change within the motion leave no trace in it.
+#[test]
+fn a_table_of_a_cubic_spring_is_that_spring() {
+    let table = "[table.f]\nx = [-3, -1.25, 0, 0.5, 1, 3]\ny = [-30, -3.203125, 0, 0.625, 2, 30]\n\
+                 kind = \"cubic\"\nslopes = [28, 28]\n";
+    let plain = oscillator("", "-y - y^3", [1.5, 0.25]);
+    let tabulated = oscillator(table, "-f(y)", [1.5, 0.25]);
+    let (plain_run, run_of_table) = (run::<f64>(&plain, 20.0), run::<f64>(&tabulated, 20.0));
+    for (a, b) in plain_run.state.iter().zip(&run_of_table.state) {
+        assert!((a - b).abs() < 1e-12, "{a} {b}");
+    }
+    let (wide, wide_of_table) = (
+        run::<DoubleDouble>(&plain, 5.0),
+        run::<DoubleDouble>(&tabulated, 5.0),
+    );
+    for (&a, &b) in wide.state.iter().zip(&wide_of_table.state) {
+        assert!((a - b).abs().high() < 1e-27, "{a} {b}");
+    }
+}
+
+#[test]
+fn a_linear_table_is_a_spring_with_a_stop() {
+    let table = "[table.f]\nx = [-9, 0.5, 10]\ny = [-9, 0.5, 105]\n";
+    let stop = oscillator("", "-y - 10*max(y - 0.5, 0)", [1.0, 0.0]);
+    let tabulated = oscillator(table, "-f(y)", [1.0, 0.0]);
+    let (stop, tabulated) = (run::<f64>(&stop, 30.0), run::<f64>(&tabulated, 30.0));
+    for (a, b) in stop.state.iter().zip(&tabulated.state) {
+        assert!((a - b).abs() < 1e-12, "{a} {b}");
+    }
+}
+
+/// y'' = 1 below zero and -1 above: parabolas, each as long as 2 sqrt(2).
+#[test]
+fn steps_are_a_relay() {
+    let table = "[table.f]\nx = [-100, 0]\ny = [1, -1]\nkind = \"steps\"\noutside = \"hold\"\n";
+    let half = 2.0 * 2.0_f64.sqrt();
+    for parabolas in 1..12 {
+        let begun = (f64::from(parabolas) - 0.5) * half;
+        let side = if parabolas % 2 == 0 { 1.0 } else { -1.0 };
+        let rest = 0.3;
+        let end = run::<f64>(&oscillator(table, "f(y)", [1.0, 0.0]), begun + rest);
+        let speed = side * (half / 2.0 - rest);
+        let height = side * rest * (half / 2.0 - rest / 2.0);
+        assert!((end.state[0] - height).abs() < 1e-12, "{parabolas}");
+        assert!((end.state[1] - speed).abs() < 1e-12, "{parabolas}");
+    }
+}
+
+#[test]
+fn leaving_a_table_ends_a_run_at_its_time() {
+    let table = "[table.f]\nx = [-1, 0, 2]\ny = [3, 3, 3]\n";
+    let text = oscillator(table, "f(y + 0.5)", [0.0, 0.0]);
+    match run::<f64>(&text, 5.0).outcome {
+        Outcome::Failed(FlowError::OutsideTable {
+            time,
+            table,
+            argument,
+        }) => {
+            assert!((time - 1.0).abs() < 1e-14, "{time}");
+            assert_eq!((&*table, argument), ("f", 2.0));
+        }
+        other => panic!("{other:?}"),
+    }
+    let held = text.replace("[flight]", "outside = \"hold\"\n[flight]");
+    let end = run::<f64>(&held, 5.0);
+    assert_eq!(end.outcome, Outcome::Horizon);
+    assert!((end.state[0] - 37.5).abs() < 1e-13);
 }

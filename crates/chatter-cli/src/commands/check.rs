@@ -1,6 +1,7 @@
 //! `chatter check`: what was derived from a model.
 
 use crate::failure::{self, Failure};
+use crate::model_tables::{self, TableObject};
 use crate::named::Named;
 use crate::numbers::{Digits, full};
 use crate::options::{Initial, Loaded, ModelOptions};
@@ -107,6 +108,7 @@ struct Document<'a> {
     simultaneous: &'static str,
     contacts: Vec<ContactObject<'a>>,
     sections: Vec<SectionObject<'a>>,
+    tables: Vec<TableObject<'a>>,
     warnings: Vec<String>,
 }
 
@@ -225,6 +227,10 @@ impl Report<'_> {
         if !sections.is_empty() {
             text += &block(style, "sections", "  ", &sections);
         }
+        let tables = model_tables::lines(self.model);
+        if !tables.is_empty() {
+            text += &block(style, "tables", "  ", &tables);
+        }
         text.push('\n');
         for warning in &self.check.warnings {
             text += &format!("{} {warning}\n", style.warning("warning:"));
@@ -312,6 +318,7 @@ impl Report<'_> {
                     direction: section.direction.name(),
                 })
                 .collect(),
+            tables: model_tables::objects(self.model),
             warnings: self
                 .check
                 .warnings

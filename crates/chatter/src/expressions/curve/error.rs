@@ -93,6 +93,21 @@ pub enum CurveError {
 
 impl core::error::Error for CurveError {}
 
+/// A number with few zeros before or after its digits.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        let is_plain = size == 0.0 || (1e-5..1e9).contains(&size) || !size.is_finite();
+        if is_plain {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
+}
+
 impl fmt::Display for CurveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -115,12 +130,14 @@ impl fmt::Display for CurveError {
                 write!(f, "value {} of {axis} is {value}", index + 1)
             }
             Self::NotIncreasing { value, before, .. } if value == before => {
-                write!(f, "x is {value} twice")
+                write!(f, "x is {} twice", Short(value))
             }
             Self::NotIncreasing { value, before, .. } => {
+                let (value, before) = (Short(value), Short(before));
                 write!(f, "x does not increase: {value} follows {before}")
             }
             Self::PeriodNotClosed { first, last, .. } => {
+                let (first, last) = (Short(first), Short(last));
                 write!(
                     f,
                     "a periodic table begins at y = {first} and ends at {last}"
