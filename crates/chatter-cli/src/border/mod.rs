@@ -72,7 +72,9 @@ impl<R> Answer<R> {
             } => {
                 let windows = |place: usize| compared.as_ref().map(|all| all[place].as_slice());
                 let borders = found.borders.iter().enumerate();
-                borders.map(|(place, border)| (border, windows(place))).collect()
+                borders
+                    .map(|(place, border)| (border, windows(place)))
+                    .collect()
             }
         }
     }

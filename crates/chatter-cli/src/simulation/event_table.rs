@@ -35,11 +35,17 @@ fn columns<'a, R: Real>(subject: &'a Subject) -> Vec<Column<'a, R>> {
     let mut columns: Vec<Column<'a, R>> = vec![
         Column::Number(time_name(subject), Box::new(|noted| noted.event.time)),
         Column::Text("kind", Box::new(|noted| noted.event.kind().name())),
-        Column::Text("place", Box::new(|noted| subject.place(&noted.event.detail))),
+        Column::Text(
+            "place",
+            Box::new(|noted| subject.place(&noted.event.detail)),
+        ),
     ];
     columns.extend(subject.states().map(|index| {
         let name = subject.state_name(index);
-        Column::Number(name, Box::new(move |noted: &Noted<R>| noted.event.state[index]))
+        Column::Number(
+            name,
+            Box::new(move |noted: &Noted<R>| noted.event.state[index]),
+        )
     }));
     columns.extend([
         Column::Number("rate_before", Box::new(rate(|before, _| before))),
@@ -118,13 +124,16 @@ fn write_csv<R: Real>(subject: &Subject, record: &Record<R>, path: &Path) -> Res
                 }
             }
         }
-        let cells = columns.iter().zip(&texts).map(|(column, text)| match column {
-            Column::Number(_, value) if is_double => Cell::Float(value(&noted).to_f64()),
-            Column::Number(..) => Cell::Text(text),
-            Column::Double(_, value) => Cell::Float(value(&noted)),
-            Column::Count(_, value) => Cell::Integer(value(&noted)),
-            Column::Text(_, value) => Cell::Text(value(&noted)),
-        });
+        let cells = columns
+            .iter()
+            .zip(&texts)
+            .map(|(column, text)| match column {
+                Column::Number(_, value) if is_double => Cell::Float(value(&noted).to_f64()),
+                Column::Number(..) => Cell::Text(text),
+                Column::Double(_, value) => Cell::Float(value(&noted)),
+                Column::Count(_, value) => Cell::Integer(value(&noted)),
+                Column::Text(_, value) => Cell::Text(value(&noted)),
+            });
         writer.row(&cells.collect::<Vec<Cell>>())?;
     }
     writer.finish()

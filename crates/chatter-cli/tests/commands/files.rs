@@ -1,9 +1,9 @@
 //! What a user's files can count on: outputs stand where they were asked for, two processes do not share one, links and
 //! permissions stay, and text from files does nothing to a terminal.
 
-use crate::common::{Folder, told, wait_for};
+use crate::common::{Folder, wait_for};
 use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 
 /// Long enough to be broken off.
 const LONG: &str = "diagram pressure_relief_valve --section closing --observe y2 --start carry \
@@ -120,7 +120,7 @@ fn of_two_processes_on_one_output_one_computes() {
     }
     // Nor does one that goes on share it with another.
     let mut first = folder.begin(".", &format!("{LONG} --out long.npz"));
-    folder.wait_for("long.npz.journal", 10_000);
+    wait_for(&folder.file("long.npz.journal"), 10_000);
     for line in [
         format!("{LONG} --out long.npz"),
         "diagram --resume long.npz".to_owned(),

@@ -262,7 +262,8 @@ fn an_archive_that_claims_more_than_it_holds_is_refused() {
 #[test]
 fn maps_that_cannot_be_drawn_are_refused_before_they_are_computed() {
     let folder = Folder::new("cells");
-    let said = fails(&folder, 
+    let said = fails(
+        &folder,
         "diagram bouncing_ball_on_table --at impact --observe v --sweep Gamma=1.2:2:10000 --sweep r=0.1:0.5:10000 --plot a.png",
     );
     assert!(said.contains("10000 by 10000 cells"), "{said}");

@@ -1,10 +1,10 @@
 //! What a sweep carries and starts from: hysteresis, basins of attraction, single values, documents, limits.
 
-use chatter_io::journal::{Journal, Unread};
-use chatter_io::tables::NpzReader;
 use crate::common::{
     Folder, begin, chatter, document, fails, interrupt_within, succeeds, typed, wait_for,
 };
+use chatter_io::journal::{Journal, Unread};
+use chatter_io::tables::NpzReader;
 use serde_json::Value;
 use std::time::Duration;
 

@@ -260,11 +260,11 @@ fn figures_and_a_report_that_needs_nothing_else() {
         assert_eq!(output.status.code(), Some(0));
         for name in ["fig2", "fig4"] {
             for extension in ["svg", "pdf", "png"] {
-                let file = folder.0.join(run).join(name).with_extension(extension);
+                let file = folder.path(run).join(name).with_extension(extension);
                 assert!(std::fs::metadata(file).unwrap().len() > 1000);
             }
         }
-        pages.push(std::fs::read_to_string(folder.0.join(run).join("report.html")).unwrap());
+        pages.push(std::fs::read_to_string(folder.path(run).join("report.html")).unwrap());
     }
     assert_eq!(pages[0], pages[1]);
     assert!(

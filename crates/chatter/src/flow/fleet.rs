@@ -402,12 +402,7 @@ type Told = Result<Option<Occurrence<f64>>, FlowError>;
 /// Tells the visitor of an occurrence or error, if there is one. By reference: moving what was just written stalls the
 /// processor.
 #[inline(always)]
-fn tell<V>(
-    visit: &mut V,
-    index: usize,
-    trajectory: &mut Trajectory<f64>,
-    outcome: &Told,
-) -> Next
+fn tell<V>(visit: &mut V, index: usize, trajectory: &mut Trajectory<f64>, outcome: &Told) -> Next
 where
     V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {

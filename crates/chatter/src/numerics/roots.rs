@@ -171,12 +171,7 @@ impl<R: Real> Kernel for FirstRoot<'_, R> {
 }
 
 #[inline(always)]
-fn isolate<R: Real>(
-    coefficients: &[R],
-    width: R,
-    crossing: Crossing,
-    noise: R,
-) -> Option<Root<R>> {
+fn isolate<R: Real>(coefficients: &[R], width: R, crossing: Crossing, noise: R) -> Option<Root<R>> {
     let mut values = vec![R::ZERO; coefficients.len()];
     bernstein(coefficients, width, &mut values);
     let most_halvings = most_halvings::<R>();

@@ -207,10 +207,7 @@ fn the_oscillator_bounces_every_other_period_or_in_chaos() {
             start: diagram::Start::Random {
                 count: 4,
                 seed: 7,
-                bounds: vec![
-                    bounds("x", -2.0, 0.0),
-                    bounds("v", -2.0, 2.0),
-                ],
+                bounds: vec![bounds("x", -2.0, 0.0), bounds("v", -2.0, 2.0)],
             },
             exponent: diagram::Exponent::Largest,
             ..diagram::Spec::new(range, "v", 5000, 1000)

@@ -205,7 +205,10 @@ fn what_is_singular_on_a_surface_does_not_hide_the_impact() {
 #[test]
 fn a_loose_tolerance_is_quick() {
     for (name, text) in [
-        ("ball", include_str!("../../../../models/bouncing_ball.toml")),
+        (
+            "ball",
+            include_str!("../../../../models/bouncing_ball.toml"),
+        ),
         (
             "table",
             include_str!("../../../../models/bouncing_ball_on_table.toml"),

@@ -56,6 +56,7 @@ fn end<R: Real>(
                 Some(Occurrence::Cascade { .. }) => "cascade",
                 Some(Occurrence::Ambiguity { .. }) => "ambiguity",
                 Some(Occurrence::Horizon) => return (trajectory.state().to_vec(), kinds),
+                Some(other) => panic!("equations without corners: {other:?}"),
             },
         );
     }

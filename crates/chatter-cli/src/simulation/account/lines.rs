@@ -76,7 +76,9 @@ impl<R: Real> Open<R> {
 
 impl<R: Real> Teller<'_, R> {
     /// One item an event.
-    pub(super) fn every_event(&self) -> Result<impl Iterator<Item = Result<Item<R>, FileError>>, FileError> {
+    pub(super) fn every_event(
+        &self,
+    ) -> Result<impl Iterator<Item = Result<Item<R>, FileError>>, FileError> {
         let events = (self.record.events()).map(|noted| noted.map(Item::Event));
         Ok(core::iter::once(Ok(self.start()?)).chain(events))
     }
@@ -95,7 +97,8 @@ impl<R: Real> Teller<'_, R> {
                     continue;
                 }
                 if continues(&sequence.last, &noted.event) {
-                    let crossed = core::mem::replace(&mut sequence.since, Ends::new(MOST_LINES / 2));
+                    let crossed =
+                        core::mem::replace(&mut sequence.since, Ends::new(MOST_LINES / 2));
                     sequence.crossings += crossed.len();
                     sequence.impacts += 1;
                     sequence.last = noted.event;

@@ -159,7 +159,11 @@ impl<'a, R: Real> Teller<'a, R> {
         if left_out > 0 {
             let note = format!("{left_out} more lines; --events lists every event");
             let width = widths.time;
-            printer.print(&format!("  {:>width$}  {}\n", "...", self.style.faint(&note)))?;
+            printer.print(&format!(
+                "  {:>width$}  {}\n",
+                "...",
+                self.style.faint(&note)
+            ))?;
         }
         printer.print(&rows(&last))
     }

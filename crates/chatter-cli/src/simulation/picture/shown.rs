@@ -123,10 +123,7 @@ impl Shown {
 }
 
 /// From when on impacts and contact phases are few enough.
-fn first_readable<R: Real>(
-    simulation: &Simulation<R>,
-    record: &Record<R>,
-) -> Result<f64, Failure> {
+fn first_readable<R: Real>(simulation: &Simulation<R>, record: &Record<R>) -> Result<f64, Failure> {
     let (mut impacts, mut phases) = (VecDeque::new(), VecDeque::new());
     let latest = |times: &mut VecDeque<R>, most: usize, time: R| {
         times.push_back(time);

@@ -93,12 +93,16 @@ impl Folder {
 
     /// Begins a diagram and kills it once so much of it is done.
     pub fn kill(&self, folder: &str, line: &str, journal: &str, bytes: u64) {
-        let mut command = self.command(folder, line);
-        command.stdout(Stdio::null()).stderr(Stdio::null());
-        let mut child = command.spawn().unwrap();
+        let mut child = self.begin(folder, line);
         wait_for(&self.file(journal), bytes);
         child.kill().unwrap();
         child.wait().unwrap();
+    }
+
+    pub fn begin(&self, folder: &str, line: &str) -> Child {
+        let mut command = self.command(folder, line);
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.spawn().unwrap()
     }
 
     /// Presses Ctrl-C after so long; what was said.

@@ -155,9 +155,7 @@ impl<R: Real> RangeSearch<'_, R> {
         // The value that two stretches share counts once.
         let own = first..last + usize::from(last == parts);
         let silent = |place: &usize| {
-            let is_silent = |branch: &Vec<Sample>| {
-                branch[*place - before].is_without_chatter()
-            };
+            let is_silent = |branch: &Vec<Sample>| branch[*place - before].is_without_chatter();
             samples.iter().any(is_silent)
         };
         self.without_chatter += own.filter(silent).count();
