@@ -1,9 +1,10 @@
 //! Requests that are more than meant, files that claim more than they hold, models that are more than can be done: each says
 //! so, ends, or is ended by Ctrl-C, in memory that is in proportion.
 
-use crate::common::{Folder, told};
+use crate::common::{Folder, interrupt, told};
 use chatter_io::tables::{Kind, NpzReader, NpzWriter, Values};
 use std::path::PathBuf;
+use std::process::Stdio;
 use std::time::Duration;
 
 /// Wrong input, and what is said about it in no more than so much memory.
@@ -75,7 +76,7 @@ fn ctrl_c_ends_every_long_command() {
     let folder = Folder::new("ctrlc");
     let short = Duration::from_millis(300);
     for line in [
-        "border impact_oscillator --parameter sigma --range -1:1 --samples 20000",
+        "border impact_oscillator --parameter sigma --near 0.2 --windows 5:500",
         "universal --restitution 0.8 --windows 0:60 --periods 1:6 --chaos --out a.csv",
         "universal --restitution 0.8 --sweep mu=0:0.05:100000 --keep 10000 --out a.npz",
         "reproduce --out r",
@@ -84,6 +85,45 @@ fn ctrl_c_ends_every_long_command() {
         assert!(said.contains("broken off"), "{said}");
     }
     assert_eq!(folder.names(), ["r"]);
+}
+
+/// Nor does it take memory for each of a billion parts.
+#[test]
+fn what_a_search_for_borders_has_found_is_told_when_it_is_broken_off() {
+    let folder = Folder::new("search");
+    for samples in ["20000", "1000000000"] {
+        let line =
+            format!("border impact_oscillator --parameter sigma --range -1:1 --samples {samples}");
+        let mut command = folder.command(".", &line);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = command.spawn().unwrap();
+        std::thread::sleep(Duration::from_secs(1));
+        let output = interrupt(child);
+        told(&output, 130, &line);
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(said.contains("interrupted: there may be more"), "{said}");
+    }
+}
+
+#[test]
+fn memory_does_not_grow_with_events() {
+    let folder = Folder::new("events");
+    // Half a million events of 130 bytes, in whatever form they are told.
+    for rest in [
+        "",
+        "--events",
+        "--json",
+        "--sample events --out a.csv",
+        "--sample events --out a.npz",
+    ] {
+        let line = format!("simulate bouncing_ball_on_table --impacts 500000 {rest} > /dev/null");
+        told(&folder.run_within(60, &line), 0, &line);
+    }
+    let file = NpzReader::open(folder.path("a.npz")).unwrap();
+    assert_eq!(file.info("rate_before").unwrap().len(), 500_000);
+    let rows = std::fs::read_to_string(folder.path("a.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 500_001);
+    assert_eq!(folder.names(), ["a.csv", "a.npz"]);
 }
 
 #[test]

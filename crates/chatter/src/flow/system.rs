@@ -89,7 +89,7 @@ impl System {
         let mut model = model.clone();
         let coordinates = model.states.len();
         let rates = |model: &mut Model, p| {
-            let mut graph = core::mem::take(&mut model.graph);
+            let mut graph = model.graph.clone();
             let rates = model.parameter_rates(&mut graph, p);
             model.graph = graph;
             rates
