@@ -3,7 +3,7 @@
 use super::crossing::SectionPath;
 use super::error::FlowError;
 use super::program::{Guard, GuardKind, Program};
-use super::step::{LEAST_GROWTH, NO_EVENT, Workspace};
+use super::step::{LEAST_GROWTH, NO_EVENT, Workspace, least_step};
 use super::touching::{Left, Touching};
 use crate::expressions::{Operand, Singularity};
 use crate::numerics::Real;
@@ -57,7 +57,8 @@ pub(crate) fn resolve<R: Real>(
         }
         work.tau *= R::splat(LEAST_GROWTH);
     }
-    let stalls = work.scaled_step * work.tau <= work.least_step && work.horizon > work.least_step;
+    let least = least_step(work.time);
+    let stalls = work.scaled_step * work.tau <= least && work.horizon > least;
     if work.is_clear() && !stalls {
         return first_event(work, program, (touching, left));
     }

@@ -56,6 +56,7 @@ const INSTANT: f64 = 1e-12;
 
 /// The least step: one of a time that is kept as a sum of two numbers, and cannot tell even thousands of shorter ones; nor
 /// do products of shorter ones keep their digits.
+#[inline(always)]
 pub(crate) fn least_step<S: Scalar>(time: S) -> S {
     const UNTOLD: f64 = 1e-12;
     const SHORTEST: f64 = 1e-290;
@@ -87,8 +88,8 @@ pub struct Workspace<S: Scalar> {
     pub(crate) tau: S,
     /// The step is at most this long.
     pub(crate) horizon: S,
-    /// Time cannot tell a step that is shorter: see [`least_step`].
-    pub(crate) least_step: S,
+    /// Time where the step begins.
+    pub(crate) time: S,
     /// Where nothing that must not vanish does so at the start of the step, and all numbers are finite.
     clear: S::Mask,
     /// How far an expansion of each order reaches; entries above the order used are kept.
@@ -138,7 +139,7 @@ impl<S: Scalar> Workspace<S> {
             sides: vec![zero; sections],
             tau: zero,
             horizon: zero,
-            least_step: zero,
+            time: zero,
             clear: S::Mask::splat(true),
             reach: [zero; ORDER_CLASSES],
             growth: zero,
@@ -228,7 +229,7 @@ impl<S: Scalar> Workspace<S> {
         let step = self.scaled_step * self.tau;
         let mut certain = self.clear
             & step.is_finite()
-            & self.least_step.less(step)
+            & least_step(self.time).less(step)
             & S::splat(LEAST_GROWTH).at_most(self.growth);
         let mut sections_met = 0_u128;
         for (index, guard) in program.guards.iter().enumerate() {
