@@ -42,7 +42,9 @@ fn assert_singular(
     error: f64,
 ) {
     match simulation.outcome {
-        Outcome::Failed(FlowError::Singular { time, kind: found }) => {
+        Outcome::Failed(FlowError::Singular {
+            time, kind: found, ..
+        }) => {
             assert_eq!(found, kind, "{what}");
             assert!((time - at).abs() <= error, "{what}: {time} is not {at}");
         }

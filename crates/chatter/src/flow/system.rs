@@ -7,7 +7,7 @@ use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
-use crate::expressions::{Symbol, Tape};
+use crate::expressions::{Names, Symbol, Tape};
 use crate::model::{Mechanics, MechanicsError, Model, Section, Simultaneous};
 use crate::numerics::{Real, Scalar};
 use core::fmt;
@@ -41,6 +41,8 @@ pub struct System {
     surfaces: Vec<Section>,
     time: Option<usize>,
     directions: Vec<Direction>,
+    /// Of states and parameters.
+    names: [Vec<String>; 2],
     modes: Arc<Modes>,
     touches: Touches,
     simultaneous: Simultaneous,
@@ -97,6 +99,10 @@ impl System {
             dimension: coordinates * (1 + columns.len()),
             coordinates,
             directions,
+            names: [
+                model.states.iter().map(|s| s.name.clone()).collect(),
+                model.parameters.iter().map(|p| p.name.clone()).collect(),
+            ],
             modes: Arc::default(),
         };
         system.meet(Closed::NONE);
@@ -118,6 +124,13 @@ impl System {
         &state[(index + 1) * self.coordinates..(index + 2) * self.coordinates]
     }
 
+    fn names(&self) -> Names<'_> {
+        Names {
+            states: &self.names[0],
+            parameters: &self.names[1],
+        }
+    }
+
     /// Number of contacts.
     pub fn contacts(&self) -> usize {
         self.mechanics.contacts.len()
@@ -135,7 +148,13 @@ impl System {
             let phase = Phase::new(&mut mechanics, closed);
             let program = phase.map(|mut phase| {
                 extend(&mut phase, &mut mechanics, &self.directions);
-                Program::new(&mut mechanics, &self.surfaces, self.time, &phase)
+                Program::new(
+                    &mut mechanics,
+                    &self.surfaces,
+                    self.time,
+                    &phase,
+                    self.names(),
+                )
             });
             Mode {
                 closed,
