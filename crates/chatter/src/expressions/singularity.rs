@@ -176,7 +176,7 @@ impl<S: Scalar> Expansion<S> {
         let mut clear = S::Mask::splat(true);
         let mut bounded = false;
         for singular in &tape.singular {
-            let a = self.series(singular.slot);
+            let a = self.computed(tape, singular.slot);
             let start = a[0].abs();
             let change = short_magnitude(&a[1..], wanted) * wanted;
             let far = change.at_most(start * S::splat(FAR)) & S::splat(NOTHING).less(start);
@@ -221,7 +221,7 @@ impl<S: Scalar> Expansion<S> {
             if smooth(singular, constants).any() {
                 continue;
             }
-            let a = self.series(singular.slot);
+            let a = self.computed(tape, singular.slot);
             let (reach, counted) = nearest_zero(a, &mut scratch);
             if (counted & reach.at_most(scaled_step * S::splat(NEAR))).any() {
                 return Some((which, reach));
