@@ -17,8 +17,10 @@ pub enum FlowError {
     Singular {
         /// Time of it.
         time: f64,
-        /// What reaches zero.
+        /// What the expression that reaches zero is there for.
         kind: Singularity,
+        /// That expression; empty where it is only part of one.
+        expression: String,
     },
     /// The start lies inside the obstacle.
     Penetrates {
@@ -140,8 +142,12 @@ impl fmt::Display for FlowError {
                 out,
                 "the equations leave their domain after time {time}: they have no finite value past the state {state:?}"
             ),
-            Self::Singular { time, kind } => {
-                write!(out, "at time {time} {}", kind.description())
+            Self::Singular {
+                time,
+                kind,
+                expression,
+            } => {
+                write!(out, "at time {time} {}", kind.sentence(expression))
             }
             Self::Penetrates { contact, gap } => write!(
                 out,

@@ -8,7 +8,7 @@ use super::chatter::Tail;
 use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
 use super::touching::Touching;
-use crate::expressions::{Expansion, MAX_ORDER, Operand, Singularity, Tape};
+use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::{
     bernstein, bernstein_from, horner, horner_with_slope, magnitude,
@@ -709,11 +709,11 @@ impl<R: Real> Workspace<R> {
         self.clear
     }
 
-    /// Why the expansion reaches no further than `scaled_step`, if it is for a singular point, and how far away that is.
-    pub(crate) fn singularity(&mut self, program: &Program) -> Option<(Singularity, R)> {
+    /// Which of the program's singular points the expansion reaches no further for than `scaled_step`, and how far away it is.
+    pub(crate) fn singularity(&mut self, program: &Program) -> Option<(usize, R)> {
         let step = self.scaled_step;
-        let (kind, reach) = (self.expansion).singularity(&program.tape, &self.constants, step)?;
-        Some((kind, reach * self.tau))
+        let (which, reach) = (self.expansion).singularity(&program.tape, &self.constants, step)?;
+        Some((which, reach * self.tau))
     }
 
     /// Sets the constants of a program for a single trajectory.

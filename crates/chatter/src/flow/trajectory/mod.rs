@@ -4,6 +4,7 @@
 //! the start of the next step, which are divided out. Intervals are half open: an event at the end of a step belongs to
 //! it, one at the start does not.
 
+mod cascade;
 mod collisions;
 mod contact;
 mod corners;
