@@ -8,7 +8,7 @@ use crate::options::{Initial, Loaded, ModelOptions};
 use crate::simulation::sentence;
 use crate::terminal::{self, Style};
 use chatter::analysis::simulate::{SimulateError, Spec, simulate};
-use chatter::expressions::{Expr, Names};
+use chatter::expressions::Expr;
 use chatter::flow::{FlowError, SystemError};
 use chatter::model::{Check, ContactFormulas, Model, NamedFormula, Simultaneous, check};
 use clap::Args;
@@ -108,8 +108,16 @@ struct Document<'a> {
     simultaneous: &'static str,
     contacts: Vec<ContactObject<'a>>,
     sections: Vec<SectionObject<'a>>,
+    corners: Vec<CornerObject>,
     tables: Vec<TableObject<'a>>,
     warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct CornerObject {
+    surface: String,
+    jumps: bool,
+    can_slide: bool,
 }
 
 #[derive(Serialize)]
@@ -133,21 +141,7 @@ struct SectionObject<'a> {
 
 impl Report<'_> {
     fn formula(&self, expr: Expr) -> String {
-        let owned = |names: Vec<&str>| {
-            names
-                .into_iter()
-                .map(str::to_owned)
-                .collect::<Vec<String>>()
-        };
-        let (states, parameters) = (
-            owned(self.model.state_names()),
-            owned(self.model.parameter_names()),
-        );
-        let names = Names {
-            states: &states,
-            parameters: &parameters,
-        };
-        self.model.graph.to_text(expr, names)
+        self.model.formula(expr)
     }
 
     fn flight(&self) -> Vec<NamedFormula> {
@@ -227,6 +221,10 @@ impl Report<'_> {
         if !sections.is_empty() {
             text += &block(style, "sections", "  ", &sections);
         }
+        let corners = self.corners();
+        if !corners.is_empty() {
+            text += &block(style, "corners", "  ", &corners);
+        }
         let tables = model_tables::lines(self.model);
         if !tables.is_empty() {
             text += &block(style, "tables", "  ", &tables);
@@ -244,6 +242,27 @@ impl Report<'_> {
             text += "nothing looks wrong\n";
         }
         text
+    }
+
+    /// What the field does where its formulas change.
+    fn corners(&self) -> Vec<(String, String)> {
+        let kinds = self.model.corner_kinds().into_iter();
+        kinds
+            .map(|corner| {
+                let what = match (corner.contact, corner.jumps, corner.can_slide) {
+                    (Some(contact), ..) => {
+                        let name = &self.model.contacts[contact].name;
+                        format!(
+                            "sliding in contact `{name}`: friction changes sign, and can hold it"
+                        )
+                    }
+                    (None, false, _) => "the field is continuous".to_owned(),
+                    (None, true, true) => "the field jumps; the motion can slide along".to_owned(),
+                    (None, true, false) => "the field jumps; crossed only".to_owned(),
+                };
+                (format!("{} = 0", corner.surface), what)
+            })
+            .collect()
     }
 
     fn contact(&self, style: Style, contact: &ContactFormulas) -> String {
@@ -297,6 +316,13 @@ impl Report<'_> {
             title: self.model.title.as_deref(),
             parameters,
             initial,
+            corners: (self.model.corner_kinds().into_iter())
+                .map(|corner| CornerObject {
+                    surface: corner.surface,
+                    jumps: corner.jumps,
+                    can_slide: corner.can_slide,
+                })
+                .collect(),
             flight: named(flight.iter().collect()),
             simultaneous: self.model.simultaneous.name(),
             contacts: (self.check.contacts.iter())

@@ -29,7 +29,7 @@ mod tape;
 mod tex_name;
 mod weighted;
 
-pub use corners::{Corners, LookedUpIn, Lookup, Side, Sides, Smooth, Surfaces};
+pub use corners::{Corners, LOOKUP_SLOTS, LookedUpIn, Lookup, Side, Sides, Smooth, Surfaces};
 pub use curve::{
     Axis, CURVE_KINDS, Curve, CurveError, CurveKind, MOST_KNOTS, OUTSIDES, Outside, Piece,
 };

@@ -92,7 +92,14 @@ impl<'a> Inspection<'a> {
     }
 
     fn contacts(&mut self) {
-        if self.model.contacts.is_empty() {
+        // A model of switches, or of events, needs none.
+        let is_smooth = self.model.surfaces.is_empty()
+            && self
+                .model
+                .sections
+                .iter()
+                .all(|section| section.reset.is_none());
+        if self.model.contacts.is_empty() && is_smooth {
             self.warnings.push(Warning::NoContact);
         }
         for contact in &self.model.contacts {

@@ -45,7 +45,7 @@ pub(super) fn is_identically_zero(
 }
 
 /// The `index`-th number of a sequence without structure in (0.25, 1.75): multiples of the golden ratio, modulo one.
-fn generic(index: usize) -> f64 {
+pub(super) fn generic(index: usize) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let turns = (index as f64 + 1.0) * GOLDEN;
     0.25 + 1.5 * (turns - libm::floor(turns))

@@ -42,6 +42,7 @@ mod warning;
 
 pub use builder::{ModelBuilder, Value};
 pub use check::{Check, ContactFormulas, NamedFormula, check};
+pub use corners::CornerKind;
 pub use data_file::{DataFileError, Loader};
 pub use diagnostic::Palette;
 pub use direction::Direction;
