@@ -137,14 +137,14 @@ fn a_text_in_a_file_does_nothing_to_a_terminal() {
 #[test]
 fn a_diagram_is_resumed_and_drawn_without_the_file() {
     let folder = folder("resumed");
-    let line = "--sweep omega=2:4:400 --period 2*pi/omega --observe y --start carry --transient 150 --keep 30 --out";
+    let line = "--sweep omega=2:4:60 --period 2*pi/omega --observe y --start carry --transient 20 --keep 30 --out";
     let model = folder.file("cam.toml");
     let [whole, out] = ["whole.npz", "o.npz"].map(|name| folder.file(name));
     let order = |out| [vec!["diagram", model.as_str()], typed(line, &[out])].concat();
     succeeds(&order(&whole));
     let arguments = order(&out);
     let mut child = begin(&arguments);
-    wait_for(&folder.file("o.npz.journal"), 10_000);
+    wait_for(&folder.file("o.npz.journal"), 5_000);
     child.kill().unwrap();
     child.wait().unwrap();
     // Another cam under the same name is another diagram.
