@@ -6,7 +6,7 @@ use chatter::model::visible;
 use chatter_io::atomic_file::discard_unfinished;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
-use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
+use std::io::{BufWriter, ErrorKind, IsTerminal, StdoutLock, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -134,6 +134,36 @@ pub fn print(text: &str) -> Result<(), String> {
     let mut out = std::io::stdout().lock();
     let text = printable(text);
     wrote(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// Standard output for a long text that comes in pieces, each of whole lines.
+pub struct Printer {
+    out: BufWriter<StdoutLock<'static>>,
+}
+
+impl Printer {
+    /// Of standard output.
+    pub fn new() -> Self {
+        Self {
+            out: BufWriter::with_capacity(1 << 16, std::io::stdout().lock()),
+        }
+    }
+
+    /// The styles that it allows.
+    pub fn style(&self) -> Style {
+        Style::of_stdout()
+    }
+
+    /// Prints the next piece.
+    pub fn print(&mut self, text: &str) -> Result<(), Failure> {
+        let written = self.out.write_all(printable(text).as_bytes());
+        wrote(written).map_err(Failure::Output)
+    }
+
+    /// Has all of it printed.
+    pub fn finish(mut self) -> Result<(), Failure> {
+        wrote(self.out.flush()).map_err(Failure::Output)
+    }
 }
 
 fn wrote(written: std::io::Result<()>) -> Result<(), String> {

@@ -83,6 +83,7 @@ mod error;
 pub mod figures;
 mod format;
 pub mod journal;
+pub mod record_log;
 pub mod reports;
 pub mod tables;
 

@@ -115,7 +115,7 @@ fn drags() -> impl Strategy<Value = String> {
             0 => format!("{c:?}*tanh({k:?}*v)"),
             1 => format!("{c:?}*atan({k:?}*v)"),
             2 => format!("{c:?}*{k:?}*v/sqrt(1 + ({k:?}*v)^2)"),
-            3 => format!("{c:?}*atan({k:?}*v)"),
+            3 => format!("{c:?}*(1 - exp(-{k:?}*v))/(1 + exp(-{k:?}*v))"),
             4 => format!("{c:?}*v*exp(-({k:?}*v)^2)"),
             _ => format!("{c:?}*{k:?}*v/(1 + ({k:?}*v)^2)"),
         }

@@ -432,6 +432,17 @@ proptest! {
         check_that_it_comes_to_rest(&stack(&restitutions, &masses, spacing))?;
     }
 
+    /// Wider: a body may be a thousand times as heavy as its neighbour, and hardly lose anything.
+    #[test]
+    fn uneven_stacks_obey_the_laws_and_come_to_rest(
+        masses in proptest::collection::vec(-1.5_f64..1.5, 6),
+        restitutions in proptest::collection::vec(0.0_f64..0.9, 1..=6),
+        spacing in prop_oneof![Just(0.0), 0.0_f64..0.5],
+    ) {
+        let masses: Vec<f64> = masses.iter().map(|&power| libm::exp10(power)).collect();
+        check_that_it_comes_to_rest(&stack(&restitutions, &masses, spacing))?;
+    }
+
     #[test]
     fn cradles_obey_the_laws(
         masses in proptest::collection::vec(0.1_f64..10.0, 2..7),

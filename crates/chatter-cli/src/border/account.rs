@@ -77,6 +77,9 @@ fn summary<R>(subject: &Subject, found: &Borders<R>, (low, high): (f64, f64)) ->
             found.without_chatter
         );
     }
+    if !found.is_complete {
+        text += "interrupted: there may be more in what was not searched\n";
+    }
     if found.unresolved > 0 {
         text += &format!(
             "{} more changes between complete and incomplete chatter were not looked into: try a smaller range\n",
@@ -89,14 +92,16 @@ fn summary<R>(subject: &Subject, found: &Borders<R>, (low, high): (f64, f64)) ->
 fn one<R: Real + Argument<Real = R>>(
     subject: &Subject,
     border: &Border<R>,
-    compared: &[WindowComparison],
+    compared: Option<&[WindowComparison]>,
     style: Style,
 ) -> String {
     let mut text = String::new();
-    for (title, rows, sides) in blocks(subject, border, compared) {
+    for (title, rows, sides) in blocks(subject, border, compared.unwrap_or_default()) {
         text += &format!("\n{}\n{}", style.title(&title), aligned(&rows, sides));
     }
-    text += &not_found(subject.laps(border), compared);
+    if let Some(compared) = compared {
+        text += &not_found(subject.laps(border), compared);
+    }
     if let Err(section) = &border.leading_order {
         let error = BorderError::from(section.clone());
         text += &format!(

@@ -39,7 +39,7 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
         } => {
             let borders = answer.borders().into_iter();
             let borders: Vec<Json> = borders
-                .map(|(border, compared)| one(subject, border, compared).into())
+                .map(|(border, compared)| one(subject, border, compared.unwrap_or_default()).into())
                 .collect();
             let breaks = found.breaks.iter().map(|place| {
                 Object::new(subject.digits)
@@ -56,7 +56,15 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
                     .with("samples", subject.samples as i64 + 1)
                     .with("excursions", subject.excursions as i64)
                     .with("without_chatter", found.without_chatter as i64)
-                    .with("unresolved", found.unresolved as i64),
+                    .with("unresolved", found.unresolved as i64)
+                    .with(
+                        "outcome",
+                        if found.is_complete {
+                            "complete"
+                        } else {
+                            "interrupted"
+                        },
+                    ),
             )
         }
     }

@@ -53,8 +53,8 @@ pub enum Answer<R> {
     All {
         /// Borders, and places that are none.
         found: Borders<R>,
-        /// The windows of each border.
-        compared: Vec<Vec<WindowComparison>>,
+        /// The windows of each border; none where Ctrl-C came before they were looked for.
+        compared: Option<Vec<Vec<WindowComparison>>>,
         /// Lower end of the range.
         low: f64,
         /// Its upper end.
@@ -64,14 +64,18 @@ pub enum Answer<R> {
 
 impl<R> Answer<R> {
     /// Each border with its windows.
-    fn borders(&self) -> Vec<(&Border<R>, &[WindowComparison])> {
+    fn borders(&self) -> Vec<(&Border<R>, Option<&[WindowComparison]>)> {
         match self {
-            Self::One { border, compared } => vec![(border, compared)],
+            Self::One { border, compared } => vec![(border, Some(compared))],
             Self::All {
                 found, compared, ..
-            } => (found.borders.iter())
-                .zip(compared.iter().map(Vec::as_slice))
-                .collect(),
+            } => {
+                let windows = |place: usize| compared.as_ref().map(|all| all[place].as_slice());
+                let borders = found.borders.iter().enumerate();
+                borders
+                    .map(|(place, border)| (border, windows(place)))
+                    .collect()
+            }
         }
     }
 }

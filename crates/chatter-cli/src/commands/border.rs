@@ -8,12 +8,14 @@ use crate::options::{
     SectionOption, Window,
 };
 use crate::parallel;
-use crate::terminal::{self, Style, Waiting};
-use chatter::analysis::border::{BorderSpec, border_near, borders_in};
+use crate::terminal::{self, Progress, Style, Waiting};
+use chatter::analysis::border::{BorderSpec, Borders, border_near, search_range};
 use chatter::analysis::universal::Argument;
 use chatter::model::{Warning, check};
 use chatter::numerics::{DoubleDouble, Real};
 use clap::{ArgGroup, Args};
+use core::ops::ControlFlow;
+use std::time::Instant;
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -164,16 +166,19 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         windows: arguments.windows,
     };
     let plot = arguments.plot.as_ref();
-    terminal::end_on_interrupt();
-    let waiting = Waiting::new("looking for border orbits");
-    let answer = if digits.fit_double() {
+    if matches!(place, Place::Range { .. }) {
+        // What was found is told.
+        terminal::catch_interrupts();
+    } else {
+        terminal::end_on_interrupt();
+    }
+    let (answer, code) = if digits.fit_double() {
         answer::<f64>(&subject, &spec, place, plot, arguments.json)?
     } else {
         answer::<DoubleDouble>(&subject, &spec, place, plot, arguments.json)?
     };
-    drop(waiting);
     answer.print()?;
-    Ok(failure::SUCCESS)
+    Ok(code)
 }
 
 /// Where borders are looked for.
@@ -189,11 +194,16 @@ fn answer<R: Real + Argument<Real = R>>(
     place: Place,
     plot: Option<&FigureFile>,
     json: bool,
-) -> Result<terminal::Answer, Failure> {
+) -> Result<(terminal::Answer, u8), Failure> {
+    let mut code = failure::SUCCESS;
     let answer = match place {
         Place::Near(value) => {
+            let waiting = Waiting::new("looking for the border orbit");
             let border = border_near::<R>(subject.model, spec, value).map_err(refused)?;
+            drop(waiting);
+            let waiting = Waiting::new("looking for its windows");
             let compared = compared(subject, spec, &border)?;
+            drop(waiting);
             if let Some(FigureFile(path)) = plot {
                 picture(subject, spec, &border, &compared)?
                     .write(path)
@@ -205,9 +215,20 @@ fn answer<R: Real + Argument<Real = R>>(
             }
         }
         Place::Range { low, high } => {
-            let found = borders_in::<R>(subject.model, spec, low, high).map_err(refused)?;
-            let compared =
-                parallel::each(&found.borders, |border| compared(subject, spec, border))?;
+            let found = search(subject, spec, (low, high))?;
+            let waiting = Waiting::new("looking for their windows");
+            let compared = match found.is_complete {
+                true => parallel::each(&found.borders, |border| compared(subject, spec, border)),
+                false => Err(Failure::Interrupted),
+            };
+            drop(waiting);
+            let compared = match compared {
+                Err(Failure::Interrupted) => {
+                    code = failure::INTERRUPTED;
+                    None
+                }
+                compared => Some(compared?),
+            };
             Answer::All {
                 found,
                 compared,
@@ -216,9 +237,36 @@ fn answer<R: Real + Argument<Real = R>>(
             }
         }
     };
-    Ok(if json {
+    let answer = if json {
         terminal::Answer::Document(document(subject, &answer))
     } else {
         terminal::Answer::Text(account(subject, &answer, Style::of_stdout()))
-    })
+    };
+    Ok((answer, code))
+}
+
+/// All borders of a range, or those found before Ctrl-C.
+fn search<R: Real + Argument<Real = R>>(
+    subject: &Subject,
+    spec: &BorderSpec,
+    range: (f64, f64),
+) -> Result<Borders<R>, Failure> {
+    let mut progress = Progress::new();
+    let began = Instant::now();
+    let found = search_range::<R>(subject.model, spec, range, &mut |reached| {
+        progress.show(reached.done, || {
+            let rate = reached.done * spec.samples as f64 / began.elapsed().as_secs_f64();
+            let borders = match reached.borders {
+                1 => "1 border".to_owned(),
+                count => format!("{count} borders"),
+            };
+            format!("{borders}, {rate:.0} parts/s")
+        });
+        match terminal::interrupted() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    });
+    progress.finish();
+    found.map_err(refused)
 }

@@ -6,21 +6,22 @@ use crate::options::{
     Count, FigureFile, Initial, Loaded, ModelOptions, Precision, Quantity, StopOption, TableFile,
     Window,
 };
-use crate::simulation::table::{self, SampleTable};
+use crate::simulation::table::SampleTable;
 use crate::simulation::{
-    Expectation, Listing, SampleOption, StepWatch, Subject, account, document, picture, sentence,
-    verification,
+    Expectation, Listing, Record, SampleOption, StepWatch, Subject, account, document, event_table,
+    picture, sentence, verification,
 };
-use crate::terminal::{self, Progress, Style, Waiting};
+use crate::terminal::{self, Printer, Progress, Waiting};
 use chatter::analysis::simulate::{
-    Outcome, Progress as Reached, Samples, SimulateError, Simulation, Spec, SpecError, Stop,
-    Verification, simulate_into,
+    ContactPhase, Event, Outcome, Progress as Reached, Samples, SimulateError, Simulation, Sink,
+    Spec, SpecError, Stop, Verification, simulate_into,
 };
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 use clap::Args;
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use core::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 const EXAMPLES: &str = "\
@@ -152,8 +153,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         time_was_given: arguments.until.is_some(),
     };
     if digits.fit_double() {
-        follow::<f64>(arguments, &subject, window, |simulation| {
-            verification(arguments, &subject, simulation)
+        follow::<f64>(arguments, &subject, window, |run| {
+            verification(arguments, &subject, run)
         })
     } else if arguments.verify {
         Err(Failure::input(format!(
@@ -169,21 +170,33 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 fn verification(
     arguments: &Arguments,
     subject: &Subject,
-    simulation: &Simulation<f64>,
+    (simulation, record): (&Simulation<f64>, &Record<f64>),
 ) -> Result<Option<Verified>, Failure> {
     if !arguments.verify || simulation.outcome == Outcome::Interrupted {
         return Ok(None);
     }
     let mut progress = Progress::new();
-    let verification = Verification::of(subject.model, subject.spec, simulation, &mut |reached| {
-        observe(&mut progress, reached)
-    })
-    .map_err(|error| refused(&error, subject.model))?;
+    let mut unread = None;
+    let mut events = record.events().map_while(|noted| match noted {
+        Ok(noted) => Some(noted.event),
+        Err(error) => {
+            unread = Some(error);
+            None
+        }
+    });
+    let mut observer = |reached: &Reached| observe(&mut progress, reached);
+    let (model, spec) = (subject.model, subject.spec);
+    let verified = Verification::beside(model, spec, simulation, &mut events, &mut observer);
+    let verification = verified.map_err(|error| refused(&error, subject.model))?;
+    if let Some(error) = unread {
+        return Err(error.into());
+    }
     progress.finish();
-    Ok(verification.map(|verification| Verified {
-        text: verification::text(subject, simulation, &verification),
-        verification,
-    }))
+    let told = verification.map(|verification| {
+        let text = verification::text(subject, (simulation, record), &verification)?;
+        Ok(Verified { verification, text })
+    });
+    told.transpose()
 }
 
 struct Verified {
@@ -196,11 +209,7 @@ fn observe(progress: &mut Progress, reached: &Reached) -> ControlFlow<()> {
     progress.show(part_done(reached), || {
         format!("time {:.6}, {} impacts", reached.time, reached.impacts)
     });
-    if terminal::interrupted() {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
-    }
+    going_on()
 }
 
 fn specification(
@@ -249,33 +258,89 @@ fn specification(
     })
 }
 
+/// What a run hands over while it goes on.
+struct Listener<'a, 'b, R> {
+    table: Option<SampleTable<'a>>,
+    record: Record<R>,
+    /// Why nothing more can be taken.
+    failure: Option<Failure>,
+    /// How far the run is, and the rows written.
+    reached: &'b Cell<Option<Reached>>,
+    rows: u64,
+    show: &'b dyn Fn(&Reached, u64),
+}
+
+impl<R> Listener<'_, '_, R> {
+    /// Goes on unless something could not be written, or Ctrl-C was pressed.
+    fn taken(&mut self, outcome: Result<(), Failure>) -> ControlFlow<()> {
+        if let Err(failure) = outcome {
+            self.failure = Some(failure);
+            return ControlFlow::Break(());
+        }
+        going_on()
+    }
+}
+
+impl<R: Real> Sink<R> for Listener<'_, '_, R> {
+    fn samples(&mut self, _: usize, samples: &Samples<R>) -> ControlFlow<()> {
+        let Some(table) = &mut self.table else {
+            return ControlFlow::Continue(());
+        };
+        let taken = table.take(samples).map_err(unwritten);
+        self.rows += samples.len() as u64;
+        if let (Some(mut reached), Some(time)) = (self.reached.get(), samples.times.last()) {
+            reached.time = time.to_f64();
+            (self.show)(&reached, self.rows);
+        }
+        self.taken(taken)
+    }
+
+    fn event(&mut self, event: &Event<R>) -> ControlFlow<()> {
+        let noted = self.record.event(event);
+        self.taken(noted.map_err(Failure::from))
+    }
+
+    fn contact_phase(&mut self, number: u64, phase: &ContactPhase<R>) -> ControlFlow<()> {
+        let noted = self.record.contact_phase(number, phase);
+        self.taken(noted.map_err(Failure::from))
+    }
+}
+
+fn going_on() -> ControlFlow<()> {
+    if terminal::interrupted() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
+}
+
+fn unwritten(error: chatter_io::Error) -> Failure {
+    Failure::Output(error.to_string())
+}
+
 fn follow<R: Real>(
     arguments: &Arguments,
     subject: &Subject,
     window: Option<(f64, f64)>,
-    verify: impl FnOnce(&Simulation<R>) -> Result<Option<Verified>, Failure>,
+    verify: impl FnOnce((&Simulation<R>, &Record<R>)) -> Result<Option<Verified>, Failure>,
 ) -> Result<u8, Failure> {
     terminal::catch_interrupts();
-    let sampled = arguments.out.as_ref().filter(|_| {
-        let rows = arguments.sample.clone().unwrap_or_default();
-        rows != SampleOption::Events
-    });
-    let output = |error: chatter_io::Error| Failure::Output(error.to_string());
-    let mut table = match sampled {
-        Some(TableFile(path)) => {
+    let path = arguments.out.as_ref().map(|TableFile(path)| path.as_path());
+    let of_events = arguments.sample == Some(SampleOption::Events);
+    let table = match path {
+        Some(path) if of_events => {
+            event_table::check(subject, path).map_err(unwritten)?;
+            None
+        }
+        Some(path) => {
             Expectation::of_table(subject, path).tell();
-            Some(SampleTable::create(subject, path).map_err(output)?)
+            Some(SampleTable::create(subject, path).map_err(unwritten)?)
         }
         None => None,
     };
     let progress = RefCell::new(Progress::new());
     let began = Instant::now();
     let mut stiffness = Some(StepWatch::new(subject));
-    let last = RefCell::new(None);
-    let going_on = || match terminal::interrupted() {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    };
     let show = |reached: &Reached, rows: u64| {
         progress.borrow_mut().show(part_done(reached), || {
             let rate = reached.steps as f64 / began.elapsed().as_secs_f64();
@@ -287,41 +352,42 @@ fn follow<R: Real>(
             format!("time {time:.6}, {impacts} impacts{rows}, {rate:.2e} steps/s")
         });
     };
-    let mut failure = None;
-    let mut rows = 0;
+    let reached = Cell::new(None);
+    let folder = folder(path);
+    let (dimension, contacts) = (subject.model.states.len(), subject.model.contacts.len());
+    let mut listener = Listener {
+        table,
+        record: Record::new(&folder, dimension, contacts),
+        failure: None,
+        reached: &reached,
+        rows: 0,
+        show: &show,
+    };
     let mut simulation: Simulation<R> = simulate_into(
         subject.model,
         subject.spec,
-        &mut |reached| {
-            if stiffness.as_ref().is_some_and(|watch| watch.tell(reached)) {
+        &mut |now| {
+            if stiffness.as_ref().is_some_and(|watch| watch.tell(now)) {
                 stiffness = None;
             }
-            show(reached, 0);
-            *last.borrow_mut() = Some(*reached);
+            show(now, 0);
+            reached.set(Some(*now));
             going_on()
         },
-        &mut |_, samples: &Samples<R>| {
-            let Some(table) = &mut table else {
-                return ControlFlow::Continue(());
-            };
-            if let Err(error) = table.take(samples) {
-                failure = Some(output(error));
-                return ControlFlow::Break(());
-            }
-            rows += samples.len() as u64;
-            if let (Some(mut reached), Some(time)) = (*last.borrow(), samples.times.last()) {
-                reached.time = time.to_f64();
-                show(&reached, rows);
-            }
-            going_on()
-        },
+        &mut listener,
     )
     .map_err(|error| refused(&error, subject.model))?;
+    let Listener {
+        table,
+        record,
+        failure,
+        ..
+    } = listener;
     progress.into_inner().finish();
     if let Some(failure) = failure {
         return Err(failure);
     }
-    let verified = verify(&simulation)?;
+    let verified = verify((&simulation, &record))?;
     // What is written now is all that is done.
     terminal::end_on_interrupt();
     let waiting = Waiting::new("writing");
@@ -330,17 +396,19 @@ fn follow<R: Real>(
         .plot
         .as_ref()
         .and_then(|_| simulation.samples.pop());
+    let run = (&simulation, &record);
     let mut written = Vec::new();
-    if let Some(TableFile(path)) = &arguments.out {
-        let files = match table {
+    if let Some(path) = path {
+        match table {
             Some(table) => table.finish(&simulation),
-            None => table::write_events(subject, &simulation, path),
-        };
-        written.extend(files.map_err(output)?);
+            None => event_table::write(subject, run, path),
+        }
+        .map_err(unwritten)?;
+        written.push(path.to_path_buf());
     }
     let mut remarks = Vec::new();
     if let (Some(FigureFile(path)), Some(samples)) = (&arguments.plot, &drawn) {
-        let picture = picture::draw(subject, &simulation, samples, window);
+        let picture = picture::draw(subject, run, samples, window)?;
         let outcome = picture.figure.write(path);
         outcome.map_err(|error| Failure::Output(error.to_string()))?;
         written.push(path.clone());
@@ -354,7 +422,7 @@ fn follow<R: Real>(
     drop(waiting);
     if arguments.json {
         let verification = verified.as_ref().map(|verified| &verified.verification);
-        let document = document::document(subject, &simulation, verification);
+        let document = document::document(subject, run, verification);
         terminal::print_json(&document).map_err(Failure::Output)?;
     } else {
         let listing = if arguments.events {
@@ -362,17 +430,18 @@ fn follow<R: Real>(
         } else {
             Listing::Summary
         };
-        let mut text = account::account(subject, &simulation, listing, Style::of_stdout());
+        let mut printer = Printer::new();
+        account::print(subject, run, listing, &mut printer)?;
         if let Some(verified) = &verified {
-            text += &verified.text;
+            printer.print(&verified.text)?;
         }
         for path in &written {
-            text += &format!("wrote {}\n", path.display());
+            printer.print(&format!("wrote {}\n", path.display()))?;
         }
         for remark in &remarks {
-            text += &format!("{remark}\n");
+            printer.print(&format!("{remark}\n"))?;
         }
-        terminal::print(&text).map_err(Failure::Output)?;
+        printer.finish()?;
     }
     if simulation.counts.ambiguities > 0 {
         terminal::warn(
@@ -390,6 +459,15 @@ fn follow<R: Real>(
             failure::SUCCESS
         }
     })
+}
+
+/// Where what does not fit memory is kept while it is needed: on the disk that the table will be on, if there is one.
+fn folder(path: Option<&Path>) -> PathBuf {
+    match path.and_then(Path::parent) {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
+        Some(_) => PathBuf::from("."),
+        None => std::env::temp_dir(),
+    }
 }
 
 /// By time or by impacts, whichever is nearer to its end.

@@ -1,6 +1,6 @@
 //! A simulation as one JSON document.
 
-use super::{Subject, sentence, verification};
+use super::{Record, Subject, sentence, verification};
 use crate::named::Named;
 use crate::numbers::significant;
 use crate::simulation::side_name;
@@ -8,6 +8,7 @@ use chatter::analysis::simulate::{
     Event, EventDetail, EventKind, Outcome, Simulation, Verification,
 };
 use chatter::numerics::Real;
+use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
 
 /// A number, and its digits where a double does not hold them.
@@ -31,7 +32,7 @@ struct Document<'a, R: Real> {
     closed: Vec<&'a str>,
     counts: Counts,
     events: Events<'a, R>,
-    contact_phases: Vec<Phase<'a>>,
+    contact_phases: Phases<'a, R>,
     #[serde(skip_serializing_if = "Option::is_none")]
     verification: Option<verification::Object<'a>>,
     model: ModelObject<'a>,
@@ -120,7 +121,7 @@ struct EventObject<'a> {
 /// The document.
 pub fn document<'a, R: Real>(
     subject: &'a Subject,
-    simulation: &'a Simulation<R>,
+    (simulation, record): (&'a Simulation<R>, &'a Record<R>),
     verified: Option<&'a Verification>,
 ) -> impl Serialize + 'a {
     let writer = Writer { subject };
@@ -151,17 +152,8 @@ pub fn document<'a, R: Real>(
             switches: counts.switches,
             ambiguities: counts.ambiguities,
         },
-        events: Events {
-            subject,
-            events: &simulation.events,
-        },
-        contact_phases: (simulation.contact_phases.iter())
-            .map(|phase| Phase {
-                contact: &subject.model.contacts[phase.contact].name,
-                start: phase.start.to_f64(),
-                end: phase.end.map(Real::to_f64),
-            })
-            .collect(),
+        events: Events { subject, record },
+        contact_phases: Phases { subject, record },
         verification: verified.map(|verified| verification::object(subject, verified)),
         model: ModelObject {
             source: subject.source,
@@ -182,7 +174,7 @@ pub fn document<'a, R: Real>(
 /// Events become objects one by one, as they are written.
 struct Events<'a, R> {
     subject: &'a Subject<'a>,
-    events: &'a [Event<R>],
+    record: &'a Record<R>,
 }
 
 impl<R: Real> Serialize for Events<'_, R> {
@@ -190,7 +182,33 @@ impl<R: Real> Serialize for Events<'_, R> {
         let writer = Writer {
             subject: self.subject,
         };
-        serializer.collect_seq(self.events.iter().map(|event| writer.event(event)))
+        let mut list = serializer.serialize_seq(None)?;
+        for noted in self.record.events() {
+            let noted = noted.map_err(S::Error::custom)?;
+            list.serialize_element(&writer.event(&noted.event))?;
+        }
+        list.end()
+    }
+}
+
+/// So do contact phases.
+struct Phases<'a, R> {
+    subject: &'a Subject<'a>,
+    record: &'a Record<R>,
+}
+
+impl<R: Real> Serialize for Phases<'_, R> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(None)?;
+        for phase in self.record.contact_phases() {
+            let phase = phase.map_err(S::Error::custom)?;
+            list.serialize_element(&Phase {
+                contact: &self.subject.model.contacts[phase.contact].name,
+                start: phase.start.to_f64(),
+                end: phase.end.map(Real::to_f64),
+            })?;
+        }
+        list.end()
     }
 }
 

@@ -2,8 +2,10 @@
 
 pub mod account;
 pub mod document;
+pub mod event_table;
 mod expectation;
 pub mod picture;
+mod record;
 mod sample;
 mod sentence;
 pub mod table;
@@ -11,6 +13,7 @@ pub mod verification;
 
 pub use account::Listing;
 pub use expectation::{Expectation, StepWatch};
+pub use record::{Noted, Record};
 pub use sample::SampleOption;
 pub use sentence::sentence;
 

@@ -25,8 +25,12 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
                 values.join(", ")
             )
         }
-        FlowError::Singular { time, kind } => {
-            format!("at time {} {}", number(*time), kind.description())
+        FlowError::Singular {
+            time,
+            kind,
+            expression,
+        } => {
+            format!("at time {} {}", number(*time), kind.sentence(expression))
         }
         FlowError::Penetrates { contact, gap } => format!(
             "the start lies beyond {}: its gap is {} there, and must not be negative",
@@ -67,6 +71,7 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
         | FlowError::NotUnique { .. }
         | FlowError::NoMode { .. }
         | FlowError::OutsideTable { .. }
-        | FlowError::SwitchesWithoutEnd { .. } => error.to_string(),
+        | FlowError::SwitchesWithoutEnd { .. }
+        | FlowError::ResetsWithoutEnd { .. } => error.to_string(),
     }
 }

@@ -3,9 +3,9 @@
 use super::Subject;
 use crate::named::Named;
 use crate::numbers::{Digits, significant};
-use chatter::analysis::simulate::{EventDetail, Samples, Simulation};
+use chatter::analysis::simulate::{Samples, Simulation};
 use chatter::numerics::Real;
-use chatter_io::tables::{Cell, CsvWriter, Dataset, NpzWriter, Spool, Table};
+use chatter_io::tables::{Cell, CsvWriter, NpzWriter, Spool, Table};
 use chatter_io::{Error, Format};
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ const TEXTS: [&str; 5] = ["model", "parameters", "specification", "outcome", "ve
 /// One more, where tables of the model stand in files.
 const DATA_FILES: &str = "data_files";
 
-fn text_names(subject: &Subject) -> impl Iterator<Item = &'static str> {
+pub(super) fn text_names(subject: &Subject) -> impl Iterator<Item = &'static str> {
     let more = (!subject.data_files.is_empty()).then_some(DATA_FILES);
     TEXTS.into_iter().chain(more)
 }
@@ -130,7 +130,7 @@ impl<'a> SampleTable<'a> {
     }
 
     /// Puts the file in its place.
-    pub fn finish<R: Real>(self, simulation: &Simulation<R>) -> Result<Vec<PathBuf>, Error> {
+    pub fn finish<R: Real>(self, simulation: &Simulation<R>) -> Result<(), Error> {
         let (names, closed_names) = names(self.subject);
         match self.rows {
             Rows::Csv(writer) => writer.finish()?,
@@ -158,7 +158,7 @@ impl<'a> SampleTable<'a> {
                 writer.finish()?;
             }
         }
-        Ok(vec![self.path])
+        Ok(())
     }
 }
 
@@ -176,7 +176,7 @@ fn names(subject: &Subject) -> (Vec<String>, Vec<String>) {
 }
 
 /// `time`, unless a state is called so.
-fn time_name(subject: &Subject) -> &'static str {
+pub(super) fn time_name(subject: &Subject) -> &'static str {
     match subject.model.state_index("time") {
         Some(_) => "t",
         None => "time",
@@ -184,12 +184,12 @@ fn time_name(subject: &Subject) -> &'static str {
 }
 
 /// Name of the column that holds what doubles leave.
-fn low(name: &str) -> String {
+pub(super) fn low(name: &str) -> String {
     format!("{name}_low")
 }
 
 /// All digits; what is no number as columns of doubles have it.
-fn text<R: Real>(value: R, digits: Digits) -> String {
+pub(super) fn text<R: Real>(value: R, digits: Digits) -> String {
     match value.is_finite() {
         true => significant(value, digits.0),
         false => "nan".to_owned(),
@@ -197,7 +197,7 @@ fn text<R: Real>(value: R, digits: Digits) -> String {
 }
 
 /// How a simulation came about, in the order of [`text_names`].
-fn provenance<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> [String; 6] {
+pub(super) fn provenance<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> [String; 6] {
     let names = subject.model.parameter_names();
     let parameters = Named::new(names, subject.model.parameter_values::<f64>(&[]));
     [
@@ -210,117 +210,6 @@ fn provenance<R: Real>(subject: &Subject, simulation: &Simulation<R>) -> [String
     ]
 }
 
-/// Writes the events of a simulation; gives the files written.
-pub fn write_events<R: Real>(
-    subject: &Subject,
-    simulation: &Simulation<R>,
-    path: &Path,
-) -> Result<Vec<PathBuf>, Error> {
-    let writer = Writer {
-        subject,
-        format: Format::of_table(path)?,
-    };
-    let mut data = Dataset::new().table(writer.events(simulation));
-    if writer.format == Format::Npz {
-        let texts = text_names(subject).zip(provenance(subject, simulation));
-        data = texts.fold(data, |data, (name, text)| data.text(name, text));
-    }
-    data.write(path)
-}
-
 fn stored(value: &impl serde::Serialize) -> String {
     serde_json::to_string(value).expect("names and numbers are JSON")
-}
-
-struct Writer<'a> {
-    subject: &'a Subject<'a>,
-    format: Format,
-}
-
-impl Writer<'_> {
-    /// Adds a column of numbers.
-    fn numbers<R: Real>(&self, table: Table, name: &str, values: &[R]) -> Table {
-        let doubles = || {
-            values
-                .iter()
-                .map(|value| value.to_f64())
-                .collect::<Vec<f64>>()
-        };
-        if self.subject.digits.fit_double() {
-            return table.column(name, doubles());
-        }
-        if self.format == Format::Csv {
-            let digits = self.subject.digits;
-            let texts: Vec<String> = values.iter().map(|&value| text(value, digits)).collect();
-            return table.column(name, texts);
-        }
-        let low: Vec<f64> = values
-            .iter()
-            .map(|value| value.to_double_double().low())
-            .collect();
-        table.column(name, doubles()).column(self::low(name), low)
-    }
-
-    fn events<R: Real>(&self, simulation: &Simulation<R>) -> Table {
-        let events = &simulation.events;
-        let nothing = R::splat(f64::NAN);
-        let kinds: Vec<&str> = events.iter().map(|event| event.kind().name()).collect();
-        let places: Vec<&str> = events
-            .iter()
-            .map(|event| self.subject.place(&event.detail))
-            .collect();
-        let column = |value: fn(&EventDetail<R>) -> Option<R>| -> Vec<R> {
-            events
-                .iter()
-                .map(|event| value(&event.detail).unwrap_or(nothing))
-                .collect()
-        };
-        let before = column(|detail| match *detail {
-            EventDetail::Impact { rate_before, .. } => Some(rate_before),
-            EventDetail::Graze { rate, .. } => Some(rate),
-            _ => None,
-        });
-        let after = column(|detail| match *detail {
-            EventDetail::Impact { rate_after, .. } => Some(rate_after),
-            EventDetail::Graze { rate, .. } => Some(rate),
-            _ => None,
-        });
-        let error = |detail: &EventDetail<R>| match *detail {
-            EventDetail::Accumulation { error, .. } | EventDetail::Cascade { error, .. } => error,
-            _ => f64::NAN,
-        };
-        let impacts = |detail: &EventDetail<R>| match *detail {
-            EventDetail::Impact { .. } => 1,
-            EventDetail::Accumulation { impacts, .. } | EventDetail::Cascade { impacts, .. } => {
-                impacts as i64
-            }
-            _ => 0,
-        };
-        let times: Vec<R> = events.iter().map(|event| event.time).collect();
-        let mut table = self
-            .numbers(Table::new("events"), time_name(self.subject), &times)
-            .column("kind", kinds)
-            .column("place", places);
-        for index in self.subject.states() {
-            let values: Vec<R> = events.iter().map(|event| event.state[index]).collect();
-            table = self.numbers(table, self.subject.state_name(index), &values);
-        }
-        table = self.numbers(table, "rate_before", &before);
-        table = self.numbers(table, "rate_after", &after);
-        table
-            .column(
-                "impacts",
-                events
-                    .iter()
-                    .map(|event| impacts(&event.detail))
-                    .collect::<Vec<i64>>(),
-            )
-            .column(
-                "error",
-                events
-                    .iter()
-                    .map(|event| error(&event.detail))
-                    .collect::<Vec<f64>>(),
-            )
-    }
 }

@@ -1,6 +1,7 @@
 //! How a run compares with its twin in double-double, as text and as JSON.
 
-use super::Subject;
+use super::{Record, Subject};
+use crate::failure::Failure;
 use crate::named::Named;
 use crate::numbers::{concise, significant};
 use chatter::analysis::simulate::{EventDetail, Simulation, Verification, digits};
@@ -69,16 +70,20 @@ pub fn object<'a>(subject: &'a Subject, verification: &Verification) -> Object<'
 /// As lines after the account.
 pub fn text(
     subject: &Subject,
-    simulation: &Simulation<f64>,
+    (simulation, record): (&Simulation<f64>, &Record<f64>),
     verification: &Verification,
-) -> String {
+) -> Result<String, Failure> {
     let error = |off: f64| significant(off, ERROR_DIGITS);
     let mut text = "  beside a twin in double-double\n".to_owned();
     let count = verification.times.len();
     if count > 0 {
-        let events = simulation.events.iter().zip(&verification.times);
-        let known = events.filter(|(_, off)| off.is_finite());
-        let fewest = known.map(|(event, &off)| digits(event.time, off)).min();
+        let mut fewest = None;
+        for (noted, &off) in record.events().zip(&verification.times) {
+            if off.is_finite() {
+                let known = digits(noted?.event.time, off);
+                fewest = Some(fewest.map_or(known, |fewest: u32| fewest.min(known)));
+            }
+        }
         let all = match &verification.parting {
             None => "all events",
             Some(_) => "the first events",
@@ -117,5 +122,5 @@ pub fn text(
         }
         None => text += "    the runs end in different ways\n",
     }
-    text
+    Ok(text)
 }

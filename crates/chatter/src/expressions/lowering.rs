@@ -41,6 +41,18 @@ impl Tape {
         let field: Vec<Operand> = field.iter().map(|&e| lowering.operand(e)).collect();
         lowering.tape.field = field.into_iter().enumerate().collect();
         lowering.tape.outputs = outputs.iter().map(|&e| lowering.operand(e)).collect();
+        let mut exprs = HashMap::new();
+        for (&expr, &slot) in &lowering.series {
+            // Of equal ones the first, so that it does not depend on the order of the map.
+            let first = exprs.entry(slot).or_insert(expr);
+            if expr.index() < first.index() {
+                *first = expr;
+            }
+        }
+        for (&argument, &(sine, cosine)) in &lowering.sine_cosines {
+            exprs.insert(sine, lowering.graph.call(Function::Sin, argument));
+            exprs.insert(cosine, lowering.graph.call(Function::Cos, argument));
+        }
         lowering.graph.set_folding(folding);
         let mut tape = lowering.tape;
         for swing in tape.ops.iter().filter_map(Op::swing) {
@@ -48,7 +60,7 @@ impl Tape {
                 tape.swings.push(swing);
             }
         }
-        tape.find_singular();
+        tape.find_singular(&exprs);
         tape.integrate_at_once();
         tape
     }
@@ -435,6 +447,7 @@ impl Lowering<'_> {
             slot,
             kind,
             exponent: None,
+            expr: None,
         });
     }
 

@@ -22,6 +22,8 @@ fn reciprocal<S: Scalar>(k: usize) -> S {
 #[derive(Clone, Debug)]
 pub struct Expansion<S> {
     order: usize,
+    /// Whether the latest run computed the last order of all series, not of states alone.
+    is_even: bool,
     values: Vec<S>,
     /// Rounding remainders of order zero, where they are known: of states and of linear combinations.
     lows: Vec<S>,
@@ -43,6 +45,7 @@ impl<S: Scalar> Expansion<S> {
         reciprocals.extend((1..=MAX_ORDER + 1).map(reciprocal::<S>));
         Self {
             order: 0,
+            is_even: true,
             values: vec![S::splat(0.0); slots * Self::STRIDE],
             lows: vec![S::splat(0.0); slots],
             errors: vec![S::splat(0.0); slots],
@@ -61,6 +64,18 @@ impl<S: Scalar> Expansion<S> {
     #[inline(always)]
     pub fn series(&self, slot: usize) -> &[S] {
         &self.values[slot * Self::STRIDE..slot * Self::STRIDE + self.order + 1]
+    }
+
+    /// As [`series`](Self::series), as far as the latest run has computed it: where no output asks for more, what is not a
+    /// state ends one order earlier.
+    #[inline(always)]
+    pub(super) fn computed(&self, tape: &Tape, slot: usize) -> &[S] {
+        let series = self.series(slot);
+        if self.is_even || slot < tape.dimension {
+            series
+        } else {
+            &series[..series.len() - 1]
+        }
     }
 
     /// The series of one of the tape's outputs; none where parameters alone fix it.
@@ -144,7 +159,7 @@ impl<S: Scalar> Expansion<S> {
         let mut resolved = S::splat(longest);
         for swing in &tape.swings {
             let (slot, allowed) = self.allowed_swing(*swing, constants);
-            let changes = &self.series(slot)[1..];
+            let changes = &self.computed(tape, slot)[1..];
             let one = magnitude(changes, S::splat(1.0));
             let all = magnitude(changes, S::splat(longest)) * S::splat(longest);
             // The logarithm of the sum of the terms' sizes is a convex function of that of the time: below its chord.
@@ -207,6 +222,7 @@ impl<S: Scalar> Expansion<S> {
     ) {
         self.make_room(tape);
         self.order = 0;
+        self.is_even = true;
         self.start(tape, state, low);
         self.run_order(tape, constants, S::splat(0.0), 0);
         for (value, output) in values.iter_mut().zip(&tape.outputs) {
@@ -238,7 +254,8 @@ impl<S: Scalar> Expansion<S> {
             self.run_order(tape, constants, factor, k);
             self.integrate(tape, constants, factor, k);
         }
-        if !tape.outputs_are_states() {
+        self.is_even = !tape.outputs_are_states();
+        if self.is_even {
             self.run_order(tape, constants, tau, order);
         }
     }
@@ -278,6 +295,7 @@ impl<S: Scalar> Expansion<S> {
         let slots = tape.slots.max(self.lows.len());
         self.values.resize(slots * Self::STRIDE, S::splat(0.0));
         self.lows.resize(slots, S::splat(0.0));
+        self.errors.resize(slots, S::splat(0.0));
         let auxiliaries = tape.auxiliaries.max(self.auxiliaries.len());
         self.auxiliaries.resize(auxiliaries, S::splat(0.0));
     }

@@ -12,10 +12,11 @@
 //! and where that says too little, the power sums of the inverse zeros, sum_i s_i^-k, which are the coefficients of
 //! -a'/a, grow like the nearest one's.
 
-use super::graph::Function;
+use super::graph::{Expr, Function};
 use super::series::{Expansion, convolve};
 use super::tape::{Op, Operand, Tape};
 use crate::numerics::{Mask, Scalar};
+use std::collections::HashMap;
 
 /// What has no value, or a corner, where its argument vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,28 +36,38 @@ pub enum Singularity {
 }
 
 impl Singularity {
-    /// What happens there, as the rest of a sentence that begins with the time.
-    pub const fn description(self) -> &'static str {
-        match self {
-            Self::Division => {
-                "a denominator reaches zero: the equations have no finite value there"
+    /// What happens there to an expression, which may be unknown (empty), as the rest of a sentence that begins with the time.
+    pub fn sentence(self, expression: &str) -> String {
+        let what = match self {
+            Self::Division => "a denominator",
+            Self::SquareRoot => "the argument of a square root",
+            Self::Power => "the base of a power",
+            Self::Logarithm => "the argument of a logarithm",
+            Self::InverseSine => "the argument of asin or acos",
+            Self::Tangent => "the argument of tan",
+        };
+        let happens = match self {
+            Self::Division | Self::Logarithm => {
+                "reaches zero: the equations have no finite value there"
             }
             Self::SquareRoot => {
-                "the argument of a square root reaches zero, where the root is not smooth: the equations cannot be followed past it"
+                "reaches zero, where the root is not smooth: the equations cannot be followed past it"
             }
             Self::Power => {
-                "the base of a power reaches zero, where the power is not smooth: the equations cannot be followed past it"
-            }
-            Self::Logarithm => {
-                "the argument of a logarithm reaches zero: the equations have no finite value there"
+                "reaches zero, where the power is not smooth: the equations cannot be followed past it"
             }
             Self::InverseSine => {
-                "the argument of asin or acos reaches 1 or -1, where they are not smooth: the equations cannot be followed past it"
+                "reaches 1 or -1, where they are not smooth: the equations cannot be followed past it"
             }
-            Self::Tangent => {
-                "the argument of tan reaches a pole: the equations have no finite value there"
-            }
-        }
+            Self::Tangent => "reaches a pole: the equations have no finite value there",
+        };
+        let named = match self {
+            _ if expression.is_empty() => String::new(),
+            // What reaches zero is not the argument itself.
+            Self::InverseSine | Self::Tangent => format!(" ({expression} = 0)"),
+            _ => format!(" ({expression})"),
+        };
+        format!("{what}{named} {happens}")
     }
 }
 
@@ -67,6 +78,8 @@ pub(crate) struct Singular {
     pub kind: Singularity,
     /// The constant that the exponent of a power is: whole and above zero, it is smooth everywhere.
     pub exponent: Option<usize>,
+    /// The expression that it is the series of, where it is that of a whole one.
+    pub expr: Option<Expr>,
 }
 
 /// A step goes this part of the way to the nearest zero: what lies beyond the last term is then at most as large as it.
@@ -85,7 +98,7 @@ const NOTHING: f64 = 1e-290;
 
 impl Tape {
     /// Adds what its operations need to be different from zero; what is there already says better why.
-    pub(super) fn find_singular(&mut self) {
+    pub(super) fn find_singular(&mut self, exprs: &HashMap<usize, Expr>) {
         let mut producers = vec![None; self.slots];
         for op in &self.ops {
             for out in op.writes() {
@@ -102,11 +115,11 @@ impl Tape {
         // Roots first: a denominator that is a root vanishes where its radicand does.
         let (divisions, others): (Vec<_>, Vec<_>) =
             from_ops.partition(|&(_, kind, _)| kind == Singularity::Division);
-        let named = named
-            .iter()
-            .map(|singular| (singular.slot, singular.kind, None));
+        let named: Vec<_> = (named.iter())
+            .map(|singular| (singular.slot, singular.kind, None))
+            .collect();
         let mut slots = Vec::new();
-        for (slot, kind, exponent) in named.chain(others).chain(divisions) {
+        for (slot, kind, exponent) in named.into_iter().chain(others).chain(divisions) {
             slots.clear();
             zeros_of(slot, &producers, &mut slots);
             for &slot in &slots {
@@ -118,6 +131,7 @@ impl Tape {
                         slot,
                         kind,
                         exponent,
+                        expr: exprs.get(&slot).copied(),
                     });
                 }
             }
@@ -162,7 +176,7 @@ impl<S: Scalar> Expansion<S> {
         let mut clear = S::Mask::splat(true);
         let mut bounded = false;
         for singular in &tape.singular {
-            let a = self.series(singular.slot);
+            let a = self.computed(tape, singular.slot);
             let start = a[0].abs();
             let change = short_magnitude(&a[1..], wanted) * wanted;
             let far = change.at_most(start * S::splat(FAR)) & S::splat(NOTHING).less(start);
@@ -191,29 +205,29 @@ impl<S: Scalar> Expansion<S> {
         (longest, clear)
     }
 
-    /// Why the expansion reaches no further than a few times `scaled_step`, if it is for a singular point, and the scaled
-    /// time of that.
+    /// Which of the tape's singular points the expansion reaches no further for than a few times `scaled_step`, if it is one,
+    /// and the scaled time of that.
     pub(crate) fn singularity(
         &mut self,
         tape: &Tape,
         constants: &[S],
         scaled_step: S,
-    ) -> Option<(Singularity, S)> {
+    ) -> Option<(usize, S)> {
         /// Steps towards a singular point that shows in the terms are about a quarter of the way.
         const NEAR: f64 = 64.0;
         self.bound_errors(tape, constants);
         let mut scratch = vec![S::splat(0.0); self.order() + 1];
-        for singular in &tape.singular {
+        for (which, singular) in tape.singular.iter().enumerate() {
             if smooth(singular, constants).any() {
                 continue;
             }
-            let a = self.series(singular.slot);
+            let a = self.computed(tape, singular.slot);
             let (reach, counted) = nearest_zero(a, &mut scratch);
             if (counted & reach.at_most(scaled_step * S::splat(NEAR))).any() {
-                return Some((singular.kind, reach));
+                return Some((which, reach));
             }
             if (!self.told_from_zero(singular.slot) & a[0].is_finite()).any() {
-                return Some((singular.kind, S::splat(0.0)));
+                return Some((which, S::splat(0.0)));
             }
         }
         None

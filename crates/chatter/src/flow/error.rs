@@ -17,8 +17,10 @@ pub enum FlowError {
     Singular {
         /// Time of it.
         time: f64,
-        /// What reaches zero.
+        /// What the expression that reaches zero is there for.
         kind: Singularity,
+        /// That expression; empty where it is only part of one.
+        expression: String,
     },
     /// The start lies inside the obstacle.
     Penetrates {
@@ -95,6 +97,13 @@ pub enum FlowError {
         /// Index of the contact.
         contact: usize,
     },
+    /// Impacts follow each other ever faster at a contact whose reset does not say what they come to.
+    ResetsWithoutEnd {
+        /// Time of the latest.
+        time: f64,
+        /// Index of the contact.
+        contact: usize,
+    },
     /// Impacts at several contacts that follow each other without time passing.
     ImpactsWithoutEnd {
         /// Time of the event.
@@ -121,6 +130,7 @@ impl FlowError {
             Self::OutsideTable { .. } => "outside_table",
             Self::SwitchesWithoutEnd { .. } => "switches_without_end",
             Self::Jammed { .. } => "jammed",
+            Self::ResetsWithoutEnd { .. } => "resets_without_end",
         }
     }
 }
@@ -132,8 +142,12 @@ impl fmt::Display for FlowError {
                 out,
                 "the equations leave their domain after time {time}: they have no finite value past the state {state:?}"
             ),
-            Self::Singular { time, kind } => {
-                write!(out, "at time {time} {}", kind.description())
+            Self::Singular {
+                time,
+                kind,
+                expression,
+            } => {
+                write!(out, "at time {time} {}", kind.sentence(expression))
             }
             Self::Penetrates { contact, gap } => write!(
                 out,
@@ -190,6 +204,12 @@ impl fmt::Display for FlowError {
                 out,
                 "at time {time} friction jams contact {}: the contact force cannot hold it, so that there is no motion \
                  or there are several (Painlevé)",
+                contact + 1
+            ),
+            Self::ResetsWithoutEnd { time, contact } => write!(
+                out,
+                "at time {time} impacts follow each other ever faster at contact {}, and its `reset` changes the state however \
+                 small their rates are: it does not say what they come to",
                 contact + 1
             ),
             Self::ImpactsWithoutEnd { time, count } => write!(

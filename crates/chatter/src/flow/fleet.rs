@@ -215,7 +215,7 @@ where
                 break;
             }
             let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);
-            if tell(&mut self.visit, index, trajectory, outcome) == Next::Retire {
+            if tell(&mut self.visit, index, trajectory, &outcome) == Next::Retire {
                 return;
             }
         }
@@ -255,7 +255,7 @@ where
             for &(index, _) in &members[..count] {
                 let trajectory = &mut self.trajectories[index];
                 let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);
-                self.hand_on(index, outcome);
+                self.hand_on(index, &outcome);
             }
             return;
         }
@@ -271,13 +271,13 @@ where
         }
         for (lane, &(index, _)) in members[..count].iter().enumerate() {
             let outcome = self.digest(program, index, lane, certain.0[lane], remaining[lane]);
-            self.hand_on(index, outcome);
+            self.hand_on(index, &outcome);
         }
     }
 
     /// Tells the visitor what happened to a trajectory, and lets it wait for its next step.
     #[inline]
-    fn hand_on(&mut self, index: usize, outcome: Result<Option<Occurrence<f64>>, FlowError>) {
+    fn hand_on(&mut self, index: usize, outcome: &Told) {
         let trajectory = &mut self.trajectories[index];
         if tell(&mut self.visit, index, trajectory, outcome) == Next::Continue {
             self.enqueue(index);
@@ -317,7 +317,7 @@ where
                 wide.0[lane] = trajectory.sides.get(section);
             }
             self.wide.tau.0[lane] = tau;
-            self.wide.least_step.0[lane] = trajectory.least_step();
+            self.wide.time.0[lane] = trajectory.time();
             remaining[lane] = trajectory.remaining();
             let Some(own) = &trajectory.constants[mode] else {
                 continue;
@@ -373,7 +373,7 @@ where
         lane: usize,
         certain: bool,
         remaining: f64,
-    ) -> Result<Option<Occurrence<f64>>, FlowError> {
+    ) -> Told {
         let trajectory = &mut self.trajectories[index];
         if !certain {
             return trajectory.advance_settled(self.system, &mut self.single, program);
@@ -396,19 +396,17 @@ where
     }
 }
 
+/// What came of a step.
+type Told = Result<Option<Occurrence<f64>>, FlowError>;
+
 /// Tells the visitor of an occurrence or error, if there is one. By reference: moving what was just written stalls the
 /// processor.
 #[inline(always)]
-fn tell<V>(
-    visit: &mut V,
-    index: usize,
-    trajectory: &mut Trajectory<f64>,
-    outcome: Result<Option<Occurrence<f64>>, FlowError>,
-) -> Next
+fn tell<V>(visit: &mut V, index: usize, trajectory: &mut Trajectory<f64>, outcome: &Told) -> Next
 where
     V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {
-    match &outcome {
+    match outcome {
         Ok(None) => Next::Continue,
         Ok(Some(occurrence)) => visit(index, trajectory, Ok(occurrence)),
         Err(error) => visit(index, trajectory, Err(error.clone())),

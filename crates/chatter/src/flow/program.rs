@@ -5,7 +5,7 @@ use super::limits::{Corner, Limits};
 use super::reset::ResetTapes;
 use super::touching::Touching;
 use super::variation::Direction as Along;
-use crate::expressions::{Expr, Graph, Node, Operand, Side, Symbol, Tape};
+use crate::expressions::{Expr, Graph, Names, Node, Operand, Side, Symbol, Tape};
 use crate::model::{Direction, Mechanics, Section, Sticking};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
@@ -97,6 +97,9 @@ pub struct ImpactTape {
     pub(crate) is_alone: bool,
 }
 
+/// A formula longer than this is no help in a message.
+const LONGEST_NAMED: usize = 200;
+
 /// Outputs of an impact tape before the changed components: rate before and after, acceleration and jerk after, the
 /// restitution here and that of an impact of vanishing rate.
 pub(crate) const IMPACT_SCALARS: usize = 6;
@@ -108,6 +111,8 @@ pub(crate) const LOCAL_SCALARS: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) tape: Tape,
+    /// What must not vanish, in the order of the tape's singular points.
+    pub(crate) vanishing: Vec<String>,
     pub(crate) guards: Vec<Guard>,
     /// How many of them are gaps.
     pub(crate) gaps: usize,
@@ -231,6 +236,7 @@ impl Program {
         directions: &[Along],
         time: Option<usize>,
         phase: &Phase,
+        names: Names<'_>,
     ) -> Self {
         let Phase {
             closed,
@@ -269,6 +275,13 @@ impl Program {
             kinds.push((kind, Crossing::Falling));
         }
         let tape = Tape::new(graph, dimension, field, &functions);
+        let vanishing = (tape.singular.iter())
+            .map(|singular| {
+                let text = singular.expr.map(|expr| graph.to_text(expr, names));
+                text.filter(|text| text.len() <= LONGEST_NAMED)
+                    .unwrap_or_default()
+            })
+            .collect();
         let guards = (kinds.into_iter().zip(&functions).zip(&tape.outputs))
             .map(|(((kind, crossing), &function), &series)| Guard {
                 kind,
@@ -410,6 +423,7 @@ impl Program {
         let at_point = Tape::new(graph, dimension, &[], &field[..mechanics.field.len()]);
         Self {
             tape,
+            vanishing,
             gaps: contacts.len() - closed.contacts().count(),
             guards,
             impacts,

@@ -3,9 +3,9 @@
 use super::crossing::SectionPath;
 use super::error::FlowError;
 use super::program::{Guard, GuardKind, Program};
-use super::step::{LEAST_GROWTH, NO_EVENT, Workspace};
+use super::step::{LEAST_GROWTH, NO_EVENT, Workspace, least_step};
 use super::touching::{Left, Touching};
-use crate::expressions::{Operand, Singularity};
+use crate::expressions::Operand;
 use crate::numerics::Real;
 use crate::numerics::polynomial::{horner_with_slope, magnitude};
 use crate::numerics::roots::{Crossing, Root, RootKind, first_root};
@@ -47,9 +47,9 @@ pub(crate) fn resolve<R: Real>(
         if is_finite && (work.growth >= R::splat(LEAST_GROWTH) || tries == SHRINKS) {
             break;
         }
-        if !is_finite && let Some((kind, after)) = work.singularity(program) {
+        if !is_finite && let Some((which, after)) = work.singularity(program) {
             let after = after.to_f64();
-            return Err(Unsettled::Singular { kind, after });
+            return Err(Unsettled::Singular { which, after });
         }
         tries += 1;
         if tries > SHRINKS {
@@ -57,11 +57,12 @@ pub(crate) fn resolve<R: Real>(
         }
         work.tau *= R::splat(LEAST_GROWTH);
     }
-    let stalls = work.scaled_step * work.tau <= work.least_step && work.horizon > work.least_step;
+    let least = least_step(work.time);
+    let stalls = work.scaled_step * work.tau <= least && work.horizon > least;
     if work.is_clear() && !stalls {
         return first_event(work, program, (touching, left));
     }
-    let Some((kind, after)) = work.singularity(program) else {
+    let Some((which, after)) = work.singularity(program) else {
         return Err(Unsettled::NotFinite);
     };
     // The singular point cannot be told from here. Neither can what lies there: an impact comes first, and ends it.
@@ -72,7 +73,7 @@ pub(crate) fn resolve<R: Real>(
         Ok(resolution)
     } else {
         let after = after.to_f64();
-        Err(Unsettled::Singular { kind, after })
+        Err(Unsettled::Singular { which, after })
     }
 }
 
@@ -231,8 +232,8 @@ pub(crate) enum Unsettled {
     Stuck,
     /// Something that must not vanish does.
     Singular {
-        /// What.
-        kind: Singularity,
+        /// What: its place in the program's tape.
+        which: usize,
         /// In what time.
         after: f64,
     },
@@ -246,9 +247,10 @@ impl Unsettled {
                 time: time.to_f64(),
                 state: state.iter().map(|x| x.to_f64()).collect(),
             },
-            Self::Singular { kind, after } => FlowError::Singular {
+            Self::Singular { which, after } => FlowError::Singular {
                 time: time.to_f64() + after,
-                kind,
+                kind: program.tape.singular[which].kind,
+                expression: program.vanishing[which].clone(),
             },
             Self::Stuck => FlowError::UndecidedRelease {
                 time: time.to_f64(),

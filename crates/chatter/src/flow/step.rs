@@ -8,7 +8,7 @@ use super::chatter::Tail;
 use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
 use super::touching::Touching;
-use crate::expressions::{Expansion, MAX_ORDER, Operand, Singularity, Tape};
+use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::{
     bernstein, bernstein_from, horner, horner_with_slope, magnitude,
@@ -56,6 +56,7 @@ const INSTANT: f64 = 1e-12;
 
 /// The least step: one of a time that is kept as a sum of two numbers, and cannot tell even thousands of shorter ones; nor
 /// do products of shorter ones keep their digits.
+#[inline(always)]
 pub(crate) fn least_step<S: Scalar>(time: S) -> S {
     const UNTOLD: f64 = 1e-12;
     const SHORTEST: f64 = 1e-290;
@@ -87,8 +88,8 @@ pub struct Workspace<S: Scalar> {
     pub(crate) tau: S,
     /// The step is at most this long.
     pub(crate) horizon: S,
-    /// Time cannot tell a step that is shorter: see [`least_step`].
-    pub(crate) least_step: S,
+    /// Time where the step begins.
+    pub(crate) time: S,
     /// Where nothing that must not vanish does so at the start of the step, and all numbers are finite.
     clear: S::Mask,
     /// How far an expansion of each order reaches; entries above the order used are kept.
@@ -129,7 +130,8 @@ impl<S: Scalar> Workspace<S> {
             expansion: Expansion::new(&tapes),
             point: Expansion::new(&tapes),
             bernstein: vec![zero; MAX_ORDER + 1],
-            outputs: vec![zero; widest],
+            // An impact in a mode that is met later may change more of the state.
+            outputs: vec![zero; widest.max(IMPACT_SCALARS + dimension)],
             constants: Vec::new(),
             impact_constants: Vec::new(),
             state: vec![zero; dimension],
@@ -137,7 +139,7 @@ impl<S: Scalar> Workspace<S> {
             sides: vec![zero; sections],
             tau: zero,
             horizon: zero,
-            least_step: zero,
+            time: zero,
             clear: S::Mask::splat(true),
             reach: [zero; ORDER_CLASSES],
             growth: zero,
@@ -227,7 +229,7 @@ impl<S: Scalar> Workspace<S> {
         let step = self.scaled_step * self.tau;
         let mut certain = self.clear
             & step.is_finite()
-            & self.least_step.less(step)
+            & least_step(self.time).less(step)
             & S::splat(LEAST_GROWTH).at_most(self.growth);
         let mut sections_met = 0_u128;
         for (index, guard) in program.guards.iter().enumerate() {
@@ -707,11 +709,11 @@ impl<R: Real> Workspace<R> {
         self.clear
     }
 
-    /// Why the expansion reaches no further than `scaled_step`, if it is for a singular point, and how far away that is.
-    pub(crate) fn singularity(&mut self, program: &Program) -> Option<(Singularity, R)> {
+    /// Which of the program's singular points the expansion reaches no further for than `scaled_step`, and how far away it is.
+    pub(crate) fn singularity(&mut self, program: &Program) -> Option<(usize, R)> {
         let step = self.scaled_step;
-        let (kind, reach) = (self.expansion).singularity(&program.tape, &self.constants, step)?;
-        Some((kind, reach * self.tau))
+        let (which, reach) = (self.expansion).singularity(&program.tape, &self.constants, step)?;
+        Some((which, reach * self.tau))
     }
 
     /// Sets the constants of a program for a single trajectory.

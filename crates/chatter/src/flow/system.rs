@@ -8,7 +8,7 @@ use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
-use crate::expressions::{Corners, Graph, Sides, Surfaces, Symbol, Tape};
+use crate::expressions::{Corners, Graph, Names, Sides, Surfaces, Symbol, Tape};
 use crate::model::{Mechanics, MechanicsError, Model, OnSides, Rubbing, Simultaneous};
 use crate::numerics::{Real, Scalar};
 use core::fmt;
@@ -43,6 +43,8 @@ pub struct System {
     corners: Corners,
     rubbing: Vec<Rubbing>,
     directions: Vec<Direction>,
+    /// Of states and parameters.
+    names: [Vec<String>; 2],
     modes: Arc<Modes>,
     dimension: usize,
     coordinates: usize,
@@ -89,7 +91,7 @@ impl System {
         let mut model = model.clone();
         let coordinates = model.states.len();
         let rates = |model: &mut Model, p| {
-            let mut graph = core::mem::take(&mut model.graph);
+            let mut graph = model.graph.clone();
             let rates = model.parameter_rates(&mut graph, p);
             model.graph = graph;
             rates
@@ -104,6 +106,10 @@ impl System {
             })
             .collect();
         let system = Self {
+            names: [
+                model.states.iter().map(|s| s.name.clone()).collect(),
+                model.parameters.iter().map(|p| p.name.clone()).collect(),
+            ],
             model: Arc::new(model),
             corners,
             rubbing,
@@ -129,6 +135,13 @@ impl System {
     /// The components of column number `index` in a state of a trajectory.
     pub fn column<'s, R>(&self, state: &'s [R], index: usize) -> &'s [R] {
         &state[(index + 1) * self.coordinates..(index + 2) * self.coordinates]
+    }
+
+    fn names(&self) -> Names<'_> {
+        Names {
+            states: &self.names[0],
+            parameters: &self.names[1],
+        }
     }
 
     /// Number of contacts.
@@ -216,6 +229,7 @@ impl System {
             &self.directions,
             self.model.time,
             &phase,
+            self.names(),
         ))
     }
 
@@ -272,12 +286,6 @@ impl System {
             Corner::Lookup(index) => self.corners.lookups[index].argument,
         };
         self.model.formula(expr)
-    }
-
-    /// Whether one of these corners is the rate of sliding in a contact.
-    pub(crate) fn is_rubbed(&self, corners: &[Corner]) -> bool {
-        let is = |rubbing: &Rubbing| corners.contains(&Corner::Surface(rubbing.surface));
-        self.rubbing.iter().any(is)
     }
 
     /// The model that the system was compiled from.

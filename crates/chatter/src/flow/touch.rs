@@ -1,7 +1,7 @@
 //! All contacts of a system at one state, as numbers: what simultaneous impacts and joint rest are decided by.
 
 use super::variation::Direction;
-use crate::expressions::{Expansion, Expr, Graph, Symbol, Tape};
+use crate::expressions::{Expansion, Expr, Graph, Node, Symbol, Tape};
 use crate::model::Mechanics;
 use crate::numerics::{Real, WithTerms};
 
@@ -21,6 +21,8 @@ pub(crate) struct Touches {
     graph: Graph,
     contacts: usize,
     coordinates: usize,
+    /// No impulse changes a restitution or what another impulse does.
+    is_linear: bool,
 }
 
 /// The constants of these tapes at one parameter set.
@@ -79,6 +81,14 @@ impl Touches {
         }
         let graph = &mut mechanics.graph;
         let zero = graph.number(0.0);
+        let jumps = || contacts.iter().map(|contact| &contact.jump);
+        let is_moved = |i: usize| jumps().any(|jump| jump[i] != zero);
+        let constant: Vec<Expr> = (contacts.iter().map(|contact| contact.restitution))
+            .chain(outputs[SCALARS * contacts.len()..].iter().copied())
+            .chain(jumps().flatten().copied())
+            .collect();
+        let is_linear = !(graph.reachable(&constant).into_iter())
+            .any(|expr| matches!(graph.node(expr), &Node::Symbol(Symbol::State(i)) if is_moved(i)));
         for contact in &contacts {
             outputs.extend(&contact.jump);
         }
@@ -120,7 +130,13 @@ impl Touches {
             graph: mechanics.graph,
             contacts: contacts.len(),
             coordinates,
+            is_linear,
         }
+    }
+
+    /// Whether impulses change rates by amounts that stay the same all through the collisions of an instant.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.is_linear
     }
 
     /// The constants of all tapes at one parameter set.

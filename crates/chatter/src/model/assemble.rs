@@ -9,7 +9,7 @@ mod tables;
 use super::dependency::dependency_order;
 use super::draft::{Draft, Entry, Formula, Place};
 use super::error::{ModelError, ModelErrorKind, Role};
-use super::model::{Contact, Definition, Label, Model, Parameter, State};
+use super::model::{Contact, Definition, Label, Model, Parameter, Section, State};
 use super::names::TIME;
 use super::scope::{Purpose, Scope};
 use super::undefined::Written;
@@ -87,7 +87,7 @@ impl<'a> Assembly<'a> {
         let mut contacts: Vec<Contact> = (draft.contacts.iter().enumerate())
             .map(|(index, contact)| self.contact(&equations, contact, index, draft))
             .collect();
-        let sections = (draft.sections.iter())
+        let mut sections: Vec<Section> = (draft.sections.iter())
             .map(|section| self.section(&equations, section))
             .collect();
         let flight = draft
@@ -106,15 +106,24 @@ impl<'a> Assembly<'a> {
         let time = self.uses_time.then_some(states.len());
         if time.is_some() {
             let zero = self.graph.number(0.0);
-            contacts
-                .iter_mut()
-                .for_each(|contact| contact.impulse.push(zero));
+            let time = self.graph.state(states.len());
+            for contact in &mut contacts {
+                contact.impulse.push(zero);
+                contact.reset.iter_mut().for_each(|reset| reset.push(time));
+                (contact.friction.iter_mut()).for_each(|friction| friction.along.push(zero));
+            }
+            for section in &mut sections {
+                section.reset.iter_mut().for_each(|reset| reset.push(time));
+            }
             states.push(State {
                 name: TIME.to_owned(),
                 derivative: self.graph.number(1.0),
                 initial: initial.last().copied().unwrap_or(zero),
                 label: None,
             });
+        }
+        for contact in &mut contacts {
+            contact.as_impulse(&mut self.graph, &states, parameters.len());
         }
         let mut model = Model {
             title: draft.title.clone(),

@@ -1,8 +1,8 @@
 //! Models from Rust code, by the same rules as files.
 
 use super::draft::{
-    ContactDraft, Content, Draft, Entry, Formula, ImpulseDraft, LabelDraft, Name, Place,
-    SectionDraft, TableDraft,
+    ContactDraft, Content, Draft, Entry, Formula, FrictionDraft, ImpulseDraft, LabelDraft, Name,
+    Place, SectionDraft, TableDraft,
 };
 use super::error::ModelErrors;
 use super::model::Label;
@@ -168,6 +168,8 @@ impl ModelBuilder {
                 components: Some(impulse.into_iter().map(component).collect()),
             }),
             restitution: Some(formula(&of("restitution"), restitution.into())),
+            reset: None,
+            friction: None,
         });
         self
     }
@@ -178,7 +180,58 @@ impl ModelBuilder {
             name: named("section", name),
             surface: Some(formula(&format!("section.{name}.surface"), surface.into())),
             direction,
+            reset: None,
+            is_event: false,
         });
+        self
+    }
+
+    /// An event: where an expression crosses zero the named states take new values.
+    pub fn event<S: AsRef<str>, V: Into<Value>>(
+        mut self,
+        name: &str,
+        surface: impl Into<Value>,
+        direction: Direction,
+        reset: impl IntoIterator<Item = (S, V)>,
+    ) -> Self {
+        let table = format!("event.{name}");
+        let component =
+            |(state, value): (S, V)| entry(&format!("{table}.reset"), state.as_ref(), value.into());
+        self.draft.sections.push(SectionDraft {
+            name: named("event", name),
+            surface: Some(formula(&format!("{table}.surface"), surface.into())),
+            direction,
+            reset: Some(ImpulseDraft {
+                place: Place::named(&format!("{table}.reset")),
+                components: Some(reset.into_iter().map(component).collect()),
+            }),
+            is_event: true,
+        });
+        self
+    }
+
+    /// Dry friction in the contact that was added last: its coefficient, the tangential direction by state, and the rate of
+    /// sliding.
+    pub fn friction<S: AsRef<str>, V: Into<Value>>(
+        mut self,
+        coefficient: impl Into<Value>,
+        along: impl IntoIterator<Item = (S, V)>,
+        rate: impl Into<Value>,
+    ) -> Self {
+        let component =
+            |(state, value): (S, V)| entry("friction.along", state.as_ref(), value.into());
+        let friction = FrictionDraft {
+            place: Place::named("friction"),
+            coefficient: Some(formula("friction.coefficient", coefficient.into())),
+            along: Some(ImpulseDraft {
+                place: Place::named("friction.along"),
+                components: Some(along.into_iter().map(component).collect()),
+            }),
+            rate: Some(formula("friction.rate", rate.into())),
+        };
+        if let Some(contact) = self.draft.contacts.last_mut() {
+            contact.friction = Some(friction);
+        }
         self
     }
 

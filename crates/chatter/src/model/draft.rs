@@ -94,6 +94,17 @@ pub(super) struct ContactDraft {
     pub gap: Option<Formula>,
     pub impulse: Option<ImpulseDraft>,
     pub restitution: Option<Formula>,
+    /// In place of impulse and restitution.
+    pub reset: Option<ImpulseDraft>,
+    pub friction: Option<FrictionDraft>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct FrictionDraft {
+    pub place: Place,
+    pub coefficient: Option<Formula>,
+    pub along: Option<ImpulseDraft>,
+    pub rate: Option<Formula>,
 }
 
 #[derive(Clone, Debug)]
@@ -108,6 +119,10 @@ pub(super) struct SectionDraft {
     pub name: Name,
     pub surface: Option<Formula>,
     pub direction: Direction,
+    /// Of an event: how it changes the state.
+    pub reset: Option<ImpulseDraft>,
+    /// Whether it is an event.
+    pub is_event: bool,
 }
 
 #[derive(Clone, Debug)]

@@ -241,6 +241,20 @@ pub enum ModelErrorKind {
     },
     /// An impulse on time.
     ImpulseOnTime,
+    /// A contact with a reset, and with an impulse or a restitution beside it.
+    ResetBesideImpulse {
+        /// The key that says the same twice.
+        key: &'static str,
+    },
+    /// Friction along a direction of several states, or of none, whose rate of sliding is not given.
+    SlidingRateUnknown,
+    /// A coefficient of friction below zero.
+    FrictionCoefficient {
+        /// The coefficient.
+        value: f64,
+    },
+    /// Friction in a contact with a reset.
+    FrictionBesideReset,
     /// An impulse of zero length.
     NoImpulse,
     /// The initial value of something that is no state.

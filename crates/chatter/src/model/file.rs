@@ -1,7 +1,9 @@
 //! Models from TOML text.
 
 use super::data_file::Loader;
-use super::draft::{ContactDraft, Draft, ImpulseDraft, LabelDraft, Name, SectionDraft, TableDraft};
+use super::draft::{
+    ContactDraft, Draft, FrictionDraft, ImpulseDraft, LabelDraft, Name, SectionDraft, TableDraft,
+};
 use super::error::{ModelError, ModelErrorKind, ModelErrors};
 use super::model::Label;
 use super::syntax::syntax_error;
@@ -21,12 +23,15 @@ const TABLE_NAMES: &[&str] = &[
     "flight",
     "contact",
     "section",
+    "event",
     "initial",
     "labels",
 ];
 /// The tables, as they are written.
-pub(super) const TABLES: &str = "[parameters], [definitions], [table.NAME], [flight], [[contact]], [section.NAME], [initial] or [labels]";
-const CONTACT: &[&str] = &["name", "gap", "impulse", "restitution"];
+pub(super) const TABLES: &str = "[parameters], [definitions], [table.NAME], [flight], [[contact]], [section.NAME], [[event]], [initial] or [labels]";
+const CONTACT: &[&str] = &["name", "gap", "impulse", "restitution", "reset", "friction"];
+const FRICTION: &[&str] = &["coefficient", "along", "rate"];
+const EVENT: &[&str] = &["name", "surface", "direction", "reset"];
 const SECTION: &[&str] = &["surface", "direction"];
 const LABEL: &[&str] = &["text", "unit"];
 
@@ -86,6 +91,10 @@ pub(super) fn example(key: &str) -> &'static str {
         "gap" => "gap = \"y\"",
         "impulse" => "impulse = { v = 1 }",
         "restitution" => "restitution = 0.8",
+        "reset" => "reset = { v = \"-r*v\" }",
+        "coefficient" => "coefficient = 0.3",
+        "along" => "along = { s = 1 }",
+        "rate" => "rate = \"s - belt\"",
         "x" => "x = [0, 1, 2]",
         "y" => "y = [0, 0.5, 0]         # or both from a file: file = \"points.csv\"",
         _ => "surface = \"y - 1\"",
@@ -182,7 +191,11 @@ fn read<'i>(reader: &mut TableReader<'i>, document: &DeTable<'i>, load: &mut Loa
                 draft.flight = Some((place, entries));
             }
             "contact" => draft.contacts = contacts(reader, value),
-            "section" => draft.sections = sections(reader, value),
+            "section" => draft.sections.extend(sections(reader, value)),
+            "event" => {
+                let events = events(reader, value);
+                draft.sections.extend(events);
+            }
             "labels" => draft.labels = labels(reader, value),
             "table" => draft.tables = tables(reader, value, load),
             _ => {}
@@ -219,6 +232,8 @@ fn contact<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> Op
         gap: None,
         impulse: None,
         restitution: None,
+        reset: None,
+        friction: None,
     };
     for Item { key, value } in &items {
         match reader.meant(key, "[[contact]]", CONTACT, &items) {
@@ -236,10 +251,92 @@ fn contact<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> Op
                 let components = reader.entries("impulse", "a table such as { v = 1 }", value);
                 contact.impulse = Some(ImpulseDraft { place, components });
             }
+            "reset" => contact.reset = Some(reset(reader, value)),
+            "friction" => contact.friction = friction(reader, value),
             _ => {}
         }
     }
     Some(contact)
+}
+
+fn reset<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> ImpulseDraft {
+    let place = reader.place(value.span());
+    let components = reader.entries("reset", "a table such as { v = \"-r*v\" }", value);
+    ImpulseDraft { place, components }
+}
+
+fn friction<'i>(
+    reader: &mut TableReader<'i>,
+    value: &Spanned<DeValue<'i>>,
+) -> Option<FrictionDraft> {
+    const EXPECTED: &str = "a table such as { coefficient = 0.3, along = { s = 1 } }";
+    let items = reader.table("friction", EXPECTED, value)?;
+    let mut friction = FrictionDraft {
+        place: reader.place(value.span()),
+        coefficient: None,
+        along: None,
+        rate: None,
+    };
+    for Item { key, value } in &items {
+        match reader.meant(key, "friction", FRICTION, &items) {
+            "coefficient" => {
+                friction.coefficient = Some(reader.formula("coefficient".to_owned(), value));
+            }
+            "rate" => friction.rate = Some(reader.formula("rate".to_owned(), value)),
+            "along" => {
+                let place = reader.place(value.span());
+                let components = reader.entries("along", "a table such as { s = 1 }", value);
+                friction.along = Some(ImpulseDraft { place, components });
+            }
+            _ => {}
+        }
+    }
+    Some(friction)
+}
+
+fn events<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> Vec<SectionDraft> {
+    const EXPECTED: &str = "a table [[event]]";
+    let tables: Vec<&Spanned<DeValue<'i>>> = match value.get_ref() {
+        DeValue::Array(array) => array.iter().collect(),
+        _ => vec![value],
+    };
+    let mut events = Vec::with_capacity(tables.len());
+    for (index, value) in tables.iter().enumerate() {
+        let Some(items) = reader.table("event", EXPECTED, value) else {
+            continue;
+        };
+        let place = reader.place(value.span());
+        let text = if tables.len() == 1 {
+            "event".to_owned()
+        } else {
+            format!("event{}", index + 1)
+        };
+        let mut event = SectionDraft {
+            name: Name { text, place },
+            surface: None,
+            direction: Direction::Either,
+            reset: None,
+            is_event: true,
+        };
+        for Item { key, value } in &items {
+            match reader.meant(key, "[[event]]", EVENT, &items) {
+                "name" => {
+                    let place = reader.place(value.span());
+                    if let Some(text) = reader.string("name of an event", value) {
+                        event.name = Name { text, place };
+                    }
+                }
+                "surface" => event.surface = Some(reader.formula("surface".to_owned(), value)),
+                "direction" => {
+                    event.direction = reader.direction(value).unwrap_or(Direction::Either);
+                }
+                "reset" => event.reset = Some(reset(reader, value)),
+                _ => {}
+            }
+        }
+        events.push(event);
+    }
+    events
 }
 
 fn sections<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> Vec<SectionDraft> {
@@ -255,6 +352,8 @@ fn sections<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> V
             name,
             surface: None,
             direction: Direction::Either,
+            reset: None,
+            is_event: false,
         };
         let table = format!("[section.{}]", section.name.text);
         for Item { key, value } in &items {

@@ -209,6 +209,7 @@ impl Mechanics {
                 graph.sum(&[before, stop, rebound])
             })
             .collect();
+        let after_impact = contact.reset.clone().unwrap_or(after_impact);
         Ok(ContactMechanics {
             name: contact.name.clone(),
             gap: contact.gap,

@@ -43,6 +43,14 @@ impl fmt::Display for ModelErrorKind {
                 write!(f, "impulse on `{name}`, which is not a state")
             }
             Self::ImpulseOnTime => write!(f, "impulse on time"),
+            Self::ResetBesideImpulse { key } => {
+                write!(f, "both `reset` and `{key}` say what an impact does")
+            }
+            Self::SlidingRateUnknown => {
+                write!(f, "which rate of sliding the friction opposes is not said")
+            }
+            Self::FrictionCoefficient { value } => write!(f, "coefficient of friction {value}"),
+            Self::FrictionBesideReset => write!(f, "friction in a contact with `reset`"),
             Self::NoImpulse => write!(f, "the impulse changes nothing"),
             Self::InitialOfUnknownState { name, .. } => {
                 write!(f, "initial value of `{name}`, which is not a state")
@@ -128,6 +136,17 @@ impl ModelErrorKind {
                 format!("expected {}", alternatives(states))
             }
             Self::ImpulseOnTime => "an impact takes no time".to_owned(),
+            Self::ResetBesideImpulse { .. } => {
+                "expected either `reset`, or `impulse` and `restitution`".to_owned()
+            }
+            Self::SlidingRateUnknown => {
+                "expected a `rate`, such as rate = \"vx - radius*w\"".to_owned()
+            }
+            Self::FrictionCoefficient { .. } => "expected zero or more".to_owned(),
+            Self::FrictionBesideReset => {
+                "a reset says all that an impact does; friction needs `impulse` and `restitution`"
+                    .to_owned()
+            }
             Self::NoImpulse => "expected a component that is not zero".to_owned(),
             Self::NoInitial { .. } => "where does it start?".to_owned(),
             Self::TimeEquation => "d/dt of time is 1".to_owned(),
@@ -246,6 +265,10 @@ impl ModelErrorKind {
             | Self::ReservedName { .. }
             | Self::InvalidName { .. }
             | Self::ImpulseOnTime
+            | Self::ResetBesideImpulse { .. }
+            | Self::SlidingRateUnknown
+            | Self::FrictionCoefficient { .. }
+            | Self::FrictionBesideReset
             | Self::NoImpulse
             | Self::Circle { .. }
             | Self::NotFinite { .. } => return None,

@@ -28,6 +28,7 @@ mod model;
 mod names;
 mod overrides;
 mod phase;
+mod reset;
 mod scope;
 mod sensitivity;
 mod simultaneous;

@@ -3,7 +3,7 @@
 use super::Model;
 use super::draft::Place;
 use super::error::{ModelError, ModelErrorKind};
-use crate::expressions::{Expr, Function, Graph, Names, Node, Symbol};
+use crate::expressions::{Expr, Function, Graph, Node, Symbol};
 use core::fmt;
 
 /// A formula of a model, by what it is for and its position.
@@ -62,21 +62,11 @@ impl Model {
         };
         let what = match written {
             Written::Parameter(_) | Written::Initial(_) => whole.to_string(),
-            _ if part == expr => format!("{whole}, `{}`,", self.text(part)),
-            _ => format!("`{}` in {whole}", self.text(part)),
+            _ if part == expr => format!("{whole}, `{}`,", self.formula(part)),
+            _ => format!("`{}` in {whole}", self.formula(part)),
         };
         let kind = ModelErrorKind::NotFinite { what, value };
         Some(Undefined { written, kind })
-    }
-
-    fn text(&self, expr: Expr) -> String {
-        let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect::<Vec<_>>();
-        let (states, parameters) = (owned(self.state_names()), owned(self.parameter_names()));
-        let names = Names {
-            states: &states,
-            parameters: &parameters,
-        };
-        self.graph.to_text(expr, names)
     }
 
     /// Every formula, in the order in which an author would look at them.

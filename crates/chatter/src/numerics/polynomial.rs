@@ -101,6 +101,7 @@ pub fn bernstein_from<S: Scalar>(constant: S, rest: &[S], width: S, out: &mut [S
 
 /// Splits Bernstein coefficients at the middle (de Casteljau): `left` becomes those of the left half, the result is the
 /// right half's.
+#[inline(always)]
 pub fn split<S: Scalar>(left: &mut [S]) -> Vec<S> {
     let n = left.len();
     let half = S::splat(0.5);

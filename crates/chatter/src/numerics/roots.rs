@@ -5,6 +5,7 @@
 //! polynomial cannot be told from zero: a touching root. Nothing is missed or invented above the stated noise.
 
 use super::Real;
+use super::dispatch::{Kernel, dispatch_narrow};
 use super::polynomial::{bernstein, horner, horner_with_slope, split};
 
 /// Which sign changes count as roots.
@@ -35,8 +36,11 @@ pub struct Root<R> {
 }
 
 /// An interval is not halved more often than this: a double root is as wide as the square root of the roundoff.
-fn most_halvings<R: Real>() -> u32 {
-    (-0.5 * libm::log2(R::ROUNDOFF)) as u32
+const fn most_halvings<R: Real>() -> u32 {
+    // Half the binary places, from the exponent's bits: a logarithm would be computed anew for every root.
+    const BIAS: u64 = 1023;
+    const FRACTION_BITS: u32 = 52;
+    ((BIAS - (R::ROUNDOFF.to_bits() >> FRACTION_BITS)) / 2) as u32
 }
 
 /// Newton's steps from within such an interval to the digits of any number.
@@ -49,6 +53,7 @@ enum Sign {
     Positive,
 }
 
+#[inline(always)]
 fn sign<R: Real>(value: R, noise: R) -> Sign {
     if value > noise {
         Sign::Positive
@@ -66,6 +71,7 @@ enum Verdict {
     Unclear,
 }
 
+#[inline(always)]
 fn verdict<R: Real>(values: &[R], noise: R) -> Verdict {
     let mut changes = 0;
     let mut unclear_run = 0;
@@ -99,6 +105,7 @@ fn verdict<R: Real>(values: &[R], noise: R) -> Verdict {
 }
 
 /// The root in a bracket with opposite signs at its ends: Newton's method, kept inside by bisection.
+#[inline(always)]
 pub fn bracketed_root<R: Real>(coefficients: &[R], mut low: R, mut high: R) -> R {
     let half = R::splat(0.5);
     let rising = horner(coefficients, low) < R::ZERO;
@@ -140,6 +147,31 @@ pub fn first_root<R: Real>(
     crossing: Crossing,
     noise: R,
 ) -> Option<Root<R>> {
+    dispatch_narrow(FirstRoot {
+        coefficients,
+        width,
+        crossing,
+        noise,
+    })
+}
+
+struct FirstRoot<'a, R> {
+    coefficients: &'a [R],
+    width: R,
+    crossing: Crossing,
+    noise: R,
+}
+
+impl<R: Real> Kernel for FirstRoot<'_, R> {
+    type Output = Option<Root<R>>;
+    #[inline(always)]
+    fn run(self) -> Option<Root<R>> {
+        isolate(self.coefficients, self.width, self.crossing, self.noise)
+    }
+}
+
+#[inline(always)]
+fn isolate<R: Real>(coefficients: &[R], width: R, crossing: Crossing, noise: R) -> Option<Root<R>> {
     let mut values = vec![R::ZERO; coefficients.len()];
     bernstein(coefficients, width, &mut values);
     let most_halvings = most_halvings::<R>();
@@ -172,6 +204,7 @@ pub fn first_root<R: Real>(
 }
 
 /// Decides a tiny interval in which p is within the noise of zero.
+#[inline(always)]
 fn indistinct<R: Real>(
     coefficients: &[R],
     low: R,
@@ -211,6 +244,7 @@ fn indistinct<R: Real>(
 
 /// Where p' vanishes within (0, width], if that is close to `at`: a double root and its noise are no wider than the
 /// square root of the roundoff, give or take a curvature.
+#[inline(always)]
 fn nearby_turn<R: Real>(coefficients: &[R], at: R, width: R) -> Option<R> {
     const NEAR: f64 = 1e-5;
     let derivative: Vec<R> = coefficients

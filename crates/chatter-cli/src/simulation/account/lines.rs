@@ -1,11 +1,13 @@
 //! The lines of the list: one an event, or one a sequence of impacts.
 
-use super::{Teller, counted};
+use super::ends::Ends;
+use super::{MOST_LINES, Teller, counted};
 use crate::numbers::significant;
-use crate::simulation::side_name;
-use chatter::analysis::simulate::{ContactPhase, Event, EventDetail};
+use crate::simulation::{Noted, side_name};
+use chatter::analysis::simulate::{Event, EventDetail};
 use chatter::flow::Closed;
 use chatter::numerics::Real;
+use chatter_io::FileError;
 
 /// Digits of an estimated error.
 const ERROR_DIGITS: u32 = 2;
@@ -21,45 +23,140 @@ pub(super) struct Line<R> {
     pub detail: String,
 }
 
+/// What becomes a line.
+#[derive(Clone)]
+pub(super) enum Item<R> {
+    /// The start, with the contacts that are closed there.
+    Start(Closed),
+    /// One event.
+    Event(Noted<R>),
+    /// Impacts of one contact with ever smaller rates, and sections crossed between them.
+    Sequence {
+        first: Event<R>,
+        last: Event<R>,
+        impacts: u64,
+        crossings: u64,
+    },
+}
+
+/// A sequence of impacts that may go on.
+struct Open<R> {
+    first: Noted<R>,
+    last: Event<R>,
+    impacts: u64,
+    crossings: u64,
+    /// Sections crossed since: part of the sequence if it goes on.
+    since: Ends<Item<R>>,
+}
+
+impl<R: Real> Open<R> {
+    fn begin(first: Noted<R>) -> Self {
+        Self {
+            last: first.event.clone(),
+            first,
+            impacts: 1,
+            crossings: 0,
+            since: Ends::new(MOST_LINES / 2),
+        }
+    }
+
+    fn end(self, items: &mut Ends<Item<R>>) {
+        items.push(match self.impacts {
+            1 => Item::Event(self.first),
+            impacts => Item::Sequence {
+                first: self.first.event,
+                last: self.last,
+                impacts,
+                crossings: self.crossings,
+            },
+        });
+        items.append(self.since);
+    }
+}
+
 impl<R: Real> Teller<'_, R> {
-    /// One line an event.
-    pub(super) fn every_event(&self) -> Vec<Line<R>> {
-        let events = self.simulation.events.iter();
-        core::iter::once(self.start_line())
-            .chain(events.map(|event| self.line(event)))
-            .collect()
+    /// One item an event.
+    pub(super) fn every_event(
+        &self,
+    ) -> Result<impl Iterator<Item = Result<Item<R>, FileError>>, FileError> {
+        let events = (self.record.events()).map(|noted| noted.map(Item::Event));
+        Ok(core::iter::once(Ok(self.start()?)).chain(events))
     }
 
     /// Impacts of one contact with ever smaller rates are one line, whatever sections they cross on the way.
-    pub(super) fn summary(&self) -> Vec<Line<R>> {
-        let mut lines = vec![self.start_line()];
-        let mut rest = self.simulation.events.as_slice();
-        while let Some(first) = rest.first() {
-            let mut impacts = vec![first];
-            let mut crossings = 0;
-            let mut taken = 1;
-            if is_impact(first) {
-                while let Some(ahead) = rest[taken..].iter().position(|event| !is_section(event)) {
-                    let next = &rest[taken + ahead];
-                    if !continues(impacts[impacts.len() - 1], next) {
-                        break;
-                    }
-                    impacts.push(next);
-                    crossings += ahead as u64;
-                    taken += ahead + 1;
+    pub(super) fn summary(&self) -> Result<Ends<Item<R>>, FileError> {
+        let mut items = Ends::new(MOST_LINES / 2);
+        items.push(self.start()?);
+        let mut open: Option<Open<R>> = None;
+        for noted in self.record.events() {
+            let noted = noted?;
+            if let Some(mut sequence) = open.take() {
+                if is_section(&noted.event) {
+                    sequence.since.push(Item::Event(noted));
+                    open = Some(sequence);
+                    continue;
                 }
+                if continues(&sequence.last, &noted.event) {
+                    let crossed =
+                        core::mem::replace(&mut sequence.since, Ends::new(MOST_LINES / 2));
+                    sequence.crossings += crossed.len();
+                    sequence.impacts += 1;
+                    sequence.last = noted.event;
+                    open = Some(sequence);
+                    continue;
+                }
+                sequence.end(&mut items);
             }
-            lines.push(match impacts.len() {
-                1 => self.line(first),
-                _ => self.sequence(&impacts, crossings),
-            });
-            rest = &rest[taken..];
+            if is_impact(&noted.event) {
+                open = Some(Open::begin(noted));
+            } else {
+                items.push(Item::Event(noted));
+            }
         }
-        lines
+        if let Some(sequence) = open {
+            sequence.end(&mut items);
+        }
+        Ok(items)
     }
 
-    fn sequence(&self, impacts: &[&Event<R>], crossings: u64) -> Line<R> {
-        let (first, last) = (impacts[0], impacts[impacts.len() - 1]);
+    /// The contacts that are closed at the start.
+    fn start(&self) -> Result<Item<R>, FileError> {
+        let mut closed = Closed::NONE;
+        for phase in self.record.contact_phases() {
+            let phase = phase?;
+            if phase.start != self.simulation.start_time {
+                break;
+            }
+            closed = closed.with(phase.contact);
+        }
+        Ok(Item::Start(closed))
+    }
+
+    /// The line of an item.
+    pub(super) fn line(&self, item: &Item<R>) -> Line<R> {
+        match item {
+            Item::Start(closed) => Line {
+                time: self.simulation.start_time,
+                what: "start".to_owned(),
+                place: String::new(),
+                detail: self.phase(*closed),
+            },
+            Item::Event(noted) => self.event_line(noted),
+            Item::Sequence {
+                first,
+                last,
+                impacts,
+                crossings,
+            } => self.sequence_line((first, last), *impacts, *crossings),
+        }
+    }
+
+    fn sequence_line(
+        &self,
+        (first, last): (&Event<R>, &Event<R>),
+        impacts: u64,
+        crossings: u64,
+    ) -> Line<R> {
         let rate = |event| self.detail(rate_before(event).unwrap_or(R::ZERO));
         let crossed = match crossings {
             0 => String::new(),
@@ -67,7 +164,7 @@ impl<R: Real> Teller<'_, R> {
         };
         Line {
             time: first.time,
-            what: counted(impacts.len() as u64, "impact"),
+            what: counted(impacts, "impact"),
             place: self.subject.place(&first.detail).to_owned(),
             detail: format!(
                 "until {}, rates {} to {}{crossed}",
@@ -78,19 +175,8 @@ impl<R: Real> Teller<'_, R> {
         }
     }
 
-    fn start_line(&self) -> Line<R> {
-        let at_start = self.simulation.contact_phases.iter();
-        let closed = at_start.take_while(|phase| phase.start == self.simulation.start_time);
-        let closed = closed.fold(Closed::NONE, |closed, phase| closed.with(phase.contact));
-        Line {
-            time: self.simulation.start_time,
-            what: "start".to_owned(),
-            place: String::new(),
-            detail: self.phase(closed),
-        }
-    }
-
-    fn line(&self, event: &Event<R>) -> Line<R> {
+    fn event_line(&self, noted: &Noted<R>) -> Line<R> {
+        let event = &noted.event;
         let detail = match event.detail {
             EventDetail::Impact {
                 rate_before,
@@ -107,7 +193,10 @@ impl<R: Real> Teller<'_, R> {
                 counted(impacts, "impact"),
                 significant(error, ERROR_DIGITS)
             ),
-            EventDetail::Release { contact } => self.time_in_contact(contact, event.time),
+            EventDetail::Release { .. } => match noted.closed_since {
+                Some(since) => format!("after {} in contact", self.detail(event.time - since)),
+                None => String::new(),
+            },
             EventDetail::Graze { rate, .. } => format!("rate {}", self.detail(rate)),
             EventDetail::Section { .. } => String::new(),
             EventDetail::Corner { side, .. } => {
@@ -128,14 +217,6 @@ impl<R: Real> Teller<'_, R> {
             what: event.kind().name().to_owned(),
             place: self.subject.place(&event.detail).to_owned(),
             detail,
-        }
-    }
-
-    fn time_in_contact(&self, contact: usize, end: R) -> String {
-        let ended = |phase: &&ContactPhase<R>| phase.contact == contact && phase.end == Some(end);
-        match self.simulation.contact_phases.iter().find(ended) {
-            Some(phase) => format!("after {} in contact", self.detail(end - phase.start)),
-            None => String::new(),
         }
     }
 }

@@ -1,14 +1,16 @@
 //! A simulation as text: what happened, in the order it happened.
 
+mod ends;
 mod lines;
 
-use super::Subject;
+use super::{Record, Subject};
+use crate::failure::Failure;
 use crate::numbers::{concise, fixed, full};
-use crate::terminal::Style;
+use crate::terminal::{Printer, Style};
 use chatter::analysis::simulate::{Outcome, Simulation};
 use chatter::flow::Closed;
 use chatter::numerics::Real;
-use lines::Line;
+use lines::{Item, Line};
 
 /// How much of what happened is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,32 +30,39 @@ const MOST_LINES: usize = 40;
 /// Longest line of the parameters.
 const WIDTH: usize = 100;
 
-/// The whole account.
-pub fn account<R: Real>(
+/// Prints the whole account.
+pub fn print<R: Real>(
     subject: &Subject,
-    simulation: &Simulation<R>,
+    (simulation, record): (&Simulation<R>, &Record<R>),
     listing: Listing,
-    style: Style,
-) -> String {
-    let teller = Teller::new(subject, simulation, style);
-    let mut text = teller.heading();
-    text.push('\n');
-    text += &teller.list(listing);
-    text.push('\n');
-    text += &teller.ending();
-    text
+    printer: &mut Printer,
+) -> Result<(), Failure> {
+    let teller = Teller::new(subject, (simulation, record), printer.style());
+    printer.print(&teller.heading())?;
+    printer.print("\n")?;
+    match listing {
+        Listing::EveryEvent => teller.print_every_event(printer)?,
+        Listing::Summary => teller.print_summary(printer)?,
+    }
+    printer.print("\n")?;
+    printer.print(&teller.ending())
 }
 
 struct Teller<'a, R> {
     subject: &'a Subject<'a>,
     simulation: &'a Simulation<R>,
+    record: &'a Record<R>,
     style: Style,
     decimals: u32,
     detail_digits: u32,
 }
 
 impl<'a, R: Real> Teller<'a, R> {
-    fn new(subject: &'a Subject, simulation: &'a Simulation<R>, style: Style) -> Self {
+    fn new(
+        subject: &'a Subject,
+        (simulation, record): (&'a Simulation<R>, &'a Record<R>),
+        style: Style,
+    ) -> Self {
         let largest = simulation
             .time
             .to_f64()
@@ -73,6 +82,7 @@ impl<'a, R: Real> Teller<'a, R> {
         Self {
             subject,
             simulation,
+            record,
             style,
             decimals: time_digits.saturating_sub(before_point),
             detail_digits: wanted.min(DETAIL_DIGITS),
@@ -118,51 +128,44 @@ impl<'a, R: Real> Teller<'a, R> {
         }
     }
 
-    fn list(&self, listing: Listing) -> String {
-        let lines = match listing {
-            Listing::EveryEvent => self.every_event(),
-            Listing::Summary => self.summary(),
-        };
-        let mut rows: Vec<Option<&Line<R>>> = lines.iter().map(Some).collect();
-        let mut left_out = 0;
-        if listing == Listing::Summary && rows.len() > MOST_LINES {
-            let half = MOST_LINES / 2;
-            left_out = rows.len() - 2 * half;
-            rows.splice(half..half + left_out, [None]);
+    fn print_every_event(&self, printer: &mut Printer) -> Result<(), Failure> {
+        // Once to see how wide the columns are, once to print them.
+        let mut widths = Widths::default();
+        for item in self.every_event()? {
+            widths.fit(self, &self.line(&item?));
         }
-        let shown = || rows.iter().flatten();
-        let time_width = shown()
-            .map(|line| self.time(line.time).len())
-            .max()
-            .unwrap_or(0)
-            .max(4);
-        let width = |text: fn(&Line<R>) -> &str| {
-            shown()
-                .map(|line| text(line).chars().count())
-                .max()
-                .unwrap_or(0)
-        };
-        let (what_width, place_width) = (width(|line| &line.what), width(|line| &line.place));
-        let mut text = String::new();
-        let header = format!("  {:>time_width$}  event", "time");
-        text += &format!("{}\n", self.style.faint(&header));
-        for row in &rows {
-            let Some(line) = row else {
-                let note = format!("{left_out} more lines; --events lists every event");
-                text += &format!("  {:>time_width$}  {}\n", "...", self.style.faint(&note));
-                continue;
-            };
-            let row = format!(
-                "  {:>time_width$}  {:what_width$}  {:place_width$}  {}",
-                self.time(line.time),
-                line.what,
-                line.place,
-                line.detail
-            );
-            text += row.trim_end();
-            text.push('\n');
+        printer.print(&widths.header(self))?;
+        for item in self.every_event()? {
+            printer.print(&widths.row(self, &self.line(&item?)))?;
         }
-        text
+        Ok(())
+    }
+
+    fn print_summary(&self, printer: &mut Printer) -> Result<(), Failure> {
+        let items = self.summary()?;
+        let (first, last) = items.parts();
+        let lines = |items: &mut dyn Iterator<Item = &Item<R>>| -> Vec<Line<R>> {
+            items.map(|item| self.line(item)).collect()
+        };
+        let (first, last) = (lines(&mut first.iter()), lines(&mut { last }));
+        let mut widths = Widths::default();
+        (first.iter().chain(&last)).for_each(|line| widths.fit(self, line));
+        let rows = |lines: &[Line<R>]| -> String {
+            lines.iter().map(|line| widths.row(self, line)).collect()
+        };
+        printer.print(&widths.header(self))?;
+        printer.print(&rows(&first))?;
+        let left_out = items.left_out();
+        if left_out > 0 {
+            let note = format!("{left_out} more lines; --events lists every event");
+            let width = widths.time;
+            printer.print(&format!(
+                "  {:>width$}  {}\n",
+                "...",
+                self.style.faint(&note)
+            ))?;
+        }
+        printer.print(&rows(&last))
     }
 
     fn time(&self, time: R) -> String {
@@ -233,6 +236,49 @@ impl<'a, R: Real> Teller<'a, R> {
             Outcome::Interrupted => "interrupted".to_owned(),
             Outcome::Failed(_) => "broken off".to_owned(),
         }
+    }
+}
+
+/// How wide the columns of the list are.
+struct Widths {
+    time: usize,
+    what: usize,
+    place: usize,
+}
+
+impl Default for Widths {
+    fn default() -> Self {
+        Self {
+            time: "time".len(),
+            what: 0,
+            place: 0,
+        }
+    }
+}
+
+impl Widths {
+    fn fit<R: Real>(&mut self, teller: &Teller<'_, R>, line: &Line<R>) {
+        self.time = self.time.max(teller.time(line.time).len());
+        self.what = self.what.max(line.what.chars().count());
+        self.place = self.place.max(line.place.chars().count());
+    }
+
+    fn header<R: Real>(&self, teller: &Teller<'_, R>) -> String {
+        let width = self.time;
+        let header = format!("  {:>width$}  event", "time");
+        format!("{}\n", teller.style.faint(&header))
+    }
+
+    fn row<R: Real>(&self, teller: &Teller<'_, R>, line: &Line<R>) -> String {
+        let Self { time, what, place } = *self;
+        let row = format!(
+            "  {:>time$}  {:what$}  {:place$}  {}",
+            teller.time(line.time),
+            line.what,
+            line.place,
+            line.detail
+        );
+        format!("{}\n", row.trim_end())
     }
 }
 

@@ -4,7 +4,8 @@ mod history;
 mod portrait;
 mod shown;
 
-use super::Subject;
+use super::{Record, Subject};
+use crate::failure::Failure;
 use chatter::analysis::simulate::{Samples, Sampling, Simulation};
 use chatter::model::Label;
 use chatter::numerics::{DoubleDouble, Real};
@@ -45,11 +46,11 @@ pub struct Picture {
 /// Draws the samples within `window`; without one all that can be told apart, up to the end of the run.
 pub fn draw<R: Real>(
     subject: &Subject,
-    simulation: &Simulation<R>,
+    run: (&Simulation<R>, &Record<R>),
     samples: &Samples<R>,
     window: Option<(f64, f64)>,
-) -> Picture {
-    let shown = Shown::new(subject, simulation, samples, window);
+) -> Result<Picture, Failure> {
+    let shown = Shown::new(subject, run, samples, window)?;
     let states: Vec<usize> = subject.states().collect();
     let mut figure = Figure::new();
     for (place, &index) in states.iter().enumerate() {
@@ -69,10 +70,10 @@ pub fn draw<R: Real>(
         figure.width(NARROW)
     };
     let title = subject.model.title.as_deref().unwrap_or(subject.source);
-    Picture {
+    Ok(Picture {
         figure: figure.title(title).caption(caption(subject, title, &shown)),
         shortened_to: shown.shortened.then_some(shown.from),
-    }
+    })
 }
 
 fn caption(subject: &Subject, title: &str, shown: &Shown) -> String {

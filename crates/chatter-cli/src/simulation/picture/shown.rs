@@ -1,9 +1,11 @@
 //! What a figure shows of a simulation, as plain numbers.
 
-use super::Subject;
+use super::{Record, Subject};
+use crate::failure::Failure;
 use chatter::analysis::simulate::{EventKind, Outcome, Samples, Simulation};
 use chatter::flow::Closed;
 use chatter::numerics::Real;
+use std::collections::VecDeque;
 
 /// After the last motion of a system that has come to rest, this part of the time before is shown.
 const REST_SHOWN: f64 = 0.12;
@@ -38,10 +40,10 @@ impl Shown {
     /// The part within `window`; without one, the latest part that can be told apart, up to the last motion.
     pub fn new<R: Real>(
         subject: &Subject,
-        simulation: &Simulation<R>,
+        (simulation, record): (&Simulation<R>, &Record<R>),
         samples: &Samples<R>,
         window: Option<(f64, f64)>,
-    ) -> Self {
+    ) -> Result<Self, Failure> {
         let doubles = |values: &[R]| {
             values
                 .iter()
@@ -54,7 +56,7 @@ impl Shown {
         let (mut from, mut to) = window.unwrap_or((start, end));
         if window.is_none() {
             let first_sample = times.first().copied();
-            from = first_readable(simulation).max(first_sample.unwrap_or(start));
+            from = first_readable(simulation, record)?.max(first_sample.unwrap_or(start));
         }
         let shortened = window.is_none() && from > start;
         if let Some(rest) = rests_from(subject, simulation, &times, &states) {
@@ -87,48 +89,65 @@ impl Shown {
         let jumps = (1..times.len())
             .filter(|&place| times[place] == times[place - 1] && differs(place))
             .collect();
-        let events = |kind: EventKind| {
-            let events = simulation
-                .events
-                .iter()
-                .filter(move |event| event.kind() == kind);
-            let timed = events.map(|event| (event.time.to_f64(), &event.state));
-            timed.filter(|&(time, _)| (from..=to).contains(&time))
-        };
-        let phases = |contact| {
-            let phases = simulation.contact_phases.iter();
-            let phases = phases.filter(|phase| phase.contact == contact);
-            let ends =
-                phases.map(|phase| (phase.start.to_f64(), phase.end.map_or(to, Real::to_f64)));
-            ends.filter(|&(start, end)| start <= to && end >= from)
-                .collect()
-        };
-        Self {
+        let (mut impacts, mut accumulations) = (Vec::new(), Vec::new());
+        for noted in record.events() {
+            let event = noted?.event;
+            let time = event.time.to_f64();
+            match event.kind() {
+                _ if !(from..=to).contains(&time) => {}
+                EventKind::Impact => impacts.push(time),
+                EventKind::Accumulation => accumulations.push((time, doubles(&event.state))),
+                _ => {}
+            }
+        }
+        let mut contact_phases = vec![Vec::new(); subject.model.contacts.len()];
+        for phase in record.contact_phases() {
+            let phase = phase?;
+            let (start, end) = (phase.start.to_f64(), phase.end.map_or(to, Real::to_f64));
+            if start <= to && end >= from {
+                contact_phases[phase.contact].push((start, end));
+            }
+        }
+        Ok(Self {
             shortened,
             from,
             to,
-            impacts: events(EventKind::Impact).map(|(time, _)| time).collect(),
-            accumulations: (events(EventKind::Accumulation))
-                .map(|(time, state)| (time, doubles(state)))
-                .collect(),
-            contact_phases: (0..subject.model.contacts.len()).map(phases).collect(),
+            impacts,
+            accumulations,
+            contact_phases,
             jumps,
             times,
             states,
-        }
+        })
     }
 }
 
 /// From when on impacts and contact phases are few enough.
-fn first_readable<R: Real>(simulation: &Simulation<R>) -> f64 {
-    let impacts = simulation.events.iter().rev();
-    let impacts = impacts.filter(|event| event.kind() == EventKind::Impact);
-    let by_impacts = impacts.map(|event| event.time).nth(MOST_IMPACTS);
-    let phases = simulation.contact_phases.iter().rev();
-    let by_phases = phases.map(|phase| phase.start).nth(MOST_PHASES);
-    let starts = [by_impacts, by_phases].into_iter().flatten();
+fn first_readable<R: Real>(simulation: &Simulation<R>, record: &Record<R>) -> Result<f64, Failure> {
+    let (mut impacts, mut phases) = (VecDeque::new(), VecDeque::new());
+    let latest = |times: &mut VecDeque<R>, most: usize, time: R| {
+        times.push_back(time);
+        if times.len() > most + 1 {
+            times.pop_front();
+        }
+    };
+    for noted in record.events() {
+        let event = noted?.event;
+        if event.kind() == EventKind::Impact {
+            latest(&mut impacts, MOST_IMPACTS, event.time);
+        }
+    }
+    for phase in record.contact_phases() {
+        latest(&mut phases, MOST_PHASES, phase?.start);
+    }
+    let first = |times: VecDeque<R>, most: usize| {
+        let is_long = times.len() > most;
+        times.front().copied().filter(|_| is_long)
+    };
+    let starts = [first(impacts, MOST_IMPACTS), first(phases, MOST_PHASES)];
     let start = simulation.start_time.to_f64();
-    starts.fold(start, |latest, time| latest.max(time.to_f64()))
+    let starts = starts.into_iter().flatten();
+    Ok(starts.fold(start, |latest, time| latest.max(time.to_f64())))
 }
 
 /// When the state changed for the last time, if it ended in contact.

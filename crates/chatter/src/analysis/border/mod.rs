@@ -11,6 +11,7 @@
 //! samples      the verdict at many parameter values
 //! closing_in   from a change of the verdict to the root between
 //! search       all of them, or the nearest first
+//! range        all borders of a range, stretch by stretch
 //! breaks       what ends complete chatter where no border is
 //! root         the smooth equation X(p) = 0
 //! exact        (M5): K, M and what they are made of
@@ -38,6 +39,7 @@ mod located;
 mod orbit;
 mod prediction;
 mod problem;
+mod range;
 mod release;
 mod releases;
 mod return_map;
@@ -60,10 +62,9 @@ pub use forcing::Turn;
 pub use leading_order::{LeadingOrder, ReleaseSection};
 pub use local::LocalCoordinate;
 pub use located::{Discrepancy, WindowComparison};
-pub use orbit::{
-    Border, Borders, FirstImpact, border_near, borders_in, leading_order_at, verdicts_in,
-};
+pub use orbit::{Border, FirstImpact, border_near, leading_order_at, verdicts_in};
 pub use prediction::{AffineStates, ImpactCounts, PredictedPassage, Prediction, Settled};
+pub use range::{Borders, SearchProgress, borders_in, search_range};
 pub use release::ReleasePoint;
 pub use section::section_states;
 pub use sequence::Verdict;

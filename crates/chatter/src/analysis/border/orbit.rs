@@ -11,7 +11,7 @@ use super::leading_order::{LeadingOrder, ReleaseSection, leading_order};
 use super::problem::{Problem, STATES, exactly};
 use super::release::ReleasePoint;
 use super::root::Root;
-use super::samples::Sample;
+use super::samples::{Sample, unwatched};
 use super::sequence::Verdict;
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
@@ -61,73 +61,19 @@ pub struct Border<R> {
     pub leading_order: Result<LeadingOrder<R>, ReleaseSection>,
 }
 
-/// All borders of a range.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Borders<R> {
-    /// In the order of the parameter.
-    pub borders: Vec<Border<R>>,
-    /// Where complete chatter ends without a border.
-    pub breaks: Vec<Break>,
-    /// Changes between complete and incomplete chatter that were not looked into, since there are very many.
-    pub unresolved: usize,
-    /// Parameter values at which no chatter follows a release point within the long flights allowed.
-    pub without_chatter: usize,
-}
-
-/// All borders with the parameter from `low` to `high`: none is an answer, not an error.
-///
-/// # Errors
-/// The question does not fit the model, or nothing can be said at any parameter value.
-pub fn borders_in<R: Real>(
-    model: &Model,
-    spec: &BorderSpec,
-    low: f64,
-    high: f64,
-) -> Result<Borders<R>, BorderError> {
-    if !(low < high && low.is_finite() && high.is_finite()) {
-        return Err(BorderError::Range { low, high });
-    }
-    let problem = Problem::new(model, spec)?;
-    let samples = problem.scan(&even(low, high, spec.samples))?;
-    let silent = |k: &usize| samples.iter().any(|branch| branch[*k].is_without_chatter());
-    let without_chatter = (0..=spec.samples.max(1)).filter(silent).count();
-    let found = problem.changes(&samples, spec.extrapolation).all();
-    let mut breaks = found.breaks;
-    let mut borders = Vec::new();
-    for root in found.roots {
-        if !(low..=high).contains(&root.point.value) {
-            continue;
-        }
-        match complete(&problem, spec, &root)? {
-            Ok(border) => borders.push(border),
-            Err(cause) => breaks.push(Break {
-                value: root.point.value,
-                cause,
-            }),
-        }
-    }
-    breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
-    Ok(Borders {
-        borders,
-        breaks,
-        unresolved: found.unresolved,
-        without_chatter,
-    })
-}
-
 /// `parts` + 1 values from `low` to `high`.
-fn even(low: f64, high: f64, parts: usize) -> Vec<f64> {
+pub(super) fn even(low: f64, high: f64, parts: usize) -> Vec<f64> {
     let parts = parts.max(1);
     (0..=parts)
         .map(|i| low + (high - low) * (i as f64 / parts as f64))
         .collect()
 }
 
-/// The verdicts that [`borders_in`] starts from: at `spec.samples` + 1 parameter values from `low` to `high`, a list for
+/// The verdicts that [`borders_in`](super::borders_in) starts from: at `spec.samples` + 1 parameter values from `low` to `high`, a list for
 /// each release point.
 ///
 /// # Errors
-/// As for [`borders_in`].
+/// As for [`borders_in`](super::borders_in).
 pub fn verdicts_in(
     model: &Model,
     spec: &BorderSpec,
@@ -138,7 +84,8 @@ pub fn verdicts_in(
         return Err(BorderError::Range { low, high });
     }
     let problem = Problem::new(model, spec)?;
-    let branches = problem.scan(&even(low, high, spec.samples))?;
+    let branches = problem.scan(&even(low, high, spec.samples), &mut unwatched)?;
+    let branches = branches.unwrap_or_default();
     let verdicts = |samples: &Vec<Sample>| samples.iter().map(|s| (s.value, s.verdict)).collect();
     Ok(branches.iter().map(verdicts).collect())
 }
@@ -168,7 +115,7 @@ fn graded() -> Vec<f64> {
 /// to 1.
 ///
 /// # Errors
-/// [`BorderError::NoBorder`] if there is none, else as for [`borders_in`].
+/// [`BorderError::NoBorder`] if there is none, else as for [`borders_in`](super::borders_in).
 pub fn border_near<R: Real>(
     model: &Model,
     spec: &BorderSpec,
@@ -190,8 +137,8 @@ pub fn border_near<R: Real>(
     let mut values: Vec<f64> = towards(low).collect();
     values.reverse();
     values.extend(towards(high).skip(1));
-    let samples = problem.scan(&values)?;
-    let changes = problem.changes(&samples, spec.extrapolation);
+    let samples = problem.scan(&values, &mut unwatched)?;
+    let changes = problem.changes(&samples.unwrap_or_default(), spec.extrapolation);
     let nearest = changes.nearest(value, |root, breaks| {
         if !(low..=high).contains(&root.point.value) {
             return Ok(None);
@@ -218,7 +165,7 @@ pub fn border_near<R: Real>(
 /// release point whose chatter is nearest to one.
 ///
 /// # Errors
-/// As for [`borders_in`], and [`BorderError::Section`] if the section is not crossed.
+/// As for [`borders_in`](super::borders_in), and [`BorderError::Section`] if the section is not crossed.
 pub fn leading_order_at<R: Real>(
     model: &Model,
     spec: &BorderSpec,
@@ -252,7 +199,7 @@ pub fn leading_order_at<R: Real>(
 
 /// The normal form at a root found in `f64`, or why that is no border; in double-double: its limits keep half the digits of the number that they
 /// are computed with, and cost little.
-fn complete<R: Real>(
+pub(super) fn complete<R: Real>(
     problem: &Problem,
     spec: &BorderSpec,
     rough: &Root<f64>,

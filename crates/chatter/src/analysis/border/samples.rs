@@ -5,6 +5,7 @@ use super::error::BorderError;
 use super::problem::{Problem, exactly};
 use super::release::ReleasePoint;
 use super::sequence::{Sequence, Verdict};
+use core::ops::ControlFlow;
 
 /// What the sequence at one parameter value does.
 #[derive(Clone, Debug)]
@@ -52,10 +53,20 @@ pub(crate) struct Search<'a> {
     pub several: bool,
 }
 
+/// Goes on, and looks at nothing.
+pub(crate) fn unwatched(_: f64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
 impl Problem {
     /// Classifies parameter values in order, along each branch of release points; values at which that fails have no
     /// verdict. The error is the first failure, if nothing is known at any value.
-    pub(crate) fn scan(&self, values: &[f64]) -> Result<Vec<Vec<Sample>>, BorderError> {
+    /// None if `watch`, which hears what part is done, breaks off.
+    pub(crate) fn scan(
+        &self,
+        values: &[f64],
+        watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<Option<Vec<Vec<Sample>>>, BorderError> {
         let branches = self.branches(values)?;
         let search = Search {
             problem: self,
@@ -70,17 +81,22 @@ impl Problem {
                 Sample::unknown(value)
             }),
         };
-        let samples: Vec<Vec<Sample>> = branches
-            .into_iter()
-            .map(|branch| {
-                (values.iter().zip(branch.points))
-                    .map(|(&value, point)| sampled(value, point))
-                    .collect()
-            })
-            .collect();
+        let total = (branches.len() * values.len()) as f64;
+        let mut samples: Vec<Vec<Sample>> = Vec::new();
+        for branch in branches {
+            let mut along = Vec::with_capacity(values.len());
+            for (&value, point) in values.iter().zip(branch.points) {
+                let done = samples.len() * values.len() + along.len();
+                if watch(done as f64 / total).is_break() {
+                    return Ok(None);
+                }
+                along.push(sampled(value, point));
+            }
+            samples.push(along);
+        }
         match failure {
             Some(error) if !samples.iter().flatten().any(Sample::is_known) => Err(error),
-            _ => Ok(samples),
+            _ => Ok(Some(samples)),
         }
     }
 }

@@ -42,14 +42,15 @@ pub(crate) struct Changes<'a> {
 }
 
 impl Changes<'_> {
-    /// Looks into all of them.
-    pub(crate) fn all(&self) -> Found {
-        let mut found = Found::default();
-        for pair in &self.pairs {
-            self.look_into(pair, &mut found);
-        }
-        found.sort();
-        found
+    /// Those between two values.
+    pub(crate) fn within(mut self, (low, high): (f64, f64)) -> Self {
+        (self.pairs).retain(|[left, right]| low <= left.value && right.value <= high);
+        self
+    }
+
+    /// The neighbouring samples.
+    pub(crate) fn pairs(&self) -> &[[Sample; 2]] {
+        &self.pairs
     }
 
     /// The nearest to a parameter value first, and no further than where a root that `accept` takes is nearer than what is
@@ -85,7 +86,8 @@ impl Changes<'_> {
         Ok(nearest.map(|(_, answer)| answer).ok_or(found))
     }
 
-    fn look_into(&self, pair: &[Sample; 2], found: &mut Found) {
+    /// Looks into one of them.
+    pub(crate) fn look_into(&self, pair: &[Sample; 2], found: &mut Found) {
         // None may leave the others without.
         found.left = (MOST_SAMPLES / self.pairs.len().max(1)).max(LEAST_SHARE);
         self.search.look_into(pair, found);

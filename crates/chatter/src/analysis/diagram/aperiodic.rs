@@ -82,11 +82,7 @@ fn spreads(points: &Embedding) -> bool {
     let stride = ((last - first.min(last)) / REFERENCES).max(1);
     let mut growth = Vec::new();
     for a in (first..last).step_by(stride) {
-        let others = (first..last).filter(|&b| b != a);
-        let nearest = others
-            .map(|b| (points.distance(a, b), b))
-            .min_by(|x, y| x.0.total_cmp(&y.0));
-        if let Some((before, b)) = nearest {
+        if let Some((before, b)) = points.nearest(a, first..last) {
             let after = points.distance(a + 1, b + 1);
             if before > 0.0 && after > 0.0 && (before + after).is_finite() {
                 growth.push(libm::log(after / before));
@@ -101,22 +97,24 @@ fn spreads(points: &Embedding) -> bool {
 fn drifts(points: &Embedding) -> bool {
     let count = points.len();
     let first = count.saturating_sub(RETURNS);
-    let mean = |skipped: usize, size: &dyn Fn(usize) -> f64| {
-        (first + skipped..count).map(size).sum::<f64>() / (count - first - skipped) as f64
-    };
-    let step = |shift: usize| mean(shift, &|place| points.distance(place, place - shift));
-    let shifts = 1..=(count - first) / WITHIN;
-    let nearest = shifts
-        .map(|shift| (step(shift), shift))
-        .min_by(|x, y| x.0.total_cmp(&y.0));
+    let mut nearest: Option<(f64, usize)> = None;
+    for shift in 1..=(count - first) / WITHIN {
+        let least = nearest.map_or(f64::INFINITY, |(step, _)| step);
+        if let Some(step) = points.mean_step(first, shift, least)
+            && (nearest.is_none() || step.total_cmp(&least).is_lt())
+        {
+            nearest = Some((step, shift));
+        }
+    }
     let Some((step, shift)) = nearest else {
         return false;
     };
-    let turn = mean(2 * shift, &|place| {
+    let turns = (first + 2 * shift..count).map(|place| {
         let [now, before, earlier] = [0, shift, 2 * shift].map(|back| points.vector(place - back));
         let bends = (now.iter().zip(before).zip(earlier)).map(|((x, y), z)| x - 2.0 * y + z);
         bends.map(|bend| bend * bend).sum::<f64>().sqrt()
     });
+    let turn = turns.sum::<f64>() / (count - first - 2 * shift) as f64;
     step > SAME_POINT && turn <= COHERENT * step
 }
 

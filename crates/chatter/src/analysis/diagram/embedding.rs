@@ -2,6 +2,7 @@
 
 use super::tail::Tail;
 use crate::analysis::map::CoordinateKind;
+use core::ops::Range;
 
 /// A coordinate that varies by less than this, relative to the largest of the point, does so by rounding errors.
 const ROUNDING: f64 = 1e-12;
@@ -69,7 +70,49 @@ impl Embedding {
 
     /// Distance of two of them.
     pub fn distance(&self, a: usize, b: usize) -> f64 {
-        let pairs = self.vector(a).iter().zip(self.vector(b));
-        pairs.map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
+        squared_distance(self.vector(a), self.vector(b)).sqrt()
     }
+
+    /// The other vector among these that is nearest to one, the first if there are several, and its distance.
+    pub fn nearest(&self, to: usize, among: Range<usize>) -> Option<(f64, usize)> {
+        let mut nearest: Option<(f64, usize)> = None;
+        let mut least = f64::INFINITY;
+        let vector = self.vector(to);
+        let places = among.start * self.dimension..among.end * self.dimension;
+        let others = self.vectors[places].chunks_exact(self.dimension);
+        for (other, square) in among.zip(others.map(|other| squared_distance(vector, other))) {
+            if square > least || other == to {
+                continue;
+            }
+            // Squares that differ may have one root.
+            let distance = square.sqrt();
+            if nearest.is_none_or(|(nearest, _)| distance.total_cmp(&nearest).is_lt()) {
+                nearest = Some((distance, other));
+                least = square;
+            }
+        }
+        nearest
+    }
+
+    /// Mean distance of vectors so many places apart, from one on; none as soon as it is certain to exceed `least`.
+    pub fn mean_step(&self, first: usize, apart: usize, least: f64) -> Option<f64> {
+        let places = first + apart..self.len();
+        let count = places.len() as f64;
+        // The product may be rounded downwards.
+        let enough = least * count * (1.0 + 4.0 * f64::EPSILON);
+        let mut sum = 0.0;
+        for place in places {
+            sum += self.distance(place, place - apart);
+            if sum > enough {
+                return None;
+            }
+        }
+        Some(sum / count)
+    }
+}
+
+#[inline]
+fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
+    let pairs = a.iter().zip(b);
+    pairs.map(|(x, y)| (x - y) * (x - y)).sum::<f64>()
 }

@@ -37,6 +37,7 @@ mod place;
 mod recorder;
 mod result;
 mod samples;
+mod sink;
 mod spec;
 mod tolerance;
 mod verify;
@@ -47,7 +48,8 @@ mod tests;
 pub use fastest_rate::FastestRate;
 pub use place::UnknownPlace;
 pub use result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
-pub use samples::{Samples, Sink};
+pub use samples::Samples;
+pub use sink::Sink;
 pub use spec::{EventKind, EventTarget, Sampling, Spec, SpecError, Stop};
 pub use tolerance::WrongTolerance;
 pub(crate) use tolerance::check_tolerance;
@@ -59,6 +61,7 @@ use crate::numerics::Real;
 use core::fmt;
 use core::ops::ControlFlow;
 use recorder::Recorder;
+use sink::Keeper;
 
 /// The observer is asked every so many steps: often enough for a reaction within a blink even where each step has to be
 /// settled by itself, too rarely to cost.
@@ -101,11 +104,21 @@ pub fn simulate<R: Real>(
     spec: &Spec,
     observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Simulation<R>, SimulateError> {
-    follow(model, spec, observer, None)
+    let mut keeper = Keeper::new();
+    let mut simulation = simulate_into(model, spec, observer, &mut keeper)?;
+    simulation.events = keeper.events;
+    simulation.contact_phases = keeper.contact_phases;
+    for (kept, handed_over) in simulation.samples.iter_mut().zip(keeper.samples) {
+        if !handed_over.is_empty() {
+            *kept = handed_over;
+        }
+    }
+    Ok(simulation)
 }
 
-/// Like [`simulate`], with samples handed over as they come, so that memory does not grow with them: a few at a time, and
-/// all of them by the end. Those for a picture ([`Sampling::Smooth`]) are kept. The sink may break off, too.
+/// Like [`simulate`], with events, contact phases and samples handed over as they come, so that memory does not grow with
+/// them: all of them by the end, and none are in the result. Samples for a picture ([`Sampling::Smooth`]) are kept. The sink
+/// may break off, too.
 ///
 /// # Errors
 /// As for [`simulate`].
@@ -113,16 +126,7 @@ pub fn simulate_into<R: Real>(
     model: &Model,
     spec: &Spec,
     observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    sink: &mut Sink<'_, R>,
-) -> Result<Simulation<R>, SimulateError> {
-    follow(model, spec, observer, Some(sink))
-}
-
-fn follow<R: Real>(
-    model: &Model,
-    spec: &Spec,
-    observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    mut sink: Option<&mut Sink<'_, R>>,
+    sink: &mut dyn Sink<R>,
 ) -> Result<Simulation<R>, SimulateError> {
     let mut targets = spec.targets(model)?;
     model.check_defined().map_err(SimulateError::Model)?;
@@ -147,11 +151,15 @@ fn follow<R: Real>(
     let mut trajectory = Trajectory::start(&system, &mut work, &parameters, start, &state)
         .map_err(SimulateError::Start)?;
     let mut recorder = Recorder::new(&spec.sampling, &trajectory);
+    let begun = recorder.follow_phases(&trajectory, sink);
     let stops_at_rest = spec.stops.contains(&Stop::Rest) && model.time.is_none();
     let mut steps: u64 = 0;
     let (mut latest, mut at_one_time) = (trajectory.time(), 0);
 
     let outcome = loop {
+        if begun.is_break() {
+            break Outcome::Interrupted;
+        }
         if steps.is_multiple_of(STEPS_BETWEEN_REPORTS) {
             let progress = Progress {
                 steps,
@@ -176,7 +184,7 @@ fn follow<R: Real>(
         {
             break Outcome::Rest;
         }
-        let sampled = recorder.motion(&work.dense(), &trajectory, &mut sink);
+        let sampled = recorder.motion(&work.dense(), &trajectory, sink);
         if sampled.is_break() {
             break Outcome::Interrupted;
         }
@@ -194,17 +202,20 @@ fn follow<R: Real>(
             None => {}
             Some(Occurrence::Horizon) => break Outcome::Horizon,
             Some(occurrence) => {
-                recorder.event(occurrence, &trajectory);
+                let told = recorder.event(occurrence, &trajectory, sink);
                 if let Some(target) = targets.reached_by(recorder.latest()) {
                     break Outcome::Event(target);
                 }
                 if recorder.counts.impacts >= spec.impacts {
                     break Outcome::ImpactBudget;
                 }
+                if told.is_break() {
+                    break Outcome::Interrupted;
+                }
             }
         }
     };
-    Ok(recorder.finish(outcome, &trajectory, &mut sink))
+    Ok(recorder.finish(outcome, &trajectory, sink))
 }
 
 /// A restitution that depends on parameters alone is wrong from the start, not only at the first impact.

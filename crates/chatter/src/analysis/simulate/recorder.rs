@@ -1,7 +1,8 @@
 //! Takes note of a trajectory while it moves.
 
 use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
-use super::samples::{Sampler, Sink};
+use super::samples::Sampler;
+use super::sink::Sink;
 use super::spec::{EventKind, Sampling};
 use crate::flow::{Closed, Dense, Occurrence, System, Trajectory, Workspace};
 use crate::numerics::Real;
@@ -9,10 +10,11 @@ use core::ops::ControlFlow;
 
 pub(super) struct Recorder<R> {
     pub(super) counts: Counts,
-    events: Vec<Event<R>>,
-    /// Whether the latest occurrence became an event.
-    fresh: bool,
-    contact_phases: Vec<ContactPhase<R>>,
+    /// The event that the latest occurrence became.
+    latest: Option<Event<R>>,
+    /// Contact phases that have not ended, with their numbers, and the number of the next.
+    open: Vec<(u64, ContactPhase<R>)>,
+    phases: u64,
     start: (R, Vec<R>),
     /// Time and closed contacts before the next step.
     before: (R, Closed),
@@ -22,20 +24,18 @@ pub(super) struct Recorder<R> {
 
 impl<R: Real> Recorder<R> {
     pub(super) fn new(sampling: &[Sampling], trajectory: &Trajectory<R>) -> Self {
-        let mut recorder = Self {
+        Self {
             counts: Counts::default(),
-            events: Vec::new(),
-            fresh: false,
-            contact_phases: Vec::new(),
+            latest: None,
+            open: Vec::new(),
+            phases: 0,
             start: (trajectory.time(), trajectory.state().to_vec()),
             before: (trajectory.time(), Closed::NONE),
             in_flight: false,
             samplers: (sampling.iter())
                 .map(|&sampling| Sampler::new(sampling, trajectory))
                 .collect(),
-        };
-        recorder.follow_phases(trajectory);
-        recorder
+        }
     }
 
     /// Notes the step just made.
@@ -43,7 +43,7 @@ impl<R: Real> Recorder<R> {
         &mut self,
         dense: &Dense<'_, R>,
         trajectory: &Trajectory<R>,
-        sink: &mut Option<&mut Sink<'_, R>>,
+        sink: &mut dyn Sink<R>,
     ) -> ControlFlow<()> {
         let (time, closed) = self.before;
         if dense.step() > R::ZERO && closed == Closed::NONE && !self.in_flight {
@@ -57,34 +57,61 @@ impl<R: Real> Recorder<R> {
                 goes_on = sampled;
             }
         }
-        self.follow_phases(trajectory);
+        let followed = self.follow_phases(trajectory, sink);
+        if followed.is_break() {
+            goes_on = followed;
+        }
         goes_on
     }
 
     /// Opens and ends contact phases where the set of closed contacts has changed.
-    fn follow_phases(&mut self, trajectory: &Trajectory<R>) {
+    pub(super) fn follow_phases(
+        &mut self,
+        trajectory: &Trajectory<R>,
+        sink: &mut dyn Sink<R>,
+    ) -> ControlFlow<()> {
         let (time, closed) = (trajectory.time(), trajectory.closed());
-        let before = self.before.1;
+        let before = core::mem::replace(&mut self.before, (time, closed)).1;
+        if closed == before {
+            return ControlFlow::Continue(());
+        }
+        let mut goes_on = ControlFlow::Continue(());
         for contact in closed.contacts().filter(|&c| !before.contains(c)) {
-            self.contact_phases.push(ContactPhase {
+            let phase = ContactPhase {
                 contact,
                 start: time,
                 end: None,
-            });
+            };
+            let told = sink.contact_phase(self.phases, &phase);
+            if told.is_break() {
+                goes_on = told;
+            }
+            self.open.push((self.phases, phase));
+            self.phases += 1;
             self.in_flight = false;
         }
         for contact in before.contacts().filter(|&c| !closed.contains(c)) {
-            let open = |phase: &&mut ContactPhase<R>| phase.contact == contact;
-            if let Some(phase) = self.contact_phases.iter_mut().rev().find(open) {
-                phase.end = Some(time);
+            let is_it = |(_, phase): &(u64, ContactPhase<R>)| phase.contact == contact;
+            let Some(place) = self.open.iter().position(is_it) else {
+                continue;
+            };
+            let (number, mut phase) = self.open.swap_remove(place);
+            phase.end = Some(time);
+            let told = sink.contact_phase(number, &phase);
+            if told.is_break() {
+                goes_on = told;
             }
         }
-        self.before = (time, closed);
+        goes_on
     }
 
     /// Notes what happened.
-    pub(super) fn event(&mut self, occurrence: Occurrence<R>, trajectory: &Trajectory<R>) {
-        self.fresh = true;
+    pub(super) fn event(
+        &mut self,
+        occurrence: Occurrence<R>,
+        trajectory: &Trajectory<R>,
+        sink: &mut dyn Sink<R>,
+    ) -> ControlFlow<()> {
         let detail = match occurrence {
             Occurrence::Impact {
                 contact,
@@ -144,30 +171,32 @@ impl<R: Real> Recorder<R> {
             | Occurrence::Slip { .. }
             | Occurrence::Reset { .. } => {
                 let Some((kind, place, side)) = EventKind::of_corner(&occurrence) else {
-                    return;
+                    self.latest = None;
+                    return ControlFlow::Continue(());
                 };
                 self.counts.switches += 1;
                 EventDetail::Corner { kind, place, side }
             }
             // The impact before it says so already.
             Occurrence::Capture { .. } | Occurrence::Horizon => {
-                self.fresh = false;
-                return;
+                self.latest = None;
+                return ControlFlow::Continue(());
             }
         };
         for sampler in &mut self.samplers {
             sampler.event(trajectory);
         }
-        self.events.push(Event {
+        let event = self.latest.insert(Event {
             time: trajectory.time(),
             state: trajectory.state().to_vec(),
             detail,
         });
+        sink.event(event)
     }
 
     /// The event that the latest occurrence became.
     pub(super) fn latest(&self) -> Option<&Event<R>> {
-        self.events.last().filter(|_| self.fresh)
+        self.latest.as_ref()
     }
 
     /// Whether a contact is closed and nothing moves: then, in an autonomous system, nothing ever will. Asked before the step
@@ -178,7 +207,7 @@ impl<R: Real> Recorder<R> {
         work: &mut Workspace<R>,
         trajectory: &Trajectory<R>,
     ) -> bool {
-        trajectory.closed() != Closed::NONE
+        (trajectory.closed() != Closed::NONE || trajectory.is_sliding(system))
             && work.dense().step() > R::ZERO
             && trajectory.is_in_equilibrium(system, work)
     }
@@ -187,7 +216,7 @@ impl<R: Real> Recorder<R> {
         mut self,
         outcome: Outcome,
         trajectory: &Trajectory<R>,
-        sink: &mut Option<&mut Sink<'_, R>>,
+        sink: &mut dyn Sink<R>,
     ) -> Simulation<R> {
         for (list, sampler) in self.samplers.iter_mut().enumerate() {
             // Nothing comes after this.
@@ -206,8 +235,8 @@ impl<R: Real> Recorder<R> {
             state: trajectory.state().to_vec(),
             closed: trajectory.closed(),
             counts: self.counts,
-            events: self.events,
-            contact_phases: self.contact_phases,
+            events: Vec::new(),
+            contact_phases: Vec::new(),
             samples: (self.samplers.into_iter()).map(Sampler::finish).collect(),
         }
     }

@@ -23,9 +23,9 @@ pub struct Simulation<R> {
     pub closed: Closed,
     /// How often what happened.
     pub counts: Counts,
-    /// What happened, in order.
+    /// What happened, in order, unless a [`Sink`](super::Sink) has taken it.
     pub events: Vec<Event<R>>,
-    /// Phases of persistent contact, in order of their start.
+    /// Phases of persistent contact, in order of their start, unless a sink has taken them.
     pub contact_phases: Vec<ContactPhase<R>>,
     /// The state at the times asked for, one list for each sampling of the specification.
     pub samples: Vec<Samples<R>>,

@@ -1,5 +1,6 @@
 //! States along a trajectory.
 
+use super::sink::Sink;
 use super::spec::Sampling;
 use crate::flow::{Closed, Dense, Trajectory};
 use crate::numerics::{DoubleDouble, Real};
@@ -27,11 +28,20 @@ impl<R: Real> Samples<R> {
         self.times.is_empty()
     }
 
-    fn new(dimension: usize) -> Self {
+    pub(super) fn new(dimension: usize) -> Self {
         Self {
             times: Vec::new(),
             states: vec![Vec::new(); dimension],
             closed: Vec::new(),
+        }
+    }
+
+    /// Takes over what follows.
+    pub(super) fn append(&mut self, next: &Self) {
+        self.times.extend_from_slice(&next.times);
+        self.closed.extend_from_slice(&next.closed);
+        for (values, next) in self.states.iter_mut().zip(&next.states) {
+            values.extend_from_slice(next);
         }
     }
 
@@ -65,9 +75,6 @@ const FEWEST_IN_STEP: f64 = 4.0;
 
 /// A picture needs no more samples than this.
 const MOST_IN_PICTURE: usize = 500_000;
-
-/// Hears of samples as they come: of which list, and the next of it.
-pub type Sink<'a, R> = dyn FnMut(usize, &Samples<R>) -> ControlFlow<()> + 'a;
 
 /// Samples that are handed over at once.
 const BLOCK: usize = 1024;
@@ -114,17 +121,15 @@ impl<R: Real> Sampler<R> {
         &mut self,
         list: usize,
         least: usize,
-        sink: &mut Option<&mut Sink<'_, R>>,
+        sink: &mut dyn Sink<R>,
     ) -> ControlFlow<()> {
         let kept = matches!(self.sampling, Sampling::Smooth { .. });
-        match sink {
-            Some(sink) if !kept && self.samples.len() >= least => {
-                let goes_on = sink(list, &self.samples);
-                self.samples.clear();
-                goes_on
-            }
-            _ => ControlFlow::Continue(()),
+        if kept || self.samples.len() < least {
+            return ControlFlow::Continue(());
         }
+        let goes_on = sink.samples(list, &self.samples);
+        self.samples.clear();
+        goes_on
     }
 
     /// Samples the step from `before` that the trajectory has just made, in the phase `closed`.
@@ -134,7 +139,7 @@ impl<R: Real> Sampler<R> {
         before: R,
         closed: Closed,
         trajectory: &Trajectory<R>,
-        (list, sink): (usize, &mut Option<&mut Sink<'_, R>>),
+        (list, sink): (usize, &mut dyn Sink<R>),
     ) -> ControlFlow<()> {
         match self.sampling {
             Sampling::Dense { per_step } => {

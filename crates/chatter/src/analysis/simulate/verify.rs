@@ -4,11 +4,14 @@
 //! motion soon is all there is. The twin starts from the model as it is written, so that the difference of the two has
 //! everything in it: rounding of the parameters, steps, events, completed sequences, and the growth of all these.
 
-use super::result::{Event, EventDetail, Outcome, Simulation};
+use super::result::{ContactPhase, Event, EventDetail, Outcome, Simulation};
+use super::samples::Samples;
+use super::sink::Sink;
 use super::spec::Spec;
-use super::{Progress, SimulateError, simulate};
+use super::{Progress, SimulateError, simulate_into};
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real, Scalar};
+use core::iter::Peekable;
 use core::ops::ControlFlow;
 
 /// A run that was ended by an event is followed by its twin for this part of its duration more: the event may be late.
@@ -55,11 +58,25 @@ impl Verification {
     /// Follows the twin of a run and compares. Progress is the twin's; none if the observer breaks off.
     ///
     /// # Errors
-    /// As for [`simulate`].
+    /// As for [`simulate`](super::simulate).
     pub fn of(
         model: &Model,
         spec: &Spec,
         run: &Simulation<f64>,
+        observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Option<Self>, SimulateError> {
+        Self::beside(model, spec, run, &mut run.events.iter().cloned(), observer)
+    }
+
+    /// Like [`of`](Self::of), for a run whose events a sink has taken: they are asked for as the twin comes to its own.
+    ///
+    /// # Errors
+    /// As for [`simulate`](super::simulate).
+    pub fn beside(
+        model: &Model,
+        spec: &Spec,
+        run: &Simulation<f64>,
+        events: &mut dyn Iterator<Item = Event<f64>>,
         observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Self>, SimulateError> {
         let mut twin_spec = Spec {
@@ -78,11 +95,19 @@ impl Verification {
             twin_spec.until = DoubleDouble::from(run.time) + later.max(f64::MIN_POSITIVE).into();
             twin_spec.stops = Vec::new();
         }
-        let twin: Simulation<DoubleDouble> = simulate(model, &twin_spec, observer)?;
+        let mut comparison = Comparison {
+            events: events.peekable(),
+            times: Vec::new(),
+            latest: None,
+            parting: None,
+            is_over: false,
+            ends_with_event,
+        };
+        let twin = simulate_into(model, &twin_spec, observer, &mut comparison)?;
         if twin.outcome == Outcome::Interrupted {
             return Ok(None);
         }
-        Ok(Some(compare(run, &twin, ends_with_event)))
+        Ok(Some(comparison.finish(run, &twin)))
     }
 }
 
@@ -100,62 +125,89 @@ pub fn digits(value: f64, off: f64) -> u32 {
     }
 }
 
-fn compare(
-    run: &Simulation<f64>,
-    twin: &Simulation<DoubleDouble>,
+/// Compares the events of a run with those of its twin while that comes to them.
+struct Comparison<'a> {
+    events: Peekable<&'a mut dyn Iterator<Item = Event<f64>>>,
+    times: Vec<f64>,
+    /// Differences at the latest event that both have.
+    latest: Option<EndError>,
+    parting: Option<Parting>,
+    /// The runs have parted, or the run has no further events to compare with.
+    is_over: bool,
     ends_with_event: bool,
-) -> Verification {
-    let mut times = Vec::new();
-    let (mut next, mut other) = (0, 0);
-    let mut latest = None;
-    let parting = loop {
-        let (mine, theirs) = (run.events.get(next), twin.events.get(other));
-        match (mine, theirs) {
-            (None, None) => break None,
-            (None, Some(_)) if ends_with_event => break None,
-            (Some(mine), Some(theirs)) if same(mine, theirs) => {
-                times.push(off(mine.time, theirs.time));
-                latest = Some((mine, theirs));
-                next += 1;
-                other += 1;
-                continue;
-            }
-            _ => {}
+}
+
+impl Comparison<'_> {
+    /// The run's next event is another one than the twin's, or only one of them has one.
+    fn part(&mut self, twin: Option<&Event<DoubleDouble>>) {
+        self.is_over = true;
+        let run = self.events.peek();
+        if run.is_none() && (twin.is_none() || self.ends_with_event) {
+            return;
         }
-        // A sequence is completed after more impacts in one run than in the other.
-        if completes(mine, theirs) {
-            other += 1;
-        } else if completes(theirs, mine) {
-            // The time of an impact that the twin has completed is not known.
-            times.push(f64::NAN);
-            next += 1;
-        } else {
-            break Some(Parting {
-                after: next,
-                run: mine.map(told),
-                twin: theirs.map(told),
-            });
+        self.parting = Some(Parting {
+            after: self.times.len(),
+            run: run.map(told),
+            twin: twin.map(told),
+        });
+    }
+
+    fn finish(mut self, run: &Simulation<f64>, twin: &Simulation<DoubleDouble>) -> Verification {
+        if !self.is_over {
+            self.part(None);
         }
-    };
-    let end = if ends_with_event {
-        latest
-            .filter(|_| parting.is_none())
-            .map(|(mine, theirs)| EndError {
-                time: off(mine.time, theirs.time),
-                state: differences(&mine.state, &theirs.state),
+        let end = if self.ends_with_event {
+            self.latest.filter(|_| self.parting.is_none())
+        } else if run.outcome.name() == twin.outcome.name() {
+            Some(EndError {
+                time: off(run.time, twin.time),
+                state: differences(&run.state, &twin.state),
             })
-    } else if run.outcome.name() == twin.outcome.name() {
-        Some(EndError {
-            time: off(run.time, twin.time),
-            state: differences(&run.state, &twin.state),
-        })
-    } else {
-        None
-    };
-    Verification {
-        times,
-        parting,
-        end,
+        } else {
+            None
+        };
+        Verification {
+            times: self.times,
+            parting: self.parting,
+            end,
+        }
+    }
+}
+
+impl Sink<DoubleDouble> for Comparison<'_> {
+    fn samples(&mut self, _: usize, _: &Samples<DoubleDouble>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, theirs: &Event<DoubleDouble>) -> ControlFlow<()> {
+        while !self.is_over {
+            let mine = self.events.peek();
+            if let Some(mine) = mine.filter(|mine| same(mine, theirs)) {
+                let time = off(mine.time, theirs.time);
+                self.times.push(time);
+                self.latest = Some(EndError {
+                    time,
+                    state: differences(&mine.state, &theirs.state),
+                });
+                self.events.next();
+                break;
+            }
+            // A sequence is completed after more impacts in one run than in the other.
+            if completes(mine, Some(theirs)) {
+                break;
+            } else if completes(Some(theirs), mine) {
+                // The time of an impact that the twin has completed is not known.
+                self.times.push(f64::NAN);
+                self.events.next();
+            } else {
+                self.part(Some(theirs));
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn contact_phase(&mut self, _: u64, _: &ContactPhase<DoubleDouble>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
 }
 

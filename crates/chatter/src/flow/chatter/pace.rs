@@ -16,39 +16,56 @@ struct Recent<R> {
     count: usize,
 }
 
-/// The latest impacts of each contact.
+impl<R: Real> Recent<R> {
+    const NONE: Self = Self {
+        impacts: [(R::ZERO, R::ZERO); REMEMBERED],
+        count: 0,
+    };
+}
+
+/// The latest impacts of each contact. Those of the first stand with the trajectory: mostly there is no other, and another
+/// place in memory costs more than what is done there.
 #[derive(Clone, Debug)]
 pub(super) struct Pace<R> {
-    contacts: Vec<Recent<R>>,
+    first: Recent<R>,
+    others: Vec<Recent<R>>,
 }
 
 impl<R: Real> Pace<R> {
     pub(super) fn new() -> Self {
         Self {
-            contacts: Vec::new(),
+            first: Recent::NONE,
+            others: Vec::new(),
         }
     }
 
     /// Takes note of an impact.
-    #[inline]
+    #[inline(always)]
     pub(super) fn observe(&mut self, contact: usize, time: R, rest: R) {
-        if self.contacts.len() <= contact {
-            let none = Recent {
-                impacts: [(R::ZERO, R::ZERO); REMEMBERED],
-                count: 0,
-            };
-            self.contacts.resize(contact + 1, none);
-        }
-        let recent = &mut self.contacts[contact];
+        let recent = match contact {
+            0 => &mut self.first,
+            _ => self.other(contact - 1),
+        };
         recent.impacts[recent.count % REMEMBERED] = (time, rest);
         recent.count += 1;
+    }
+
+    fn other(&mut self, index: usize) -> &mut Recent<R> {
+        if self.others.len() <= index {
+            self.others.resize(index + 1, Recent::NONE);
+        }
+        &mut self.others[index]
     }
 
     /// How long the impacts of a contact may still go on: what its own sequence would take, or, where others come between
     /// and slow it down less, what the impacts remembered would if they went on like this. Nothing where the latest impact
     /// is followed by none.
     pub(super) fn rest(&self, contact: usize, forever: R) -> R {
-        let Some(recent) = self.contacts.get(contact).filter(|recent| recent.count > 0) else {
+        let recent = match contact {
+            0 => Some(&self.first),
+            _ => self.others.get(contact - 1),
+        };
+        let Some(recent) = recent.filter(|recent| recent.count > 0) else {
             return R::ZERO;
         };
         let (now, rest) = recent.impacts[(recent.count - 1) % REMEMBERED];

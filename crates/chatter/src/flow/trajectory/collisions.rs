@@ -9,6 +9,7 @@
 //! the event while it lasts: m + f s with the shift s = -grad(h) m / v of its time, and m - f s again afterwards.
 
 use super::Trajectory;
+use super::cascade::Cascade;
 use super::sequence::BURST;
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
@@ -23,8 +24,8 @@ use crate::numerics::{Real, WithTerms, two_sum};
 /// So many collisions of an instant are told one by one; what follows of a cascade is told as a whole.
 const TOLD: u64 = 64;
 
-/// A cascade has converged long before, whatever the restitution: it is none.
-const MOST: u64 = 100_000;
+/// A cascade has converged long before, whatever the restitution, unless one body is a million times as heavy as another.
+const MOST: u64 = 1_000_000;
 
 /// A cascade that is told as a whole stops where no rate is closing by more than rounding; what it would still do to the rates
 /// of contacts beside is a few times that.
@@ -99,18 +100,21 @@ impl<R: Real> Trajectory<R> {
                     count: MOST as usize,
                 });
             }
-            let impulses = match self.law {
-                Simultaneous::Binary => {
-                    let restitution = touch.restitution[fastest].value;
-                    self.check_restitution(fastest, restitution)?;
-                    (self.state, self.low) = self.after_collision(system, fastest)?;
-                    self.stop_sliding(system, fastest)?;
-                    let rate = touch.rate[fastest].value;
-                    vec![(fastest, rate, -(restitution * rate))]
-                }
-                Simultaneous::Moreau => self.moreau(&touch, touching)?,
+            let can_carry_on = self.law == Simultaneous::Binary
+                && system.rubbing().is_empty()
+                && self.touches(system)?.0.is_linear()
+                && self.state.len() == self.coordinates;
+            let (impulses, made) = if count >= TOLD && can_carry_on {
+                (Vec::new(), self.carry_on(&touch)?)
+            } else {
+                let impulses = match self.law {
+                    Simultaneous::Binary => self.collide_one(system, &touch, fastest)?,
+                    Simultaneous::Moreau => self.moreau(&touch, touching)?,
+                };
+                let made = impulses.len() as u64;
+                (impulses, made)
             };
-            let done = count + impulses.len() as u64;
+            let done = count + made;
             let touch = self.touch_values(system)?;
             let Some(collisions) = &mut self.collisions else {
                 return Ok(None);
@@ -144,6 +148,42 @@ impl<R: Real> Trajectory<R> {
                 }));
             }
         }
+    }
+
+    /// One contact collides: its rate before and after. The state is moved.
+    fn collide_one(
+        &mut self,
+        system: &System,
+        touch: &Touch<R>,
+        contact: usize,
+    ) -> Result<Vec<(usize, R, R)>, FlowError> {
+        let restitution = touch.restitution[contact].value;
+        self.check_restitution(contact, restitution)?;
+        (self.state, self.low) = self.after_collision(system, contact)?;
+        self.stop_sliding(system, contact)?;
+        let rate = touch.rate[contact].value;
+        Ok(vec![(contact, rate, -(restitution * rate))])
+    }
+
+    /// Carries on a cascade whose impulses change rates by constant amounts; returns how many collisions that were. The
+    /// state is moved.
+    fn carry_on(&mut self, touch: &Touch<R>) -> Result<u64, FlowError> {
+        let Some(collisions) = &mut self.collisions else {
+            return Ok(0);
+        };
+        let contacts: Vec<usize> = collisions.touching.contacts().collect();
+        let mut cascade = Cascade::new(touch, &contacts, &collisions.greatest);
+        cascade.carry_on(MOST - collisions.count);
+        for (&contact, &greatest) in contacts.iter().zip(cascade.greatest()) {
+            collisions.greatest[contact] = greatest;
+        }
+        for (&contact, &impulse) in contacts.iter().zip(&cascade.impulses) {
+            if impulse > R::ZERO {
+                self.check_restitution(contact, touch.restitution[contact].value)?;
+                self.push(&touch.jump[contact], impulse);
+            }
+        }
+        Ok(cascade.count)
     }
 
     /// Moreau's impulses: contact, rate before and after of each that gets one. The state is moved.
@@ -526,25 +566,9 @@ fn ambiguity<R: Real>(touch: &Touch<R>, touching: Closed) -> Option<(usize, usiz
 
 /// The impulses of all collisions if this contact goes first; none if they have no end.
 fn outcome<R: Real>(touch: &Touch<R>, contacts: &[usize], first: usize) -> Option<Vec<f64>> {
-    let number = |value: &WithTerms<R>| value.value.to_f64();
-    let mut rates: Vec<f64> = contacts.iter().map(|&i| number(&touch.rate[i])).collect();
-    let levels: Vec<f64> = contacts
-        .iter()
-        .map(|&i| touch.rate[i].level().to_f64())
-        .collect();
-    let mut impulses = vec![0.0; contacts.len()];
-    let mut next = contacts.iter().position(|&i| i == first)?;
-    for _ in 0..MOST {
-        let push = -(1.0 + number(&touch.restitution[contacts[next]])) * rates[next];
-        impulses[next] += push;
-        for (k, &i) in contacts.iter().enumerate() {
-            rates[k] += touch.coupling[i][contacts[next]].to_f64() * push;
-        }
-        let fastest = (0..contacts.len()).min_by(|&a, &b| rates[a].total_cmp(&rates[b]))?;
-        if rates[fastest] >= -levels[fastest] {
-            return Some(impulses);
-        }
-        next = fastest;
-    }
-    None
+    let none = vec![R::ZERO; touch.rate.len()];
+    let mut cascade = Cascade::new(touch, contacts, &none);
+    cascade.collide(contacts.iter().position(|&i| i == first)?);
+    let ends = cascade.carry_on(MOST);
+    ends.then(|| cascade.impulses.iter().map(|p| p.to_f64()).collect())
 }

@@ -47,6 +47,11 @@ struct Verdict<R> {
 }
 
 impl<R: Real> Trajectory<R> {
+    /// Whether the state is held on a surface by the fields on its sides.
+    pub fn is_sliding(&self, system: &System) -> bool {
+        (0..system.corners().surfaces.len()).any(|k| self.regime.get(k) == Side::Sliding)
+    }
+
     /// Finds side and piece of every corner by the values at the state.
     pub(super) fn place_on_sides(&mut self, system: &System) -> Result<(), FlowError> {
         if system.corners().is_empty() {
@@ -164,6 +169,16 @@ impl<R: Real> Trajectory<R> {
             if touched.is_empty() {
                 break;
             }
+            // What is slid along is held by fields that may jump here.
+            let slid = (standings.iter())
+                .map(|standing| standing.corner)
+                .filter(|&corner| {
+                    let slides = matches!(corner, Corner::Surface(k)
+                    if self.regime.get(k) == Side::Sliding);
+                    slides && !touched.contains(&corner) && !chosen.contains(&corner)
+                });
+            let slid: Vec<Corner> = slid.collect();
+            let touched = [touched, slid].concat();
             self.choose_sides(system, &touched)?;
             chosen.extend(touched);
         }
@@ -229,7 +244,8 @@ impl<R: Real> Trajectory<R> {
         let now = self.standing_sides();
         let mut candidates = vec![now.clone()];
         for &corner in touched {
-            let options = self.options(system, corner)?;
+            let jumps = self.jumps(system, corner, &now)?;
+            let options = self.options(system, corner, jumps)?;
             let wider = candidates.len() * options.len();
             if wider > MOST_CANDIDATES {
                 return Err(self.no_mode(system, touched));
@@ -240,19 +256,6 @@ impl<R: Real> Trajectory<R> {
         }
         let mut verdicts: Vec<Verdict<R>> = Vec::new();
         for candidate in candidates {
-            let slides = |c: &Candidate| {
-                (touched.iter()).any(|&corner| {
-                    matches!(corner, Corner::Surface(k) if c.sides.get(k) == Side::Sliding)
-                })
-            };
-            // Where all fields agree there is nothing to slide along.
-            if slides(&candidate)
-                && !system.is_rubbed(touched)
-                && verdicts.len() > 1
-                && verdicts.iter().all(|v| same_field(v, &verdicts[0]))
-            {
-                continue;
-            }
             if !self.try_sides(system, &candidate)? {
                 continue;
             }
@@ -266,7 +269,7 @@ impl<R: Real> Trajectory<R> {
             1 => 0,
             _ => {
                 let current = verdicts.iter().position(|v| v.candidate == now);
-                let agree = verdicts.iter().all(|v| same_field(v, &verdicts[0]));
+                let agree = (verdicts.iter()).all(|v| same_field(&v.field, &verdicts[0].field));
                 match current {
                     Some(place) if agree || verdicts[place].is_balanced => place,
                     _ if agree => 0,
@@ -288,19 +291,56 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
+    /// Whether the field differs on the two sides of a surface, so that it may be slid along; the present sides are kept.
+    fn jumps(
+        &mut self,
+        system: &System,
+        corner: Corner,
+        now: &Candidate,
+    ) -> Result<bool, FlowError> {
+        let Corner::Surface(index) = corner else {
+            return Ok(false);
+        };
+        if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
+            return Ok(self.closed.contains(rubs.contact));
+        }
+        let mut fields = Vec::with_capacity(2);
+        for side in [Side::Above, Side::Below] {
+            let mut candidate = now.clone();
+            candidate.sides = now.sides.with(index, side);
+            if self.try_sides(system, &candidate)? {
+                fields.push(self.field_here(system)?);
+            }
+        }
+        self.try_sides(system, now)?;
+        Ok(match &fields[..] {
+            [above, below] => !same_field(above, below),
+            _ => true,
+        })
+    }
+
+    /// The field of the present mode at the state.
+    fn field_here(&self, system: &System) -> Result<Vec<WithTerms<R>>, FlowError> {
+        let program = self.program(system)?;
+        let Some(constants) = &self.constants[self.mode] else {
+            return Ok(Vec::new());
+        };
+        let start = (&self.state[..], &self.low[..]);
+        Ok(with_terms(&program.field, &constants.field, start))
+    }
+
     /// What may become of one corner, the sides first.
     fn options(
         &self,
         system: &System,
         corner: Corner,
+        jumps: bool,
     ) -> Result<Vec<Box<dyn Fn(Candidate) -> Candidate>>, FlowError> {
         let mut options: Vec<Box<dyn Fn(Candidate) -> Candidate>> = Vec::new();
         match corner {
             Corner::Surface(index) => {
-                let rubs = system.rubbing().iter().find(|r| r.surface == index);
-                let may_slide = rubs.is_none_or(|rubs| self.closed.contains(rubs.contact));
                 let sides = [Side::Above, Side::Below, Side::Sliding];
-                for &side in &sides[..if may_slide { 3 } else { 2 }] {
+                for &side in &sides[..if jumps { 3 } else { 2 }] {
                     options.push(Box::new(move |mut candidate| {
                         candidate.sides = candidate.sides.with(index, side);
                         candidate
@@ -360,12 +400,7 @@ impl<R: Real> Trajectory<R> {
         candidate: Candidate,
         touched: &[Corner],
     ) -> Result<Option<Verdict<R>>, FlowError> {
-        let program = self.program(system)?;
-        let Some(constants) = &self.constants[self.mode] else {
-            return Ok(None);
-        };
-        let start = (&self.state[..], &self.low[..]);
-        let field = with_terms(&program.field, &constants.field, start);
+        let field = self.field_here(system)?;
         if !field.iter().all(|f| f.value.is_finite()) {
             return Ok(None);
         }
@@ -507,7 +542,18 @@ impl<R: Real> Trajectory<R> {
             rate.value.abs() > rate.level()
         };
         if !self.closed.contacts().any(moves) {
-            return Ok(());
+            // The force that holds a contact may have jumped, too.
+            let pressed = |contact: usize| {
+                let free = &touch.acceleration[contact];
+                free.value < -free.level()
+            };
+            let mut members = self.closed.contacts();
+            if let (Some(contact), None) = (members.next(), members.next())
+                && pressed(contact)
+            {
+                return Ok(());
+            }
+            return self.rest_again(system, work);
         }
         let fastest = (self.closed.contacts()).min_by(|&a, &b| {
             let (a, b) = (touch.rate[a].value, touch.rate[b].value);
@@ -529,6 +575,16 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
+    /// Decides anew which of the closed contacts stay closed; tells of those that open.
+    fn rest_again(&mut self, system: &System, work: &mut Workspace<R>) -> Result<(), FlowError> {
+        let before = self.closed;
+        self.bring_to_rest(system, work, Closed::NONE)?;
+        for contact in before.contacts().filter(|&c| !self.closed.contains(c)) {
+            self.pending.push_back(Occurrence::Release { contact });
+        }
+        Ok(())
+    }
+
     fn no_mode(&self, system: &System, touched: &[Corner]) -> FlowError {
         FlowError::NoMode {
             time: self.time.to_f64(),
@@ -537,9 +593,9 @@ impl<R: Real> Trajectory<R> {
     }
 }
 
-/// Whether two modes move the state alike.
-fn same_field<R: Real>(a: &Verdict<R>, b: &Verdict<R>) -> bool {
-    (a.field.iter().zip(&b.field)).all(|(a, b)| (a.value - b.value).abs() <= a.level() + b.level())
+/// Whether two fields move the state alike.
+fn same_field<R: Real>(a: &[WithTerms<R>], b: &[WithTerms<R>]) -> bool {
+    (a.iter().zip(b)).all(|(a, b)| (a.value - b.value).abs() <= a.level() + b.level())
 }
 
 fn names(system: &System, corners: &[Corner]) -> Vec<String> {

@@ -4,6 +4,7 @@
 //! the start of the next step, which are divided out. Intervals are half open: an event at the end of a step belongs to
 //! it, one at the start does not.
 
+mod cascade;
 mod collisions;
 mod contact;
 mod corners;
@@ -18,7 +19,7 @@ use super::occurrence::Occurrence;
 use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes};
 use super::resolve::{Resolution, crossed_here, resolve};
 use super::sides::Sides;
-use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace, least_step};
+use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
 use super::touch::TouchConstants;
 use super::touching::{Left, Touching};
@@ -341,13 +342,9 @@ impl<R: Real> Trajectory<R> {
         }
         work.reach = self.reach;
         work.horizon = self.remaining();
-        work.least_step = self.least_step();
+        work.time = self.time;
         work.tau = tau;
         class
-    }
-
-    pub(crate) fn least_step(&self) -> R {
-        least_step(self.time)
     }
 
     fn result(&self, work: &Workspace<R>) -> StepResult<R> {
@@ -464,7 +461,7 @@ impl<R: Real> Trajectory<R> {
                 self.flight_time = result.flight_time;
                 self.touching.set(index, 1);
                 if system.corners().is_empty() {
-                    return self.after_impact(system, work, contact, &result.impact);
+                    return self.after_impact(system, work, program, (contact, &result.impact));
                 }
                 self.after_impact_at_corners(system, work, contact, result.impact)
             }

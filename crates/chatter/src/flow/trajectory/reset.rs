@@ -89,7 +89,8 @@ impl<R: Real> Trajectory<R> {
             self.flight_time = flight_time(impact[1], impact[2], impact[3]);
             self.tracker.interrupt();
         }
-        self.after_impact(system, work, contact, &impact)
+        let program = self.program(system)?;
+        self.after_impact(system, work, program, (contact, &impact))
     }
 
     /// An impulse with full friction that has turned the sliding round was larger than what stops it: the contact sticks

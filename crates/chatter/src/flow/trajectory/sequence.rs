@@ -5,7 +5,7 @@ use crate::expressions::Operand;
 use crate::flow::chatter::{Accumulation, LocalPoint, SequenceMap};
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, GuardKind};
+use crate::flow::program::{Closed, GuardKind, Program};
 use crate::flow::step::{FOREVER, Workspace, legal_rates};
 use crate::flow::system::System;
 use crate::numerics::polynomial::magnitude;
@@ -33,8 +33,8 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-        contact: usize,
-        impact: &[R],
+        program: &Program,
+        (contact, impact): (usize, &[R]),
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         let &[
             rate_before,
@@ -102,6 +102,9 @@ impl<R: Real> Trajectory<R> {
                 });
             }
         }
+        if is_short && system.model().contacts[contact].reset.is_some() {
+            return Err(self.resets_without_end(contact));
+        }
         let rest_of_sequence = if self.flight_time < R::splat(FOREVER) && at_rest < R::ONE {
             self.flight_time / (R::ONE - at_rest)
         } else {
@@ -115,12 +118,12 @@ impl<R: Real> Trajectory<R> {
             restitution: at_rest,
         };
         let end = if at_rest < R::ONE {
-            self.sequence_end(system, work, contact, local)?
+            self.sequence_end(work, program, contact, local)
         } else {
             None
         };
         if let Some(end) = end
-            && self.ends_undisturbed(system, work, contact, &end)?
+            && self.ends_undisturbed(work, program, contact, &end)
         {
             self.completion = Some((contact, end));
         } else if acceleration < R::ZERO && at_rest < R::ONE && is_short {
@@ -137,6 +140,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Whether a rate is so small that it is worth asking what terms it is the sum of.
+    #[inline(always)]
     fn may_be_rounding(&self, rate: R) -> bool {
         let states = self.state[..self.coordinates].iter();
         let largest = states.fold(R::ZERO, |most, x| most.max(x.abs()));
@@ -162,16 +166,13 @@ impl<R: Real> Trajectory<R> {
     #[inline(always)]
     fn sequence_end(
         &mut self,
-        system: &System,
         work: &mut Workspace<R>,
+        program: &Program,
         contact: usize,
         local: LocalPoint<R>,
-    ) -> Result<Option<Accumulation<R>>, FlowError> {
-        let program = self.program(system)?;
-        let constants = &self.constants[self.mode];
-        let (Some(tapes), Some(constants)) = (&program.sequences[contact], constants) else {
-            return Ok(None);
-        };
+    ) -> Option<Accumulation<R>> {
+        let tapes = program.sequences[contact].as_ref()?;
+        let constants = self.constants[self.mode].as_ref()?;
         let mut map = SequenceMap {
             tapes,
             constants: &constants.sequences[contact],
@@ -180,7 +181,7 @@ impl<R: Real> Trajectory<R> {
         };
         let time = (self.time, self.time_low);
         let state = (&self.state[..], &self.low[..]);
-        Ok(self.tracker.observe(contact, local, time, state, &mut map))
+        self.tracker.observe(contact, local, time, state, &mut map)
     }
 
     /// Whether nothing else happens until the end of a chatter sequence: the trajectory does not stop before, no other
@@ -188,22 +189,21 @@ impl<R: Real> Trajectory<R> {
     /// shorter. A section that contains the state at rest is crossed without end, and never in the way.
     fn ends_undisturbed(
         &self,
-        system: &System,
         work: &mut Workspace<R>,
+        program: &Program,
         contact: usize,
         end: &Accumulation<R>,
-    ) -> Result<bool, FlowError> {
+    ) -> bool {
         /// Flights back and forth may change a guard by more than one free flight of the same length does.
         const MARGIN: f64 = 2.0;
         if end.after > self.remaining() {
-            return Ok(false);
+            return false;
         }
-        let program = self.program(system)?;
         let Some(constants) = &self.constants[self.mode] else {
-            return Ok(true);
+            return true;
         };
         if program.guards.len() < 2 {
-            return Ok(true);
+            return true;
         }
         let (state, low) = (&self.state, &self.low);
         work.expand_at(&program.tape, &constants.tape, (state, low), end.after);
@@ -222,16 +222,16 @@ impl<R: Real> Trajectory<R> {
         });
         let moving: Vec<(usize, R)> = moving.collect();
         if moving.is_empty() {
-            return Ok(true);
+            return true;
         }
         let rest: Vec<R> = (state.iter().zip(low).zip(&end.change))
             .map(|((&x, &low), &change)| x + (low + change))
             .collect();
         let zero = vec![R::ZERO; rest.len()];
         work.expand_at(&program.tape, &constants.tape, (&rest, &zero), R::ZERO);
-        Ok(moving
+        moving
             .iter()
-            .all(|&(slot, change)| work.point.series(slot)[0].abs() <= change * R::splat(AT_REST)))
+            .all(|&(slot, change)| work.point.series(slot)[0].abs() <= change * R::splat(AT_REST))
     }
 
     /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero. What
@@ -250,6 +250,13 @@ impl<R: Real> Trajectory<R> {
         self.complete(system, work, contact, &end)
     }
 
+    fn resets_without_end(&self, contact: usize) -> FlowError {
+        FlowError::ResetsWithoutEnd {
+            time: self.time.to_f64(),
+            contact,
+        }
+    }
+
     /// Moves to the end of a chatter sequence.
     pub(super) fn complete(
         &mut self,
@@ -258,6 +265,9 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
         end: &Accumulation<R>,
     ) -> Result<Occurrence<R>, FlowError> {
+        if system.model().contacts[contact].reset.is_some() {
+            return Err(self.resets_without_end(contact));
+        }
         for ((x, low), &change) in self.state.iter_mut().zip(&mut self.low).zip(&end.change) {
             (*x, *low) = two_sum(*x, change + *low);
         }

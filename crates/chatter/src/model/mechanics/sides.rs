@@ -205,6 +205,16 @@ impl Mechanics {
         }
     }
 
+    /// Whether an expression vanishes, or is a number that is rounding of what it is a difference of.
+    fn is_rounding(&self, expr: Expr, of: Expr) -> bool {
+        match (self.graph.as_number(expr), self.graph.as_number(of)) {
+            (Some(value), Some(of)) => {
+                value.high().abs() <= f64::EPSILON * of.high().abs().max(f64::MIN_POSITIVE)
+            }
+            _ => self.vanishes(expr),
+        }
+    }
+
     /// Whether surfaces that are slid along together change the field one by one.
     fn check_slides(
         &mut self,
@@ -224,7 +234,7 @@ impl Mechanics {
                     let both = self.graph.mul(two, both);
                     let change = self.graph.sub(above[i], below[i]);
                     let mixed = self.graph.sub(change, both);
-                    if !self.vanishes(mixed) {
+                    if !self.is_rounding(mixed, change) {
                         return Err(MechanicsError::MixedSurfaces {
                             first: second.index,
                             second: first.index,

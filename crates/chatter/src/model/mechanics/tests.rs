@@ -28,6 +28,7 @@ fn blank(states: usize, parameters: usize) -> Model {
         contacts: Vec::new(),
         sections: Vec::new(),
         definitions: Vec::new(),
+        surfaces: Vec::new(),
     }
 }
 
@@ -39,6 +40,8 @@ fn contact(model: &mut Model, gap: Expr, impulse: &[f64], restitution: Expr) {
         gap,
         impulse,
         restitution,
+        reset: None,
+        friction: None,
     });
 }
 

@@ -1,61 +1,19 @@
 //! What programs read: the JSON document, tables, figures, exit codes.
 
+use crate::common::{Folder, chatter, command, interrupt, number, told};
 use serde_json::Value;
-use std::path::PathBuf;
-use std::process::{Command, Output};
-
-/// A folder of its own for each test, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("chatter-cli-{test}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn with(&self, name: &str, text: &str) -> String {
-        let file = self.file(name);
-        std::fs::write(&file, text).unwrap();
-        file
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn chatter(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
-    command.args(arguments).output().unwrap()
-}
+use std::process::Stdio;
+use std::time::Duration;
 
 fn document(arguments: &[&str], exit_code: i32) -> Value {
     let output = chatter(arguments);
-    assert_eq!(
-        output.status.code(),
-        Some(exit_code),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    told(&output, exit_code, &arguments.join(" "));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn events<'a>(document: &'a Value, kind: &str) -> Vec<&'a Value> {
     let events = document["events"].as_array().unwrap().iter();
     events.filter(|event| event["kind"] == kind).collect()
-}
-
-fn number(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("a number, not {value}"))
 }
 
 fn keys(value: &Value) -> Vec<&str> {
@@ -346,8 +304,7 @@ fn shipped_models_run() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_keeps_what_is_done() {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
-    command.args([
+    let run = [
         "simulate",
         VALVE,
         "--until",
@@ -355,18 +312,10 @@ fn an_interrupt_keeps_what_is_done() {
         "--impacts",
         "1000000000",
         "--json",
-    ]);
-    let child = command
-        .stdout(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(200));
-    let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(killed.success());
-    let output = child.wait_with_output().unwrap();
+    ];
+    let child = command(&run).stdout(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(200));
+    let output = interrupt(child);
     assert_eq!(output.status.code(), Some(130));
     let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(document["outcome"], "interrupted");

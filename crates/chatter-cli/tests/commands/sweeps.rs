@@ -1,19 +1,12 @@
 //! What a sweep carries and starts from: hysteresis, basins of attraction, single values, documents, limits.
 
-mod common;
-
+use crate::common::{
+    Folder, begin, chatter, document, fails, interrupt_within, succeeds, typed, wait_for,
+};
 use chatter_io::journal::{Journal, Unread};
 use chatter_io::tables::NpzReader;
-use common::{Folder, begin, chatter, fails, succeeds, typed, wait_for};
 use serde_json::Value;
-use std::process::Command;
-use std::time::{Duration, Instant};
-
-fn document(arguments: &[&str]) -> Value {
-    let text = succeeds(arguments);
-    assert!(text.ends_with("}\n"));
-    serde_json::from_str(&text).unwrap()
-}
+use std::time::Duration;
 
 fn texts<'a>(columns: &'a Value, name: &str) -> Vec<&'a str> {
     let columns = columns["columns"].as_array().unwrap();
@@ -357,26 +350,12 @@ fn a_run_that_never_returns_is_broken_off_within_a_second() {
     let out = folder.file("a.npz");
     let line = "diagram impact_oscillator --sweep omega=2.2:2.4:400 --observe v --at graze --longest-return 1e9 \
                 --most-impacts 1000000000000 --out";
-    let mut child = begin(&typed(line, &[&out]));
+    let child = begin(&typed(line, &[&out]));
     wait_for(&format!("{out}.journal"), 1);
     std::thread::sleep(Duration::from_millis(500));
-    let began = Instant::now();
-    let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
-    let status = child.wait().unwrap();
     // Less than a tenth of that on a machine with nothing else to do.
-    assert!(
-        began.elapsed() < Duration::from_secs(1),
-        "{:?}",
-        began.elapsed()
-    );
-    assert_eq!(status.code(), Some(130));
+    let output = interrupt_within(Duration::from_secs(1), child);
+    assert_eq!(output.status.code(), Some(130));
 }
 
 #[test]

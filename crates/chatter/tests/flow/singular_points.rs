@@ -42,7 +42,9 @@ fn assert_singular(
     error: f64,
 ) {
     match simulation.outcome {
-        Outcome::Failed(FlowError::Singular { time, kind: found }) => {
+        Outcome::Failed(FlowError::Singular {
+            time, kind: found, ..
+        }) => {
             assert_eq!(found, kind, "{what}");
             assert!((time - at).abs() <= error, "{what}: {time} is not {at}");
         }
@@ -205,30 +207,33 @@ fn what_is_singular_on_a_surface_does_not_hide_the_impact() {
 #[test]
 fn a_loose_tolerance_is_quick() {
     for (name, text) in [
-        ("ball", include_str!("../../../models/bouncing_ball.toml")),
+        (
+            "ball",
+            include_str!("../../../../models/bouncing_ball.toml"),
+        ),
         (
             "table",
-            include_str!("../../../models/bouncing_ball_on_table.toml"),
+            include_str!("../../../../models/bouncing_ball_on_table.toml"),
         ),
         (
             "follower",
-            include_str!("../../../models/cam_follower.toml"),
+            include_str!("../../../../models/cam_follower.toml"),
         ),
         (
             "oscillator",
-            include_str!("../../../models/impact_oscillator.toml"),
+            include_str!("../../../../models/impact_oscillator.toml"),
         ),
         (
             "stops",
-            include_str!("../../../models/impact_oscillator_two_sided.toml"),
+            include_str!("../../../../models/impact_oscillator_two_sided.toml"),
         ),
         (
             "linear",
-            include_str!("../../../models/linear_impacting_system.toml"),
+            include_str!("../../../../models/linear_impacting_system.toml"),
         ),
         (
             "valve",
-            include_str!("../../../models/pressure_relief_valve.toml"),
+            include_str!("../../../../models/pressure_relief_valve.toml"),
         ),
     ] {
         let model = model(text);
@@ -287,5 +292,44 @@ proptest! {
         let text = format!("cos(3*t) + {strength:?}/({at:?} - t)^{power}");
         let simulation = rate(&text, 0.0, 3.0);
         assert_singular(&text, &simulation, Singularity::Division, at, 1e-14);
+    }
+}
+
+/// A sum of positive terms has no zero, however large one of them grows beside the other, and whatever else is computed to
+/// how high an order.
+#[test]
+fn saturating_quotients_of_exponentials_are_followed() {
+    for power in 0..=12 {
+        let k = libm::exp10(f64::from(power) / 3.0);
+        for section in ["", "[section.fast]\nsurface = \"v + 0.3\"\n"] {
+            let run = |drag: &str| {
+                let text = format!(
+                    "[flight]\nx = \"v\"\nv = \"-0.5 - 0.2*({drag}) + 0.8*cos(1.3*t + 0.1)\"\n\
+                     [[contact]]\ngap = \"x\"\nimpulse = {{ v = 1 }}\nrestitution = 0.3\n{section}\
+                     [initial]\nx = 0\nv = 0\n"
+                );
+                run::<f64>(&model(&text), &Spec::until(10.0))
+            };
+            let quotient = run(&format!("(1 - exp(-{k:?}*v))/(1 + exp(-{k:?}*v))"));
+            let tanh = run(&format!("tanh({:?}*v)", 0.5 * k));
+            // e^-kv has no finite value where the speed is too large.
+            if quotient.outcome != Outcome::Horizon {
+                assert!(
+                    matches!(
+                        quotient.outcome,
+                        Outcome::Failed(FlowError::LeftDomain { .. })
+                    ),
+                    "{k} {:?}",
+                    quotient.outcome
+                );
+                let speed = quotient.state[1].abs();
+                assert!(k * speed > 600.0, "{k} {speed}");
+                continue;
+            }
+            assert_eq!(tanh.outcome, Outcome::Horizon, "{k}");
+            for (a, b) in quotient.state.iter().zip(&tanh.state) {
+                assert!((a - b).abs() < 1e-8, "{k} {a} {b}");
+            }
+        }
     }
 }

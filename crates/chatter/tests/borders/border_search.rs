@@ -2,12 +2,13 @@
 
 use chatter::analysis::border::*;
 use chatter::model::Model;
+use std::ops::ControlFlow;
 
-const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
-const OSCILLATOR: &str = include_str!("../../../models/impact_oscillator.toml");
-const CAM: &str = include_str!("../../../models/cam_follower.toml");
-const TABLE: &str = include_str!("../../../models/bouncing_ball_on_table.toml");
-const LINEAR: &str = include_str!("../../../models/linear_impacting_system.toml");
+const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
+const OSCILLATOR: &str = include_str!("../../../../models/impact_oscillator.toml");
+const CAM: &str = include_str!("../../../../models/cam_follower.toml");
+const TABLE: &str = include_str!("../../../../models/bouncing_ball_on_table.toml");
+const LINEAR: &str = include_str!("../../../../models/linear_impacting_system.toml");
 
 fn read(text: &str) -> Model {
     Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"))
@@ -33,6 +34,44 @@ fn close(a: f64, b: f64, tolerance: f64) {
 fn invariants(border: &Border<f64>) -> [f64; 3] {
     let exact = &border.exact;
     [exact.slope, exact.unfolding_rate, exact.amplitude].map(|estimate| estimate.value)
+}
+
+/// A range of very many parts is searched stretch by stretch, and what was found stays when the search is broken off.
+#[test]
+fn a_search_in_stretches_finds_the_same_and_keeps_it_when_broken_off() {
+    let model = read(OSCILLATOR);
+    let whole = borders(&model, "sigma", -0.9, 0.95);
+    assert!(whole.borders.len() > 1 && whole.is_complete);
+    let spec = BorderSpec {
+        samples: 3000,
+        ..BorderSpec::new("sigma")
+    };
+    let mut parts = Vec::new();
+    let fine = search_range::<f64>(&model, &spec, (-0.9, 0.95), &mut |reached| {
+        parts.push(reached.done);
+        ControlFlow::Continue(())
+    });
+    let fine = fine.unwrap();
+    assert!(parts.is_sorted() && parts[0] < 1e-3 && parts[parts.len() - 1] > 0.9);
+    assert!(parts.iter().all(|part| (0.0..=1.0).contains(part)) && parts.len() > 3000);
+    assert_eq!(
+        (fine.borders.len(), fine.is_complete),
+        (whole.borders.len(), true)
+    );
+    for (a, b) in fine.borders.iter().zip(&whole.borders) {
+        close(a.value.value, b.value.value, 1e-14);
+    }
+    let first = search_range::<f64>(&model, &spec, (-0.9, 0.95), &mut |reached| match reached
+        .borders
+    {
+        0 => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    });
+    let first = first.unwrap();
+    assert_eq!(
+        (first.borders.as_slice(), first.is_complete),
+        (&fine.borders[..1], false)
+    );
 }
 
 /// At sigma = -1 the release point is a double root; from there on the phase must not walk away.

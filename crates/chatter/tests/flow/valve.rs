@@ -4,7 +4,7 @@ use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real, Scalar};
 
-const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
+const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
 
 /// Times and states of all occurrences up to and including the first accumulation or section, whichever is asked for.
 struct Run<R> {

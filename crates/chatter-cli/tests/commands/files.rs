@@ -1,98 +1,9 @@
 //! What a user's files can count on: outputs stand where they were asked for, two processes do not share one, links and
 //! permissions stay, and text from files does nothing to a terminal.
 
-#![cfg(unix)]
-
+use crate::common::{Folder, wait_for};
 use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
-use std::path::PathBuf;
-use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
-
-/// A folder of its own for each test, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("chatter-{test}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.file(name), text).unwrap();
-    }
-
-    fn bytes(&self, name: &str) -> Vec<u8> {
-        std::fs::read(self.file(name)).unwrap()
-    }
-
-    fn names(&self, folder: &str) -> Vec<String> {
-        let entries = std::fs::read_dir(self.file(folder)).unwrap();
-        let name = |entry: std::io::Result<std::fs::DirEntry>| {
-            entry.unwrap().file_name().into_string().unwrap()
-        };
-        let mut names: Vec<String> = entries.map(name).collect();
-        names.sort();
-        names
-    }
-
-    /// The command, as typed in a folder of this one.
-    fn command(&self, folder: &str, line: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
-        command.args(line.split_whitespace());
-        command.current_dir(self.file(folder));
-        command
-    }
-
-    fn run(&self, folder: &str, line: &str) -> Output {
-        self.command(folder, line).output().unwrap()
-    }
-
-    fn succeeds(&self, folder: &str, line: &str) -> String {
-        let output = self.run(folder, line);
-        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(0), "{line}: {errors}");
-        String::from_utf8(output.stdout).unwrap() + &errors
-    }
-
-    fn fails(&self, folder: &str, line: &str) -> String {
-        let output = self.run(folder, line);
-        assert_eq!(output.status.code(), Some(2), "{line}");
-        String::from_utf8(output.stderr).unwrap()
-    }
-
-    /// Begins a diagram and kills it once so much of it is done.
-    fn kill(&self, folder: &str, line: &str, journal: &str, bytes: u64) {
-        let mut child = self.begin(folder, line);
-        self.wait_for(journal, bytes);
-        child.kill().unwrap();
-        child.wait().unwrap();
-    }
-
-    fn begin(&self, folder: &str, line: &str) -> Child {
-        let mut command = self.command(folder, line);
-        command.stdout(Stdio::null()).stderr(Stdio::null());
-        command.spawn().unwrap()
-    }
-
-    fn wait_for(&self, journal: &str, bytes: u64) {
-        let began = Instant::now();
-        while std::fs::metadata(self.file(journal)).map_or(0, |file| file.len()) < bytes {
-            assert!(began.elapsed() < Duration::from_secs(120), "{journal}");
-            std::thread::sleep(Duration::from_millis(2));
-        }
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
+use std::process::{Child, Command, Stdio};
 
 /// Long enough to be broken off.
 const LONG: &str = "diagram pressure_relief_valve --section closing --observe y2 --start carry \
@@ -102,38 +13,38 @@ const LONG: &str = "diagram pressure_relief_valve --section closing --observe y2
 fn a_resumed_diagram_is_written_where_it_was_begun() {
     let folder = Folder::new("elsewhere");
     for sub in ["sub", "moved"] {
-        std::fs::create_dir(folder.file(sub)).unwrap();
+        std::fs::create_dir(folder.path(sub)).unwrap();
     }
     folder.write("o.npz", "another file");
     folder.write("o.png", "another picture");
     let line = format!("{LONG} --out o.npz --plot o.png");
     folder.succeeds("moved", &line);
     let (whole, picture) = (folder.bytes("moved/o.npz"), folder.bytes("moved/o.png"));
-    std::fs::remove_file(folder.file("moved/o.npz")).unwrap();
-    std::fs::remove_file(folder.file("moved/o.png")).unwrap();
+    std::fs::remove_file(folder.path("moved/o.npz")).unwrap();
+    std::fs::remove_file(folder.path("moved/o.png")).unwrap();
 
     folder.kill("sub", &line, "sub/o.npz.journal", 20_000);
     let journal = String::from_utf8_lossy(&folder.bytes("sub/o.npz.journal")).into_owned();
-    assert!(!journal.contains(folder.0.to_str().unwrap()));
+    assert!(!journal.contains(folder.path("").to_str().unwrap()));
     folder.succeeds(".", "diagram --resume sub/o.npz");
     assert!(folder.bytes("sub/o.npz") == whole);
     assert!(folder.bytes("sub/o.png") == picture);
-    assert_eq!(folder.names("sub"), ["o.npz", "o.png"]);
+    assert_eq!(folder.names_in("sub"), ["o.npz", "o.png"]);
 
     // A journal goes with its folder, and an absolute path is no different.
-    let absolute = folder.file("sub/a.npz");
+    let absolute = folder.path("sub/a.npz");
     let line = format!("{LONG} --out {}", absolute.display());
     folder.kill(".", &line, "sub/a.npz.journal", 20_000);
     let journal = String::from_utf8_lossy(&folder.bytes("sub/a.npz.journal")).into_owned();
-    assert!(!journal.contains(folder.0.to_str().unwrap()));
+    assert!(!journal.contains(folder.path("").to_str().unwrap()));
     std::fs::rename(
-        folder.file("sub/a.npz.journal"),
-        folder.file("moved/b.npz.journal"),
+        folder.path("sub/a.npz.journal"),
+        folder.path("moved/b.npz.journal"),
     )
     .unwrap();
     folder.succeeds(".", "diagram --resume moved/b.npz");
     assert!(folder.bytes("moved/b.npz") == whole);
-    assert_eq!(folder.names("moved"), ["b.npz"]);
+    assert_eq!(folder.names_in("moved"), ["b.npz"]);
     assert_eq!(folder.bytes("o.npz"), b"another file");
     assert_eq!(folder.bytes("o.png"), b"another picture");
 }
@@ -142,7 +53,7 @@ fn a_resumed_diagram_is_written_where_it_was_begun() {
 fn a_figure_in_another_folder_is_asked_for_again() {
     let folder = Folder::new("figure");
     for sub in ["a", "b"] {
-        std::fs::create_dir(folder.file(sub)).unwrap();
+        std::fs::create_dir(folder.path(sub)).unwrap();
     }
     let line = format!("{LONG} --out a/o.npz --plot b/p.png");
     folder.kill(".", &line, "a/o.npz.journal", 10_000);
@@ -155,8 +66,8 @@ fn a_figure_in_another_folder_is_asked_for_again() {
     let line = format!("{LONG} --plot b/p.svg");
     folder.kill(".", &line, "b/p.svg.journal", 10_000);
     folder.succeeds(".", "diagram --resume b/p.svg");
-    assert_eq!(folder.names("a"), ["o.npz"]);
-    assert_eq!(folder.names("b"), ["p.svg", "q.png"]);
+    assert_eq!(folder.names_in("a"), ["o.npz"]);
+    assert_eq!(folder.names_in("b"), ["p.svg", "q.png"]);
 }
 
 #[test]
@@ -185,7 +96,7 @@ fn of_two_processes_on_one_output_one_computes() {
     folder.succeeds(".", line);
     let whole = folder.bytes("o.npz");
     for _ in 0..10 {
-        std::fs::remove_file(folder.file("o.npz")).unwrap();
+        std::fs::remove_file(folder.path("o.npz")).unwrap();
         let children: Vec<Child> = (0..4)
             .map(|_| {
                 let mut command = folder.command(".", line);
@@ -205,11 +116,11 @@ fn of_two_processes_on_one_output_one_computes() {
         }
         assert!(computed >= 1);
         assert!(folder.bytes("o.npz") == whole);
-        assert_eq!(folder.names("."), ["o.npz"]);
+        assert_eq!(folder.names_in("."), ["o.npz"]);
     }
     // Nor does one that goes on share it with another.
     let mut first = folder.begin(".", &format!("{LONG} --out long.npz"));
-    folder.wait_for("long.npz.journal", 10_000);
+    wait_for(&folder.file("long.npz.journal"), 10_000);
     for line in [
         format!("{LONG} --out long.npz"),
         "diagram --resume long.npz".to_owned(),
@@ -225,20 +136,20 @@ fn of_two_processes_on_one_output_one_computes() {
 #[test]
 fn links_permissions_and_pipes_stay() {
     let folder = Folder::new("targets");
-    std::fs::create_dir(folder.file("far")).unwrap();
+    std::fs::create_dir(folder.path("far")).unwrap();
     let line = "simulate bouncing_ball --until 1 --out";
     folder.write("secret.csv", "old");
-    let mode = |name: &str| std::fs::metadata(folder.file(name)).unwrap().mode() & 0o777;
+    let mode = |name: &str| std::fs::metadata(folder.path(name)).unwrap().mode() & 0o777;
     let only_mine = std::fs::Permissions::from_mode(0o600);
-    std::fs::set_permissions(folder.file("secret.csv"), only_mine).unwrap();
+    std::fs::set_permissions(folder.path("secret.csv"), only_mine).unwrap();
     folder.succeeds(".", &format!("{line} secret.csv"));
     assert_eq!(mode("secret.csv"), 0o600);
     folder.write("far/real.csv", "old");
-    symlink("far/real.csv", folder.file("link.csv")).unwrap();
+    symlink("far/real.csv", folder.path("link.csv")).unwrap();
     folder.succeeds(".", &format!("{line} link.csv"));
-    assert!(folder.file("link.csv").is_symlink());
+    assert!(folder.path("link.csv").is_symlink());
     assert!(folder.bytes("far/real.csv") == folder.bytes("secret.csv"));
-    let pipe = folder.file("pipe.csv");
+    let pipe = folder.path("pipe.csv");
     assert!(
         Command::new("mkfifo")
             .arg(&pipe)
@@ -249,7 +160,7 @@ fn links_permissions_and_pipes_stay() {
     let said = folder.fails(".", &format!("{line} pipe.csv"));
     assert!(said.contains("it is a pipe"), "{said}");
     assert!(!std::fs::metadata(&pipe).unwrap().is_file());
-    assert_eq!(folder.names("far"), ["real.csv"]);
+    assert_eq!(folder.names_in("far"), ["real.csv"]);
 }
 
 #[test]
@@ -261,7 +172,7 @@ fn what_a_killed_process_was_writing_is_removed_by_the_one_that_goes_on() {
         folder.write(left, "half of it");
     }
     folder.succeeds(".", "diagram --resume o.npz");
-    assert_eq!(folder.names("."), ["o.npz", "o.png"]);
+    assert_eq!(folder.names_in("."), ["o.npz", "o.png"]);
 }
 
 #[test]
@@ -289,7 +200,7 @@ fn a_journal_with_wrong_rows_is_gone_on_with_from_the_right_ones() {
     let mut bytes = good[..row].to_vec();
     bytes.extend(record);
     bytes.extend(&good[body + length(row)..]);
-    std::fs::write(folder.file("o.npz.journal"), bytes).unwrap();
+    std::fs::write(folder.path("o.npz.journal"), bytes).unwrap();
     folder.succeeds(".", "diagram --resume o.npz");
     assert!(folder.bytes("o.npz") == folder.bytes("whole.npz"));
 }

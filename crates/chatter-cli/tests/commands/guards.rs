@@ -1,97 +1,15 @@
 //! Requests that are more than meant, files that claim more than they hold, models that are more than can be done: each says
 //! so, ends, or is ended by Ctrl-C, in memory that is in proportion.
 
-#![cfg(unix)]
-
+use crate::common::{Folder, interrupt, told};
 use chatter_io::tables::{Kind, NpzReader, NpzWriter, Values};
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Stdio;
+use std::time::Duration;
 
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("chatter-{test}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.file(name), text).unwrap();
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(&self.0).unwrap();
-        let name = |entry: std::io::Result<std::fs::DirEntry>| {
-            entry.unwrap().file_name().into_string().unwrap()
-        };
-        let mut names: Vec<String> = entries.map(name).collect();
-        names.sort();
-        names
-    }
-
-    fn command(&self, line: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
-        command.args(line.split_whitespace()).current_dir(&self.0);
-        command
-    }
-
-    fn run(&self, line: &str) -> Output {
-        self.command(line).output().unwrap()
-    }
-
-    /// With no more than so many megabytes of address space.
-    fn run_within(&self, megabytes: u64, line: &str) -> Output {
-        let program = env!("CARGO_BIN_EXE_chatter");
-        let limited = format!("ulimit -v {}; exec {program} {line}", megabytes * 1024);
-        Command::new("sh")
-            .args(["-c", &limited])
-            .current_dir(&self.0)
-            .output()
-            .unwrap()
-    }
-
-    /// Wrong input, and what is said about it.
-    fn fails(&self, line: &str) -> String {
-        told(&self.run_within(4000, line), 2, line)
-    }
-
-    /// Presses Ctrl-C after so long; what was said.
-    fn interrupt(&self, line: &str, after: Duration) -> String {
-        let mut command = self.command(line);
-        command.stdout(Stdio::piped()).stderr(Stdio::piped());
-        let child = command.spawn().unwrap();
-        std::thread::sleep(after);
-        let id = child.id().to_string();
-        let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
-        assert!(sent.success(), "{line} has ended already");
-        let began = Instant::now();
-        let output = child.wait_with_output().unwrap();
-        // A second on a machine with nothing else to do.
-        assert!(
-            began.elapsed() < Duration::from_secs(4),
-            "{line}: {:?}",
-            began.elapsed()
-        );
-        told(&output, 130, line)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-fn told(output: &Output, code: i32, line: &str) -> String {
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{line}: {said}");
-    said
+/// Wrong input, and what is said about it in no more than so much memory.
+fn fails(folder: &Folder, line: &str) -> String {
+    told(&folder.run_within(4000, line), 2, line)
 }
 
 /// A ball on a floor, under this force.
@@ -114,7 +32,7 @@ fn more_rows_than_a_disk_holds_are_told_first_and_stopped_by_ctrl_c() {
     }
     // What was done stays.
     assert_eq!(folder.names(), ["a.csv", "a.npz"]);
-    let time = NpzReader::open(folder.file("a.npz"))
+    let time = NpzReader::open(folder.path("a.npz"))
         .unwrap()
         .floats("time")
         .unwrap();
@@ -158,7 +76,7 @@ fn ctrl_c_ends_every_long_command() {
     let folder = Folder::new("ctrlc");
     let short = Duration::from_millis(300);
     for line in [
-        "border impact_oscillator --parameter sigma --range -1:1 --samples 20000",
+        "border impact_oscillator --parameter sigma --near 0.2 --windows 5:500",
         "universal --restitution 0.8 --windows 0:60 --periods 1:6 --chaos --out a.csv",
         "universal --restitution 0.8 --sweep mu=0:0.05:100000 --keep 10000 --out a.npz",
         "reproduce --out r",
@@ -169,13 +87,52 @@ fn ctrl_c_ends_every_long_command() {
     assert_eq!(folder.names(), ["r"]);
 }
 
+/// Nor does it take memory for each of a billion parts.
+#[test]
+fn what_a_search_for_borders_has_found_is_told_when_it_is_broken_off() {
+    let folder = Folder::new("search");
+    for samples in ["20000", "1000000000"] {
+        let line =
+            format!("border impact_oscillator --parameter sigma --range -1:1 --samples {samples}");
+        let mut command = folder.command(".", &line);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = command.spawn().unwrap();
+        std::thread::sleep(Duration::from_secs(1));
+        let output = interrupt(child);
+        told(&output, 130, &line);
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(said.contains("interrupted: there may be more"), "{said}");
+    }
+}
+
+#[test]
+fn memory_does_not_grow_with_events() {
+    let folder = Folder::new("events");
+    // Half a million events of 130 bytes, in whatever form they are told.
+    for rest in [
+        "",
+        "--events",
+        "--json",
+        "--sample events --out a.csv",
+        "--sample events --out a.npz",
+    ] {
+        let line = format!("simulate bouncing_ball_on_table --impacts 500000 {rest} > /dev/null");
+        told(&folder.run_within(60, &line), 0, &line);
+    }
+    let file = NpzReader::open(folder.path("a.npz")).unwrap();
+    assert_eq!(file.info("rate_before").unwrap().len(), 500_000);
+    let rows = std::fs::read_to_string(folder.path("a.csv")).unwrap();
+    assert_eq!(rows.lines().count(), 500_001);
+    assert_eq!(folder.names(), ["a.csv", "a.npz"]);
+}
+
 #[test]
 fn memory_does_not_grow_with_the_table() {
     let folder = Folder::new("memory");
     // Some five million rows of four columns.
     let line = "simulate bouncing_ball_on_table --impacts 250000 --out a.npz --sample dense:20";
     told(&folder.run_within(300, line), 0, line);
-    let rows = NpzReader::open(folder.file("a.npz"))
+    let rows = NpzReader::open(folder.path("a.npz"))
         .unwrap()
         .info("time")
         .unwrap()
@@ -205,9 +162,9 @@ fn models_that_are_too_large_are_refused_and_long_ones_are_not() {
         "product.toml",
         &ball(&format!("-1 + 1e-300*{}", factors.join("*")), ""),
     );
-    let said = folder.fails("simulate sines.toml");
+    let said = fails(&folder, "simulate sines.toml");
     assert!(said.contains("nested 20"), "{said}");
-    let said = folder.fails("simulate product.toml");
+    let said = fails(&folder, "simulate product.toml");
     assert!(said.contains("so many factors"), "{said}");
     for name in ["sines", "product"] {
         let line = format!("check {name}.toml");
@@ -247,7 +204,7 @@ fn check_tells_what_simulate_would_refuse() {
     ];
     for (text, expected) in cases {
         folder.write("m.toml", &text);
-        let output = folder.run("check m.toml");
+        let output = folder.run(".", "check m.toml");
         let said = String::from_utf8_lossy(&output.stdout).into_owned()
             + &String::from_utf8_lossy(&output.stderr);
         assert!(said.contains(expected), "{expected}: {said}");
@@ -289,20 +246,20 @@ fn changed(
 fn an_archive_that_claims_more_than_it_holds_is_refused() {
     let folder = Folder::new("claims");
     let line = "diagram bouncing_ball_on_table --at impact --observe v --sweep Gamma=1.2:2:5 --keep 20 --transient 5 --out";
-    told(&folder.run(&format!("{line} one.npz")), 0, line);
+    told(&folder.run(".", &format!("{line} one.npz")), 0, line);
     let map = line.replace("--keep", "--sweep r=0.1:0.5:3 --keep");
-    told(&folder.run(&format!("{map} two.npz")), 0, &map);
+    told(&folder.run(".", &format!("{map} two.npz")), 0, &map);
     let counts = ["1000000000000000000", "100000000", "6", "0"];
     for (name, old) in [("one", "\"count\":5"), ("two", "\"count\":3")] {
         for count in counts {
             changed(
-                folder.file(&format!("{name}.npz")),
-                folder.file("claims.npz"),
+                folder.path(&format!("{name}.npz")),
+                folder.path("claims.npz"),
                 |_, text| text.replace(old, &format!("\"count\":{count}")),
                 |_, _, value| value,
             );
-            folder.fails("plot claims.npz --out a.png");
-            folder.fails("plot claims.npz --out a.png --zoom Gamma=5:6");
+            fails(&folder, "plot claims.npz --out a.png");
+            fails(&folder, "plot claims.npz --out a.png --zoom Gamma=5:6");
         }
     }
     // Values that overflow are drawn, or refused.
@@ -317,8 +274,8 @@ fn an_archive_that_claims_more_than_it_holds_is_refused() {
     ];
     for count in 1..huge.len() {
         changed(
-            folder.file("one.npz"),
-            folder.file("huge.npz"),
+            folder.path("one.npz"),
+            folder.path("huge.npz"),
             |_, text| text,
             |name, place, value| {
                 if name == "v" {
@@ -345,7 +302,8 @@ fn an_archive_that_claims_more_than_it_holds_is_refused() {
 #[test]
 fn maps_that_cannot_be_drawn_are_refused_before_they_are_computed() {
     let folder = Folder::new("cells");
-    let said = folder.fails(
+    let said = fails(
+        &folder,
         "diagram bouncing_ball_on_table --at impact --observe v --sweep Gamma=1.2:2:10000 --sweep r=0.1:0.5:10000 --plot a.png",
     );
     assert!(said.contains("10000 by 10000 cells"), "{said}");

@@ -1,11 +1,7 @@
 //! Orbit diagrams as a user computes them: tables, resumption after kill and Ctrl-C, pictures, wrong input.
 
-mod common;
-
+use crate::common::{Folder, begin, chatter, fails, interrupt, succeeds, told, typed, wait_for};
 use chatter_io::tables::NpzReader;
-use common::{Folder, begin, chatter, fails, succeeds, typed, wait_for};
-use std::process::Command;
-use std::time::{Duration, Instant};
 
 /// The diagram of the issue, with fewer values.
 fn valve<'a>(sweep: &'a str, options: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
@@ -57,27 +53,9 @@ fn a_killed_sweep_goes_on_to_the_same_file() {
 fn an_interrupted_sweep_stops_at_once_and_keeps_what_is_done() {
     let folder = Folder::new("interrupt");
     let (whole, stopped) = (folder.file("whole.csv"), folder.file("stopped.csv"));
-    let mut child = begin(&long(&stopped));
+    let child = begin(&long(&stopped));
     wait_for(&format!("{stopped}.journal"), 40_000);
-    let began = Instant::now();
-    let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
-    let status = child.wait().unwrap();
-    // A second on a machine with nothing else to do.
-    assert!(
-        began.elapsed() < Duration::from_secs(4),
-        "{:?}",
-        began.elapsed()
-    );
-    assert_eq!(status.code(), Some(130));
-    let mut said = String::new();
-    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut said).unwrap();
+    let said = told(&interrupt(child), 130, &stopped);
     assert!(
         said.contains("go on with: chatter diagram --resume"),
         "{said}"

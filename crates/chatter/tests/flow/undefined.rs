@@ -123,7 +123,10 @@ fn states_that_leave_a_formula_without_a_value_end_the_run() {
             &mut |_| ControlFlow::Continue(()),
         )
         .unwrap();
-        let Outcome::Failed(FlowError::Singular { time, kind: found }) = run.outcome else {
+        let Outcome::Failed(FlowError::Singular {
+            time, kind: found, ..
+        }) = run.outcome
+        else {
             panic!("{field}: {:?}", run.outcome);
         };
         assert_eq!(found, kind, "{field}");

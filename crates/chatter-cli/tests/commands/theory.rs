@@ -1,52 +1,11 @@
 //! What programs read of the universal map, border orbits and the reproduction of the paper.
 
+use crate::common::{Folder, chatter, document, number};
 use serde_json::Value;
-use std::path::PathBuf;
-use std::process::{Command, Output};
-
-fn chatter(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_chatter"));
-    command.args(arguments).output().unwrap()
-}
-
-fn document(arguments: &[&str]) -> Value {
-    let output = chatter(arguments);
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn number(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("a number, not {value}"))
-}
 
 fn close(value: &Value, expected: f64, tolerance: f64) {
     let value = number(value);
     assert!((value - expected).abs() <= tolerance, "{value} {expected}");
-}
-
-/// A folder of its own for each test, removed at the end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path =
-            std::env::temp_dir().join(format!("chatter-theory-{test}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn file(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
 }
 
 const VALVE: &str = "pressure_relief_valve";
@@ -301,11 +260,11 @@ fn figures_and_a_report_that_needs_nothing_else() {
         assert_eq!(output.status.code(), Some(0));
         for name in ["fig2", "fig4"] {
             for extension in ["svg", "pdf", "png"] {
-                let file = folder.0.join(run).join(name).with_extension(extension);
+                let file = folder.path(run).join(name).with_extension(extension);
                 assert!(std::fs::metadata(file).unwrap().len() > 1000);
             }
         }
-        pages.push(std::fs::read_to_string(folder.0.join(run).join("report.html")).unwrap());
+        pages.push(std::fs::read_to_string(folder.path(run).join("report.html")).unwrap());
     }
     assert_eq!(pages[0], pages[1]);
     assert!(

@@ -1,6 +1,6 @@
 //! Short runs of models that chance has made. `fuzz/` runs the same law on whatever it comes up with.
 
-#[path = "laws/simulation.rs"]
+#[path = "../laws/simulation.rs"]
 mod simulation;
 
 use chatter::analysis::simulate::{Spec, simulate};

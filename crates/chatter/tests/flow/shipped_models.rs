@@ -1,5 +1,7 @@
 //! The models in `models/`: what they say is what the literature says.
 
+use chatter::analysis::diagram;
+use chatter::analysis::return_map::{ReturnMap, ReturnSpec, Sampling};
 use chatter::expressions::{Expr, Graph};
 use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::{Direction, Label, Mechanics, Model, ModelBuilder, Warning, check};
@@ -182,6 +184,42 @@ fn the_parameters_shipped_show_chatter_and_release() {
         counts.impacts > 300 && counts.accumulations == 0,
         "{counts:?}"
     );
+}
+
+/// What the comment in its file says.
+#[test]
+fn the_oscillator_bounces_every_other_period_or_in_chaos() {
+    let sampling = Sampling::Stroboscopic {
+        period: "2*pi/omega".to_owned(),
+    };
+    let map = ReturnMap::new(&shipped("impact_oscillator"), &ReturnSpec::new(sampling)).unwrap();
+    let bounds = |coordinate: &str, from, to| diagram::Bounds {
+        coordinate: coordinate.to_owned(),
+        from,
+        to,
+    };
+    for (omega, outcome, period) in [
+        (3.7, diagram::Outcome::Periodic, 2),
+        (2.8, diagram::Outcome::Chaotic, 0),
+    ] {
+        let range = diagram::Range::linear("omega", omega, omega, 1);
+        let spec = diagram::Spec {
+            start: diagram::Start::Random {
+                count: 4,
+                seed: 7,
+                bounds: vec![bounds("x", -2.0, 0.0), bounds("v", -2.0, 2.0)],
+            },
+            exponent: diagram::Exponent::Largest,
+            ..diagram::Spec::new(range, "v", 5000, 1000)
+        };
+        for row in diagram::diagram(&map, &spec, &diagram::Threads::new(1)).unwrap() {
+            assert_eq!((row.outcome, row.period), (outcome, period), "{omega}");
+            assert_eq!(row.exponent > 0.0, period == 0, "{omega}: {}", row.exponent);
+            if period > 0 {
+                assert_eq!(row.impacts_per_return, 0.5);
+            }
+        }
+    }
 }
 
 #[test]

@@ -31,6 +31,7 @@ fn told<R: Real>(model: &Model, until: f64) -> Vec<(String, f64)> {
             Some(Occurrence::Release { .. }) => "release".to_owned(),
             Some(Occurrence::Cascade { .. }) => "cascade".to_owned(),
             Some(Occurrence::Ambiguity { .. }) => "ambiguity".to_owned(),
+            Some(other) => panic!("equations without corners: {other:?}"),
         };
         all.push((name, trajectory.time().to_f64()));
     }

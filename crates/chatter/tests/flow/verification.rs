@@ -6,7 +6,7 @@ use chatter::analysis::simulate::{
 use chatter::model::Model;
 use std::ops::ControlFlow;
 
-const BALL: &str = include_str!("../../../models/bouncing_ball.toml");
+const BALL: &str = include_str!("../../../../models/bouncing_ball.toml");
 
 /// A ball on a table whose strokes are as long as its flights: ln 7 is lost with each impact, more or less.
 const TABLE: &str = r#"
@@ -21,7 +21,7 @@ restitution = 0.8
 y = 3
 v = 0
 "#;
-const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
+const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
 
 fn verified(
     text: &str,

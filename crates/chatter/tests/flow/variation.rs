@@ -4,7 +4,7 @@ use chatter::flow::{Column, Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 
-const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
+const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
 
 /// Forced, with time as a state; wall, impulse and restitution depend on state, time and parameters, and the gap is no
 /// coordinate.
@@ -56,6 +56,7 @@ fn end<R: Real>(
                 Some(Occurrence::Cascade { .. }) => "cascade",
                 Some(Occurrence::Ambiguity { .. }) => "ambiguity",
                 Some(Occurrence::Horizon) => return (trajectory.state().to_vec(), kinds),
+                Some(other) => panic!("equations without corners: {other:?}"),
             },
         );
     }

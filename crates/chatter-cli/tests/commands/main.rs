@@ -1,0 +1,12 @@
+//! The program as its users run it: commands, what they print and write, what ends them.
+
+mod common;
+
+mod diagrams;
+mod documents;
+#[cfg(unix)]
+mod files;
+#[cfg(unix)]
+mod guards;
+mod sweeps;
+mod theory;

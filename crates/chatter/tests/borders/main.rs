@@ -1,0 +1,4 @@
+//! Border orbits and their normal forms.
+
+mod border;
+mod border_search;
