@@ -2,6 +2,8 @@
 
 mod common;
 
+#[cfg(unix)]
+mod data_files;
 mod diagrams;
 mod documents;
 #[cfg(unix)]

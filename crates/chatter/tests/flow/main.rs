@@ -14,6 +14,7 @@ mod series_laws;
 mod several_releases;
 mod shipped_models;
 mod singular_points;
+mod tables;
 mod undefined;
 mod valve;
 mod variation;

@@ -1,10 +1,6 @@
 //! Models whose tables stand in files: which files are read, and that nothing needs them once it has been begun.
 
-#![cfg(unix)]
-
-mod common;
-
-use common::{Folder, begin, chatter, fails, succeeds, typed, wait_for};
+use crate::common::{Folder, begin, chatter, fails, succeeds, typed, wait_for};
 
 const MODEL: &str = r#"
 title = "Cam"
@@ -35,19 +31,14 @@ const CAM: &str = "# measured\nangle,lift\n0,0\n90,0.5\n180,1\n270,0.5\n360,0\n"
 fn folder(test: &str) -> Folder {
     let folder = Folder::new(test);
     std::fs::create_dir_all(folder.file("data")).unwrap();
-    write(&folder, "cam.toml", MODEL);
-    write(&folder, "data/cam.csv", CAM);
+    folder.write("cam.toml", MODEL);
+    folder.write("data/cam.csv", CAM);
     folder
-}
-
-fn write(folder: &Folder, name: &str, text: &str) {
-    std::fs::write(folder.file(name), text).unwrap();
 }
 
 /// The model with another file.
 fn with_file(folder: &Folder, file: &str) -> String {
-    write(folder, "other.toml", &MODEL.replace("data/cam.csv", file));
-    folder.file("other.toml")
+    folder.with("other.toml", &MODEL.replace("data/cam.csv", file))
 }
 
 #[test]
@@ -61,8 +52,7 @@ fn files_are_found_from_the_folder_of_the_model() {
         "--json",
     ]);
     let inline = "x = [0, 90, 180, 270, 360]\ny = [0, 0.5, 1, 0.5, 0]";
-    write(
-        &folder,
+    folder.write(
         "cam.toml",
         &MODEL.replace("file = \"data/cam.csv\"", inline),
     );
@@ -75,8 +65,7 @@ fn files_are_found_from_the_folder_of_the_model() {
     ]);
     assert_eq!(whole, same);
     std::fs::create_dir_all(folder.file("models")).unwrap();
-    write(
-        &folder,
+    folder.write(
         "models/cam.toml",
         &MODEL.replace("data/cam.csv", "../data/cam.csv"),
     );
@@ -126,7 +115,7 @@ fn only_files_are_read_that_are_beside_the_model_and_are_texts() {
 #[test]
 fn a_text_in_a_file_does_nothing_to_a_terminal() {
     let folder = folder("escapes");
-    write(&folder, "data/cam.csv", "0,0\n\u{1b}[2J,1\n");
+    folder.write("data/cam.csv", "0,0\n\u{1b}[2J,1\n");
     let error = fails(&["check", &folder.file("cam.toml")]);
     assert!(
         error.contains("is not a number") && !error.contains('\u{1b}'),
@@ -137,18 +126,18 @@ fn a_text_in_a_file_does_nothing_to_a_terminal() {
 #[test]
 fn a_diagram_is_resumed_and_drawn_without_the_file() {
     let folder = folder("resumed");
-    let line = "--sweep omega=2:4:400 --period 2*pi/omega --observe y --start carry --transient 150 --keep 30 --out";
+    let line = "--sweep omega=2:4:60 --period 2*pi/omega --observe y --start carry --transient 20 --keep 30 --out";
     let model = folder.file("cam.toml");
     let [whole, out] = ["whole.npz", "o.npz"].map(|name| folder.file(name));
     let order = |out| [vec!["diagram", model.as_str()], typed(line, &[out])].concat();
     succeeds(&order(&whole));
     let arguments = order(&out);
     let mut child = begin(&arguments);
-    wait_for(&folder.file("o.npz.journal"), 10_000);
+    wait_for(&folder.file("o.npz.journal"), 5_000);
     child.kill().unwrap();
     child.wait().unwrap();
     // Another cam under the same name is another diagram.
-    write(&folder, "data/cam.csv", &CAM.replace("180,1", "180,1.5"));
+    folder.write("data/cam.csv", &CAM.replace("180,1", "180,1.5"));
     let output = chatter(&arguments);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{errors}");
