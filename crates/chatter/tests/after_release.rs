@@ -87,6 +87,7 @@ fn events<R: Real>(model: &Model, pauses: &[f64]) -> Result<Told, FlowError> {
             }
             Occurrence::Horizon if horizon >= until => return Ok(told),
             Occurrence::Horizon => horizon = until,
+            _ => {}
         }
         if let (Occurrence::Release { .. } | Occurrence::Horizon, false) =
             (what, waiting.is_empty())

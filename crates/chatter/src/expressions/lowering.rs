@@ -72,6 +72,9 @@ struct LinearForm {
     terms: Vec<(usize, usize)>,
 }
 
+/// Sums within sums are written out up to so many terms: sums that share parts have exponentially many.
+const MOST_INLINED: usize = 64;
+
 struct Lowering<'g> {
     graph: &'g mut Graph,
     tape: Tape,
@@ -217,7 +220,9 @@ impl Lowering<'_> {
                 continue;
             };
             match self.graph.node(varying).clone() {
-                Node::Sum(inner) if !self.series.contains_key(&varying) => {
+                Node::Sum(inner)
+                    if !self.series.contains_key(&varying) && into.terms.len() < MOST_INLINED =>
+                {
                     self.collect(&inner, Some(coefficient), into);
                 }
                 _ => {
