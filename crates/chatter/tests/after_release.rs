@@ -76,9 +76,6 @@ fn events<R: Real>(model: &Model, pauses: &[f64]) -> Result<Told, FlowError> {
             Occurrence::Accumulation { .. } => told.push(("accumulation", time, 0.0)),
             Occurrence::Capture { .. } => told.push(("capture", time, 0.0)),
             Occurrence::Graze { .. } => told.push(("graze", time, 0.0)),
-            Occurrence::Section { .. }
-            | Occurrence::Cascade { .. }
-            | Occurrence::Ambiguity { .. } => {}
             Occurrence::Release { .. } => {
                 told.push(("release", time, 0.0));
                 released = trajectory.time();

@@ -53,6 +53,21 @@ fn assert_singular(
 }
 
 #[test]
+fn the_expression_that_reaches_zero_is_named() {
+    for (text, named) in [
+        ("v/(2 - exp(t))", "2 - exp(t)"),
+        ("log(1 - t*v)", "1 - t*v"),
+        ("sqrt(cos(2*t))", "cos(2*t)"),
+        ("tan(3*t)", "cos(3*t)"),
+    ] {
+        let Outcome::Failed(error) = rate(text, 1.0, 3.0).outcome else {
+            panic!("{text}")
+        };
+        assert!(error.to_string().contains(&format!("({named}")), "{error}");
+    }
+}
+
+#[test]
 fn poles_and_corners_end_a_run_at_their_time() {
     use Singularity::{Division, InverseSine, Logarithm, Power, SquareRoot, Tangent};
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
