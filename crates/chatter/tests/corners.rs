@@ -474,6 +474,11 @@ impl Piecewise {
             {
                 return found;
             }
+            // Sliding that would not be attracting by itself is no flow's.
+            let repels = |k: usize| dot(&self.surfaces[k].0, &self.surfaces[k].2) > -CLOSE;
+            if (0..places.len()).any(|k| places[k] == Place::On && repels(k)) {
+                return found;
+            }
             fresh = Some(k);
             found.push((t, places.clone()));
         }
