@@ -80,13 +80,13 @@ fn dry_friction_takes_four_times_its_force_a_cycle() {
 /// Stick and slip on a belt: slip is an arc of a circle around the point where friction balances the spring.
 #[test]
 fn a_mass_on_a_belt_sticks_and_slips() {
-    let (slip, belt) = (0.4, 0.3);
+    let (slip, belt) = (0.4, 0.3_f64);
     let model = read(&format!(
         "[flight]\nx = \"v\"\nv = \"-x - {slip}*sign(v - {belt})\"\n[initial]\nx = -0.3\nv = 0.0\n"
     ));
     let (told, _) = follow::<f64>(&model, 30.0).expect("a motion");
     let radius = slip + 0.3;
-    let arc = (belt / radius as f64).asin();
+    let arc = (belt / radius).asin();
     assert!(matches!(told[0].what, Occurrence::Slide { .. }));
     assert!((told[0].time - arc).abs() < 1e-14);
     let at = slip - radius * arc.cos();
@@ -112,7 +112,7 @@ fn a_bilinear_oscillator_keeps_energy_and_period() {
     let (told, _) = follow::<f64>(&model, period * corners as f64 / 2.0 + 0.1).expect("a motion");
     assert_eq!(told.len(), corners);
     for (k, corner) in told.iter().enumerate() {
-        let half = (k + 1) / 2;
+        let half = k.div_ceil(2);
         let expected = PI / 2.0 + half as f64 * (PI / 3.0) + (k - half) as f64 * PI;
         assert!(
             (corner.time - expected).abs() < 1e-11,
@@ -183,13 +183,15 @@ fn functions_follow_their_definitions() {
     }
 }
 
+/// Normal, offset, jump of the field from the middle to the side above, slope above.
+type Surface = (Vec<f64>, f64, Vec<f64>, Vec<f64>);
+
 /// A linear system with a jump across each of its surfaces, or a corner.
 #[derive(Clone, Debug)]
 struct Piecewise {
     matrix: Vec<Vec<f64>>,
     constant: Vec<f64>,
-    /// Normal, offset, jump of the field from the middle to the side above, slope above.
-    surfaces: Vec<(Vec<f64>, f64, Vec<f64>, Vec<f64>)>,
+    surfaces: Vec<Surface>,
     start: Vec<f64>,
 }
 
@@ -330,8 +332,11 @@ impl Piecewise {
                 Place::On => continue,
             };
             let value = self.value(j, x).max(0.0);
-            for i in 0..f.len() {
-                f[i] += sign * jump[i] + if sign > 0.0 { slope[i] * value } else { 0.0 };
+            for (f, (jump, slope)) in f.iter_mut().zip(jump.iter().zip(slope)) {
+                *f += sign * jump;
+                if sign > 0.0 {
+                    *f += slope * value;
+                }
             }
         }
         let place = slid.iter().position(|&s| s == k)?;

@@ -8,16 +8,19 @@ use chatter_io::tables::{Cell, CsvWriter, NpzWriter, Table};
 use chatter_io::{Error, Format};
 use std::path::Path;
 
+/// How an entry of a column is read.
+type Read<'a, N, T> = Box<dyn Fn(&N) -> T + 'a>;
+
 /// What a column holds.
 enum Column<'a, R> {
     /// Numbers.
-    Number(&'a str, Box<dyn Fn(&Noted<R>) -> R + 'a>),
+    Number(&'a str, Read<'a, Noted<R>, R>),
     /// Numbers of which no more than a double is known.
     Double(&'a str, fn(&Noted<R>) -> f64),
     /// Counts.
     Count(&'a str, fn(&Noted<R>) -> i64),
     /// Texts.
-    Text(&'a str, Box<dyn Fn(&Noted<R>) -> &'a str + 'a>),
+    Text(&'a str, Read<'a, Noted<R>, &'a str>),
 }
 
 fn columns<'a, R: Real>(subject: &'a Subject) -> Vec<Column<'a, R>> {

@@ -275,7 +275,7 @@ mod tests {
                     contact,
                     rate_before: -number(k),
                     rate_after: number(k + 1),
-                    closes: k % 2 == 0,
+                    closes: k.is_multiple_of(2),
                 },
                 1 => EventDetail::Accumulation {
                     contact,

@@ -122,7 +122,7 @@ impl Model {
                 let value = graph.evaluate(surface, &x, parameters);
                 let slope = graph.evaluate_all(&slopes, &x, parameters);
                 let square: f64 = slope.iter().map(|s| s * s).sum();
-                if value == 0.0 || !(square > 0.0) {
+                if value == 0.0 || square <= 0.0 || !square.is_finite() {
                     break;
                 }
                 for (x, s) in x.iter_mut().zip(&slope) {

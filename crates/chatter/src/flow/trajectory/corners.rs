@@ -36,6 +36,26 @@ struct Candidate {
     pieces: Vec<i64>,
 }
 
+/// What may become of one corner.
+#[derive(Clone, Copy, Debug)]
+enum Choice {
+    /// The side of a surface.
+    Side(usize, Side),
+    /// Another piece of a lookup, so many further up.
+    Piece(usize, i64),
+}
+
+impl Choice {
+    fn made(self, base: &Candidate) -> Candidate {
+        let mut candidate = base.clone();
+        match self {
+            Self::Side(index, side) => candidate.sides = candidate.sides.with(index, side),
+            Self::Piece(index, by) => candidate.pieces[index] += by,
+        }
+        candidate
+    }
+}
+
 /// What a candidate says of the corners that are touched.
 struct Verdict<R> {
     candidate: Candidate,
@@ -251,7 +271,7 @@ impl<R: Real> Trajectory<R> {
                 return Err(self.no_mode(system, touched));
             }
             candidates = (options.iter())
-                .flat_map(|option| candidates.iter().map(|base| option(base.clone())))
+                .flat_map(|option| candidates.iter().map(|base| option.made(base)))
                 .collect();
         }
         let mut verdicts: Vec<Verdict<R>> = Vec::new();
@@ -335,16 +355,13 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         corner: Corner,
         jumps: bool,
-    ) -> Result<Vec<Box<dyn Fn(Candidate) -> Candidate>>, FlowError> {
-        let mut options: Vec<Box<dyn Fn(Candidate) -> Candidate>> = Vec::new();
+    ) -> Result<Vec<Choice>, FlowError> {
+        let mut options = Vec::new();
         match corner {
             Corner::Surface(index) => {
                 let sides = [Side::Above, Side::Below, Side::Sliding];
                 for &side in &sides[..if jumps { 3 } else { 2 }] {
-                    options.push(Box::new(move |mut candidate| {
-                        candidate.sides = candidate.sides.with(index, side);
-                        candidate
-                    }));
+                    options.push(Choice::Side(index, side));
                 }
             }
             Corner::Lookup(index) => {
@@ -380,13 +397,10 @@ impl<R: Real> Trajectory<R> {
                 if ends.is_empty() {
                     ends.push(nearer());
                 }
-                options.push(Box::new(|candidate| candidate));
+                options.push(Choice::Piece(index, 0));
                 for end in ends {
                     let by = if end == Side::Above { 1 } else { -1 };
-                    options.push(Box::new(move |mut candidate| {
-                        candidate.pieces[index] += by;
-                        candidate
-                    }));
+                    options.push(Choice::Piece(index, by));
                 }
             }
         }
