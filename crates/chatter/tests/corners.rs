@@ -293,8 +293,8 @@ impl Piecewise {
         }
         let shares = self.shares(&slid, &f)?;
         for (&k, share) in slid.iter().zip(&shares) {
-            for i in 0..f.len() {
-                f[i] += share * self.surfaces[k].2[i];
+            for (f, jump) in f.iter_mut().zip(&self.surfaces[k].2) {
+                *f += share * jump;
             }
         }
         Some(f)
