@@ -107,7 +107,12 @@ fn first_event<R: Real>(
             } else {
                 size_of_terms(work, program, guard)
             };
-            match left.positive_coefficients(index, p, work.tau) {
+            let risen_by = if is_left {
+                0
+            } else {
+                left.positive_coefficients(index, p, work.tau)
+            };
+            match risen_by {
                 0 => first_closing(p, width, (Workspace::<R>::NOISE, terms), is_left)?,
                 count => first_closing(
                     &risen(p, count),

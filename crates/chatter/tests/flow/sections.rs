@@ -279,3 +279,43 @@ proptest! {
         prop_assert_eq!(other.len(), falling.len());
     }
 }
+
+/// A section that is crossed at the instant of a release is only looked at: what the motion does stays the same, whatever
+/// the pull on the contact is.
+#[test]
+fn a_section_crossed_at_a_release_changes_nothing() {
+    for k in 0..24 {
+        let (growth, phase) = (0.7 + 0.07 * f64::from(k), 0.4 * f64::from(k));
+        for restitution in [0.0, 0.3] {
+            let base = ModelBuilder::new()
+                .state("y", "v", 0.0)
+                .state(
+                    "v",
+                    format!("-1.65625 + 0.125*y + {growth}*v - 1.96875*sin(3*t + {phase})"),
+                    0.0,
+                )
+                .contact("floor", "y", [("v", 1.0)], restitution);
+            let alone = told::<f64>(&base.clone().build().expect("a valid model"), 6.0);
+            let watched = base.section("up", "v", Direction::Rising);
+            let watched = told::<f64>(&watched.build().expect("a valid model"), 6.0);
+            let others: Vec<_> = watched
+                .into_iter()
+                .filter(|(what, _)| what != "0")
+                .collect();
+            let names = |told: &[(String, f64)]| -> Vec<String> {
+                told.iter().map(|(what, _)| what.clone()).collect()
+            };
+            assert_eq!(
+                names(&others),
+                names(&alone),
+                "{growth} {phase} {restitution}"
+            );
+            for ((_, a), (_, b)) in others.iter().zip(&alone) {
+                assert!(
+                    (a - b).abs() < 1e-10,
+                    "{a} {b}: {growth} {phase} {restitution}"
+                );
+            }
+        }
+    }
+}

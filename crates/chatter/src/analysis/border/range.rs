@@ -77,6 +77,7 @@ pub fn search_range<R: Real>(
         found: Found::default(),
         roots: Vec::new(),
         borders: Vec::new(),
+        refused: Vec::new(),
         without_chatter: 0,
         observer,
     };
@@ -99,10 +100,13 @@ pub fn search_range<R: Real>(
         return Err(error);
     }
     search.found.sort();
+    let mut breaks = search.found.breaks;
+    breaks.append(&mut search.refused);
+    breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
     (search.borders).sort_by(|a, b| a.value.value.to_f64().total_cmp(&b.value.value.to_f64()));
     Ok(Borders {
         borders: search.borders,
-        breaks: search.found.breaks,
+        breaks,
         unresolved: search.found.unresolved,
         without_chatter: search.without_chatter,
         is_complete,
@@ -118,6 +122,8 @@ struct RangeSearch<'a, R> {
     /// The roots that were looked at.
     roots: Vec<Root<f64>>,
     borders: Vec<Border<R>>,
+    /// Roots that are no borders.
+    refused: Vec<Break>,
     without_chatter: usize,
     observer: &'a mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
 }
@@ -187,7 +193,7 @@ impl<R: Real> RangeSearch<'_, R> {
             }
             match complete(&self.problem, self.spec, &root)? {
                 Ok(border) => self.borders.push(border),
-                Err(cause) => self.found.breaks.push(Break { value, cause }),
+                Err(cause) => self.refused.push(Break { value, cause }),
             }
             self.roots.push(root);
         }
