@@ -164,8 +164,11 @@ where
         trajectories: &'a mut [Trajectory<f64>],
         visit: V,
     ) -> Self {
+        // Each trajectory is on pieces of its own of what is looked up.
+        let corners = system.corners();
+        let slots = corners.first_slot..corners.first_slot + corners.slots();
         Self {
-            swept: swept.to_vec(),
+            swept: swept.iter().copied().chain(slots).collect(),
             shared: Vec::new(),
             wide: system.workspace(settings),
             single: system.workspace(settings),
@@ -420,6 +423,9 @@ mod tests {
 
     const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
     const OSCILLATOR: &str = include_str!("../../../../models/impact_oscillator_two_sided.toml");
+    const CAM: &str = include_str!("../../../../models/dwell_cam.toml");
+    const BELT: &str = include_str!("../../../../models/mass_on_belt.toml");
+    const DRILL: &str = include_str!("../../../../models/percussive_drill.toml");
 
     /// Time and state of every trajectory after so many occurrences, to the bit.
     type End = (u64, Vec<u64>);
@@ -504,12 +510,19 @@ mod tests {
 
     #[test]
     fn a_lane_is_a_trajectory_to_the_bit_whatever_the_width() {
-        for (text, low, high) in [(VALVE, 0.0195, 0.0225), (OSCILLATOR, 0.5, 2.5)] {
+        let cases = [
+            (VALVE, 0.0195, 0.0225, 400),
+            (OSCILLATOR, 0.5, 2.5, 400),
+            (CAM, 1.5, 2.5, 100),
+            (BELT, 0.1, 0.5, 40),
+            (DRILL, 0.1, 0.2, 40),
+        ];
+        for (text, low, high, occurrences) in cases {
             let columns = columns(text, low, high, 37);
-            let expected = alone(&columns, 400);
-            assert_eq!(in_lanes::<WIDTH>(&columns, 400), expected);
-            assert_eq!(in_lanes::<8>(&columns, 400), expected);
-            assert_eq!(in_lanes::<4>(&columns, 400), expected);
+            let expected = alone(&columns, occurrences);
+            assert_eq!(in_lanes::<WIDTH>(&columns, occurrences), expected);
+            assert_eq!(in_lanes::<8>(&columns, occurrences), expected);
+            assert_eq!(in_lanes::<4>(&columns, occurrences), expected);
         }
     }
 }
