@@ -282,6 +282,94 @@ const WRONG: &[(&str, &str)] = &[
         "everything at once",
         "[parameters]\nr = 0.8\ng = \"9,81\"\n\n[flight]\ny = \"w\"\nv = \"-g - drag(v)\"\n\n[[contact]]\ngap = \"y - \"\nimpulse = { v = true }\nrestitution = 1.5\n\n[initial]\ny = 1\n",
     ),
+    (
+        "a comparison for a number",
+        "[flight]\ny = \"v\"\nv = \"-1 + (y < 0)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a number for a condition",
+        "[flight]\ny = \"v\"\nv = \"if(y, -1, 1)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "an `if` without its last piece",
+        "[flight]\ny = \"v\"\nv = \"if(y > 0, -1)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "equality in a condition",
+        "[flight]\ny = \"v\"\nv = \"if(y == 0, -1, 1)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "conditions joined as in C",
+        "[flight]\ny = \"v\"\nv = \"if(y > 0 && v > 0, -1, 1)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a condition joined outside of `if`",
+        "[flight]\ny = \"v\"\nv = \"y > 0 and v\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "the sign function under another name",
+        "[flight]\ny = \"v\"\nv = \"-sgn(v)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "the step function under another name",
+        "[flight]\ny = \"v\"\nv = \"-heaviside(y)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a maximum of one number",
+        "[flight]\ny = \"v\"\nv = \"-max(y)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a clamp without its upper bound",
+        "[flight]\ny = \"v\"\nv = \"clamp(y, 0)\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a remainder by `%`",
+        "[flight]\ny = \"v\"\nv = \"y % 2\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a state called like a function",
+        "[flight]\nstep = \"-1\"\n[initial]\nstep = 1\n",
+    ),
+    (
+        "a reset beside an impulse",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nreset = { v = \"-v\" }\n",
+    ),
+    (
+        "a reset of a name that is no state",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nreset = { w = \"-v\" }\n",
+    ),
+    (
+        "a reset that is no table",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nreset = \"-v\"\n",
+    ),
+    (
+        "friction without a direction",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\nfriction = { coefficient = 0.3 }\n",
+    ),
+    (
+        "friction along two states without a rate",
+        "[flight]\nx = \"u\"\nu = 0\ny = \"v\"\nv = -1\nw = 0\n[initial]\nx = 0\nu = 1\ny = 1\nv = 0\nw = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\nfriction = { coefficient = 0.3, along = { u = 1, w = 2 } }\n",
+    ),
+    (
+        "friction with a negative coefficient",
+        "[flight]\nx = \"u\"\nu = 0\ny = \"v\"\nv = -1\n[initial]\nx = 0\nu = 1\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\nfriction = { coefficient = -0.3, along = { u = 1 } }\n",
+    ),
+    (
+        "friction with a misspelt key",
+        "[flight]\nx = \"u\"\nu = 0\ny = \"v\"\nv = -1\n[initial]\nx = 0\nu = 1\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\nfriction = { coeficient = 0.3, along = { u = 1 } }\n",
+    ),
+    (
+        "an event without a reset",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[event]]\nname = \"kick\"\nsurface = \"v\"\n",
+    ),
+    (
+        "an event without a surface",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[event]]\nname = \"kick\"\nreset = { v = 1 }\n",
+    ),
+    (
+        "an event that changes time",
+        "[flight]\ny = \"sin(t)\"\n[initial]\ny = 1\n\n[[event]]\nsurface = \"y\"\nreset = { t = 0 }\n",
+    ),
 ];
 
 #[test]

@@ -32,10 +32,32 @@ fn functions() {
     );
     check("⟦Sqrt⟧(x)", "unknown function `Sqrt`; did you mean `sqrt`?");
     check("⟦sqr⟧(x)", "unknown function `sqr`; did you mean `sqrt`?");
+    check("⟦sgn⟧(y)", "unknown function `sgn`; did you mean `sign`?");
     check(
-        "⟦atan2⟧(y, x)",
-        "unknown function `atan2`; did you mean `atan`?",
+        "⟦ceil⟧(y)",
+        "unknown function `ceil`; did you mean `-floor(-x)`?",
     );
+    check(
+        "⟦max(x)⟧",
+        "`max` takes two arguments or more, but 1 is given",
+    );
+    check(
+        "⟦if(x > 0, y)⟧",
+        "`if` takes three arguments, but 2 are given",
+    );
+    check(
+        "if(⟦x⟧, 1, 2)",
+        "the first argument of `if` is a condition such as `x > 0`, not a number",
+    );
+    check(
+        "1 + (x ⟦<⟧ 1)",
+        "a comparison is true or false and no number: it stands in `if(x > 0, a, b)`",
+    );
+    check(
+        "x ⟦and⟧ y",
+        "`and` joins conditions: it stands in the first argument of `if`",
+    );
+    check("if(x ⟦=⟧= 1, 1, 2)", "unexpected character `=`; write `>=`");
     check("⟦pow⟧(x, 2)", "unknown function `pow`; did you mean `x^y`?");
     check(
         "⟦log10⟧(x)",
@@ -43,7 +65,7 @@ fn functions() {
     );
     check(
         "⟦erfc⟧(x)",
-        "unknown function `erfc`; there are sqrt, exp, log, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh",
+        "unknown function `erfc`; there are sqrt, exp, log, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, abs, sign, min, max, clamp, step, if, mod, floor, atan2, hypot",
     );
     check(
         "1 + ⟦sin(x, y)⟧",
