@@ -4,6 +4,7 @@
 use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::ModelBuilder;
 use chatter::numerics::{DoubleDouble, Real, Scalar};
+use proptest::prelude::*;
 
 type Dd = DoubleDouble;
 
@@ -151,4 +152,30 @@ fn chatter_of_chatter() {
         above: 0.0,
     };
     assert!((stack.end().to_f64() - 2.224_237_063_64).abs() < 1e-11);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// What is told of the last accumulation, with all that were completed within it, covers by how far it is off.
+    #[test]
+    fn errors_told_cover_the_truth(
+        restitution in 0.2_f64..0.95,
+        height in 256_u32..1024,
+        above in prop_oneof![Just(0), 0_u32..1024],
+    ) {
+        const LARGEST_RATIO: f64 = 10.0;
+        // Such that the sum is exact.
+        let [height, above] = [height, above].map(|n| f64::from(n) / 1024.0);
+        let stack = Stack { restitution, height, above };
+        let truth = stack.end();
+        let (time, told) = stack.simulate::<f64>();
+        let off = (Dd::from(time) - truth).abs().to_f64();
+        if std::env::var("RATIO").is_ok() { println!("f64 {off:e} {told:e} {:.2} {stack:?}", off / told); }
+        else { prop_assert!(off <= LARGEST_RATIO * told, "{stack:?}: off by {off:e}, told {told:e}"); }
+        let (time, told) = stack.simulate::<Dd>();
+        let off = (time - truth).abs().to_f64();
+        if std::env::var("RATIO").is_ok() { println!("dd {off:e} {told:e} {:.2} {stack:?}", off / told); }
+        else { prop_assert!(off <= LARGEST_RATIO * told, "to thirty digits {stack:?}: off by {off:e}, told {told:e}"); }
+    }
 }

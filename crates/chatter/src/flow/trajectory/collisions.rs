@@ -318,7 +318,7 @@ impl<R: Real> Trajectory<R> {
                 self.pending.push_back(Occurrence::Accumulation {
                     contact,
                     impacts: self.burst as u64,
-                    error: span.to_f64(),
+                    error: (span * flights_of_sequence(&touch, near)).to_f64(),
                 });
             }
             ended = true;
@@ -537,6 +537,14 @@ impl<R: Real> Collisions<R> {
         let shares = self.touching.contacts().map(share);
         shares.filter(|share| share.is_finite()).fold(0.0, f64::max)
     }
+}
+
+/// How many flights as long as its first a sequence of the contact that loses least lasts, 1 / (1 - r): a rounding error of a
+/// rate changes the lengths of all that follow.
+fn flights_of_sequence<R: Real>(touch: &Touch<R>, contacts: Closed) -> R {
+    let restitutions = contacts.contacts().map(|i| touch.restitution[i].value);
+    let loss = restitutions.fold(R::ONE, |least, r| least.min(R::ONE - r));
+    R::ONE / loss.max(R::splat(R::ROUNDOFF))
 }
 
 /// Whether the rates after all collisions depend on which of two contacts that close goes first; if so, which.
