@@ -294,9 +294,11 @@ fn shipped_models_run() {
             "{name}: {}",
             checked["warnings"]
         );
-        let run = document(&["simulate", name, "--until", "10", "--json"], 0);
+        let run = document(&["simulate", name, "--until", "40", "--json"], 0);
         assert_eq!(run["outcome"], "horizon", "{name}");
-        assert!(run["counts"]["impacts"].as_u64().unwrap() > 0, "{name}");
+        if !checked["contacts"].as_array().unwrap().is_empty() {
+            assert!(run["counts"]["impacts"].as_u64().unwrap() > 0, "{name}");
+        }
     }
 }
 

@@ -269,23 +269,17 @@ impl<'a> Inspection<'a> {
     /// Every symbol that some equation of the model has in it.
     fn used_symbols(&self) -> BTreeSet<Symbol> {
         let model = self.model;
-        let states = model
-            .states
-            .iter()
-            .flat_map(|state| [state.derivative, state.initial]);
+        let initial = model.states.iter().map(|state| state.initial);
         let parameters = model.parameters.iter().map(|parameter| parameter.value);
-        let contacts = model.contacts.iter().flat_map(|contact| {
-            let impulse = contact.impulse.iter().copied();
-            impulse.chain([contact.gap, contact.restitution])
-        });
         let sections = model.sections.iter().map(|section| section.surface);
         let definitions = model.definitions.iter().map(|definition| definition.value);
-        let all: Vec<Expr> = (states
-            .chain(parameters)
-            .chain(contacts)
-            .chain(sections)
-            .chain(definitions))
-        .collect();
+        let all: Vec<Expr> = (model.equations().into_iter())
+            .chain(
+                (initial.chain(parameters))
+                    .chain(sections)
+                    .chain(definitions),
+            )
+            .collect();
         model.graph.symbols_of(&all)
     }
 

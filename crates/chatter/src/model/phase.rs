@@ -121,8 +121,18 @@ impl Model {
         let contacts = self.contacts.iter();
         (self.field().into_iter())
             .chain(contacts.flat_map(|contact| {
-                let impulse = contact.impulse.iter().copied();
-                impulse.chain([contact.gap, contact.restitution])
+                let friction = contact.friction.iter().flat_map(|friction| {
+                    let along = friction.along.iter().copied();
+                    along.chain([friction.coefficient, friction.rate])
+                });
+                let impulse = contact.impulse.iter().chain(contact.reset.iter().flatten());
+                (impulse.copied().chain(friction)).chain([contact.gap, contact.restitution])
+            }))
+            .chain(self.sections.iter().flat_map(|section| {
+                let reset = section.reset.iter().flatten();
+                reset
+                    .copied()
+                    .chain(section.reset.as_ref().map(|_| section.surface))
             }))
             .collect()
     }
