@@ -177,7 +177,7 @@ fn parentheses() {
 
 #[test]
 fn characters_and_numbers() {
-    check("x ⟦=⟧ 2", "unexpected character `=`");
+    check("x ⟦=⟧ 2", "unexpected character `=`; write `>=`");
     check("x ⟦−⟧ y", "unexpected character `−`; write `-`");
     check("x⟦²⟧", "unexpected character `²`; write `^2`");
     check("x ⟦·⟧ y", "unexpected character `·`; write `*`");
