@@ -662,3 +662,36 @@ fn repelling_surfaces_are_not_left_by_chance() {
     let model = read("[flight]\nx = \"sign(x - t + 1) - 0.5\"\n[initial]\nx = 0.5\n");
     assert!(follow::<f64>(&model, 3.0).is_ok());
 }
+
+/// Where a run ends stuck, its result says by what: a surface, or the friction of a contact.
+#[test]
+fn what_holds_the_state_at_the_end_is_told() {
+    use chatter::analysis::simulate::{Spec, simulate};
+    use chatter::flow::{Closed, Held};
+    use core::ops::ControlFlow;
+    let held = |text: &str, until: f64| {
+        let run = simulate::<f64>(&read(text), &Spec::until(until), &mut |_| {
+            ControlFlow::Continue(())
+        });
+        let run = run.expect("a motion");
+        (run.closed, run.start_held, run.held)
+    };
+    let belt =
+        "[flight]\nx = \"v\"\nv = \"-x - 0.4*sign(v - 0.3)\"\n[initial]\nx = -0.3\nv = 0.3\n";
+    let slid = Held {
+        surfaces: vec![0],
+        contacts: vec![],
+    };
+    assert_eq!(held(belt, 1.0), (Closed::NONE, slid.clone(), slid.clone()));
+    assert_eq!(held(belt, 3.0), (Closed::NONE, slid, Held::default()));
+    let skid = "[flight]\ny = \"v\"\nv = -1\ns = \"u\"\nu = \"0\"\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\n\
+                restitution = 0\nfriction = { coefficient = 0.5, along = { u = 1 } }\n\
+                [initial]\ny = 0\nv = 0\ns = 0\nu = 1\n";
+    let stuck = Held {
+        surfaces: vec![],
+        contacts: vec![0],
+    };
+    let closed = Closed::NONE.with(0);
+    assert_eq!(held(skid, 1.9), (closed, Held::default(), Held::default()));
+    assert_eq!(held(skid, 2.1), (closed, Held::default(), stuck));
+}

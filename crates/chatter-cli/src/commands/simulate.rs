@@ -43,7 +43,7 @@ SEVERAL CONTACTS AT ONE INSTANT
 JSON
   One document: outcome, time, state (by name), counts, events (kind, time, contact or section, state just after the
   event, rate_before and rate_after; for accumulations impacts and the local error of the time), contact_phases,
-  parameters, start. With more than 17 digits each number has a twin in decimals as text, under its name with `_digits`
+  parameters, start; sliding and sticking where a surface or friction holds the state at the end. With more than 17 digits each number has a twin in decimals as text, under its name with `_digits`
   at the end. With --verify verification: events (how many agree), event_time_errors, time_error, state_errors, and
   parting where the runs part ways.";
 

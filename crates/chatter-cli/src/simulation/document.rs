@@ -30,6 +30,10 @@ struct Document<'a, R: Real> {
     #[serde(skip_serializing_if = "Option::is_none")]
     state_digits: Option<Named<String>>,
     closed: Vec<&'a str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    sliding: Vec<&'a str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    sticking: Vec<&'a str>,
     counts: Counts,
     events: Events<'a, R>,
     contact_phases: Phases<'a, R>,
@@ -142,6 +146,8 @@ pub fn document<'a, R: Real>(
         state: writer.state(state),
         state_digits: writer.state_digits(state),
         closed: subject.contact_names(simulation.closed),
+        sliding: subject.slid(&simulation.held),
+        sticking: subject.stuck(&simulation.held),
         counts: Counts {
             flights: counts.flights,
             impacts: counts.impacts,

@@ -21,7 +21,7 @@ use crate::data_files::DataFiles;
 use crate::numbers::Digits;
 use chatter::analysis::simulate::{EventDetail, EventKind, Spec};
 use chatter::expressions::Side;
-use chatter::flow::Closed;
+use chatter::flow::{Closed, Held};
 use chatter::model::Model;
 use chatter::numerics::Real;
 
@@ -59,6 +59,22 @@ impl Subject<'_> {
         let contacts = closed.contacts();
         contacts
             .map(|contact| self.model.contacts[contact].name.as_str())
+            .collect()
+    }
+
+    /// Formulas of surfaces that are slid along.
+    pub fn slid(&self, held: &Held) -> Vec<&str> {
+        let surfaces = held.surfaces.iter();
+        surfaces
+            .map(|&surface| self.model.surfaces[surface].as_str())
+            .collect()
+    }
+
+    /// Names of contacts that stick.
+    pub fn stuck(&self, held: &Held) -> Vec<&str> {
+        let contacts = held.contacts.iter();
+        contacts
+            .map(|&contact| self.model.contacts[contact].name.as_str())
             .collect()
     }
 

@@ -1,6 +1,6 @@
 //! Packs the steps of many trajectories into lanes. Nothing else knows of lanes.
 //!
-//! Each trajectory keeps its own time, step, order and phase. Those whose next step runs the same program at the same
+//! Each trajectory keeps its own time, step, order and mode. Those whose next step runs the same program at the same
 //! order with the same roots divided out wait in one queue; a full queue makes a full vector. What a lane computes does
 //! not depend on its neighbours, so results do not depend on packing, width or thread count.
 

@@ -1,6 +1,6 @@
 //! Where a mode ends at a corner: functions that are positive while its sides, pieces and sliding hold (MATH.md 9).
 
-use super::program::{Closed, GuardKind, Phase};
+use super::program::{Closed, GuardKind, ModeExprs};
 use crate::expressions::{Corners, Expr, Graph, Side, Sides};
 use crate::model::{Mechanics, OnSides, Rubbing};
 
@@ -36,7 +36,7 @@ impl Limits {
         mechanics: &mut Mechanics,
         (corners, on_sides): (&Corners, &OnSides),
         (rubbing, closed, sides): (&[Rubbing], Closed, Sides),
-        phase: &Phase,
+        mode: &ModeExprs,
     ) -> Self {
         let mut limits = Self::default();
         for index in on_sides.active.members() {
@@ -48,12 +48,12 @@ impl Limits {
                     vec![(GuardKind::Switch(index), mechanics.graph.neg(surface))]
                 }
                 (Side::Sliding, Some(rubs)) if closed.contains(rubs.contact) => {
-                    cone(mechanics, phase, closed, *rubs)
+                    cone(mechanics, mode, closed, *rubs)
                 }
                 (Side::Sliding, Some(_)) => Vec::new(),
                 (Side::Sliding, None) => {
                     let place = mechanics.slides.iter().position(|s| s.index == index);
-                    let share = place.and_then(|place| phase.shares.get(place).copied());
+                    let share = place.and_then(|place| mode.shares.get(place).copied());
                     share.map_or_else(Vec::new, |share| {
                         between(&mut mechanics.graph, index, share)
                     })
@@ -107,19 +107,19 @@ fn between(graph: &mut Graph, index: usize, share: Expr) -> Vec<(GuardKind, Expr
 /// backwards.
 fn cone(
     mechanics: &mut Mechanics,
-    phase: &Phase,
+    mode: &ModeExprs,
     closed: Closed,
     rubs: Rubbing,
 ) -> Vec<(GuardKind, Expr)> {
     let stick = mechanics.sticks.iter().find(|s| s.contact == rubs.contact);
     let place = closed.contacts().position(|c| c == rubs.contact);
-    let force = (phase.frictions.iter()).find(|(contact, _)| *contact == rubs.contact);
+    let force = (mode.frictions.iter()).find(|(contact, _)| *contact == rubs.contact);
     let (Some(stick), Some(place), Some(&(_, force))) = (stick.cloned(), place, force) else {
         return Vec::new();
     };
     let room = mechanics.contacts[rubs.contact].rate_per_impulse;
     let graph = &mut mechanics.graph;
-    let normal = graph.div(phase.reactions[place], room);
+    let normal = graph.div(mode.reactions[place], room);
     let limit = graph.mul(stick.coefficient, normal);
     let limit = graph.neg(limit);
     vec![

@@ -4,7 +4,7 @@
 //! model -> System      a Program (field, guards, impact tapes) for each set of closed contacts that is met
 //!          touch       all contacts at one state: rates, couplings, directions, for impacts of several at one instant
 //!          variation derivatives as further states of the same system: columns, saltation at impacts
-//!       -> Trajectory  the mode machine: one state, its phase, what happened (Occurrence)
+//!       -> Trajectory  the mode machine: one state, its mode, what happened (Occurrence)
 //!            step      expand, locate the first guard, move, collide: branch-free, any number type
 //!            resolve   the rare cases a step cannot certify, settled with full root isolation
 //!            crossing  where a section is crossed, by the side of it that the trajectory comes from (sides)
@@ -35,7 +35,7 @@ pub use dense::Dense;
 pub use error::FlowError;
 pub use fleet::{Next, run_fleet};
 pub use occurrence::Occurrence;
-pub use program::{Closed, GuardKind};
+pub use program::{Closed, GuardKind, Held};
 pub use step::Workspace;
 pub use system::{Settings, System, SystemError};
 pub use trajectory::Trajectory;

@@ -1,4 +1,4 @@
-//! What runs in one phase: the field that holds while a given set of contacts is closed, and its guards.
+//! What runs in one mode: the field that holds while a given set of contacts is closed, and its guards.
 
 use super::chatter::{SequenceConstants, SequenceExprs, SequenceTapes};
 use super::limits::{Corner, Limits};
@@ -44,6 +44,15 @@ impl Closed {
             Some(first)
         })
     }
+}
+
+/// What holds a state beside the forces of closed contacts.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Held {
+    /// Surfaces that are slid along, ascending.
+    pub surfaces: Vec<usize>,
+    /// Closed contacts whose friction sticks, by their surfaces.
+    pub contacts: Vec<usize>,
 }
 
 /// What happens where a guard vanishes.
@@ -107,7 +116,7 @@ pub(crate) const IMPACT_SCALARS: usize = 6;
 /// Gap, rate, acceleration and jerk of a contact at a state, in a program's field.
 pub(crate) const LOCAL_SCALARS: usize = 4;
 
-/// Everything that one phase needs.
+/// Everything that one mode needs.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) tape: Tape,
@@ -168,7 +177,7 @@ pub(crate) const STANDING_ORDERS: usize = 4;
 
 /// What holds while a set of contacts is closed, as expressions.
 #[derive(Clone, Debug)]
-pub(crate) struct Phase {
+pub(crate) struct ModeExprs {
     pub closed: Closed,
     /// Flight or sticking field.
     pub field: Vec<Expr>,
@@ -186,8 +195,8 @@ pub(crate) struct Phase {
     pub sequences: Vec<SequenceExprs>,
 }
 
-impl Phase {
-    /// The phase in which these contacts are closed; none where they cannot be held together.
+impl ModeExprs {
+    /// The mode in which these contacts are closed; none where they cannot be held together.
     pub(crate) fn new(mechanics: &mut Mechanics, closed: Closed) -> Option<Self> {
         let active: Vec<usize> = closed.contacts().collect();
         let held = if active.is_empty() && mechanics.slides.is_empty() {
@@ -229,21 +238,21 @@ impl Phase {
 }
 
 impl Program {
-    /// Compiles a phase.
+    /// Compiles a mode.
     pub(crate) fn new(
         mechanics: &mut Mechanics,
         (sections, limits): (&[Section], &Limits),
         directions: &[Along],
         time: Option<usize>,
-        phase: &Phase,
+        mode: &ModeExprs,
         names: Names<'_>,
     ) -> Self {
-        let Phase {
+        let ModeExprs {
             closed,
             field,
             reactions,
             ..
-        } = phase;
+        } = mode;
         let dimension = field.len();
         let coordinates = mechanics.field.len();
         let contacts = mechanics.contacts.clone();
@@ -309,7 +318,7 @@ impl Program {
                 &[contact.gap, rate, acceleration, jerk],
             ));
             let onto_surface = surface_correction(graph, contact.gap, dimension, time);
-            let at_rest: Vec<Expr> = (phase.rests[index].iter().zip(&onto_surface))
+            let at_rest: Vec<Expr> = (mode.rests[index].iter().zip(&onto_surface))
                 .map(|(&rest, &correction)| graph.add(rest, correction))
                 .collect();
             captures.push(Tape::new(graph, dimension, &[], &at_rest));
@@ -318,9 +327,9 @@ impl Program {
                 sequences.push(None);
                 continue;
             }
-            let sequence = SequenceTapes::new(graph, dimension, &phase.sequences[index]);
+            let sequence = SequenceTapes::new(graph, dimension, &mode.sequences[index]);
             sequences.push(Some(sequence));
-            let after = &phase.impacts[index];
+            let after = &mode.impacts[index];
             let at_after = |graph: &mut Graph, expr| {
                 graph.substitute(expr, &|symbol| match symbol {
                     Symbol::State(i) => Some(after[i]),

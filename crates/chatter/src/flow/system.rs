@@ -3,7 +3,7 @@
 use super::error::FlowError;
 use super::limits::{Corner, Limits};
 use super::modes::{Flight, Mode, Modes};
-use super::program::{Closed, Phase, Program, ProgramConstants};
+use super::program::{Closed, ModeExprs, Program, ProgramConstants};
 use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
@@ -215,20 +215,20 @@ impl System {
         closed: Closed,
         sides: Sides,
     ) -> Option<Program> {
-        let mut phase = Phase::new(mechanics, closed)?;
-        extend(&mut phase, mechanics, &self.directions);
+        let mut mode = ModeExprs::new(mechanics, closed)?;
+        extend(&mut mode, mechanics, &self.directions);
         let limits = Limits::new(
             mechanics,
             (&self.corners, on_sides),
             (&self.rubbing, closed, sides),
-            &phase,
+            &mode,
         );
         Some(Program::new(
             mechanics,
             (&on_sides.sections, &limits),
             &self.directions,
             self.model.time,
-            &phase,
+            &mode,
             self.names(),
         ))
     }

@@ -16,10 +16,10 @@
 //! and coming to rest, x+ = x - v W / b at h = v = 0, takes it to D (x - v W / b): the event's time drops out because
 //! the contact force makes up the whole difference of the fields. Release is continuous in the column as in the field.
 //!
-//! All of it is written down as expressions in (x, m), so one trajectory carries its derivatives through every phase
+//! All of it is written down as expressions in (x, m), so one trajectory carries its derivatives through every mode
 //! with the same tapes, steps and error control.
 
-use super::program::Phase;
+use super::program::ModeExprs;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::Mechanics;
 
@@ -63,22 +63,22 @@ impl Direction {
     }
 }
 
-/// Extends the field, the impacts, the rests and the chatter sequences of a phase by the columns.
-pub(crate) fn extend(phase: &mut Phase, mechanics: &mut Mechanics, directions: &[Direction]) {
-    let dimension = phase.field.len();
-    let field = phase.field.clone();
+/// Extends the field, the impacts, the rests and the chatter sequences of a mode by the columns.
+pub(crate) fn extend(mode: &mut ModeExprs, mechanics: &mut Mechanics, directions: &[Direction]) {
+    let dimension = mode.field.len();
+    let field = mode.field.clone();
     let graph = &mut mechanics.graph;
     for direction in directions {
         let rates = direction.along(graph, dimension, &field);
-        phase.field.extend(rates);
+        mode.field.extend(rates);
     }
-    for (contact, sequence) in mechanics.contacts.iter().zip(&mut phase.sequences) {
+    for (contact, sequence) in mechanics.contacts.iter().zip(&mut mode.sequences) {
         sequence.extend(graph, contact, &field, directions);
     }
     for (contact, (after, rest)) in mechanics
         .contacts
         .iter()
-        .zip(phase.impacts.iter_mut().zip(&mut phase.rests))
+        .zip(mode.impacts.iter_mut().zip(&mut mode.rests))
     {
         let map = after.clone();
         let approach = graph.lie_derivative(contact.gap, &field);

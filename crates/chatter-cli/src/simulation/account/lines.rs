@@ -139,7 +139,7 @@ impl<R: Real> Teller<'_, R> {
                 time: self.simulation.start_time,
                 what: "start".to_owned(),
                 place: String::new(),
-                detail: self.phase(*closed),
+                detail: self.mode(*closed, &self.simulation.start_held),
             },
             Item::Event(noted) => self.event_line(noted),
             Item::Sequence {

@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::numbers::{concise, fixed, full};
 use crate::terminal::{Printer, Style};
 use chatter::analysis::simulate::{Outcome, Simulation};
-use chatter::flow::Closed;
+use chatter::flow::{Closed, Held};
 use chatter::numerics::Real;
 use lines::{Item, Line};
 
@@ -176,11 +176,23 @@ impl<'a, R: Real> Teller<'a, R> {
         concise(value, self.detail_digits)
     }
 
-    fn phase(&self, closed: Closed) -> String {
-        match &self.subject.contact_names(closed)[..] {
-            [] => "in flight".to_owned(),
-            names => format!("in contact with {}", names.join(" and ")),
+    /// What a state is held by, in words.
+    fn mode(&self, closed: Closed, held: &Held) -> String {
+        let slid = self.subject.slid(held).join(" and ");
+        let touched = self.subject.contact_names(closed);
+        let mut text = match (&touched[..], &slid[..]) {
+            ([], "") => "in flight".to_owned(),
+            ([], slid) => format!("sliding along {slid}"),
+            (names, "") => format!("in contact with {}", names.join(" and ")),
+            (names, slid) => format!(
+                "in contact with {}, sliding along {slid}",
+                names.join(" and ")
+            ),
+        };
+        if !held.contacts.is_empty() {
+            text += &format!(", sticking at {}", self.subject.stuck(held).join(" and "));
         }
+        text
     }
 
     fn ending(&self) -> String {
@@ -189,7 +201,7 @@ impl<'a, R: Real> Teller<'a, R> {
             "  {} at time {}, {}\n",
             self.why(),
             self.number(simulation.time),
-            self.phase(simulation.closed)
+            self.mode(simulation.closed, &simulation.held)
         );
         let names = || {
             self.subject

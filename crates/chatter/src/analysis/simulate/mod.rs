@@ -150,7 +150,7 @@ pub fn simulate_into<R: Real>(
     check_restitution(model, &parameters, &state, start)?;
     let mut trajectory = Trajectory::start(&system, &mut work, &parameters, start, &state)
         .map_err(SimulateError::Start)?;
-    let mut recorder = Recorder::new(&spec.sampling, &trajectory);
+    let mut recorder = Recorder::new(&spec.sampling, (&system, &trajectory));
     let begun = recorder.follow_phases(&trajectory, sink);
     let stops_at_rest = spec.stops.contains(&Stop::Rest) && model.time.is_none();
     let mut steps: u64 = 0;
@@ -215,7 +215,7 @@ pub fn simulate_into<R: Real>(
             }
         }
     };
-    Ok(recorder.finish(outcome, &trajectory, sink))
+    Ok(recorder.finish(outcome, (&system, &trajectory), sink))
 }
 
 /// A restitution that depends on parameters alone is wrong from the start, not only at the first impact.

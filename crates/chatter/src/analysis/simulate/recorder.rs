@@ -4,7 +4,7 @@ use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulatio
 use super::samples::Sampler;
 use super::sink::Sink;
 use super::spec::{EventKind, Sampling};
-use crate::flow::{Closed, Dense, Occurrence, System, Trajectory, Workspace};
+use crate::flow::{Closed, Dense, Held, Occurrence, System, Trajectory, Workspace};
 use crate::numerics::Real;
 use core::ops::ControlFlow;
 
@@ -15,7 +15,7 @@ pub(super) struct Recorder<R> {
     /// Contact phases that have not ended, with their numbers, and the number of the next.
     open: Vec<(u64, ContactPhase<R>)>,
     phases: u64,
-    start: (R, Vec<R>),
+    start: (R, Vec<R>, Held),
     /// Time and closed contacts before the next step.
     before: (R, Closed),
     in_flight: bool,
@@ -23,13 +23,20 @@ pub(super) struct Recorder<R> {
 }
 
 impl<R: Real> Recorder<R> {
-    pub(super) fn new(sampling: &[Sampling], trajectory: &Trajectory<R>) -> Self {
+    pub(super) fn new(
+        sampling: &[Sampling],
+        (system, trajectory): (&System, &Trajectory<R>),
+    ) -> Self {
         Self {
             counts: Counts::default(),
             latest: None,
             open: Vec::new(),
             phases: 0,
-            start: (trajectory.time(), trajectory.state().to_vec()),
+            start: (
+                trajectory.time(),
+                trajectory.state().to_vec(),
+                trajectory.held(system),
+            ),
             before: (trajectory.time(), Closed::NONE),
             in_flight: false,
             samplers: (sampling.iter())
@@ -207,7 +214,7 @@ impl<R: Real> Recorder<R> {
         work: &mut Workspace<R>,
         trajectory: &Trajectory<R>,
     ) -> bool {
-        (trajectory.closed() != Closed::NONE || trajectory.is_sliding(system))
+        (trajectory.closed() != Closed::NONE || trajectory.held(system) != Held::default())
             && work.dense().step() > R::ZERO
             && trajectory.is_in_equilibrium(system, work)
     }
@@ -215,14 +222,14 @@ impl<R: Real> Recorder<R> {
     pub(super) fn finish(
         mut self,
         outcome: Outcome,
-        trajectory: &Trajectory<R>,
+        (system, trajectory): (&System, &Trajectory<R>),
         sink: &mut dyn Sink<R>,
     ) -> Simulation<R> {
         for (list, sampler) in self.samplers.iter_mut().enumerate() {
             // Nothing comes after this.
             let _ = sampler.hand_over(list, 0, sink);
         }
-        let (start_time, start_state) = self.start;
+        let (start_time, start_state, start_held) = self.start;
         let time = match outcome {
             Outcome::Rest => self.before.0,
             _ => trajectory.time(),
@@ -231,9 +238,11 @@ impl<R: Real> Recorder<R> {
             outcome,
             start_time,
             start_state,
+            start_held,
             time,
             state: trajectory.state().to_vec(),
             closed: trajectory.closed(),
+            held: trajectory.held(system),
             counts: self.counts,
             events: Vec::new(),
             contact_phases: Vec::new(),

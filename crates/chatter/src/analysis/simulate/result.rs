@@ -3,7 +3,7 @@
 use super::samples::Samples;
 use super::spec::{EventKind, EventTarget};
 use crate::expressions::Side;
-use crate::flow::{Closed, FlowError};
+use crate::flow::{Closed, FlowError, Held};
 use crate::numerics::Real;
 
 /// A trajectory as a list of what happened. Contacts and sections are indices into the model.
@@ -15,12 +15,16 @@ pub struct Simulation<R> {
     pub start_time: R,
     /// State where it began.
     pub start_state: Vec<R>,
+    /// What held the state there beside contact forces.
+    pub start_held: Held,
     /// Time where it ended.
     pub time: R,
     /// State where it ended.
     pub state: Vec<R>,
     /// Contacts that were closed where it ended.
     pub closed: Closed,
+    /// What held the state there beside contact forces.
+    pub held: Held,
     /// How often what happened.
     pub counts: Counts,
     /// What happened, in order, unless a [`Sink`](super::Sink) has taken it.

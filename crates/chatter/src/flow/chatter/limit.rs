@@ -121,7 +121,7 @@ impl SequenceTapes {
     }
 }
 
-/// The tapes of a contact in a trajectory's phase, with what runs them.
+/// The tapes of a contact in a trajectory's mode, with what runs them.
 pub(crate) struct SequenceMap<'a, R: Real> {
     pub(crate) tapes: &'a SequenceTapes,
     pub(crate) constants: &'a SequenceConstants<R>,

@@ -9,7 +9,7 @@ use crate::expressions::{LookedUpIn, Side, Sides};
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, GuardKind, STANDING_ORDERS};
+use crate::flow::program::{Closed, GuardKind, Held, STANDING_ORDERS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
@@ -67,9 +67,20 @@ struct Verdict<R> {
 }
 
 impl<R: Real> Trajectory<R> {
-    /// Whether the state is held on a surface by the fields on its sides.
-    pub fn is_sliding(&self, system: &System) -> bool {
-        (0..system.corners().surfaces.len()).any(|k| self.regime.get(k) == Side::Sliding)
+    /// What holds the state beside contact forces.
+    pub fn held(&self, system: &System) -> Held {
+        let mut held = Held::default();
+        let surfaces = 0..system.corners().surfaces.len();
+        for surface in surfaces.filter(|&k| self.regime.get(k) == Side::Sliding) {
+            match system.rubbing().iter().find(|r| r.surface == surface) {
+                None => held.surfaces.push(surface),
+                Some(rubs) if self.closed.contains(rubs.contact) => {
+                    held.contacts.push(rubs.contact);
+                }
+                Some(_) => {}
+            }
+        }
+        held
     }
 
     /// Finds side and piece of every corner by the values at the state.

@@ -163,7 +163,7 @@ impl<R: Real> Trajectory<R> {
         self.touch(system, kind, 1);
     }
 
-    /// Changes the parameter values. A [`restart`](Self::restart) must follow: the phase was found with the old ones.
+    /// Changes the parameter values. A [`restart`](Self::restart) must follow: the mode was found with the old ones.
     pub fn set_parameters(&mut self, parameters: &[R]) {
         self.parameters.clear();
         self.parameters.extend_from_slice(parameters);

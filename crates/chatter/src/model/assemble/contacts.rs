@@ -179,8 +179,13 @@ impl Assembly<'_> {
     }
 
     pub(super) fn section(&mut self, scope: &Scope, section: &SectionDraft) -> Section {
+        let table = if section.is_event {
+            "[[event]]".to_owned()
+        } else {
+            format!("[section.{}]", section.name.text)
+        };
         if section.surface.is_none() {
-            let table = format!("[section.{}]", section.name.text);
+            let table = table.clone();
             let kind = ModelErrorKind::MissingKeys {
                 table,
                 keys: vec!["surface"],
@@ -189,7 +194,7 @@ impl Assembly<'_> {
         }
         if section.is_event && section.reset.is_none() {
             let kind = ModelErrorKind::MissingKeys {
-                table: "[[event]]".to_owned(),
+                table,
                 keys: vec!["reset"],
             };
             self.report(kind, &section.name.place);
