@@ -17,6 +17,7 @@ mod crossing;
 mod dense;
 mod error;
 mod fleet;
+pub(crate) mod leg;
 mod limits;
 mod modes;
 mod occurrence;

@@ -6,7 +6,7 @@ use super::reset::ResetTapes;
 use super::touching::Touching;
 use super::variation::Direction as Along;
 use crate::expressions::{Expr, Graph, Names, Node, Operand, Side, Symbol, Tape};
-use crate::model::{Direction, Mechanics, Section, Sticking};
+use crate::model::{ContactMechanics, Direction, Mechanics, Section, Sticking};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
 
@@ -56,7 +56,7 @@ pub struct Held {
 }
 
 /// What happens where a guard vanishes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GuardKind {
     /// The gap of an open contact closes: an impact.
     Gap(usize),
@@ -247,42 +247,14 @@ impl Program {
         mode: &ModeExprs,
         names: Names<'_>,
     ) -> Self {
-        let ModeExprs {
-            closed,
-            field,
-            reactions,
-            ..
-        } = mode;
+        let ModeExprs { closed, field, .. } = mode;
         let dimension = field.len();
         let coordinates = mechanics.field.len();
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
-        let mut functions = Vec::new();
-        let mut kinds = Vec::new();
-        for (index, contact) in contacts.iter().enumerate() {
-            if !closed.contains(index) {
-                functions.push(contact.gap);
-                kinds.push((GuardKind::Gap(index), Crossing::Falling));
-            }
-        }
-        let pushes: Vec<Expr> = reactions.iter().map(|&r| graph.neg(r)).collect();
-        for (contact, &push) in closed.contacts().zip(&pushes) {
-            functions.push(push);
-            kinds.push((GuardKind::Reaction(contact), Crossing::Falling));
-        }
-        for (index, section) in sections.iter().enumerate() {
-            let (surface, crossing) = match section.direction {
-                Direction::Falling => (section.surface, Crossing::Falling),
-                Direction::Rising => (graph.neg(section.surface), Crossing::Falling),
-                Direction::Either => (section.surface, Crossing::Either),
-            };
-            functions.push(surface);
-            kinds.push((GuardKind::Section(index), crossing));
-        }
-        for (kind, function) in limits.guards() {
-            functions.push(function);
-            kinds.push((kind, Crossing::Falling));
-        }
+        let listed = guard_functions(graph, &contacts, (sections, limits), mode);
+        let functions: Vec<Expr> = listed.iter().map(|&(.., function)| function).collect();
+        let kinds = listed.into_iter().map(|(kind, crossing, _)| (kind, crossing));
         let tape = Tape::new(graph, dimension, field, &functions);
         let vanishing = (tape.singular.iter())
             .map(|singular| {
@@ -291,7 +263,7 @@ impl Program {
                     .unwrap_or_default()
             })
             .collect();
-        let guards = (kinds.into_iter().zip(&functions).zip(&tape.outputs))
+        let guards = (kinds.zip(&functions).zip(&tape.outputs))
             .map(|(((kind, crossing), &function), &series)| Guard {
                 kind,
                 crossing,
@@ -504,6 +476,34 @@ impl Program {
                 .flat_map(SequenceTapes::tapes),
         )
     }
+}
+
+/// What ends a mode, in the order of its guards. All but sections that are crossed either way are positive until then.
+pub(crate) fn guard_functions(
+    graph: &mut Graph,
+    contacts: &[ContactMechanics],
+    (sections, limits): (&[Section], &Limits),
+    mode: &ModeExprs,
+) -> Vec<(GuardKind, Crossing, Expr)> {
+    let open = (0..contacts.len()).filter(|&index| !mode.closed.contains(index));
+    let mut guards: Vec<(GuardKind, Crossing, Expr)> = open
+        .map(|index| (GuardKind::Gap(index), Crossing::Falling, contacts[index].gap))
+        .collect();
+    for (contact, &reaction) in mode.closed.contacts().zip(&mode.reactions) {
+        let push = graph.neg(reaction);
+        guards.push((GuardKind::Reaction(contact), Crossing::Falling, push));
+    }
+    for (index, section) in sections.iter().enumerate() {
+        let (surface, crossing) = match section.direction {
+            Direction::Falling => (section.surface, Crossing::Falling),
+            Direction::Rising => (graph.neg(section.surface), Crossing::Falling),
+            Direction::Either => (section.surface, Crossing::Either),
+        };
+        guards.push((GuardKind::Section(index), crossing, surface));
+    }
+    let limits = limits.guards();
+    guards.extend(limits.map(|(kind, function)| (kind, Crossing::Falling, function)));
+    guards
 }
 
 fn is_state(graph: &Graph, function: Expr) -> bool {

@@ -233,6 +233,13 @@ impl System {
         ))
     }
 
+    /// What a mode is, and what holds on its sides.
+    pub(crate) fn origin_of(&self, mode: usize) -> Option<(Closed, Sides, &OnSides)> {
+        let mode = self.modes.get(mode)?;
+        let flight = self.modes.get(self.meet(Closed::NONE, mode.sides))?;
+        Some((mode.closed, mode.sides, &flight.flight.as_ref()?.on_sides))
+    }
+
     /// The program of a mode; none where its contacts cannot be held together.
     #[inline]
     pub(crate) fn program(&self, mode: usize) -> Option<&Program> {

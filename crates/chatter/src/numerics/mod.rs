@@ -3,8 +3,10 @@
 pub(crate) mod complementarity;
 pub mod dispatch;
 mod double_double;
+mod eigenvalues;
 mod lanes;
 pub mod linear;
+mod matrix;
 pub mod polynomial;
 pub mod roots;
 mod scalar;
@@ -13,6 +15,8 @@ mod with_terms;
 
 pub(crate) use double_double::two_sum;
 pub use double_double::{DoubleDouble, NotANumber};
+pub use eigenvalues::{Complex, eigenvalues};
 pub use lanes::{LaneMask, Lanes};
+pub use matrix::{Factored, Matrix, dot};
 pub use scalar::{Mask, Real, Scalar};
 pub(crate) use with_terms::WithTerms;

@@ -11,7 +11,7 @@ mod follow;
 mod look;
 mod phases;
 mod spec;
-mod translations;
+pub(crate) mod translations;
 
 #[cfg(test)]
 mod tests;

@@ -5,14 +5,14 @@ use crate::model::Model;
 
 /// The derivatives of the equations, of which translations are the null vectors.
 #[derive(Clone, Debug)]
-pub(super) struct Translations {
+pub(crate) struct Translations {
     /// Of each equation by each state.
     slopes: Vec<Vec<Formula<f64>>>,
 }
 
 /// A state that can be moved together with others without any equation noticing.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Translation {
+pub(crate) struct Translation {
     /// The state.
     pub state: usize,
     /// Others, and how far each moves while this one moves by one.

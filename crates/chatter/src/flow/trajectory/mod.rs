@@ -84,6 +84,8 @@ pub struct Trajectory<R> {
     completion: Option<(usize, Accumulation<R>)>,
     /// What happened last may have moved the state across a section, of which nothing has been told yet.
     may_have_crossed: bool,
+    /// The guard whose zero ended the latest step.
+    ended_by: Option<GuardKind>,
     pending: VecDeque<Occurrence<R>>,
 }
 
@@ -135,6 +137,16 @@ impl<R: Real> Trajectory<R> {
         self.horizon
     }
 
+    /// The guard whose zero ended the latest step, if one did.
+    pub(crate) fn ended_by(&self) -> Option<GuardKind> {
+        self.ended_by
+    }
+
+    /// The piece of each lookup.
+    pub(crate) fn pieces(&self) -> &[i64] {
+        &self.pieces
+    }
+
     /// Sets the time at which the trajectory stops next, for [`run_fleet`](super::run_fleet).
     pub fn set_horizon(&mut self, horizon: R) {
         self.set_horizon_parts((horizon, R::ZERO));
@@ -184,6 +196,7 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         work.step = R::ZERO;
+        self.ended_by = None;
         if let Some(occurrence) = self.pending.pop_front() {
             return Ok(Some(occurrence));
         }
@@ -429,6 +442,7 @@ impl<R: Real> Trajectory<R> {
             }
             return Ok(None);
         };
+        self.ended_by = Some(program.guards[index].kind);
         match program.guards[index].kind {
             GuardKind::Section(section) if system.is_event(section) => {
                 self.flight_time = self.rest_of_flight(result.step);

@@ -61,6 +61,7 @@ impl<R: Real> Trajectory<R> {
             collisions: None,
             completion: None,
             may_have_crossed: false,
+            ended_by: None,
             pending: VecDeque::new(),
         };
         trajectory.restart(system, work, time, state)?;

@@ -1,0 +1,210 @@
+//! Stations along a solution curve, by pseudo-arclength.
+
+use super::newton::{Condition, NewtonError, newton};
+use super::problem::Problem;
+use crate::numerics::{Factored, dot};
+
+/// How a curve is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// First step, in parts of the solution's size.
+    pub first_step: f64,
+    /// No step is longer.
+    pub longest_step: f64,
+    /// Nor shorter: a curve that needs it ends.
+    pub shortest_step: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            first_step: 1e-3,
+            longest_step: 0.05,
+            shortest_step: 1e-13,
+        }
+    }
+}
+
+/// A point of a curve.
+#[derive(Clone, Debug)]
+pub struct Station {
+    /// The unknowns, free parameters last.
+    pub at: Vec<f64>,
+    /// Direction of the curve, of length one where each unknown is measured by its size.
+    pub tangent: Vec<f64>,
+    /// Of the correction that led to it.
+    pub residual: f64,
+    /// The latest correction against the solution's size: an estimate of the error.
+    pub correction: f64,
+    /// Sign of the determinant of the equations bordered by the tangent: it changes at a branch point.
+    pub orientation: f64,
+}
+
+/// Why a curve has no next station.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepError {
+    /// The shortest step fails, for this reason.
+    TooShort(NewtonError),
+}
+
+/// A curve that is being followed: the latest station, and the step to the next one.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Where it is.
+    pub station: Station,
+    /// The next step.
+    pub step: f64,
+    settings: Settings,
+}
+
+/// Corrections that a step should need: with fewer it may grow, with more it shrinks.
+const EASY: usize = 4;
+const HARD: usize = 7;
+/// The direction may turn by so much in a step: the cosine.
+const LEAST_COSINE: f64 = 0.94;
+
+/// The tangent from the factors of equations bordered by a row that is not orthogonal to it.
+fn tangent(factors: &Factored<f64>, size: usize, scales: &[f64]) -> Option<Vec<f64>> {
+    let mut right = vec![0.0; size];
+    right[size - 1] = 1.0;
+    let mut tangent = factors.solve(&right);
+    let length = length(&tangent, scales);
+    if !(length > 0.0 && length.is_finite()) {
+        return None;
+    }
+    tangent.iter_mut().for_each(|x| *x /= length);
+    Some(tangent)
+}
+
+fn length(vector: &[f64], scales: &[f64]) -> f64 {
+    (vector.iter().zip(scales))
+        .map(|(x, scale)| (x / scale) * (x / scale))
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// The condition of moving so far along a tangent.
+fn ahead(station: &Station, along: &[f64], step: f64, scales: &[f64]) -> Condition<f64> {
+    let row: Vec<f64> = (along.iter().zip(scales))
+        .map(|(x, scale)| x / (scale * scale))
+        .collect();
+    let value = dot(&row, &station.at) + step;
+    Condition { row, value }
+}
+
+impl Station {
+    /// A point of the curve near `start` at which one unknown has its value; the tangent lets the parameter grow.
+    ///
+    /// # Errors
+    /// There is none nearby.
+    pub fn near(
+        problem: &mut dyn Problem<f64>,
+        start: &[f64],
+        fixed: usize,
+    ) -> Result<Self, NewtonError> {
+        let size = problem.unknowns();
+        let condition = Condition::fixed(size, fixed, start[fixed]);
+        let found = newton(problem, start, &[condition])?;
+        let scales = problem.scales().to_vec();
+        let mut along = tangent(&found.factors, size, &scales).ok_or(NewtonError::Singular)?;
+        if along[size - 1] < 0.0 {
+            along.iter_mut().for_each(|x| *x = -*x);
+        }
+        Ok(Self {
+            orientation: found.factors.determinant_sign(),
+            at: found.at,
+            tangent: along,
+            residual: found.residual,
+            correction: found.correction,
+        })
+    }
+
+    /// The point of the curve so far along this station's tangent.
+    ///
+    /// # Errors
+    /// There is none nearby.
+    pub fn ahead(&self, problem: &mut dyn Problem<f64>, step: f64) -> Result<(Self, usize), NewtonError> {
+        let scales = problem.scales().to_vec();
+        let size = self.at.len();
+        let guess: Vec<f64> = (self.at.iter().zip(&self.tangent))
+            .map(|(x, t)| x + step * t)
+            .collect();
+        let condition = ahead(self, &self.tangent, step, &scales);
+        let found = newton(problem, &guess, &[condition])?;
+        let along = tangent(&found.factors, size, &scales).ok_or(NewtonError::Singular)?;
+        let station = Self {
+            orientation: found.factors.determinant_sign(),
+            at: found.at,
+            tangent: along,
+            residual: found.residual,
+            correction: found.correction,
+        };
+        Ok((station, found.steps))
+    }
+
+    /// The same point, followed the other way.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        self.tangent.iter_mut().for_each(|x| *x = -*x);
+        self.orientation = -self.orientation;
+        self
+    }
+
+    /// The last unknown.
+    pub fn parameter(&self) -> f64 {
+        self.at.last().copied().unwrap_or(f64::NAN)
+    }
+}
+
+impl Curve {
+    /// From a station, along its tangent.
+    pub fn new(station: Station, settings: Settings) -> Self {
+        Self {
+            station,
+            step: settings.first_step,
+            settings,
+        }
+    }
+
+    /// The next station; the curve itself stays where it is until it [`moves`](Self::moves) there. The length of the step is
+    /// told with it.
+    ///
+    /// # Errors
+    /// Even the shortest step leads to none.
+    pub fn next(&mut self, problem: &mut dyn Problem<f64>) -> Result<(Station, f64), StepError> {
+        let scales = problem.scales().to_vec();
+        loop {
+            let step = self.step;
+            let failed = match self.station.ahead(problem, step) {
+                Ok((station, steps)) => {
+                    let cosine: f64 = (station.tangent.iter().zip(&self.station.tangent))
+                        .zip(&scales)
+                        .map(|((a, b), scale)| a / scale * (b / scale))
+                        .sum();
+                    if cosine >= LEAST_COSINE {
+                        if steps <= EASY {
+                            self.step = (1.6 * step).min(self.settings.longest_step);
+                        } else if steps >= HARD {
+                            self.step = 0.5 * step;
+                        }
+                        return Ok((station, step));
+                    }
+                    NewtonError::Stalled {
+                        correction: 1.0 - cosine,
+                        steps,
+                    }
+                }
+                Err(error) => error,
+            };
+            self.step = 0.4 * step;
+            if self.step < self.settings.shortest_step {
+                return Err(StepError::TooShort(failed));
+            }
+        }
+    }
+
+    /// Goes to a station.
+    pub fn moves(&mut self, station: Station) {
+        self.station = station;
+    }
+}

@@ -1,0 +1,26 @@
+//! Solution curves of systems with one equation less than unknowns.
+//!
+//! ```text
+//! Problem      unknowns, free parameters last; residual and Jacobian, or why there is none here (Left)
+//! newton       the one corrector: the problem bordered by linear conditions
+//! Curve        stations along a curve by pseudo-arclength, each corrected to rounding
+//! locate       where a function of the stations vanishes between two of them
+//! Held         a problem with one more condition and one more free parameter: curves in two parameters are curves again
+//! ```
+
+mod curve;
+mod held;
+mod locate;
+mod map_orbit;
+mod newton;
+mod problem;
+
+#[cfg(test)]
+mod tests;
+
+pub use curve::{Curve, Settings, Station, StepError};
+pub use held::{Held, Singular};
+pub use locate::locate;
+pub use map_orbit::MapOrbit;
+pub use newton::{Condition, Corrected, NewtonError, newton};
+pub use problem::{Left, Linearised, Problem, Wrap};

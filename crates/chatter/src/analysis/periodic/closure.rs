@@ -1,0 +1,185 @@
+//! What a state must be after one period: the same, but for whole turns of its phases and for how far it has come.
+
+use super::error::PeriodicError;
+use crate::analysis::return_map::translations::{Translation, Translations};
+use crate::expressions::{Expr, Graph, Symbol};
+use crate::model::{Model, Phase};
+use crate::numerics::Real;
+
+/// The phases of a model with their periods as functions of the free parameters, and the states that nothing depends on.
+#[derive(Clone, Debug)]
+pub(crate) struct Closure {
+    graph: Graph,
+    turning: Vec<Turning>,
+    pub idle: Vec<Translation>,
+    pub time: Option<usize>,
+}
+
+#[derive(Clone, Debug)]
+struct Turning {
+    state: usize,
+    period: Period,
+}
+
+#[derive(Clone, Debug)]
+enum Period {
+    /// That of a phase, and the derivatives of its rates by each free parameter.
+    Phase(Phase, Vec<Vec<Expr>>),
+    /// An expression, and its derivatives.
+    Given(Expr, Vec<Expr>),
+}
+
+/// By how much a phase grows in a turn, and its derivatives by the free parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct Turn<R> {
+    pub state: usize,
+    pub period: R,
+    pub slopes: Vec<R>,
+}
+
+/// How two states differ.
+#[derive(Clone, Debug)]
+pub(crate) struct Difference {
+    /// What is left after whole turns, each state in units of its size.
+    pub distance: f64,
+    /// Whole turns of each phase, in the order of the closure.
+    pub turns: Vec<i64>,
+}
+
+impl Closure {
+    /// Of a model whose time has this period, if it is said.
+    pub(crate) fn new(
+        model: &Model,
+        free: &[usize],
+        given: Option<Expr>,
+    ) -> Result<Self, PeriodicError> {
+        let mut graph = model.graph.clone();
+        let mut equations = model.equations();
+        equations.extend(model.sections.iter().map(|section| section.surface));
+        let phases = model.phases_in(&mut graph, &equations);
+        let parameters = model.parameter_values::<f64>(&[]);
+        let initial = model.initial_state(&parameters);
+        let idle = Translations::new(model, &equations).at(&parameters, &initial);
+        if given.is_some() && model.time.is_none() && phases.is_empty() {
+            return Err(PeriodicError::Autonomous);
+        }
+        let slopes = |graph: &mut Graph, exprs: &[Expr]| -> Vec<Vec<Expr>> {
+            let by = |graph: &mut Graph, p| {
+                let rates = model.parameter_rates(graph, p);
+                graph.directional_derivatives(exprs, &|symbol| match symbol {
+                    Symbol::Parameter(i) => rates.get(i).copied(),
+                    Symbol::State(_) => None,
+                })
+            };
+            free.iter().map(|&p| by(graph, p)).collect()
+        };
+        let mut turning = Vec::new();
+        for phase in phases {
+            let is_idle = idle.iter().any(|free| free.state == phase.state);
+            if is_idle || (given.is_some() && model.time == Some(phase.state)) {
+                continue;
+            }
+            let rates = slopes(&mut graph, phase.rates());
+            turning.push(Turning {
+                state: phase.state,
+                period: Period::Phase(phase, rates),
+            });
+        }
+        if let (Some(time), Some(period)) = (model.time, given) {
+            let by = slopes(&mut graph, &[period]);
+            turning.push(Turning {
+                state: time,
+                period: Period::Given(period, by.into_iter().map(|by| by[0]).collect()),
+            });
+        }
+        let known = |time: usize| turning.iter().any(|turning| turning.state == time);
+        if model.time.is_some_and(|time| !known(time)) {
+            return Err(PeriodicError::NoPeriod);
+        }
+        Ok(Self {
+            graph,
+            turning,
+            idle,
+            time: model.time,
+        })
+    }
+
+    /// The periods at a parameter set.
+    pub(crate) fn turns<R: Real>(&self, parameters: &[R]) -> Result<Vec<Turn<R>>, PeriodicError> {
+        let at = |expr: Expr| self.graph.evaluate(expr, &[], parameters);
+        let turn = |turning: &Turning| {
+            let (period, slopes) = match &turning.period {
+                Period::Phase(phase, slopes) => {
+                    let period = phase.period(&self.graph, parameters)?;
+                    let slope = |by: &Vec<Expr>| {
+                        (phase.rates().iter().zip(by))
+                            .map(|(&rate, &slope)| (at(rate), at(slope)))
+                            .find(|(rate, _)| *rate != R::ZERO)
+                            .map_or(R::ZERO, |(rate, slope)| -period * slope / rate)
+                    };
+                    (period, slopes.iter().map(slope).collect())
+                }
+                Period::Given(period, slopes) => {
+                    (at(*period), slopes.iter().map(|&slope| at(slope)).collect())
+                }
+            };
+            let positive = period > R::ZERO && period.is_finite();
+            positive.then_some(Turn {
+                state: turning.state,
+                period,
+                slopes,
+            })
+        };
+        let found: Option<Vec<_>> = self.turning.iter().map(turn).collect();
+        found.ok_or(PeriodicError::NoPeriod)
+    }
+
+    /// The period of the forcing: that of time, else that of a phase that turns by itself.
+    pub(crate) fn forcing(&self, model: &Model, parameters: &[f64]) -> Option<f64> {
+        let turns = self.turns(parameters).ok()?;
+        if let Some(turn) = turns.iter().find(|turn| Some(turn.state) == self.time) {
+            return Some(turn.period);
+        }
+        turns.iter().find_map(|turn| {
+            let rate = model.states[turn.state].derivative;
+            let rate = (!model.graph.depends_on_state(rate))
+                .then(|| model.graph.evaluate(rate, &[], parameters))?;
+            (rate != 0.0).then(|| (turn.period / rate).abs())
+        })
+    }
+
+    /// How `after` differs from `before`.
+    pub(crate) fn difference(
+        &self,
+        turns: &[Turn<f64>],
+        (before, after): (&[f64], &[f64]),
+        sizes: &[f64],
+    ) -> Difference {
+        let mut rest: Vec<f64> = after.iter().zip(before).map(|(a, b)| a - b).collect();
+        for free in &self.idle {
+            for &(other, times) in &free.others {
+                rest[other] -= times * rest[free.state];
+            }
+        }
+        for free in &self.idle {
+            rest[free.state] = 0.0;
+        }
+        let mut counts = Vec::with_capacity(turns.len());
+        for turn in turns {
+            let count = (rest[turn.state] / turn.period).round();
+            rest[turn.state] -= count * turn.period;
+            counts.push(count as i64);
+        }
+        let distance = (rest.iter().zip(sizes))
+            .fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size));
+        Difference {
+            distance,
+            turns: counts,
+        }
+    }
+
+    /// States that a displacement of which is no displacement of the orbit.
+    pub(crate) fn is_idle(&self, state: usize) -> bool {
+        self.idle.iter().any(|free| free.state == state)
+    }
+}

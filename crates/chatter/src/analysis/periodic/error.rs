@@ -1,0 +1,85 @@
+//! Why there is no periodic orbit, or none was found.
+
+use crate::flow::{FlowError, SystemError};
+use core::fmt;
+
+/// What is wrong with a question about periodic orbits, or has no answer.
+#[derive(Clone, Debug)]
+pub enum PeriodicError {
+    /// The model cannot be compiled.
+    System(SystemError),
+    /// No trajectory starts from the initial state.
+    Start(FlowError),
+    /// The trajectory that is to settle ends.
+    Ended(FlowError),
+    /// A period was given, but nothing in the equations depends on time.
+    Autonomous,
+    /// The equations depend on time in a way whose period is not known.
+    NoPeriod,
+    /// The equations never return to what they were, at these parameters, or the period is no positive number.
+    BadPeriod {
+        /// Its value.
+        value: f64,
+    },
+    /// The trajectory comes to rest.
+    Equilibrium {
+        /// When.
+        time: f64,
+    },
+    /// The trajectory has not come near to where it was.
+    NotSettled {
+        /// How long it was followed.
+        time: f64,
+        /// The nearest return, in parts of the state's size.
+        nearest: f64,
+    },
+    /// Newton's method did not converge.
+    NoConvergence {
+        /// How it ended.
+        how: String,
+    },
+    /// An event of a kind that derivatives do not follow.
+    Unfollowed {
+        /// What it is.
+        what: String,
+    },
+    /// The observer broke off.
+    Interrupted,
+}
+
+impl fmt::Display for PeriodicError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::System(error) => error.fmt(out),
+            Self::Start(error) | Self::Ended(error) => error.fmt(out),
+            Self::Autonomous => write!(
+                out,
+                "a period was given, but the equations do not depend on time: the period of an orbit is found, not given"
+            ),
+            Self::NoPeriod => write!(
+                out,
+                "the equations depend on time, and their period is not known"
+            ),
+            Self::BadPeriod { value } => write!(
+                out,
+                "the period is {value}: expected a positive number"
+            ),
+            Self::Equilibrium { time } => write!(
+                out,
+                "the trajectory is at rest from time {time:.6} on: an equilibrium is no periodic orbit"
+            ),
+            Self::NotSettled { time, nearest } => write!(
+                out,
+                "the trajectory has not settled to a periodic orbit by time {time:.6}: its nearest return is off by \
+                 {nearest:.1e} of its size"
+            ),
+            Self::NoConvergence { how } => {
+                write!(out, "no periodic orbit was found: {how}")
+            }
+            Self::Unfollowed { what } => write!(out, "the orbit goes through {what}, which is not followed yet"),
+            Self::Interrupted => write!(out, "broken off"),
+        }
+    }
+}
+
+impl core::error::Error for PeriodicError {}

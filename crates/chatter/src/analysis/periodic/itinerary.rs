@@ -1,0 +1,190 @@
+//! An orbit as a sequence of legs, read off a trajectory.
+
+use super::error::PeriodicError;
+use super::trace::Instant;
+use crate::expressions::Side;
+use crate::flow::leg::{Jump, LegKind, StretchKind};
+use crate::flow::{Closed, GuardKind, Occurrence, System};
+
+/// A part of an orbit between two of its nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    pub passage: Passage,
+    /// The piece of each lookup in the mode that it ends in.
+    pub pieces: Vec<i64>,
+    /// What happens at its end; of a stretch, all that happens.
+    pub told: Vec<Occurrence<f64>>,
+    /// Contacts that are closed after it.
+    pub closed: Closed,
+    /// First guess.
+    pub start: Vec<f64>,
+    pub duration: f64,
+}
+
+/// How a part of an orbit is travelled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Passage {
+    /// By the smooth flow of one mode, for a time that is an unknown, up to a surface.
+    Leg(LegKind),
+    /// The same for a time that is given: whole periods of the forcing.
+    Timed(LegKind),
+    /// By following the flow through whatever happens.
+    Stretch(StretchKind),
+}
+
+impl Step {
+    /// The contact of the impact at its end.
+    pub(crate) fn impact(&self) -> Option<usize> {
+        match self.passage {
+            Passage::Leg(LegKind {
+                jump: Jump::Impact(contact),
+                ..
+            }) => Some(contact),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn is_stretch(&self) -> bool {
+        matches!(self.passage, Passage::Stretch(_))
+    }
+
+    /// The mode that it ends in.
+    pub(crate) fn mode(&self) -> usize {
+        match self.passage {
+            Passage::Leg(kind) | Passage::Timed(kind) => kind.mode,
+            Passage::Stretch(kind) => kind.last.mode,
+        }
+    }
+}
+
+/// What one instant by itself is: its guard, and the jump there. None where it is more than one event.
+fn single(system: &System, instant: &Instant) -> Option<LegKind> {
+    let guard = instant.guard?;
+    let mut jump = Jump::None;
+    let mut events = 0;
+    for told in &instant.told {
+        match *told {
+            Occurrence::Impact { contact, .. } => {
+                jump = Jump::Impact(contact);
+                events += 1;
+            }
+            Occurrence::Reset { section } => {
+                jump = Jump::Reset(section);
+                events += 1;
+            }
+            Occurrence::Release { .. }
+            | Occurrence::Switch { .. }
+            | Occurrence::Slide { .. }
+            | Occurrence::Leave { .. }
+            | Occurrence::Stick { .. }
+            | Occurrence::Slip { .. } => events += 1,
+            Occurrence::Capture { .. } | Occurrence::Section { .. } | Occurrence::Horizon => {}
+            Occurrence::Graze { .. }
+            | Occurrence::Accumulation { .. }
+            | Occurrence::Cascade { .. }
+            | Occurrence::Ambiguity { .. } => return None,
+        }
+    }
+    if events > 1 {
+        return None;
+    }
+    if let GuardKind::Gap(contact) = guard
+        && jump != Jump::Impact(contact)
+    {
+        return None;
+    }
+    let _ = system;
+    Some(LegKind {
+        mode: instant.mode,
+        ends_at: Some(guard),
+        jump,
+    })
+}
+
+/// The steps from just after `instants[0]` to just after the last of them.
+pub(crate) fn read(system: &System, instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
+    let mut steps: Vec<Step> = Vec::new();
+    let mut from = 0;
+    let mut open: Option<(usize, usize, Vec<Occurrence<f64>>)> = None;
+    for (index, instant) in instants.iter().enumerate().skip(1) {
+        let kind = single(system, instant);
+        if let Some((begin, accumulations, mut told)) = open.take() {
+            told.extend(&instant.told);
+            let Some(last) = kind else {
+                let more = usize::from(instant.accumulated().is_some());
+                open = Some((begin, accumulations + more, told));
+                continue;
+            };
+            steps.push(stretch(&instants[begin], instant, (accumulations, last, told)));
+            from = index;
+            continue;
+        }
+        if let Some(kind) = kind {
+            let before = &instants[from];
+            steps.push(Step {
+                passage: Passage::Leg(kind),
+                pieces: instant.pieces.clone(),
+                told: instant.told.clone(),
+                closed: instant.closed,
+                start: before.state.clone(),
+                duration: instant.time - before.time,
+            });
+            from = index;
+            continue;
+        }
+        // A chatter sequence begins with its first impact.
+        let impacts = instant.accumulated().map_or(0, |count| count as usize);
+        let accumulations = usize::from(instant.accumulated().is_some());
+        let mut begin = from;
+        let mut told = instant.told.clone();
+        for _ in 1..impacts {
+            match steps.pop() {
+                Some(step) if step.impact().is_some() => {
+                    told.splice(0..0, step.told);
+                    begin -= 1;
+                }
+                Some(step) => {
+                    steps.push(step);
+                    break;
+                }
+                None => break,
+            }
+        }
+        open = Some((begin, accumulations, told));
+    }
+    if open.is_some() {
+        return Err(PeriodicError::Unfollowed {
+            what: "an instant of several events at its end".to_owned(),
+        });
+    }
+    Ok(steps)
+}
+
+fn stretch(
+    begin: &Instant,
+    end: &Instant,
+    (accumulations, last, told): (usize, LegKind, Vec<Occurrence<f64>>),
+) -> Step {
+    Step {
+        passage: Passage::Stretch(StretchKind {
+            closed: begin.closed,
+            on: begin.impact().map(|(contact, _)| contact),
+            accumulations,
+            last,
+        }),
+        pieces: end.pieces.clone(),
+        told,
+        closed: end.closed,
+        start: begin.state.clone(),
+        duration: end.time - begin.time,
+    }
+}
+
+/// How many surfaces are slid along in a mode, and contacts closed.
+pub(crate) fn held(system: &System, mode: usize) -> usize {
+    let Some((closed, sides, _)) = system.origin_of(mode) else {
+        return 0;
+    };
+    let slides = (0..system.corners().surfaces.len()).filter(|&k| sides.get(k) == Side::Sliding);
+    2 * closed.contacts().count() + slides.count()
+}

@@ -1,0 +1,244 @@
+//! One periodic orbit, closed by Newton's method.
+
+use super::error::PeriodicError;
+use super::settle::Cycle;
+use super::shooting::{Shooting, Workshop};
+use crate::analysis::continuation::{Condition, NewtonError, Problem, newton};
+use crate::flow::GuardKind;
+use crate::numerics::{Complex, DoubleDouble, Real};
+use std::sync::Arc;
+
+/// A periodic orbit.
+#[derive(Clone, Debug)]
+pub struct Orbit {
+    /// How long it takes.
+    pub period: DoubleDouble,
+    /// The state that it is told from: just after an event.
+    pub start: Vec<DoubleDouble>,
+    /// All parameters.
+    pub parameters: Vec<f64>,
+    /// Impacts a period; none where infinitely many.
+    pub impacts: Option<u64>,
+    /// Whole turns of each phase in a period, by state.
+    pub turns: Vec<(usize, i64)>,
+    /// All but the trivial one, the largest first.
+    pub multipliers: Vec<Complex>,
+    /// Where the flow itself has one, which is 1 as far as derivatives are right.
+    pub trivial_multiplier: Option<f64>,
+    /// Largest residual of its equations.
+    pub residual: f64,
+    /// The latest correction against the size of the state.
+    pub correction: f64,
+    /// How near it is to losing its sequence of events.
+    pub margins: Vec<Margin>,
+    /// Its equations, for continuing it.
+    pub(crate) shooting: Shooting<f64>,
+    pub(crate) at: Vec<f64>,
+}
+
+/// How near an orbit is to losing its sequence of events.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Margin {
+    /// What kind.
+    pub kind: MarginKind,
+    /// At which contact, surface or other guard.
+    pub guard: GuardKind,
+    /// When, since the start.
+    pub time: f64,
+    /// Zero where the sequence changes.
+    pub value: f64,
+}
+
+/// Kinds of margins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MarginKind {
+    /// The slowest impact.
+    ImpactRate,
+    /// The least gap of flights, or value of another guard.
+    Least,
+    /// The least jerk at a release.
+    ReleaseJerk,
+}
+
+impl MarginKind {
+    /// Its name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ImpactRate => "impact_rate",
+            Self::Least => "least_gap",
+            Self::ReleaseJerk => "release_jerk",
+        }
+    }
+}
+
+impl Orbit {
+    /// Whether all multipliers lie inside the unit circle.
+    pub fn is_stable(&self) -> bool {
+        self.multipliers.iter().all(|m| m.modulus() < 1.0)
+    }
+}
+
+fn conditions<R: Real>(free: usize, at: &[R]) -> Vec<Condition<R>> {
+    (at.len() - free..at.len())
+        .map(|index| Condition::fixed(at.len(), index, at[index]))
+        .collect()
+}
+
+fn failed(error: &NewtonError) -> PeriodicError {
+    PeriodicError::NoConvergence {
+        how: error.to_string(),
+    }
+}
+
+/// Corrections of a wild first guess, halved each where they lead nowhere.
+const DAMPED: usize = 30;
+
+/// A solution from a guess that may be far off: full steps where they do not leave the equations, and shorter ones else.
+fn approach(shooting: &mut Shooting<f64>, start: &[f64]) -> Result<Vec<f64>, NewtonError> {
+    let free = shooting.parameters();
+    let size = start.len();
+    let mut at = start.to_vec();
+    for _ in 0..DAMPED {
+        let linearised = shooting.evaluate(&at).map_err(NewtonError::Left)?;
+        let mut bordered = crate::numerics::Matrix::zeros(size, size);
+        let equations = linearised.residual.len();
+        for i in 0..equations {
+            bordered.row_mut(i).copy_from_slice(linearised.jacobian.row(i));
+        }
+        for k in 0..free {
+            bordered[(equations + k, size - free + k)] = 1.0;
+        }
+        let mut right = linearised.residual;
+        right.resize(size, 0.0);
+        let factors = bordered.factored().ok_or(NewtonError::Singular)?;
+        let step = factors.solve(&right);
+        let correction = (step.iter().zip(shooting.scales()))
+            .fold(0.0_f64, |most, (x, scale)| most.max(x.abs() / scale));
+        if !correction.is_finite() {
+            return Err(NewtonError::Singular);
+        }
+        if correction < 1e-6 {
+            return Ok(at);
+        }
+        let mut part = (0.2 / correction).min(1.0);
+        let mut moved = None;
+        for _ in 0..8 {
+            let next: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x - part * s).collect();
+            if shooting.evaluate(&next).is_ok() {
+                moved = Some(next);
+                break;
+            }
+            part *= 0.5;
+        }
+        at = moved.ok_or(NewtonError::Stalled {
+            correction,
+            steps: DAMPED,
+        })?;
+    }
+    Err(NewtonError::Stalled {
+        correction: f64::NAN,
+        steps: DAMPED,
+    })
+}
+
+/// Closes a cycle at these free parameters, in doubles and then in longer numbers.
+pub(crate) fn close(
+    workshop: &Arc<Workshop>,
+    cycle: Cycle,
+    free: &[f64],
+) -> Result<Orbit, PeriodicError> {
+    let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
+    let guess = shooting.guess(free);
+    let near = if cycle.distance > 1e-7 {
+        approach(&mut shooting, &guess).map_err(|error| failed(&error))?
+    } else {
+        guess
+    };
+    let rows = conditions(free.len(), &near);
+    let found = newton(&mut shooting, &near, &rows).map_err(|error| failed(&error))?;
+    shooting.adopt(&found.at);
+    finish(shooting, found.at)
+}
+
+/// An orbit whose equations are solved in doubles, told in longer numbers.
+pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit, PeriodicError> {
+    let workshop = shooting.workshop.clone();
+    let free = workshop.free.len();
+    let mut fine =
+        Shooting::<DoubleDouble>::new(&workshop, shooting.steps.clone(), shooting.counts.clone())?;
+    let start: Vec<DoubleDouble> = at.iter().map(|&x| x.into()).collect();
+    let rows = conditions(free, &start);
+    let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;
+    let checked = (fine.evaluate(&found.at)).map_err(|left| failed(&NewtonError::Left(left)))?;
+    let residual = (checked.residual.iter()).fold(0.0_f64, |most, x| most.max(x.to_f64().abs()));
+    let off = (found.at.iter().zip(&at).zip(shooting.scales()))
+        .fold(0.0_f64, |most, ((fine, x), scale)| {
+            most.max((*fine - DoubleDouble::from(*x)).to_f64().abs() / scale)
+        });
+    let _ = off;
+    let margins = margins(&mut shooting, &at)?;
+    let parameters = workshop.parameters(&at[at.len() - free..]);
+    let turns = workshop.closure.turns::<f64>(&parameters)?;
+    let infinite = shooting.steps.iter().any(super::itinerary::Step::is_stretch);
+    let impacts = (shooting.steps.iter()).filter(|step| step.impact().is_some()).count();
+    Ok(Orbit {
+        period: fine.period(),
+        start: fine.node(&found.at, 0).to_vec(),
+        parameters,
+        impacts: (!infinite).then_some(impacts as u64),
+        turns: (turns.iter().zip(&shooting.counts))
+            .map(|(turn, &count)| (turn.state, count))
+            .collect(),
+        multipliers: fine.multipliers(),
+        trivial_multiplier: fine.trivial_multiplier(&found.at),
+        residual,
+        correction: found.correction,
+        margins,
+        shooting,
+        at,
+    })
+}
+
+/// The smallest of each kind of margin, at each guard.
+fn margins(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<Vec<Margin>, PeriodicError> {
+    let left = |left| failed(&NewtonError::Left(left));
+    shooting.evaluate(at).map_err(left)?;
+    let least = shooting.least(at).map_err(left)?;
+    let mut found: Vec<Margin> = Vec::new();
+    let mut note = |kind: MarginKind, guard: GuardKind, time: f64, value: f64| {
+        let known = (found.iter_mut()).find(|m| m.kind == kind && m.guard == guard);
+        match known {
+            Some(known) if known.value <= value => {}
+            Some(known) => (known.time, known.value) = (time, value),
+            None => found.push(Margin {
+                kind,
+                guard,
+                time,
+                value,
+            }),
+        }
+    };
+    let mut time = 0.0;
+    for (index, step) in shooting.steps.iter().enumerate() {
+        let landing = &shooting.latest[index];
+        for least in &least[index] {
+            if !least.at_end {
+                note(MarginKind::Least, least.guard, time + least.time, least.value);
+            }
+        }
+        time += landing.duration;
+        if let Some(contact) = step.impact() {
+            note(MarginKind::ImpactRate, GuardKind::Gap(contact), time, -landing.surface_rate);
+        }
+        let released = match step.passage {
+            super::itinerary::Passage::Leg(kind) => kind.ends_at,
+            super::itinerary::Passage::Stretch(kind) => kind.last.ends_at,
+            super::itinerary::Passage::Timed(_) => None,
+        };
+        if let Some(GuardKind::Reaction(contact)) = released {
+            // Minus the reaction is the acceleration that it keeps from being.
+            note(MarginKind::ReleaseJerk, GuardKind::Reaction(contact), time, -landing.surface_rate);
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,313 @@
+//! What a trajectory settles to: the latest return to where it was.
+
+use super::closure::Turn;
+use super::error::PeriodicError;
+use super::itinerary::{Passage, Step, read};
+use super::shooting::Workshop;
+use super::trace::{Instant, Tracer};
+use crate::flow::leg::{Jump, LegKind};
+use core::ops::ControlFlow;
+
+/// A cycle as far as a trajectory shows it.
+#[derive(Clone, Debug)]
+pub(crate) struct Cycle {
+    pub steps: Vec<Step>,
+    pub counts: Vec<i64>,
+    /// How far from closed it is, against the size of the state.
+    pub distance: f64,
+}
+
+/// How long a trajectory is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patience {
+    /// Events, at most.
+    pub events: usize,
+    /// Periods of the forcing, at most.
+    pub periods: usize,
+    /// Time, at most.
+    pub time: f64,
+}
+
+impl Default for Patience {
+    fn default() -> Self {
+        Self {
+            events: 200_000,
+            periods: 5_000,
+            time: 1e6,
+        }
+    }
+}
+
+/// A return this near is one; others are tried where time runs out.
+const NEAR: [f64; 4] = [1e-9, 1e-6, 1e-4, 1e-2];
+/// Between looks: events, and periods of the forcing.
+const CHUNK: usize = 600;
+const PERIODS: usize = 40;
+/// Longer cycles are not looked for, in periods of the forcing.
+const LONGEST: usize = 64;
+
+/// Sizes of the states of instants.
+fn sizes(instants: &[Instant], turns: &[Turn<f64>]) -> Vec<f64> {
+    let n = instants.first().map_or(0, |instant| instant.state.len());
+    let mut sizes = vec![0.0_f64; n];
+    for instant in instants {
+        for (size, x) in sizes.iter_mut().zip(&instant.state) {
+            *size = size.max(x.abs());
+        }
+    }
+    for turn in turns {
+        sizes[turn.state] = turn.period;
+    }
+    let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
+    for size in &mut sizes {
+        if *size == 0.0 {
+            *size = if largest > 0.0 { largest } else { 1.0 };
+        }
+    }
+    sizes
+}
+
+/// The instant that tells returns best: the latest crossing of the section, if there is any, else the latest release, else the fastest impact of late, else the latest of all.
+fn landmark(instants: &[Instant], section: Option<usize>) -> Option<usize> {
+    let late = instants.len() / 2;
+    let crossed = section
+        .and_then(|section| instants.iter().rposition(|instant| instant.crosses(section)));
+    if crossed.is_some() {
+        return crossed;
+    }
+    if let Some(found) = instants.iter().rposition(Instant::is_release) {
+        return Some(found);
+    }
+    let fastest = (instants.iter().enumerate().skip(late))
+        .filter_map(|(index, instant)| Some((index, instant.impact()?.1)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    match fastest {
+        Some((_, rate)) => {
+            // The latest that is as fast.
+            instants.iter().rposition(|instant| {
+                (instant.impact()).is_some_and(|(_, other)| other <= rate * (1.0 - 1e-6))
+            })
+        }
+        None => instants.len().checked_sub(1),
+    }
+}
+
+/// The instants of the latest return nearer than `near`; otherwise how near the nearest is.
+fn latest_return(
+    workshop: &Workshop,
+    turns: &[Turn<f64>],
+    instants: &[Instant],
+    near: f64,
+) -> Result<(usize, usize), f64> {
+    let Some(last) = landmark(instants, workshop.section) else {
+        return Err(f64::INFINITY);
+    };
+    let sizes = sizes(instants, turns);
+    let mut nearest = f64::INFINITY;
+    for first in (0..last).rev() {
+        let (a, b) = (&instants[first], &instants[last]);
+        if a.guard != b.guard || a.mode_after != b.mode_after || a.told.len() != b.told.len() {
+            continue;
+        }
+        let difference = (workshop.closure).difference(turns, (&a.state, &b.state), &sizes);
+        if difference.distance <= near {
+            return Ok((first, last));
+        }
+        nearest = nearest.min(difference.distance);
+    }
+    Err(nearest)
+}
+
+/// The cycle between two instants.
+fn cycle(
+    workshop: &Workshop,
+    turns: &[Turn<f64>],
+    instants: &[Instant],
+) -> Result<Cycle, PeriodicError> {
+    let steps = read(&workshop.system, instants)?;
+    let sizes = sizes(instants, turns);
+    let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
+    let difference = workshop.closure.difference(turns, (first, last), &sizes);
+    Ok(Cycle {
+        steps,
+        counts: difference.turns,
+        distance: difference.distance,
+    })
+}
+
+/// What the trajectory from a state settles to.
+pub(crate) fn settle(
+    workshop: &Workshop,
+    free: &[f64],
+    state: &[f64],
+    patience: Patience,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Cycle, PeriodicError> {
+    let parameters = workshop.parameters(free);
+    let turns = workshop.closure.turns(&parameters)?;
+    let forcing = workshop.closure.forcing(&workshop.model, &parameters);
+    let start = workshop.model.time.map_or(0.0, |index| state[index]);
+    {
+        let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+        let mut instants: Vec<Instant> = Vec::new();
+        let mut strobes: Vec<Vec<f64>> = vec![state.to_vec()];
+        let mut total = 0;
+        let mut nearest = f64::INFINITY;
+        let end = loop {
+            match forcing {
+                Some(period) => {
+                    // A look at whole periods, whatever happens between.
+                    for _ in 0..PERIODS {
+                        let until = start + period * strobes.len() as f64;
+                        let before = instants.len();
+                        tracer.follow((until, usize::MAX / 2), &mut instants, observer)?;
+                        total += instants.len() - before;
+                        strobes.push(tracer.trajectory.state().to_vec());
+                    }
+                }
+                None => {
+                    let before = instants.len();
+                    tracer.follow((start + patience.time, CHUNK), &mut instants, observer)?;
+                    total += instants.len() - before;
+                }
+            }
+            let keep = instants.len().saturating_sub(4 * CHUNK);
+            instants.drain(..keep);
+            if !instants.is_empty() {
+                match latest_return(workshop, &turns, &instants, NEAR[0]) {
+                    Ok((first, last)) => {
+                        return cycle(workshop, &turns, &instants[first..=last]);
+                    }
+                    Err(distance) => nearest = nearest.min(distance),
+                }
+            } else if forcing.is_some()
+                && let Some(found) = timed(workshop, &turns, &tracer, &strobes, NEAR[0])
+            {
+                return Ok(found);
+            }
+            let over = total >= patience.events
+                || strobes.len() > patience.periods
+                || (forcing.is_none() && tracer.trajectory.time() >= start + patience.time);
+            if over || (forcing.is_none() && instants.is_empty()) {
+                break tracer.trajectory.time();
+            }
+        };
+        for near in &NEAR[1..] {
+            if let Ok((first, last)) = latest_return(workshop, &turns, &instants, *near) {
+                return cycle(workshop, &turns, &instants[first..=last]);
+            }
+            if instants.is_empty()
+                && forcing.is_some()
+                && let Some(found) = timed(workshop, &turns, &tracer, &strobes, *near)
+            {
+                return Ok(found);
+            }
+        }
+        if forcing.is_none() && instants.len() < 2 {
+            return Err(PeriodicError::Equilibrium {
+                time: instants.last().map_or(start, |instant| instant.time),
+            });
+        }
+        Err(PeriodicError::NotSettled { time: end, nearest })
+    }
+}
+
+/// A cycle of so many periods of the forcing on which nothing happens.
+fn timed(
+    workshop: &Workshop,
+    turns: &[Turn<f64>],
+    tracer: &Tracer<'_>,
+    strobes: &[Vec<f64>],
+    near: f64,
+) -> Option<Cycle> {
+    let (last, earlier) = strobes.split_last()?;
+    let mut sizes = vec![0.0_f64; last.len()];
+    for state in strobes.iter().rev().take(LONGEST) {
+        for (size, x) in sizes.iter_mut().zip(state) {
+            *size = size.max(x.abs());
+        }
+    }
+    for turn in turns {
+        sizes[turn.state] = turn.period;
+    }
+    let largest = sizes.iter().fold(1e-300_f64, |most, x| most.max(*x));
+    sizes.iter_mut().filter(|size| **size == 0.0).for_each(|size| *size = largest);
+    let mut candidates = earlier.iter().rev().take(LONGEST).enumerate();
+    candidates.find_map(|(periods, state)| {
+        let difference = (workshop.closure).difference(turns, (state, last), &sizes);
+        let period = turns.iter().zip(&difference.turns).find(|(_, count)| **count != 0)?;
+        let _ = periods;
+        (difference.distance <= near).then(|| Cycle {
+            steps: vec![Step {
+                passage: Passage::Timed(LegKind {
+                    mode: tracer.trajectory.mode,
+                    ends_at: None,
+                    jump: Jump::None,
+                }),
+                pieces: tracer.trajectory.pieces().to_vec(),
+                told: Vec::new(),
+                closed: tracer.trajectory.closed(),
+                start: state.clone(),
+                duration: period.0.period * *period.1 as f64,
+            }],
+            counts: difference.turns.clone(),
+            distance: difference.distance,
+        })
+    })
+}
+
+/// The cycle of so many periods of the forcing that a trajectory from a state would have if it closed; none if it ends
+/// before, or nothing tells where it begins.
+pub(crate) fn first_loop(
+    workshop: &Workshop,
+    free: &[f64],
+    state: &[f64],
+    (skip, periods): (usize, usize),
+) -> Result<Option<Cycle>, PeriodicError> {
+    let parameters = workshop.parameters(free);
+    let turns = workshop.closure.turns(&parameters)?;
+    let Some(period) = workshop.closure.forcing(&workshop.model, &parameters) else {
+        return Ok(None);
+    };
+    let start = workshop.model.time.map_or(0.0, |index| state[index]);
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, None)?;
+    let mut instants = Vec::new();
+    let mut quiet = |_: f64| ControlFlow::Continue(());
+    // One more period, so that the landmark of the first is met again.
+    let until = start + period * (skip + 2 * periods) as f64;
+    tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
+    let begin = start + period * skip as f64;
+    let middle = begin + period * periods as f64;
+    let fastest = |from: f64, to: f64, like: Option<&Instant>| {
+        (instants.iter().enumerate())
+            .filter(|(_, i)| i.time >= from && i.time < to)
+            .filter(|(_, i)| like.is_none_or(|like| like.guard == i.guard))
+            .filter_map(|(index, i)| Some((index, i.impact()?.1)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(index, _)| index)
+    };
+    let Some(first) = fastest(begin, middle, None) else {
+        return Ok(None);
+    };
+    let due = instants[first].time + period * periods as f64;
+    let slack = 0.45 * period;
+    let like = Some(&instants[first]);
+    let Some(last) = (instants.iter().enumerate())
+        .filter(|(_, i)| (i.time - due).abs() <= slack)
+        .filter(|(_, i)| like.is_none_or(|like| like.guard == i.guard && i.impact().is_some()))
+        .min_by(|(_, a), (_, b)| (a.time - due).abs().total_cmp(&(b.time - due).abs()))
+        .map(|(index, _)| index)
+    else {
+        return Ok(None);
+    };
+    if last <= first {
+        return Ok(None);
+    }
+    let mut found = cycle(workshop, &turns, &instants[first..=last])?;
+    for (count, turn) in found.counts.iter_mut().zip(&turns) {
+        if Some(turn.state) == workshop.closure.time {
+            *count = periods as i64;
+        }
+    }
+    Ok(Some(found))
+}

@@ -1,0 +1,582 @@
+//! The equations of a periodic orbit: nodes after chosen events, and the times between them.
+//!
+//! For each leg from node x_k, of duration tau_k, to the surface g_k with the map R_k there (MATH.md 10)
+//!
+//! ```text
+//! g_k(phi_tau_k(x_k)) = 0,        x_(k+1) - R_k(phi_tau_k(x_k)) = 0,        x_N = x_0 + turns
+//! ```
+//!
+//! Each is regular where an event grazes. A stretch through complete chatter is followed as it is, and its time eliminated.
+
+use super::closure::{Closure, Turn};
+use super::error::PeriodicError;
+use super::itinerary::{Passage, Step, held};
+use crate::analysis::continuation::{Left, Linearised, Problem, Wrap};
+use crate::flow::leg::{Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch, StretchKind};
+use crate::flow::{Settings, System};
+use crate::model::Model;
+use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A model with its compiled legs, shared by all orbits that are looked at.
+#[derive(Debug)]
+pub(crate) struct Workshop {
+    pub model: Model,
+    pub system: System,
+    pub closure: Closure,
+    /// Positions of the free parameters.
+    pub free: Vec<usize>,
+    /// Sizes of the free parameters.
+    pub sizes: Vec<f64>,
+    /// The section whose crossings are nodes, too: states are told there.
+    pub section: Option<usize>,
+    legs: Mutex<Vec<(LegKind, Arc<Leg>)>>,
+    stretches: Mutex<Vec<(StretchKind, Arc<Stretch>)>>,
+}
+
+impl Workshop {
+    pub(crate) fn new(
+        model: &Model,
+        (free, sizes): (&[usize], &[f64]),
+        closure: Closure,
+        section: Option<usize>,
+    ) -> Result<Self, PeriodicError> {
+        Ok(Self {
+            system: System::new(model).map_err(PeriodicError::System)?,
+            model: model.clone(),
+            closure,
+            free: free.to_vec(),
+            sizes: sizes.to_vec(),
+            section,
+            legs: Mutex::default(),
+            stretches: Mutex::default(),
+        })
+    }
+
+    fn leg(&self, kind: LegKind) -> Option<Arc<Leg>> {
+        let mut known = self.legs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, leg)) = known.iter().find(|(of, _)| *of == kind) {
+            return Some(leg.clone());
+        }
+        let leg = Arc::new(self.system.leg(kind, &self.free)?);
+        known.push((kind, leg.clone()));
+        Some(leg)
+    }
+
+    fn stretch(&self, kind: StretchKind) -> Option<Arc<Stretch>> {
+        let mut known = (self.stretches.lock()).unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, stretch)) = known.iter().find(|(of, _)| *of == kind) {
+            return Some(stretch.clone());
+        }
+        let stretch = Arc::new(self.system.stretch(kind, &self.free)?);
+        known.push((kind, stretch.clone()));
+        Some(stretch)
+    }
+
+    /// All parameters, with the free ones at these values.
+    pub(crate) fn parameters<R: Real>(&self, free: &[R]) -> Vec<R> {
+        let values: Vec<(usize, R)> = (self.free.iter().copied())
+            .zip(free.iter().copied())
+            .collect();
+        self.model.parameter_values(&values)
+    }
+}
+
+/// How the parts of an orbit are computed.
+#[derive(Clone, Debug)]
+enum Flown<R: Real> {
+    Leg(Arc<Leg>, usize),
+    Stretch(Arc<Stretch>, Box<Follower<R>>),
+}
+
+/// The equations of one itinerary.
+#[derive(Clone, Debug)]
+pub(crate) struct Shooting<R: Real> {
+    pub workshop: Arc<Workshop>,
+    pub steps: Vec<Step>,
+    /// Whole turns of each phase in a period.
+    pub counts: Vec<i64>,
+    flown: Vec<Flown<R>>,
+    flyers: Vec<(LegKind, Flyer<R>)>,
+    /// Where each node begins among the unknowns.
+    places: Vec<usize>,
+    scales: Vec<f64>,
+    /// Where states that nothing depends on are held.
+    pins: Vec<R>,
+    /// The latest point looked at, and how its legs ended.
+    pub latest: Vec<Landing<R>>,
+    watching: Option<Vec<R>>,
+}
+
+/// A leg that would take this many times as long as its guess is given up.
+const LONGEST: f64 = 4.0;
+
+impl<R: Real> Shooting<R> {
+    pub(crate) fn new(
+        workshop: &Arc<Workshop>,
+        steps: Vec<Step>,
+        counts: Vec<i64>,
+    ) -> Result<Self, PeriodicError> {
+        let settings = Settings::default();
+        let unfollowed = || PeriodicError::Unfollowed {
+            what: "a mode that holds no motion".to_owned(),
+        };
+        let mut flown = Vec::with_capacity(steps.len());
+        let mut flyers: Vec<(LegKind, Flyer<R>)> = Vec::new();
+        let mut places = Vec::with_capacity(steps.len());
+        let n = workshop.model.states.len();
+        let mut unknowns = 0;
+        for step in &steps {
+            places.push(unknowns);
+            unknowns += n;
+            match step.passage {
+                Passage::Leg(kind) | Passage::Timed(kind) => {
+                    let leg = workshop.leg(kind).ok_or_else(unfollowed)?;
+                    let place = flyers.iter().position(|(of, _)| *of == kind);
+                    let place = place.unwrap_or_else(|| {
+                        flyers.push((kind, leg.flyer(&settings)));
+                        flyers.len() - 1
+                    });
+                    unknowns += usize::from(matches!(step.passage, Passage::Leg(_)));
+                    flown.push(Flown::Leg(leg, place));
+                }
+                Passage::Stretch(kind) => {
+                    let stretch = workshop.stretch(kind).ok_or_else(unfollowed)?;
+                    let follower = stretch.follower(&settings);
+                    flown.push(Flown::Stretch(stretch, Box::new(follower)));
+                }
+            }
+        }
+        let mut shooting = Self {
+            workshop: workshop.clone(),
+            steps,
+            counts,
+            flown,
+            flyers,
+            places,
+            scales: Vec::new(),
+            pins: Vec::new(),
+            latest: Vec::new(),
+            watching: None,
+        };
+        shooting.rescale();
+        Ok(shooting)
+    }
+
+    /// Sizes from the nodes as they are known.
+    fn rescale(&mut self) {
+        let n = self.workshop.model.states.len();
+        let mut sizes = vec![0.0_f64; n];
+        let model = &self.workshop.model;
+        let parameters = self.workshop.parameters::<f64>(&[]);
+        for step in &self.steps {
+            for ((size, x), state) in sizes.iter_mut().zip(&step.start).zip(&model.states) {
+                // A position is zero at all its impacts, yet has a size: that of how far it moves.
+                let rate = model.graph.evaluate(state.derivative, &step.start, &parameters);
+                let moves = (rate * step.duration).abs();
+                *size = size.max(x.abs()).max(if moves.is_finite() { moves } else { 0.0 });
+            }
+        }
+        for turn in self.workshop.closure.turns(&parameters).iter().flatten() {
+            sizes[turn.state] = turn.period;
+        }
+        let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
+        let period: f64 = self.steps.iter().map(|step| step.duration).sum();
+        for size in &mut sizes {
+            if *size == 0.0 {
+                *size = if largest > 0.0 { largest } else { 1.0 };
+            }
+        }
+        let mut scales = Vec::new();
+        for step in &self.steps {
+            scales.extend(&sizes);
+            if matches!(step.passage, Passage::Leg(_)) {
+                scales.push(period);
+            }
+        }
+        scales.extend(&self.workshop.sizes);
+        self.scales = scales;
+        self.pins = (self.steps.first())
+            .map(|step| step.start.iter().map(|&x| R::splat(x)).collect())
+            .unwrap_or_default();
+    }
+
+    /// The unknowns as first guessed, at these free parameters.
+    pub(crate) fn guess(&self, free: &[f64]) -> Vec<R> {
+        let mut at = Vec::with_capacity(self.scales.len());
+        for step in &self.steps {
+            at.extend(step.start.iter().map(|&x| R::splat(x)));
+            if matches!(step.passage, Passage::Leg(_)) {
+                at.push(R::splat(step.duration));
+            }
+        }
+        at.extend(free.iter().map(|&p| R::splat(p)));
+        at
+    }
+
+    /// Takes a solution as what later guesses and sizes start from.
+    pub(crate) fn adopt(&mut self, at: &[R]) {
+        let n = self.workshop.model.states.len();
+        for (index, step) in self.steps.iter_mut().enumerate() {
+            let place = self.places[index];
+            step.start = at[place..place + n].iter().map(|x| x.to_f64()).collect();
+            if let Some(landing) = self.latest.get(index) {
+                step.duration = landing.duration.to_f64();
+            }
+        }
+    }
+
+    /// The node that a step starts from.
+    pub(crate) fn node<'a>(&self, at: &'a [R], index: usize) -> &'a [R] {
+        let n = self.workshop.model.states.len();
+        &at[self.places[index]..self.places[index] + n]
+    }
+
+    /// Place of the duration of a step among the unknowns.
+    pub(crate) fn duration_place(&self, index: usize) -> Option<usize> {
+        let n = self.workshop.model.states.len();
+        matches!(self.steps[index].passage, Passage::Leg(_)).then(|| self.places[index] + n)
+    }
+
+    pub(crate) fn free<'a>(&self, at: &'a [R]) -> &'a [R] {
+        &at[at.len() - self.workshop.free.len()..]
+    }
+
+    /// The model's parameters followed by those of a step's pieces.
+    fn parameters_of(&self, parameters: &[R], step: &Step) -> Vec<R> {
+        let mut all = parameters.to_vec();
+        let system = &self.workshop.system;
+        let graph = &system.model().graph;
+        for (index, &piece) in step.pieces.iter().enumerate() {
+            all.extend(system.corners().slots_of::<R>(graph, index, piece).unwrap_or_default());
+        }
+        all
+    }
+
+    fn land(&mut self, at: &[R], turns: &[Turn<R>], parameters: &[R]) -> Result<Vec<Landing<R>>, Left> {
+        let n = self.workshop.model.states.len();
+        let mut landings = Vec::with_capacity(self.steps.len());
+        for index in 0..self.steps.len() {
+            let all = self.parameters_of(parameters, &self.steps[index]);
+            let place = self.places[index];
+            let x = &at[place..place + n];
+            let step = &self.steps[index];
+            let landing = match &mut self.flown[index] {
+                Flown::Leg(leg, flyer) => {
+                    let duration = match step.passage {
+                        Passage::Leg(_) => at[place + n],
+                        // Whole periods of the first phase that turns.
+                        _ => (turns.iter().zip(&self.counts))
+                            .find(|(_, count)| **count != 0)
+                            .map_or(R::ZERO, |(turn, &count)| turn.period * R::splat(count as f64)),
+                    };
+                    if !(duration > R::ZERO) {
+                        return Err(Left::because(format_args!(
+                            "the time between events {index} and {} vanishes",
+                            index + 1
+                        )));
+                    }
+                    leg.fly(&mut self.flyers[*flyer].1, &all, x, duration)
+                        .map_err(Left::because)?
+                }
+                Flown::Stretch(stretch, follower) => {
+                    let longest = R::splat(LONGEST * step.duration);
+                    let followed = stretch.follow(follower, &all, x, longest);
+                    let followed = followed.map_err(|astray| match astray {
+                        Astray::Failed(error) => Left::because(error),
+                        Astray::Other(_) => Left::because("chatter is not complete"),
+                    })?;
+                    followed.landing
+                }
+            };
+            landings.push(landing);
+        }
+        Ok(landings)
+    }
+
+    /// The period, known after an evaluation.
+    pub(crate) fn period(&self) -> R {
+        (self.latest.iter()).fold(R::ZERO, |sum, landing| sum + landing.duration)
+    }
+
+    /// The derivative of the map from the first node to itself, events' times taken with it.
+    pub(crate) fn monodromy(&self) -> Matrix<R> {
+        let n = self.workshop.model.states.len();
+        let mut product = Matrix::identity(n);
+        for landing in &self.latest {
+            product = transfer(landing, n).times(&product);
+        }
+        product
+    }
+
+    /// How many of the multipliers are zero by dimension: what the modes hold is forgotten.
+    fn lost(&self) -> usize {
+        let system = &self.workshop.system;
+        let modes = self.steps.iter().map(|step| held(system, step.mode()));
+        let closed = (self.steps.iter()).map(|step| 2 * step.closed.contacts().count());
+        modes.chain(closed).max().unwrap_or(0)
+    }
+
+    /// All multipliers but the trivial one, the largest first.
+    pub(crate) fn multipliers(&self) -> Vec<Complex> {
+        let n = self.workshop.model.states.len();
+        let product = self.monodromy();
+        let has_events = (self.steps.iter()).any(|step| !matches!(step.passage, Passage::Timed(_)));
+        let turning: Vec<usize> = (self.workshop.closure.time.into_iter())
+            .chain(self.clock())
+            .collect();
+        let kept: Vec<usize> = (0..n)
+            .filter(|&i| !self.workshop.closure.is_idle(i))
+            .filter(|i| has_events || !turning.contains(i))
+            .collect();
+        let mut reduced = Matrix::zeros(kept.len(), kept.len());
+        for (row, &i) in kept.iter().enumerate() {
+            for (column, &k) in kept.iter().enumerate() {
+                reduced[(row, column)] = product[(i, k)].to_f64();
+            }
+        }
+        let mut found = eigenvalues(&reduced);
+        if has_events {
+            // On the surface of an event there is no displacement in time.
+            found.pop();
+        }
+        let left = found.len().saturating_sub(self.lost());
+        if left == 2 && found.len() == 2 && has_events && found[0].im == 0.0 {
+            // The product of both is a sum of minors, which longer numbers know better than an eigenvalue.
+            let mut minors = R::ZERO;
+            for (a, &i) in kept.iter().enumerate() {
+                for &k in &kept[a + 1..] {
+                    minors += product[(i, i)] * product[(k, k)] - product[(i, k)] * product[(k, i)];
+                }
+            }
+            found[1].re = minors.to_f64() / found[0].re;
+        }
+        for value in &mut found[left..] {
+            *value = Complex::default();
+        }
+        found
+    }
+
+    /// The phase that turns by itself, where no time does.
+    fn clock(&self) -> Option<usize> {
+        let turns = self.workshop.closure.turns::<f64>(&self.workshop.parameters(&[])).ok()?;
+        (turns.iter().zip(&self.counts))
+            .find(|(_, count)| **count != 0)
+            .map(|(turn, _)| turn.state)
+    }
+
+    /// The multiplier along the flow, which is one: how well the derivatives know it. None where time is no state of the
+    /// motion.
+    pub(crate) fn trivial_multiplier(&mut self, at: &[R]) -> Option<f64> {
+        if self.workshop.closure.time.is_some() {
+            return None;
+        }
+        let n = self.workshop.model.states.len();
+        let parameters = self.workshop.parameters(self.free(at));
+        let mut product = R::ONE;
+        for index in 0..self.steps.len() {
+            let all = self.parameters_of(&parameters, &self.steps[index]);
+            let x = &at[self.places[index]..self.places[index] + n];
+            let Flown::Leg(leg, flyer) = &self.flown[index] else {
+                continue;
+            };
+            let field = leg.field(&mut self.flyers[*flyer].1, &all, x);
+            let landing = self.latest.get(index)?;
+            if landing.surface_rate == R::ZERO {
+                return None;
+            }
+            product *= dot(&landing.surface_slopes[..n], &field) / landing.surface_rate;
+        }
+        Some(product.to_f64())
+    }
+}
+
+impl Shooting<f64> {
+    /// The least values of all guards on the way of the orbit, by step.
+    pub(crate) fn least(&mut self, at: &[f64]) -> Result<Vec<Vec<Least>>, Left> {
+        let n = self.workshop.model.states.len();
+        let parameters = self.workshop.parameters(self.free(at));
+        let mut found = Vec::with_capacity(self.steps.len());
+        for index in 0..self.steps.len() {
+            let all = self.parameters_of(&parameters, &self.steps[index]);
+            let place = self.places[index];
+            let x = &at[place..place + n];
+            let Flown::Leg(leg, flyer) = &self.flown[index] else {
+                found.push(Vec::new());
+                continue;
+            };
+            let duration = match self.steps[index].passage {
+                Passage::Leg(_) => at[place + n],
+                _ => self.latest.get(index).map_or(self.steps[index].duration, |l| l.duration),
+            };
+            let flyer = &mut self.flyers[*flyer].1;
+            found.push(leg.least(flyer, &all, x, duration).map_err(Left::because)?);
+        }
+        Ok(found)
+    }
+}
+
+/// The derivative of a leg's image by its start, the event's time taken with it.
+fn transfer<R: Real>(landing: &Landing<R>, n: usize) -> Matrix<R> {
+    let mut transfer = Matrix::zeros(n, n);
+    let timed = landing.surface_rate == R::ZERO;
+    for i in 0..n {
+        for k in 0..n {
+            let mut slope = landing.image_slopes[(i, k)];
+            if !timed {
+                slope -= landing.image_rate[i] * landing.surface_slopes[k] / landing.surface_rate;
+            }
+            transfer[(i, k)] = slope;
+        }
+    }
+    transfer
+}
+
+impl<R: Real> Problem<R> for Shooting<R> {
+    fn unknowns(&self) -> usize {
+        self.scales.len()
+    }
+
+    fn parameters(&self) -> usize {
+        self.workshop.free.len()
+    }
+
+    fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    fn evaluate(&mut self, at: &[R]) -> Result<Linearised<R>, Left> {
+        let workshop = self.workshop.clone();
+        let n = workshop.model.states.len();
+        let free = workshop.free.len();
+        let unknowns = self.scales.len();
+        let parameters = workshop.parameters(self.free(at));
+        let turns = workshop.closure.turns(&parameters).map_err(Left::because)?;
+        let landings = self.land(at, &turns, &parameters)?;
+        let mut residual = vec![R::ZERO; unknowns - free];
+        let mut jacobian = Matrix::zeros(unknowns - free, unknowns);
+        let count = self.steps.len();
+        let mut row = 0;
+        for (index, landing) in landings.iter().enumerate() {
+            let place = self.places[index];
+            let next = self.places[(index + 1) % count];
+            let is_last = index + 1 == count;
+            let timed = matches!(self.steps[index].passage, Passage::Timed(_));
+            let is_leg = matches!(self.steps[index].passage, Passage::Leg(_));
+            if is_leg {
+                residual[row] = landing.surface;
+                for k in 0..n {
+                    jacobian[(row, place + k)] = landing.surface_slopes[k];
+                }
+                jacobian[(row, place + n)] = landing.surface_rate;
+                for k in 0..free {
+                    jacobian[(row, unknowns - free + k)] = landing.surface_slopes[n + k];
+                }
+                row += 1;
+            }
+            for i in 0..n {
+                residual[row] = at[next + i] - landing.image[i];
+                jacobian[(row, next + i)] += R::ONE;
+                for k in 0..n + free {
+                    let column = if k < n { place + k } else { unknowns - free + k - n };
+                    let mut slope = landing.image_slopes[(i, k)];
+                    if !is_leg && !timed {
+                        let late = landing.surface_slopes[k] / landing.surface_rate;
+                        slope -= landing.image_rate[i] * late;
+                    }
+                    jacobian[(row, column)] -= slope;
+                }
+                if is_leg {
+                    jacobian[(row, place + n)] -= landing.image_rate[i];
+                }
+                if timed {
+                    // The duration follows the period.
+                    if let Some((turn, &times)) =
+                        turns.iter().zip(&self.counts).find(|(_, count)| **count != 0)
+                    {
+                        for (k, &slope) in turn.slopes.iter().enumerate() {
+                            jacobian[(row, unknowns - free + k)] -=
+                                landing.image_rate[i] * slope * R::splat(times as f64);
+                        }
+                    }
+                }
+                if is_last {
+                    let turning = turns.iter().zip(&self.counts).find(|(turn, _)| turn.state == i);
+                    if let Some((turn, &times)) = turning {
+                        let times = R::splat(times as f64);
+                        residual[row] += turn.period * times;
+                        for (k, &slope) in turn.slopes.iter().enumerate() {
+                            jacobian[(row, unknowns - free + k)] += slope * times;
+                        }
+                    }
+                }
+                row += 1;
+            }
+        }
+        let last = row - n;
+        // A timed orbit of a system with time has no equation for when it starts: it starts there.
+        let all_timed = (self.steps.iter()).all(|step| matches!(step.passage, Passage::Timed(_)));
+        let clock = workshop.closure.time.or_else(|| self.clock()).filter(|_| all_timed);
+        if let Some(i) = clock {
+            jacobian.row_mut(last + i).fill(R::ZERO);
+            jacobian[(last + i, self.places[0] + i)] = R::ONE;
+            residual[last + i] = at[self.places[0] + i] - self.pins[i];
+        }
+        for free in &workshop.closure.idle {
+            let i = last + free.state;
+            for &(other, times) in &free.others {
+                let times = R::splat(times);
+                for column in 0..unknowns {
+                    let moved = jacobian[(i, column)];
+                    jacobian[(last + other, column)] -= times * moved;
+                }
+                let moved = residual[i];
+                residual[last + other] -= times * moved;
+            }
+        }
+        for free in &workshop.closure.idle {
+            let i = last + free.state;
+            jacobian.row_mut(i).fill(R::ZERO);
+            jacobian[(i, self.places[0] + free.state)] = R::ONE;
+            residual[i] = at[self.places[0] + free.state] - self.pins[free.state];
+        }
+        self.latest = landings;
+        self.watching = Some(at.to_vec());
+        Ok(Linearised { residual, jacobian })
+    }
+
+    /// The rate before the event at the end of step `index`, divided by nothing: zero where it grazes.
+    fn monitor(&mut self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
+        if self.watching.as_deref() != Some(at) {
+            self.evaluate(at)?;
+        }
+        let n = self.workshop.model.states.len();
+        let free = self.workshop.free.len();
+        let place = self.places[index];
+        let landing = &self.latest[index];
+        let mut gradient = vec![R::ZERO; at.len()];
+        for k in 0..n {
+            gradient[place + k] = landing.rate_slopes[k];
+        }
+        for k in 0..free {
+            gradient[at.len() - free + k] = landing.rate_slopes[n + k];
+        }
+        if let Some(duration) = self.duration_place(index) {
+            gradient[duration] = landing.surface_acceleration;
+        }
+        Ok((landing.surface_rate, gradient))
+    }
+
+    fn wrap(&self) -> Wrap {
+        let n = self.workshop.model.states.len();
+        let free = self.workshop.free.len();
+        let last = self.scales.len() - free - n;
+        let closure = &self.workshop.closure;
+        let entries = (0..n)
+            .filter(|&i| !closure.is_idle(i))
+            .map(|i| (last + i, self.places[0] + i, 1.0));
+        Wrap {
+            entries: entries.collect(),
+        }
+    }
+}

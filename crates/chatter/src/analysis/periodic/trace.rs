@@ -1,0 +1,150 @@
+//! A trajectory as the instants at which something happens, with the modes between them.
+
+use super::error::PeriodicError;
+use crate::flow::{Closed, GuardKind, Occurrence, Settings, System, Trajectory, Workspace};
+use core::ops::ControlFlow;
+
+/// Something that happened, in the time of one instant.
+#[derive(Clone, Debug)]
+pub(crate) struct Instant {
+    pub time: f64,
+    /// The mode and the pieces of lookups before it, and the guard that ended it; no guard where it is the end of a
+    /// chatter sequence.
+    pub mode: usize,
+    pub pieces: Vec<i64>,
+    pub guard: Option<GuardKind>,
+    pub told: Vec<Occurrence<f64>>,
+    /// After it.
+    pub state: Vec<f64>,
+    pub closed: Closed,
+    pub mode_after: usize,
+}
+
+impl Instant {
+    /// The impact, if this is just one.
+    pub(crate) fn impact(&self) -> Option<(usize, f64)> {
+        self.told.iter().find_map(|told| match *told {
+            Occurrence::Impact {
+                contact,
+                rate_before,
+                ..
+            } => Some((contact, rate_before)),
+            _ => None,
+        })
+    }
+
+    /// Whether this is a crossing of a section.
+    pub(crate) fn crosses(&self, section: usize) -> bool {
+        self.guard == Some(GuardKind::Section(section))
+    }
+
+    pub(crate) fn is_release(&self) -> bool {
+        (self.told.iter()).any(|told| matches!(told, Occurrence::Release { .. }))
+    }
+
+    /// How many impacts of a chatter sequence that ends here were told of before.
+    pub(crate) fn accumulated(&self) -> Option<u64> {
+        self.told.iter().find_map(|told| match *told {
+            Occurrence::Accumulation { impacts, .. } => Some(impacts),
+            _ => None,
+        })
+    }
+}
+
+/// A trajectory that is being followed.
+pub(crate) struct Tracer<'s> {
+    system: &'s System,
+    work: Workspace<f64>,
+    pub trajectory: Trajectory<f64>,
+    /// Crossings of this section count, too.
+    section: Option<usize>,
+}
+
+/// Steps without an event.
+const MOST_STEPS: usize = 200_000;
+
+impl<'s> Tracer<'s> {
+    pub(crate) fn new(
+        system: &'s System,
+        parameters: &[f64],
+        state: &[f64],
+        section: Option<usize>,
+    ) -> Result<Self, PeriodicError> {
+        let mut work = system.workspace(&Settings::default());
+        let clock = system.model().time.map_or(0.0, |index| state[index]);
+        let trajectory = Trajectory::start(system, &mut work, parameters, clock, state)
+            .map_err(PeriodicError::Start)?;
+        Ok(Self {
+            system,
+            work,
+            trajectory,
+            section,
+        })
+    }
+
+    /// Follows up to a time, or until so many instants are known, and adds them to the list. The observer may break off.
+    pub(crate) fn follow(
+        &mut self,
+        (until, most): (f64, usize),
+        instants: &mut Vec<Instant>,
+        observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<(), PeriodicError> {
+        self.trajectory.set_horizon(until);
+        let mut steps = 0;
+        let enough = instants.len() + most;
+        loop {
+            let (mode, pieces) = (self.trajectory.mode, self.trajectory.pieces().to_vec());
+            let told = (self.trajectory)
+                .advance_to_horizon(self.system, &mut self.work)
+                .map_err(PeriodicError::Ended)?;
+            steps += 1;
+            if steps % 64 == 0 && observer(self.trajectory.time()).is_break() {
+                return Err(PeriodicError::Interrupted);
+            }
+            if steps > MOST_STEPS {
+                return Ok(());
+            }
+            let guard = self.trajectory.ended_by();
+            let counts = |guard: Option<GuardKind>| match guard {
+                Some(GuardKind::Section(index)) => {
+                    self.section == Some(index) || self.system.is_event(index)
+                }
+                other => other.is_some(),
+            };
+            let happens = !matches!(
+                told,
+                None | Some(Occurrence::Horizon | Occurrence::Section { .. })
+            );
+            if counts(guard) || matches!(told, Some(Occurrence::Accumulation { .. })) {
+                instants.push(Instant {
+                    time: self.trajectory.time(),
+                    mode,
+                    pieces,
+                    guard,
+                    told: told.into_iter().filter(|t| *t != Occurrence::Horizon).collect(),
+                    state: Vec::new(),
+                    closed: Closed::NONE,
+                    mode_after: 0,
+                });
+                steps = 0;
+            } else if happens && let (Some(last), Some(told)) = (instants.last_mut(), told) {
+                last.told.push(told);
+            }
+            if let Some(last) = instants.last_mut()
+                && last.time == self.trajectory.time()
+            {
+                last.state = self.trajectory.state().to_vec();
+                last.closed = self.trajectory.closed();
+                last.mode_after = self.trajectory.mode;
+            }
+            if told == Some(Occurrence::Horizon) {
+                return Ok(());
+            }
+            if instants.len() > enough {
+                // The latest may have more to tell.
+                instants.truncate(enough + 1);
+                return Ok(());
+            }
+        }
+    }
+}

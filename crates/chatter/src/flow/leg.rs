@@ -1,0 +1,647 @@
+//! The smooth flow of one mode by itself, up to a time and past whatever would end it there, with its derivatives.
+//!
+//! A leg of a periodic orbit flies for a given time tau from a state x, be it through a wall; that it ends on the surface g = 0 of
+//! its event is an equation of whoever solves for the orbit, not a decision of the flow. So it stays regular where the
+//! event grazes (MATH.md 10):
+//!
+//! ```text
+//! e = phi_tau(x, p)      g(e, p) = 0      image R(e, p): the state after the event
+//! ```
+//!
+//! What else ends the mode is watched apart: the least value of each of its guards on the way.
+
+use super::error::FlowError;
+use super::limits::Limits;
+use super::program::{GuardKind, ModeExprs, guard_functions};
+use super::step::Workspace;
+use super::system::{Settings, System};
+use super::trajectory::Trajectory;
+use super::variation::{Column, Direction as Along};
+use super::{Closed, Occurrence};
+use crate::expressions::{Expansion, Expr, Graph, Tape};
+use crate::model::{Direction, Model, Section};
+use crate::numerics::{Matrix, Real, two_sum};
+
+/// What the event at the end of a leg does to the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Jump {
+    /// Nothing.
+    None,
+    /// An impact at this contact.
+    Impact(usize),
+    /// The event of this section.
+    Reset(usize),
+}
+
+/// A mode, what ends it, and what happens there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct LegKind {
+    /// Number of the mode in the system.
+    pub mode: usize,
+    /// The guard that vanishes at the end; none where a time says the end.
+    pub ends_at: Option<GuardKind>,
+    pub jump: Jump,
+}
+
+/// A leg compiled for derivatives by the state it starts from, and by some parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct Leg {
+    pub(super) kind: LegKind,
+    flow: System,
+    edge: Edge,
+    watch: Watch,
+    /// The field at a point.
+    field: Tape,
+    graph: Graph,
+    coordinates: usize,
+    time: Option<usize>,
+}
+
+/// The surface and map at the end of a leg, on a state followed by columns.
+#[derive(Clone, Debug)]
+pub(crate) struct Edge {
+    graph: Graph,
+    tape: Tape,
+    coordinates: usize,
+    columns: usize,
+}
+
+/// What must stay positive on the way.
+#[derive(Clone, Debug)]
+struct Watch {
+    /// Stops where a guard's rate rises through zero; none where nothing is watched.
+    system: Option<System>,
+    guards: Vec<GuardKind>,
+    graph: Graph,
+    values: Tape,
+}
+
+/// What is known of a leg at its end, columns of derivatives included.
+#[derive(Clone, Debug)]
+pub(crate) struct Landing<R> {
+    /// How long it took.
+    pub duration: R,
+    /// The value of the guard, its rate of change in time, and its derivative along each column; zeros where the leg has none.
+    pub surface: R,
+    pub surface_rate: R,
+    pub surface_acceleration: R,
+    pub surface_slopes: Vec<R>,
+    /// The derivative of the guard's rate along each column.
+    pub rate_slopes: Vec<R>,
+    /// The state after the event, its rate of change with the duration, and its derivative along each column.
+    pub image: Vec<R>,
+    pub image_rate: Vec<R>,
+    pub image_slopes: Matrix<R>,
+}
+
+/// An inner least value of a guard, or its value at the end of a leg that another guard ends.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Least {
+    pub guard: GuardKind,
+    /// Since the start of the leg.
+    pub time: f64,
+    pub value: f64,
+    /// The state there.
+    pub state: Vec<f64>,
+    /// Whether this is the end of the leg.
+    pub at_end: bool,
+}
+
+/// The equations of a leg.
+struct Ending {
+    graph: Graph,
+    field: Vec<Expr>,
+    guards: Vec<(GuardKind, Expr)>,
+    surface: Option<Expr>,
+    map: Vec<Expr>,
+}
+
+/// Derivatives by the state, then by parameters.
+fn columns(coordinates: usize, free: &[usize]) -> Vec<Column> {
+    (core::iter::repeat_n(Column::State, coordinates))
+        .chain(free.iter().map(|&p| Column::Parameter(p)))
+        .collect()
+}
+
+impl System {
+    fn ending(&self, kind: LegKind) -> Option<Ending> {
+        let (closed, sides, on_sides) = self.origin_of(kind.mode)?;
+        let mut mechanics = on_sides.mechanics.clone();
+        let exprs = ModeExprs::new(&mut mechanics, closed)?;
+        let limits = Limits::new(
+            &mut mechanics,
+            (self.corners(), on_sides),
+            (self.rubbing(), closed, sides),
+            &exprs,
+        );
+        let contacts = mechanics.contacts.clone();
+        let mut graph = mechanics.graph;
+        let sections = &on_sides.sections;
+        let guards = guard_functions(&mut graph, &contacts, (sections, &limits), &exprs);
+        let surface = match kind.ends_at {
+            Some(wanted) => Some(guards.iter().find(|(guard, ..)| *guard == wanted)?.2),
+            None => None,
+        };
+        let map = match kind.jump {
+            Jump::None => (0..exprs.field.len()).map(|i| graph.state(i)).collect(),
+            Jump::Impact(contact) => contacts.get(contact)?.after_impact.clone(),
+            Jump::Reset(section) => sections.get(section)?.reset.clone()?,
+        };
+        Some(Ending {
+            graph,
+            field: exprs.field,
+            guards: guards.into_iter().map(|(guard, _, f)| (guard, f)).collect(),
+            surface,
+            map,
+        })
+    }
+
+    /// Compiles a leg; `self` carries no columns. None where the mode holds no motion.
+    pub(crate) fn leg(&self, kind: LegKind, free: &[usize]) -> Option<Leg> {
+        let Ending {
+            mut graph,
+            field,
+            guards,
+            surface,
+            map,
+        } = self.ending(kind)?;
+        let graph = &mut graph;
+        let coordinates = field.len();
+        let columns = columns(coordinates, free);
+        let watched: Vec<(GuardKind, Expr)> = (guards.into_iter())
+            .filter(|(guard, _)| match guard {
+                GuardKind::Section(index) => self.is_event(*index),
+                _ => true,
+            })
+            .collect();
+        let rates: Vec<Expr> = (watched.iter())
+            .map(|&(_, function)| graph.lie_derivative(function, &field))
+            .collect();
+        let at_point = Tape::new(graph, coordinates, &[], &field);
+        let functions: Vec<Expr> = watched.iter().map(|&(_, function)| function).collect();
+        let values = Tape::new(graph, coordinates, &[], &functions);
+        let edge = Edge::new(self.model(), graph, (&field, surface, &map), free);
+        let bare = |graph: &Graph, sections: Vec<Section>| Model {
+            graph: graph.clone(),
+            states: (self.model().states.iter().zip(&field))
+                .map(|(state, &derivative)| crate::model::State {
+                    derivative,
+                    ..state.clone()
+                })
+                .collect(),
+            contacts: Vec::new(),
+            sections,
+            ..self.model().clone()
+        };
+        let flow = System::with_columns(&bare(graph, Vec::new()), &columns).ok()?;
+        let turning: Vec<Section> = (rates.iter())
+            .map(|&rate| Section {
+                name: String::new(),
+                surface: rate,
+                direction: Direction::Rising,
+                reset: None,
+            })
+            .collect();
+        let watching = (!turning.is_empty())
+            .then(|| System::new(&bare(graph, turning)).ok())
+            .flatten();
+        Some(Leg {
+            kind,
+            flow,
+            edge,
+            watch: Watch {
+                system: watching,
+                guards: watched.iter().map(|&(guard, _)| guard).collect(),
+                graph: graph.clone(),
+                values,
+            },
+            field: at_point,
+            graph: graph.clone(),
+            coordinates,
+            time: self.model().time,
+        })
+    }
+}
+
+impl Edge {
+    fn new(
+        model: &Model,
+        graph: &mut Graph,
+        (field, surface, map): (&[Expr], Option<Expr>, &[Expr]),
+        free: &[usize],
+    ) -> Self {
+        let coordinates = field.len();
+        let columns = coordinates + free.len();
+        let zero = graph.number(0.0);
+        let surface = surface.unwrap_or(zero);
+        let rate = graph.lie_derivative(surface, field);
+        let acceleration = graph.lie_derivative(rate, field);
+        let mut outputs = vec![surface, rate, acceleration];
+        outputs.extend(map);
+        for &image in map {
+            outputs.push(graph.lie_derivative(image, field));
+        }
+        for index in 0..columns {
+            let rates = match index.checked_sub(coordinates) {
+                Some(place) => model.parameter_rates(graph, free[place]),
+                None => Vec::new(),
+            };
+            let along = Along::new((index + 1) * coordinates, rates);
+            outputs.extend(along.along(graph, coordinates, &[surface, rate]));
+            outputs.extend(along.along(graph, coordinates, map));
+        }
+        let tape = Tape::new(graph, coordinates * (1 + columns), &[], &outputs);
+        Self {
+            graph: graph.clone(),
+            tape,
+            coordinates,
+            columns,
+        }
+    }
+
+    fn landing<R: Real>(
+        &self,
+        expansion: &mut Expansion<R>,
+        parameters: &[R],
+        duration: R,
+        end: &[R],
+    ) -> Landing<R> {
+        let constants = self.tape.constants(&self.graph, parameters);
+        let n = self.coordinates;
+        let mut values = vec![R::ZERO; self.tape.outputs.len()];
+        let low = vec![R::ZERO; end.len()];
+        expansion.evaluate(&self.tape, &constants, end, &low, &mut values);
+        let mut image_slopes = Matrix::zeros(n, self.columns);
+        let mut surface_slopes = Vec::with_capacity(self.columns);
+        let mut rate_slopes = Vec::with_capacity(self.columns);
+        for (column, slopes) in values[3 + 2 * n..].chunks(2 + n).enumerate() {
+            surface_slopes.push(slopes[0]);
+            rate_slopes.push(slopes[1]);
+            for (i, &slope) in slopes[2..].iter().enumerate() {
+                image_slopes[(i, column)] = slope;
+            }
+        }
+        Landing {
+            duration,
+            surface: values[0],
+            surface_rate: values[1],
+            surface_acceleration: values[2],
+            surface_slopes,
+            rate_slopes,
+            image: values[3..3 + n].to_vec(),
+            image_rate: values[3 + n..3 + 2 * n].to_vec(),
+            image_slopes,
+        }
+    }
+}
+
+/// Scratch space of a leg, and where it was flown last.
+#[derive(Clone, Debug)]
+pub(crate) struct Flyer<R: Real> {
+    work: Workspace<R>,
+    watching: Option<Workspace<R>>,
+    expansion: Expansion<R>,
+    /// At these parameters.
+    trajectory: Option<(Vec<R>, Trajectory<R>)>,
+    watcher: Option<(Vec<R>, Trajectory<R>)>,
+}
+
+/// Steps without an end: the leg grows beyond all bounds.
+const MOST_STEPS: usize = 100_000;
+
+impl Leg {
+    pub(crate) fn flyer<R: Real>(&self, settings: &Settings) -> Flyer<R> {
+        Flyer {
+            work: self.flow.workspace(settings),
+            watching: (self.watch.system.as_ref()).map(|system| system.workspace(settings)),
+            expansion: Expansion::new(&[&self.edge.tape, &self.field, &self.watch.values]),
+            trajectory: None,
+            watcher: None,
+        }
+    }
+
+    /// The field at a state.
+    pub(crate) fn field<R: Real>(&self, flyer: &mut Flyer<R>, parameters: &[R], x: &[R]) -> Vec<R> {
+        let constants = self.field.constants(&self.graph, parameters);
+        let mut values = vec![R::ZERO; x.len()];
+        let low = vec![R::ZERO; x.len()];
+        (flyer.expansion).evaluate(&self.field, &constants, x, &low, &mut values);
+        values
+    }
+
+    /// Flies for so long, past everything. `parameters` are the model's, then those of the pieces of lookups.
+    ///
+    /// # Errors
+    /// The equations leave their domain.
+    pub(crate) fn fly<R: Real>(
+        &self,
+        flyer: &mut Flyer<R>,
+        parameters: &[R],
+        x: &[R],
+        duration: R,
+    ) -> Result<Landing<R>, FlowError> {
+        let start = with_identity(x, self.edge.columns);
+        let clock = self.time.map_or(R::ZERO, |index| x[index]);
+        let system = &self.flow;
+        place(system, (&mut flyer.trajectory, &mut flyer.work), parameters, clock, &start)?;
+        let Some((_, trajectory)) = &mut flyer.trajectory else {
+            return Err(left_domain(clock, x));
+        };
+        trajectory.set_horizon_parts(two_sum(clock, duration));
+        for _ in 0..MOST_STEPS {
+            if let Some(Occurrence::Horizon) =
+                trajectory.advance_to_horizon(system, &mut flyer.work)?
+            {
+                let end = trajectory.state();
+                if !end.iter().all(|x| x.is_finite()) {
+                    break;
+                }
+                let edge = &self.edge;
+                return Ok(edge.landing(&mut flyer.expansion, parameters, duration, end));
+            }
+        }
+        Err(left_domain(clock, x))
+    }
+
+    /// The inner least values of all guards on the way, in order of time, and the values at the end of those that do not
+    /// end the leg.
+    ///
+    /// # Errors
+    /// As for [`fly`](Self::fly).
+    pub(crate) fn least(
+        &self,
+        flyer: &mut Flyer<f64>,
+        parameters: &[f64],
+        x: &[f64],
+        duration: f64,
+    ) -> Result<Vec<Least>, FlowError> {
+        let (Some(system), Some(work)) = (&self.watch.system, &mut flyer.watching) else {
+            return Ok(Vec::new());
+        };
+        let clock = self.time.map_or(0.0, |index| x[index]);
+        place(system, (&mut flyer.watcher, work), parameters, clock, x)?;
+        let Some((_, trajectory)) = &mut flyer.watcher else {
+            return Err(left_domain(clock, x));
+        };
+        trajectory.set_horizon_parts(two_sum(clock, duration));
+        let constants = self.watch.values.constants(&self.watch.graph, parameters);
+        let mut values = vec![0.0; self.watch.guards.len()];
+        let low = vec![0.0; x.len()];
+        let mut found = Vec::new();
+        for _ in 0..MOST_STEPS {
+            let told = trajectory.advance_to_horizon(system, work)?;
+            let Some(told) = told else { continue };
+            let state = trajectory.state();
+            let time = trajectory.time() - clock;
+            (flyer.expansion).evaluate(&self.watch.values, &constants, state, &low, &mut values);
+            let least = |guard: usize, at_end: bool| Least {
+                guard: self.watch.guards[guard],
+                time,
+                value: values[guard],
+                state: state.to_vec(),
+                at_end,
+            };
+            match told {
+                Occurrence::Section { section } => found.push(least(section, false)),
+                Occurrence::Horizon => {
+                    let others = (0..values.len())
+                        .filter(|&guard| Some(self.watch.guards[guard]) != self.kind.ends_at);
+                    found.extend(others.map(|guard| least(guard, true)));
+                    return Ok(found);
+                }
+                _ => {}
+            }
+        }
+        Err(left_domain(clock, x))
+    }
+}
+
+/// A stretch of the flow with whatever happens on it, from a state up to an event: for what has no fixed number of events, such
+/// as complete chatter.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretch {
+    system: System,
+    edge: Edge,
+    /// The guard that ends it, and how many chatter sequences come to their end before.
+    ends_at: Option<GuardKind>,
+    accumulations: usize,
+    /// Contacts that are closed where it starts, and the gap to start on, if any.
+    closed: Closed,
+    gap: Option<Expr>,
+    coordinates: usize,
+    time: Option<usize>,
+}
+
+/// What a stretch starts from and ends at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct StretchKind {
+    /// Contacts that are closed at the start.
+    pub closed: Closed,
+    /// The contact that an impact has just happened at.
+    pub on: Option<usize>,
+    /// Chatter sequences that end on the way.
+    pub accumulations: usize,
+    /// The mode that it ends in, and how.
+    pub last: LegKind,
+}
+
+impl System {
+    /// Compiles a stretch; `self` carries no columns.
+    pub(crate) fn stretch(&self, kind: StretchKind, free: &[usize]) -> Option<Stretch> {
+        let Ending {
+            mut graph,
+            field,
+            surface,
+            map,
+            ..
+        } = self.ending(kind.last)?;
+        let coordinates = field.len();
+        let columns = columns(coordinates, free);
+        Some(Stretch {
+            system: System::with_columns(self.model(), &columns).ok()?,
+            edge: Edge::new(self.model(), &mut graph, (&field, surface, &map), free),
+            ends_at: kind.last.ends_at,
+            accumulations: kind.accumulations,
+            closed: kind.closed,
+            gap: kind.on.map(|contact| self.model().contacts[contact].gap),
+            coordinates,
+            time: self.model().time,
+        })
+    }
+}
+
+/// Scratch space of a stretch.
+#[derive(Clone, Debug)]
+pub(crate) struct Follower<R: Real> {
+    work: Workspace<R>,
+    expansion: Expansion<R>,
+}
+
+/// How a stretch went.
+#[derive(Clone, Debug)]
+pub(crate) struct Followed<R> {
+    pub landing: Landing<R>,
+    /// Impacts that were integrated one by one.
+    pub impacts: usize,
+}
+
+/// Why a stretch has no end like the one it was compiled for.
+#[derive(Clone, Debug)]
+pub(crate) enum Astray {
+    /// Something else ended it.
+    Other(Option<GuardKind>),
+    /// It cannot be followed.
+    Failed(FlowError),
+}
+
+impl From<FlowError> for Astray {
+    fn from(error: FlowError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// A stretch has no more events than this.
+const MOST_EVENTS: usize = 20_000;
+
+impl Stretch {
+    pub(crate) fn follower<R: Real>(&self, settings: &Settings) -> Follower<R> {
+        Follower {
+            work: self.system.workspace(settings),
+            expansion: Expansion::new(&[&self.edge.tape]),
+        }
+    }
+
+    /// Follows the flow from a state until the stretch ends, at the latest after `longest`; for so long where a time says
+    /// the end.
+    pub(crate) fn follow<R: Real>(
+        &self,
+        follower: &mut Follower<R>,
+        parameters: &[R],
+        x: &[R],
+        longest: R,
+    ) -> Result<Followed<R>, Astray> {
+        let system = &self.system;
+        let all = parameters;
+        // A trajectory finds the pieces of lookups by itself.
+        let parameters = &all[..system.model().parameters.len()];
+        let x = self.onto_contact(parameters, x);
+        let start = with_identity(&x, self.edge.columns);
+        let clock = self.time.map_or(R::ZERO, |index| x[index]);
+        let work = &mut follower.work;
+        let mut trajectory = if self.closed == Closed::NONE {
+            Trajectory::start(system, work, parameters, clock, &start)?
+        } else {
+            // Started anywhere, to have the parameters; then with these contacts closed.
+            let mut trajectory = Trajectory::start(system, work, parameters, clock, &start)?;
+            trajectory.restart_beside(system, work, self.closed, clock, &start)?;
+            trajectory
+        };
+        trajectory.set_horizon_parts(two_sum(clock, longest));
+        let mut accumulations = 0;
+        let mut impacts = 0;
+        for _ in 0..MOST_EVENTS {
+            let mut told = None;
+            for _ in 0..MOST_STEPS {
+                told = trajectory.advance_to_horizon(system, work)?;
+                if told.is_some() || trajectory.ended_by().is_some() {
+                    break;
+                }
+            }
+            match told {
+                Some(Occurrence::Horizon) => {
+                    if self.ends_at.is_some() {
+                        return Err(Astray::Other(None));
+                    }
+                    let end = trajectory.state();
+                    let landing = (self.edge).landing(&mut follower.expansion, all, longest, end);
+                    return Ok(Followed { landing, impacts });
+                }
+                Some(Occurrence::Accumulation { .. } | Occurrence::Cascade { .. }) => accumulations += 1,
+                Some(Occurrence::Impact { .. }) => impacts += 1,
+                _ => {}
+            }
+            let Some(guard) = trajectory.ended_by() else {
+                continue;
+            };
+            if Some(guard) == self.ends_at && accumulations >= self.accumulations {
+                let duration = trajectory.time() - clock;
+                let dense = work.dense();
+                let end: Vec<R> = (0..start.len()).map(|i| dense.state(i, R::ONE)).collect();
+                let landing = (self.edge).landing(&mut follower.expansion, all, duration, &end);
+                return Ok(Followed { landing, impacts });
+            }
+        }
+        Err(Astray::Other(None))
+    }
+
+    /// Takes a state that an impact has just left to where the gap is zero: off it by what the solution of the
+    /// orbit's equations has yet to close.
+    fn onto_contact<R: Real>(&self, parameters: &[R], x: &[R]) -> Vec<R> {
+        let mut x = x.to_vec();
+        let Some(gap) = self.gap else {
+            return x;
+        };
+        let graph = &mut self.system.model().graph.clone();
+        let slopes: Vec<Expr> = (0..self.coordinates)
+            .map(|i| graph.derivative(gap, crate::expressions::Symbol::State(i)))
+            .collect();
+        for _ in 0..3 {
+            let value = graph.evaluate(gap, &x, parameters);
+            let gradient: Vec<R> = (slopes.iter().enumerate())
+                .map(|(i, &slope)| {
+                    if Some(i) == self.time {
+                        R::ZERO
+                    } else {
+                        graph.evaluate(slope, &x, parameters)
+                    }
+                })
+                .collect();
+            let square = crate::numerics::dot(&gradient, &gradient);
+            if value == R::ZERO || square == R::ZERO {
+                break;
+            }
+            for (x, &slope) in x.iter_mut().zip(&gradient) {
+                *x -= value * slope / square;
+            }
+        }
+        x
+    }
+}
+
+/// A state followed by the columns of its own variation: unit vectors, then zeros for the parameters.
+fn with_identity<R: Real>(x: &[R], columns: usize) -> Vec<R> {
+    let n = x.len();
+    let mut start = x.to_vec();
+    start.resize(n * (1 + columns), R::ZERO);
+    for i in 0..n {
+        start[n * (i + 1) + i] = R::ONE;
+    }
+    start
+}
+
+/// Puts a trajectory at a state, anew where the parameters have changed.
+fn place<R: Real>(
+    system: &System,
+    (kept, work): (&mut Option<(Vec<R>, Trajectory<R>)>, &mut Workspace<R>),
+    parameters: &[R],
+    clock: R,
+    state: &[R],
+) -> Result<(), FlowError> {
+    match kept {
+        Some((at, trajectory)) if at == parameters => {
+            trajectory.restart(system, work, clock, state)
+        }
+        _ => {
+            let trajectory = Trajectory::start(system, work, parameters, clock, state)?;
+            *kept = Some((parameters.to_vec(), trajectory));
+            Ok(())
+        }
+    }
+}
+
+fn left_domain<R: Real>(time: R, state: &[R]) -> FlowError {
+    FlowError::LeftDomain {
+        time: time.to_f64(),
+        state: state.iter().map(|x| x.to_f64()).collect(),
+    }
+}
