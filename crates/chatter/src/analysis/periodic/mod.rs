@@ -6,9 +6,11 @@
 //! itinerary    the cycle as legs of smooth flow, and stretches that are followed through complete chatter
 //! closure      what a state is after one period: the same, but for turns of phases and distance covered
 //! shooting     the equations of an itinerary: nodes after events and the times between them
+//! branch       orbits over a parameter, from one sequence of events to the next
 //! orbit        Newton's solution in double-double; multipliers, margins
 //! ```
 
+mod branch;
 mod closure;
 mod error;
 mod itinerary;
@@ -17,6 +19,7 @@ mod settle;
 mod shooting;
 mod trace;
 
+pub use branch::{Branch, End, Limits, Point, Special, SpecialKind};
 pub use error::PeriodicError;
 pub use orbit::{Margin, MarginKind, Orbit};
 pub use settle::Patience;
@@ -76,6 +79,40 @@ pub fn settled(
     let state = model.initial_state(&parameters);
     let cycle = settle::settle(&workshop, &[], &state, spec.patience, observer)?;
     orbit::close(&workshop, cycle, &[])
+}
+
+/// Where a branch of periodic orbits is looked for.
+#[derive(Clone, Debug)]
+pub struct BranchSpec {
+    /// Position of the parameter that is varied.
+    pub parameter: usize,
+    /// Within what the branch is followed.
+    pub limits: Limits,
+}
+
+/// The branch through the orbit that the trajectory from the model's initial state settles to. The observers hear of the time
+/// that it has come to, and of each orbit found.
+///
+/// # Errors
+/// There is no such orbit, or none was found.
+pub fn branch(
+    model: &Model,
+    spec: &Spec,
+    branch: &BranchSpec,
+    observer: &mut dyn FnMut(Option<&Point>) -> ControlFlow<()>,
+) -> Result<Branch, PeriodicError> {
+    let (low, high) = branch.limits.range;
+    let workshop = workshop(model, spec, (&[branch.parameter], &[high - low]))?;
+    let parameters = model.parameter_values::<f64>(&[]);
+    let here = parameters[branch.parameter].clamp(low, high);
+    let parameters = model.parameter_values::<f64>(&[(branch.parameter, here)]);
+    let state = model.initial_state(&parameters);
+    let mut settling = |_: f64| observer(None);
+    let cycle = settle::settle(&workshop, &[here], &state, spec.patience, &mut settling)?;
+    let orbit = orbit::close(&workshop, cycle, &[here])?;
+    branch::follow(&workshop, &orbit.shooting, &orbit.at, &branch.limits, &mut |point| {
+        observer(Some(point))
+    })
 }
 
 #[cfg(test)]

@@ -41,3 +41,19 @@ fn complete_chatter_forgets_two_directions() {
     assert!((orbit.period.to_f64() - 3.526_655_749_659_584).abs() < 1e-12);
     assert!(orbit.multipliers.iter().all(|m| m.modulus() == 0.0));
 }
+
+#[test]
+fn the_cascade_of_the_valve() {
+    let model = valve(0.0203);
+    let spec = BranchSpec {
+        parameter: model.parameter_index("q").unwrap(),
+        limits: Limits { range: (0.0202, 0.0204), impacts: 39, points: 3000, longest_step: 0.02 },
+    };
+    let start = std::time::Instant::now();
+    let mut count = 0;
+    let found = branch(&model, &Spec::default(), &spec, &mut |_| { count += 1; ControlFlow::Continue(()) }).unwrap();
+    println!("{} points {:?} in {:?} calls {count}", found.points.len(), found.ends, start.elapsed());
+    for s in &found.special {
+        println!("{:?} {:?} {:?} err {:.1e} res {:.1e} {:?} {:?} @{}", s.kind, s.point.impacts, s.point.parameters, s.error, s.residual, s.persists, s.point.multipliers, s.place);
+    }
+}
