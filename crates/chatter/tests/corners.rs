@@ -695,3 +695,114 @@ fn what_holds_the_state_at_the_end_is_told() {
     assert_eq!(held(skid, 1.9), (closed, Held::default(), Held::default()));
     assert_eq!(held(skid, 2.1), (closed, Held::default(), stuck));
 }
+
+/// A table whose argument is a `mod`: where that jumps, so does the piece. The same motion with the argument as a state that an
+/// event takes back.
+#[test]
+fn tables_of_a_repeated_argument_go_round() {
+    for (kind, y) in [
+        ("linear", "[0.0, 0.4, 1.0, 0.3, 0.0]"),
+        ("cubic", "[0.0, 0.4, 1.0, 0.3, 0.0]"),
+        ("pchip", "[0.2, 0.4, 1.0, 0.3, 0.2]"),
+        ("steps", "[0.0, 0.4, -1.0, 0.3, 0.0]"),
+        ("periodic-cubic", "[0.1, 0.4, 1.0, 0.3, 0.1]"),
+        // A jump where it goes round.
+        ("linear", "[0.5, 0.4, 1.0, 0.3, -0.7]"),
+    ] {
+        for (from, speed) in [
+            (0.0, 1.5),
+            (-8.0, 0.7),
+            (4.0, 1.1),
+            (3.3, -0.9),
+            (0.0, -1.3),
+        ] {
+            let table = format!("[table.f]\nx = [0, 1, 2, 3, 4]\ny = {y}\nkind = \"{kind}\"\n");
+            let rest = "x = 0.3\nv = 0.1\n";
+            let folded = format!(
+                "{table}[flight]\nx = \"v\"\nv = \"-x + f(mod(s, 4))\"\ns = {speed}\n[initial]\ns = {from}\n{rest}"
+            );
+            let start = f64::rem_euclid(from, 4.0);
+            let start = if start == 0.0 && speed < 0.0 {
+                4.0
+            } else {
+                start
+            };
+            let outside = if kind == "periodic-cubic" {
+                ""
+            } else {
+                "outside = \"hold\"\n"
+            };
+            let (surface, to) = if speed > 0.0 { ("s - 4", 0) } else { ("s", 4) };
+            let reset = format!(
+                "{table}{outside}[flight]\nx = \"v\"\nv = \"-x + f(s)\"\ns = {speed}\n\
+                 [[event]]\nsurface = \"{surface}\"\nreset = {{ s = {to} }}\n[initial]\ns = {start}\n{rest}"
+            );
+            let (_, folded) = follow::<f64>(&read(&folded), 17.0)
+                .unwrap_or_else(|e| panic!("{kind} {from} {speed}: {e}"));
+            let (_, reset) = follow::<f64>(&read(&reset), 17.0).expect("a motion");
+            for k in 0..2 {
+                assert!(
+                    (folded[k] - reset[k]).abs() < 1e-12,
+                    "{kind} {from} {speed}: {folded:?} {reset:?}"
+                );
+            }
+        }
+    }
+}
+
+/// A corner in a function that itself jumps: a square wave by `mod` is the sign of a sine.
+#[test]
+fn corners_of_what_jumps_are_where_it_jumps_to() {
+    let wave = |force: &str| {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-2*x - 0.1*v + {force}\"\n[initial]\nx = 0.3\nv = 0\n"
+        );
+        let (told, end) = follow::<f64>(&read(&text), 9.7).expect("a motion");
+        (told.len(), end)
+    };
+    let (_, by_sine) = wave("sign(sin(2*pi*t))");
+    for force in [
+        "if(mod(t, 1) < 0.5, 1, -1)",
+        "sign(0.5 - mod(t, 1))",
+        "1 - 2*step(mod(t, 1) - 0.5)",
+        "1 - 2*floor(2*mod(t, 1))",
+        "if(mod(floor(2*t), 2) < 0.5, 1, -1)",
+    ] {
+        let (_, end) = wave(force);
+        for k in 0..2 {
+            assert!(
+                (end[k] - by_sine[k]).abs() < 1e-12,
+                "{force}: {end:?} {by_sine:?}"
+            );
+        }
+    }
+}
+
+/// Where a gap jumps up the contact opens; where it jumps down the state is inside an obstacle, and the run ends.
+#[test]
+fn gaps_that_jump_open_or_end_the_run() {
+    let ball = |y: &str, start: f64| {
+        let text = format!(
+            "[table.floor]\nx = [0, 1, 2]\ny = {y}\nkind = \"steps\"\n[flight]\ny = \"v\"\nv = -5\n\
+             s = 1\n[[contact]]\ngap = \"y - floor(s)\"\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n\
+             [initial]\ny = {start}\nv = 0\ns = 0\n"
+        );
+        follow::<f64>(&read(&text.replace("floor", "ground")), 1.5)
+    };
+    let (told, end) = ball("[0.0, -2.0, -2.0]", 0.0).expect("a motion");
+    assert!(matches!(told[0].what, Occurrence::Release { contact: 0 }));
+    assert!((told[0].time - 1.0).abs() < 1e-15);
+    assert!((end[0] + 5.0 * 0.25 / 2.0).abs() < 1e-15, "{end:?}");
+    for start in [0.0, 0.1] {
+        let jumps = ball("[0.0, 0.3, 0.3]", start);
+        assert!(
+            matches!(jumps, Err(FlowError::JumpsInside { contact: 0, time, .. }) if (time - 1.0).abs() < 1e-15)
+        );
+    }
+    let text = "[flight]\ny = \"v\"\nv = -1\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\n\
+                [[event]]\nsurface = \"t - 0.5\"\nreset = { y = -0.25 }\n[initial]\ny = 1\nv = 0\n";
+    let by_event = follow::<f64>(&read(text), 1.0);
+    assert!(
+        matches!(by_event, Err(FlowError::JumpsInside { gap, time, .. }) if gap == -0.25 && time == 0.5)
+    );
+}

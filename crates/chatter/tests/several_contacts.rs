@@ -509,3 +509,45 @@ proptest! {
         }
     }
 }
+
+/// Balls that touch each other at rest, with nothing that presses them together, stay so until one is hit; and leave one by one.
+#[test]
+fn balls_that_touch_without_force_wait_to_be_hit() {
+    for count in 3..6 {
+        let mut text = "[flight]\n".to_owned();
+        for i in 0..count {
+            let _ = writeln!(text, "x{i} = \"v{i}\"\nv{i} = \"-x{i}\"");
+        }
+        for i in 1..count {
+            let below = i - 1;
+            let _ = writeln!(
+                text,
+                "[[contact]]\nname = \"p{i}\"\ngap = \"x{i} - x{below}\"\nimpulse = {{ v{below} = -1, v{i} = 1 }}\n\
+                 restitution = 1"
+            );
+        }
+        text += "[initial]\nx0 = -1\nv0 = 0\n";
+        for i in 1..count {
+            let _ = writeln!(text, "x{i} = 0\nv{i} = 0");
+        }
+        let model = Model::from_toml(&text, "cradle").expect("a valid model");
+        let run = simulate::<f64>(
+            &model,
+            &Spec::until(2.0),
+            &mut |_| ControlFlow::Continue(()),
+        );
+        let run = run.expect("a motion");
+        assert_eq!(run.outcome, Outcome::Horizon);
+        assert_eq!(run.counts.impacts, count as u64 - 1);
+        assert_eq!(run.counts.releases, 0, "{:?}", run.events);
+        let last = (2.0 - std::f64::consts::FRAC_PI_2).sin();
+        for i in 0..count {
+            let expected = if i == count - 1 { last } else { 0.0 };
+            assert!(
+                (run.state[2 * i] - expected).abs() < 1e-14,
+                "{:?}",
+                run.state
+            );
+        }
+    }
+}

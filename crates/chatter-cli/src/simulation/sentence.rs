@@ -37,6 +37,12 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
             name(*contact),
             number(*gap)
         ),
+        FlowError::JumpsInside { time, contact, gap } => format!(
+            "at time {} the gap of {} jumps to {}, and must not be negative",
+            number(*time),
+            name(*contact),
+            number(*gap)
+        ),
         FlowError::DependentContacts { time, contacts } => {
             let names: Vec<String> = contacts.iter().map(|&contact| name(contact)).collect();
             format!(

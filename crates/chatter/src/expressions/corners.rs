@@ -341,20 +341,32 @@ impl Corners {
         let surfaces = graph.evaluate_all(&self.surfaces, states, parameters);
         let mut sides = Sides::default();
         for (index, &value) in surfaces.iter().enumerate() {
-            let on_it = value == R::ZERO && self.edges[index] == Edge::Below;
-            if value < R::ZERO || on_it {
-                sides = sides.with(index, Side::Below);
-            }
+            sides = sides.with(index, self.side_at(index, value));
         }
         let arguments: Vec<Expr> = self.lookups.iter().map(|lookup| lookup.argument).collect();
         let arguments = graph.evaluate_all(&arguments, states, parameters);
-        let pieces = (self.lookups.iter().zip(&arguments))
-            .map(|(lookup, &argument)| match lookup.within {
-                LookedUpIn::WholeNumbers => floor(argument).to_f64() as i64,
-                LookedUpIn::Curve(id) => graph.curve(id).piece_at(argument.to_double_double()),
-            })
+        let pieces = (arguments.iter().enumerate())
+            .map(|(index, &argument)| self.piece_at(graph, index, argument.to_double_double()))
             .collect();
         (sides, pieces)
+    }
+
+    /// The side of a surface on which plain evaluation is where its function has this value.
+    pub fn side_at<R: Real>(&self, index: usize, value: R) -> Side {
+        let on_it = value == R::ZERO && self.edges[index] == Edge::Below;
+        if value < R::ZERO || on_it {
+            Side::Below
+        } else {
+            Side::Above
+        }
+    }
+
+    /// The piece of a lookup that holds a value of its argument, be there one or not.
+    pub fn piece_at(&self, graph: &Graph, index: usize, value: DoubleDouble) -> i64 {
+        match self.lookups[index].within {
+            LookedUpIn::WholeNumbers => floor(value).to_f64() as i64,
+            LookedUpIn::Curve(id) => graph.curve(id).piece_at(value),
+        }
     }
 
     /// The parameters of a piece of a lookup; none where there is none.

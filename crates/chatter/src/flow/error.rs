@@ -29,6 +29,15 @@ pub enum FlowError {
         /// Its gap, negative.
         gap: f64,
     },
+    /// A gap has jumped, at a corner or by an event, to a value that no obstacle allows.
+    JumpsInside {
+        /// Time of the jump.
+        time: f64,
+        /// Index of the contact.
+        contact: usize,
+        /// Its gap after it, negative.
+        gap: f64,
+    },
     /// Contacts that close together cannot be held together: their reactions are not determined.
     DependentContacts {
         /// Time of the event.
@@ -120,6 +129,7 @@ impl FlowError {
             Self::LeftDomain { .. } => "left_domain",
             Self::Singular { .. } => "singular",
             Self::Penetrates { .. } => "penetrates",
+            Self::JumpsInside { .. } => "jumps_inside",
             Self::DependentContacts { .. } => "dependent_contacts",
             Self::UndecidedRelease { .. } => "undecided_release",
             Self::Restitution { .. } => "restitution",
@@ -152,6 +162,11 @@ impl fmt::Display for FlowError {
             Self::Penetrates { contact, gap } => write!(
                 out,
                 "the initial state lies inside contact {}: its gap is {gap}, and a gap must not be negative",
+                contact + 1
+            ),
+            Self::JumpsInside { time, contact, gap } => write!(
+                out,
+                "at time {time} the gap of contact {} jumps to {gap}: a gap must not be negative",
                 contact + 1
             ),
             Self::DependentContacts { time, contacts } => write!(

@@ -8,7 +8,7 @@ use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
-use crate::expressions::{Corners, Graph, Names, Sides, Surfaces, Symbol, Tape};
+use crate::expressions::{Corners, Expr, Graph, Names, Sides, Surfaces, Symbol, Tape};
 use crate::model::{Mechanics, MechanicsError, Model, OnSides, Rubbing, Simultaneous};
 use crate::numerics::{Real, Scalar};
 use core::fmt;
@@ -41,6 +41,8 @@ pub struct System {
     /// Its graph continues the model's by what the columns need.
     model: Arc<Model>,
     corners: Corners,
+    /// Whether a gap is a function of corners: it may jump there.
+    gaps_have_corners: bool,
     rubbing: Vec<Rubbing>,
     directions: Vec<Direction>,
     /// Of states and parameters.
@@ -105,7 +107,10 @@ impl System {
                 Direction::new((index + 1) * coordinates, parameters)
             })
             .collect();
+        let gaps: Vec<Expr> = model.contacts.iter().map(|contact| contact.gap).collect();
+        let own = Corners::of(&model.graph, &gaps, model.parameters.len());
         let system = Self {
+            gaps_have_corners: !own.is_empty(),
             names: [
                 model.states.iter().map(|s| s.name.clone()).collect(),
                 model.parameters.iter().map(|p| p.name.clone()).collect(),
@@ -286,13 +291,17 @@ impl System {
         self.model.sections[section].reset.is_some()
     }
 
-    /// What a corner is called in words: its formula.
-    pub(crate) fn corner_name(&self, corner: Corner) -> String {
-        let expr = match corner {
+    /// What is zero at a corner, or looked up there, as it was written. Of two, what the other is a function of comes first.
+    pub(crate) fn corner_expr(&self, corner: Corner) -> Expr {
+        match corner {
             Corner::Surface(index) => self.corners.surfaces[index],
             Corner::Lookup(index) => self.corners.lookups[index].argument,
-        };
-        self.model.formula(expr)
+        }
+    }
+
+    /// What a corner is called in words: its formula.
+    pub(crate) fn corner_name(&self, corner: Corner) -> String {
+        self.model.formula(self.corner_expr(corner))
     }
 
     /// The model that the system was compiled from.
@@ -303,6 +312,11 @@ impl System {
     /// The corners of the model's expressions.
     pub(crate) fn corners(&self) -> &Corners {
         &self.corners
+    }
+
+    /// Whether a gap may jump at a corner.
+    pub(crate) fn gaps_have_corners(&self) -> bool {
+        self.gaps_have_corners
     }
 
     /// Contacts with friction.

@@ -112,8 +112,16 @@ impl<R: Real> Trajectory<R> {
                 self.leave_gap(system, contact, 2);
             }
         }
+        let mut balanced = Vec::new();
         for contact in undecided {
-            self.settle_by_jerk(system, work, contact)?;
+            let closes = self.settle_by_jerk(system, work, contact)?;
+            if closes && self.roots(system, GuardKind::Reaction(contact)) == Touching::BALANCED {
+                balanced.push(contact);
+            }
+        }
+        // Each was found while the others that are balanced do not push: so none does.
+        for contact in balanced {
+            self.touch(system, GuardKind::Reaction(contact), Touching::BALANCED);
         }
         self.capture_columns(system, work)
     }
@@ -293,12 +301,21 @@ impl<R: Real> Trajectory<R> {
     }
 
     pub(super) fn touch(&mut self, system: &System, kind: GuardKind, roots: u8) {
-        let place = system
-            .program(self.mode)
-            .and_then(|program| program.guards.iter().position(|guard| guard.kind == kind));
-        if let Some(index) = place {
+        if let Some(index) = self.guard(system, kind) {
             self.touching.set(index, roots);
         }
+    }
+
+    /// How many roots of a guard lie at the present state.
+    fn roots(&self, system: &System, kind: GuardKind) -> u8 {
+        self.guard(system, kind)
+            .map_or(0, |index| self.touching.get(index))
+    }
+
+    /// The place of a guard in the present mode.
+    fn guard(&self, system: &System, kind: GuardKind) -> Option<usize> {
+        let program = system.program(self.mode)?;
+        program.guards.iter().position(|guard| guard.kind == kind)
     }
 
     /// Whether nothing moves any more: no component of the field can be told from zero by its terms, by the forces of

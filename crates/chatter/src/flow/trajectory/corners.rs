@@ -5,6 +5,7 @@
 //! answer, attracting sliding one, repelling sliding several.
 
 use super::Trajectory;
+use super::start::{PENETRATION, is_inside};
 use crate::expressions::{LookedUpIn, Side, Sides};
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
@@ -20,13 +21,32 @@ use crate::numerics::{Real, WithTerms};
 const MOST_CANDIDATES: usize = 81;
 
 /// Switches without a flight longer than rounding between them: more than so many do not come to an end.
-const MOST_SWITCHES: usize = 1000;
+const MOST_SWITCHES: usize = 256;
+
+/// Knots that are met within so many roundoffs of the time, or of the longest step before, are met at one instant, as those of
+/// arguments that are functions of each other: so much can rounding move a crossing.
+const INSTANT_ROUNDOFFS: f64 = 8.0;
 
 /// How the state stands to a corner in a mode.
 struct Standing<R> {
     corner: Corner,
     surface: WithTerms<R>,
     guards: Vec<(GuardKind, [WithTerms<R>; STANDING_ORDERS])>,
+    /// How long an instant is: nothing for surfaces, where a sequence of crossings may become as fast as that.
+    instant: R,
+}
+
+impl<R: Real> Standing<R> {
+    /// The values of a guard that cannot be told from zero: by their terms, or because an instant later or earlier they are.
+    fn level(&self, orders: &[WithTerms<R>; STANDING_ORDERS]) -> R {
+        orders[0].level().max(orders[1].value.abs() * self.instant)
+    }
+
+    /// The same for what is zero, or looked up, at the corner: the guards of pieces have its rate.
+    fn surface_level(&self) -> R {
+        let rate = (self.guards.first()).map_or(R::ZERO, |(_, orders)| orders[1].value.abs());
+        self.surface.level().max(rate * self.instant)
+    }
 }
 
 /// Sides and pieces that may hold.
@@ -41,7 +61,7 @@ struct Candidate {
 enum Choice {
     /// The side of a surface.
     Side(usize, Side),
-    /// Another piece of a lookup, so many further up.
+    /// The piece of a lookup.
     Piece(usize, i64),
 }
 
@@ -50,10 +70,17 @@ impl Choice {
         let mut candidate = base.clone();
         match self {
             Self::Side(index, side) => candidate.sides = candidate.sides.with(index, side),
-            Self::Piece(index, by) => candidate.pieces[index] += by,
+            Self::Piece(index, piece) => candidate.pieces[index] = piece,
         }
         candidate
     }
+}
+
+/// What asking modes has shown beside their verdicts.
+#[derive(Debug, Default)]
+struct Asked {
+    /// Some would leave a table.
+    outside: Option<FlowError>,
 }
 
 /// What a candidate says of the corners that are touched.
@@ -63,6 +90,8 @@ struct Verdict<R> {
     roots: Vec<(GuardKind, u8)>,
     /// Nothing moves it off a corner.
     is_balanced: bool,
+    /// On corners that nothing moves it off it is where plain evaluation says.
+    is_plain: bool,
     field: Vec<WithTerms<R>>,
 }
 
@@ -101,8 +130,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(());
         }
         let (corners, graph) = (system.corners(), &system.model().graph);
-        let first = corners.first_slot;
-        self.parameters.truncate(first);
+        let mut parameters = Vec::with_capacity(corners.slots());
         for (index, &piece) in candidate.pieces.iter().enumerate() {
             let Some(slots) = corners.slots_of::<R>(graph, index, piece) else {
                 let LookedUpIn::Curve(id) = corners.lookups[index].within else {
@@ -116,8 +144,10 @@ impl<R: Real> Trajectory<R> {
                     argument: graph.evaluate(argument, state, &self.parameters).to_f64(),
                 });
             };
-            self.parameters.extend(slots);
+            parameters.extend(slots);
         }
+        self.parameters.truncate(corners.first_slot);
+        self.parameters.extend(parameters);
         self.pieces.clone_from(&candidate.pieces);
         self.forget_constants();
         Ok(())
@@ -161,11 +191,18 @@ impl<R: Real> Trajectory<R> {
                 corner: tapes.corner,
                 surface: values[0],
                 guards,
+                instant: match tapes.corner {
+                    Corner::Surface(_) => R::ZERO,
+                    Corner::Lookup(_) => self.negligible() * R::splat(INSTANT_ROUNDOFFS),
+                },
             }
         };
-        Ok((program.standings.iter().zip(&constants.standings))
+        let mut standings: Vec<Standing<R>> = (program.standings.iter().zip(&constants.standings))
             .map(standing)
-            .collect())
+            .collect();
+        // Those that others are functions of come first.
+        standings.sort_by_key(|standing| system.corner_expr(standing.corner));
+        Ok(standings)
     }
 
     /// Puts the mode right after the state, or what is closed, may have changed by a jump, or has met the corner `met`. Tells
@@ -183,7 +220,10 @@ impl<R: Real> Trajectory<R> {
         let mut chosen: Vec<Corner> = Vec::new();
         for _ in 0..4 * count + 4 {
             let standings = self.standings(system)?;
+            // What a corner that was met takes along by a jump is a rounding error beyond, or not, until it is chosen.
+            let is_first = met.is_some_and(|met| !chosen.contains(&met));
             let beyond = (standings.iter())
+                .filter(|_| !is_first)
                 .filter(|standing| {
                     Some(standing.corner) != met && !chosen.contains(&standing.corner)
                 })
@@ -210,7 +250,7 @@ impl<R: Real> Trajectory<R> {
                 });
             let slid: Vec<Corner> = slid.collect();
             let touched = [touched, slid].concat();
-            self.choose_sides(system, &touched)?;
+            self.choose_sides(system, (&touched, met))?;
             chosen.extend(touched);
         }
         let changed = before != self.standing_sides();
@@ -225,9 +265,9 @@ impl<R: Real> Trajectory<R> {
         let mut candidate = self.standing_sides();
         match standing.corner {
             Corner::Surface(index) => {
-                let value = standing.surface;
-                let clear = value.value.abs() > value.level();
-                let side = if value.value > R::ZERO {
+                let value = standing.surface.value;
+                let clear = value.abs() > standing.surface_level();
+                let side = if value > R::ZERO {
                     Side::Above
                 } else {
                     Side::Below
@@ -239,16 +279,13 @@ impl<R: Real> Trajectory<R> {
             }
             Corner::Lookup(index) => {
                 let outside = (standing.guards.iter())
-                    .any(|(_, orders)| orders[0].value < -orders[0].level());
+                    .any(|(_, orders)| orders[0].value < -standing.level(orders));
                 if !outside {
                     return None;
                 }
                 let wide = standing.surface.value.to_double_double();
                 let graph = &system.model().graph;
-                let piece = match system.corners().lookups[index].within {
-                    LookedUpIn::WholeNumbers => libm::floor(wide.to_f64()) as i64,
-                    LookedUpIn::Curve(id) => graph.curve(id).piece_at(wide),
-                };
+                let piece = system.corners().piece_at(graph, index, wide);
                 if piece == self.pieces[index] {
                     return None;
                 }
@@ -259,53 +296,79 @@ impl<R: Real> Trajectory<R> {
     }
 
     fn is_touched(&self, standing: &Standing<R>) -> bool {
-        let reached = |value: &WithTerms<R>| value.value <= value.level();
+        let reached =
+            |orders: &[WithTerms<R>; STANDING_ORDERS]| orders[0].value <= standing.level(orders);
         match standing.corner {
             Corner::Surface(index) if self.regime.get(index) == Side::Sliding => {
                 standing.guards.is_empty()
                     || (standing.guards.iter())
-                        .any(|(_, orders)| reached(&orders[0]) || !orders[0].value.is_finite())
+                        .any(|(_, orders)| reached(orders) || !orders[0].value.is_finite())
             }
-            _ => (standing.guards.iter()).any(|(_, orders)| reached(&orders[0])),
+            _ => (standing.guards.iter()).any(|(_, orders)| reached(orders)),
         }
     }
 
     /// Chooses sides at corners that the state lies on.
-    fn choose_sides(&mut self, system: &System, touched: &[Corner]) -> Result<(), FlowError> {
+    fn choose_sides(
+        &mut self,
+        system: &System,
+        (touched, met): (&[Corner], Option<Corner>),
+    ) -> Result<(), FlowError> {
         let now = self.standing_sides();
-        let mut candidates = vec![now.clone()];
-        for &corner in touched {
-            let jumps = self.jumps(system, corner, &now)?;
-            let options = self.options(system, corner, jumps)?;
-            let wider = candidates.len() * options.len();
-            if wider > MOST_CANDIDATES {
-                return Err(self.no_mode(system, touched));
+        let mut asked = Asked::default();
+        // A corner that is touched only in some of the modes has its own options there.
+        let mut touched = touched.to_vec();
+        let verdicts = loop {
+            touched.sort_by_key(|&corner| system.corner_expr(corner));
+            let candidates = self.candidates(system, (&touched, met), &now, &mut asked)?;
+            let mut verdicts: Vec<Verdict<R>> = Vec::new();
+            let mut more = None;
+            for candidate in candidates {
+                if !self.ask(system, &candidate, &mut asked)?
+                    || !self.pass_others(system, &touched, &mut asked)?
+                {
+                    continue;
+                }
+                let standings = self.standings(system)?;
+                more = (standings.iter())
+                    .find(|s| !touched.contains(&s.corner) && self.is_touched(s))
+                    .map(|standing| standing.corner)
+                    .or(more);
+                let candidate = self.standing_sides();
+                verdicts.extend(self.verdict(system, candidate, &touched)?);
             }
-            candidates = (options.iter())
-                .flat_map(|option| candidates.iter().map(|base| option.made(base)))
-                .collect();
-        }
-        let mut verdicts: Vec<Verdict<R>> = Vec::new();
-        for candidate in candidates {
-            if !self.try_sides(system, &candidate)? {
-                continue;
-            }
-            verdicts.extend(self.verdict(system, candidate, touched)?);
-        }
+            let Some(more) = more else { break verdicts };
+            touched.push(more);
+        };
+        self.take_verdict(system, verdicts, (&now, &touched), asked)
+    }
+
+    /// Enters the one mode that says of itself that it holds.
+    fn take_verdict(
+        &mut self,
+        system: &System,
+        mut verdicts: Vec<Verdict<R>>,
+        (now, touched): (&Candidate, &[Corner]),
+        asked: Asked,
+    ) -> Result<(), FlowError> {
         let place = match verdicts.len() {
             0 => {
-                self.try_sides(system, &now)?;
-                return Err(self.no_mode(system, touched));
+                self.try_sides(system, now)?;
+                return Err(asked
+                    .outside
+                    .unwrap_or_else(|| self.no_mode(system, touched)));
             }
             1 => 0,
             _ => {
-                let current = verdicts.iter().position(|v| v.candidate == now);
+                let current = verdicts.iter().position(|v| v.candidate == *now);
                 let agree = (verdicts.iter()).all(|v| same_field(&v.field, &verdicts[0].field));
-                match current {
-                    Some(place) if agree || verdicts[place].is_balanced => place,
+                let mut plain = (0..verdicts.len()).filter(|&place| verdicts[place].is_plain);
+                match (current, plain.next(), plain.next()) {
+                    (Some(place), ..) if agree || verdicts[place].is_balanced => place,
                     _ if agree => 0,
+                    (_, Some(place), None) => place,
                     _ => {
-                        self.try_sides(system, &now)?;
+                        self.try_sides(system, now)?;
                         return Err(FlowError::NotUnique {
                             time: self.time.to_f64(),
                             surfaces: names(system, touched),
@@ -322,28 +385,85 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
-    /// Whether the field differs on the two sides of a surface, so that it may be slid along; the present sides are kept.
+    /// All combinations of what may become of corners that are touched, those within others first: what a corner is a
+    /// function of may jump at them.
+    fn candidates(
+        &mut self,
+        system: &System,
+        (touched, met): (&[Corner], Option<Corner>),
+        now: &Candidate,
+        asked: &mut Asked,
+    ) -> Result<Vec<Candidate>, FlowError> {
+        let mut candidates = vec![now.clone()];
+        for &corner in touched {
+            let mut wider: Vec<Candidate> = Vec::new();
+            for base in &candidates {
+                let options = self.options(system, (corner, met), base, asked)?;
+                wider.extend(options.into_iter().map(|option| option.made(base)));
+            }
+            if wider.len() > MOST_CANDIDATES {
+                return Err(self.no_mode(system, touched));
+            }
+            candidates = wider;
+        }
+        Ok(candidates)
+    }
+
+    /// As [`try_sides`](Self::try_sides); a piece beyond the end of a table is none, and noted.
+    fn ask(
+        &mut self,
+        system: &System,
+        candidate: &Candidate,
+        asked: &mut Asked,
+    ) -> Result<bool, FlowError> {
+        match self.try_sides(system, candidate) {
+            Err(outside @ FlowError::OutsideTable { .. }) => {
+                asked.outside = Some(outside);
+                Ok(false)
+            }
+            tried => tried,
+        }
+    }
+
+    /// Puts the present candidate right where it says that other corners are clearly passed. Whether that is possible.
+    fn pass_others(
+        &mut self,
+        system: &System,
+        touched: &[Corner],
+        asked: &mut Asked,
+    ) -> Result<bool, FlowError> {
+        let count = system.corners().surfaces.len() + system.corners().lookups.len();
+        for _ in 0..count {
+            let standings = self.standings(system)?;
+            let others = (standings.iter()).filter(|s| !touched.contains(&s.corner));
+            let Some(further) = others.filter_map(|s| self.beyond(system, s)).next() else {
+                break;
+            };
+            if !self.ask(system, &further, asked)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Whether the field differs on the two sides of a surface, so that it may be slid along; all else as in `base`.
     fn jumps(
         &mut self,
         system: &System,
-        corner: Corner,
-        now: &Candidate,
+        index: usize,
+        (base, asked): (&Candidate, &mut Asked),
     ) -> Result<bool, FlowError> {
-        let Corner::Surface(index) = corner else {
-            return Ok(false);
-        };
         if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
             return Ok(self.closed.contains(rubs.contact));
         }
         let mut fields = Vec::with_capacity(2);
         for side in [Side::Above, Side::Below] {
-            let mut candidate = now.clone();
-            candidate.sides = now.sides.with(index, side);
-            if self.try_sides(system, &candidate)? {
+            let mut candidate = base.clone();
+            candidate.sides = base.sides.with(index, side);
+            if self.ask(system, &candidate, asked)? {
                 fields.push(self.field_here(system)?);
             }
         }
-        self.try_sides(system, now)?;
         Ok(match &fields[..] {
             [above, below] => !same_field(above, below),
             _ => true,
@@ -360,62 +480,60 @@ impl<R: Real> Trajectory<R> {
         Ok(with_terms(&program.field, &constants.field, start))
     }
 
-    /// What may become of one corner, the sides first.
+    /// What may become of one corner beside what `base` has chosen, the sides first.
     fn options(
-        &self,
+        &mut self,
         system: &System,
-        corner: Corner,
-        jumps: bool,
+        (corner, met): (Corner, Option<Corner>),
+        base: &Candidate,
+        asked: &mut Asked,
     ) -> Result<Vec<Choice>, FlowError> {
-        let mut options = Vec::new();
         match corner {
             Corner::Surface(index) => {
+                let jumps = self.jumps(system, index, (base, asked))?;
                 let sides = [Side::Above, Side::Below, Side::Sliding];
-                for &side in &sides[..if jumps { 3 } else { 2 }] {
-                    options.push(Choice::Side(index, side));
-                }
+                let possible = &sides[..if jumps { 3 } else { 2 }];
+                Ok((possible.iter())
+                    .map(|&side| Choice::Side(index, side))
+                    .collect())
             }
             Corner::Lookup(index) => {
+                let stays = vec![Choice::Piece(index, base.pieces[index])];
+                if !self.ask(system, base, asked)? {
+                    return Ok(stays);
+                }
                 let standings = self.standings(system)?;
-                let own = standings.iter().find(|s| s.corner == corner);
-                let reached = |end: Side| {
-                    own.is_some_and(|own| {
-                        (own.guards.iter()).any(|(kind, orders)| {
-                            *kind == GuardKind::Piece(index, end)
-                                && orders[0].value <= orders[0].level()
-                        })
-                    })
+                let Some(own) = standings.iter().find(|s| s.corner == corner) else {
+                    return Ok(stays);
                 };
-                // The end that is nearer, where rounding says that neither is reached.
-                let nearer = || {
-                    let gap = |end: Side| {
-                        own.and_then(|own| {
-                            (own.guards.iter())
-                                .find(|(kind, _)| *kind == GuardKind::Piece(index, end))
-                                .map(|(_, orders)| orders[0].value.to_f64())
-                        })
-                    };
-                    if gap(Side::Below) < gap(Side::Above) {
-                        Side::Below
-                    } else {
-                        Side::Above
+                // A knot that cannot be told from the argument is as large as that.
+                let level = own.surface_level() * R::splat(2.0);
+                let level = level.max(R::splat(f64::MIN_POSITIVE));
+                let (graph, corners) = (&system.model().graph, system.corners());
+                let at = |value: R| corners.piece_at(graph, index, value.to_double_double());
+                let value = own.surface.value;
+                let mut near = vec![base.pieces[index]];
+                near.retain(|&piece| at(value - level) <= piece && piece <= at(value + level));
+                near.extend([at(value - level), at(value), at(value + level)]);
+                if met == Some(corner) && near.iter().all(|&piece| piece == base.pieces[index]) {
+                    // The end that is nearer, where rounding says that neither is reached.
+                    let gaps = own
+                        .guards
+                        .iter()
+                        .map(|(_, orders)| orders[0].value.to_f64());
+                    let gaps: Vec<f64> = gaps.collect();
+                    let by = if gaps.first() < gaps.get(1) { -1 } else { 1 };
+                    near.push(base.pieces[index] + by);
+                }
+                let mut options: Vec<Choice> = Vec::new();
+                for (place, &piece) in near.iter().enumerate() {
+                    if !near[..place].contains(&piece) {
+                        options.push(Choice::Piece(index, piece));
                     }
-                };
-                let mut ends: Vec<Side> = [Side::Below, Side::Above]
-                    .into_iter()
-                    .filter(|&end| reached(end))
-                    .collect();
-                if ends.is_empty() {
-                    ends.push(nearer());
                 }
-                options.push(Choice::Piece(index, 0));
-                for end in ends {
-                    let by = if end == Side::Above { 1 } else { -1 };
-                    options.push(Choice::Piece(index, by));
-                }
+                Ok(options)
             }
         }
-        Ok(options)
     }
 
     /// What the present mode says of itself; none where it does not hold.
@@ -433,6 +551,7 @@ impl<R: Real> Trajectory<R> {
             candidate,
             roots: Vec::new(),
             is_balanced: false,
+            is_plain: true,
             field,
         };
         for standing in self.standings(system)? {
@@ -447,17 +566,15 @@ impl<R: Real> Trajectory<R> {
             }
             for (kind, orders) in &standing.guards {
                 // The surface of a side is touched, whatever rounding says; the ends of sliding or of a piece may be far.
-                let is_far = orders[0].value > orders[0].level() && (is_slid || !is_surface);
+                let level = standing.level(orders);
+                let is_far = orders[0].value > level && (is_slid || !is_surface);
                 if !orders.iter().all(|order| order.value.is_finite()) {
                     return Ok(None);
                 }
                 if is_far {
                     continue;
                 }
-                if is_slid && orders[0].value < -orders[0].level() {
-                    return Ok(None);
-                }
-                if !is_surface && orders[0].value < -orders[0].level() {
+                if (is_slid || !is_surface) && orders[0].value < -level {
                     return Ok(None);
                 }
                 let moving = (orders.iter().enumerate().skip(1))
@@ -467,12 +584,28 @@ impl<R: Real> Trajectory<R> {
                     Some((order, _)) => verdict.roots.push((*kind, (order as u8).min(2))),
                     None => {
                         verdict.is_balanced = true;
+                        verdict.is_plain &= is_slid || self.is_plain(system, &standing);
                         verdict.roots.push((*kind, Touching::BALANCED));
                     }
                 }
             }
         }
         Ok(Some(verdict))
+    }
+
+    /// Whether plain evaluation takes the piece of a corner that the state is on.
+    fn is_plain(&self, system: &System, standing: &Standing<R>) -> bool {
+        let value = standing.surface.value;
+        match standing.corner {
+            Corner::Surface(index) => {
+                self.regime.get(index) == system.corners().side_at(index, value)
+            }
+            Corner::Lookup(index) => {
+                let graph = &system.model().graph;
+                let wide = value.to_double_double();
+                self.pieces[index] == system.corners().piece_at(graph, index, wide)
+            }
+        }
     }
 
     /// Tells of surfaces crossed, entered and left.
@@ -528,6 +661,9 @@ impl<R: Real> Trajectory<R> {
         self.shift_columns(system, work, &shifts, R::ONE)?;
         self.settle_corners(system, Some(corner))?;
         self.shift_columns(system, work, &shifts, -R::ONE)?;
+        if system.gaps_have_corners() {
+            self.follow_gaps(system)?;
+        }
         self.keep_contacts(system, work)?;
         Ok(self.pending.pop_front())
     }
@@ -553,6 +689,26 @@ impl<R: Real> Trajectory<R> {
         };
         let rate = values[2].value * sign;
         Ok(slopes.iter().map(|slope| -(slope.value / rate)).collect())
+    }
+
+    /// A gap may have jumped: the contact is open then, or the state inside an obstacle.
+    fn follow_gaps(&mut self, system: &System) -> Result<(), FlowError> {
+        let touch = self.touch_values(system)?;
+        for (contact, gap) in touch.gap.iter().enumerate() {
+            if is_inside(gap) {
+                return Err(FlowError::JumpsInside {
+                    time: self.time.to_f64(),
+                    contact,
+                    gap: gap.value.to_f64(),
+                });
+            }
+            let slack = gap.level().max(R::splat(PENETRATION * gap.terms));
+            if self.closed.contains(contact) && gap.value > slack {
+                self.open(system, contact, 0)?;
+                self.pending.push_back(Occurrence::Release { contact });
+            }
+        }
+        Ok(())
     }
 
     /// Contacts that are closed after a corner of their gap, or of the field, has been passed: a rate that has jumped away

@@ -8,15 +8,20 @@ use crate::flow::sides::Sides;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::{FLIGHT, System};
 use crate::flow::touching::{Left, Touching};
-use crate::numerics::Real;
+use crate::numerics::{Real, WithTerms};
 use std::collections::VecDeque;
 
 /// A start inside an obstacle by this part of the terms of its gap touches it: states are stored and typed with twelve
 /// digits and more.
-const PENETRATION: f64 = 1e-12;
+pub(super) const PENETRATION: f64 = 1e-12;
 
 /// First guess of the unit of time, before anything is known; a step finds its own size from there.
 const FIRST_UNIT: f64 = 0.125;
+
+/// Whether a gap says that the state is inside an obstacle.
+pub(super) fn is_inside<R: Real>(gap: &WithTerms<R>) -> bool {
+    gap.value < -gap.level().max(R::splat(PENETRATION * gap.terms))
+}
 
 impl<R: Real> Trajectory<R> {
     /// Starts at a state; contacts that it lies on are classified by their rate, acceleration and jerk.
@@ -96,11 +101,12 @@ impl<R: Real> Trajectory<R> {
         let touch = self.touch_values(system)?;
         let mut touching = Closed::NONE;
         for (contact, gap) in touch.gap.iter().enumerate() {
-            let slack = gap.level().max(R::splat(PENETRATION * gap.terms));
-            if gap.value < -slack {
-                return Err(FlowError::Penetrates {
-                    contact,
-                    gap: gap.value.to_f64(),
+            if is_inside(gap) {
+                let (time, gap) = (self.time.to_f64(), gap.value.to_f64());
+                return Err(if at_start {
+                    FlowError::Penetrates { contact, gap }
+                } else {
+                    FlowError::JumpsInside { time, contact, gap }
                 });
             }
             if gap.value <= gap.level() {
