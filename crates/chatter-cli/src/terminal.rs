@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::json::Object;
 use chatter::model::visible;
-use chatter_io::atomic_file::discard_unfinished;
+use chatter_files::atomic_file::discard_unfinished;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::{BufWriter, ErrorKind, IsTerminal, StdoutLock, Write};

@@ -13,7 +13,7 @@ use chatter::analysis::border::{
 use chatter::expressions::tex_name;
 use chatter::model::Label;
 use chatter::numerics::Real;
-use chatter_io::figures::{Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
+use chatter_figures::{Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -314,7 +314,7 @@ fn going_on() -> ControlFlow<()> {
     }
 }
 
-fn unwritten(error: chatter_io::Error) -> Failure {
+fn unwritten(error: chatter_files::Error) -> Failure {
     Failure::Output(error.to_string())
 }
 

@@ -7,7 +7,7 @@ use crate::terminal;
 use chatter::analysis::diagram::{DiagramError, Row, Spec, Sweep, Swept};
 use chatter::analysis::return_map::{ReturnMap, ReturnMapError, ReturnSpec};
 use chatter::model::{Model, ModelError};
-use chatter_io::Format;
+use chatter_files::Format;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

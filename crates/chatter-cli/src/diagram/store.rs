@@ -5,7 +5,7 @@ use super::source::Rows;
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Collector, Outcome, Record, Row, Standing, Sweep};
 use chatter::analysis::map::Map;
-use chatter_io::journal::{self, Journal, JournalError, Place, Unread};
+use chatter_files::journal::{self, Journal, JournalError, Place, Unread};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@ use super::table::{MODEL, SPECIFICATION};
 use crate::failure::Failure;
 use crate::universal::UniversalJob;
 use chatter::analysis::diagram::{Exponent, Outcome, Record, Spec, Sweep};
-use chatter_io::tables::NpzReader;
+use chatter_files::tables::NpzReader;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -6,8 +6,8 @@ use crate::failure::Failure;
 use crate::named::Named;
 use chatter::analysis::diagram::{Exponent, Range, Record, Row, Sweep, initial_name};
 use chatter::model::Model;
-use chatter_io::Format;
-use chatter_io::tables::{Cell, CsvWriter, Dataset, NpzWriter, Table};
+use chatter_files::Format;
+use chatter_files::tables::{Cell, CsvWriter, Dataset, NpzWriter, Table};
 use std::path::{Path, PathBuf};
 
 /// Name of the text that holds the job.
@@ -183,7 +183,7 @@ fn words(
     }
 }
 
-fn numbers<T: chatter_io::tables::Element>(
+fn numbers<T: chatter_files::tables::Element>(
     writer: &mut NpzWriter,
     name: &str,
     store: &mut dyn Rows,

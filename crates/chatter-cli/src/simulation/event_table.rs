@@ -4,8 +4,8 @@ use super::table::{low, provenance, text, text_names, time_name};
 use super::{Noted, Record, Subject};
 use chatter::analysis::simulate::{EventDetail, Simulation};
 use chatter::numerics::Real;
-use chatter_io::tables::{Cell, CsvWriter, NpzWriter, Table};
-use chatter_io::{Error, Format};
+use chatter_files::tables::{Cell, CsvWriter, NpzWriter, Table};
+use chatter_files::{Error, Format};
 use std::path::Path;
 
 /// How an entry of a column is read.

@@ -5,7 +5,7 @@ use crate::numbers::{Digits, full};
 use crate::terminal;
 use chatter::analysis::simulate::{FastestRate, Progress, Sampling};
 use chatter::numerics::Real;
-use chatter_io::atomic_file::free_space;
+use chatter_files::atomic_file::free_space;
 use core::cell::OnceCell;
 use std::path::Path;
 

@@ -4,8 +4,8 @@ use crate::failure::Failure;
 use chatter::analysis::simulate::{ContactPhase, Event, EventDetail, EventKind};
 use chatter::expressions::Side;
 use chatter::numerics::{DoubleDouble, Real};
-use chatter_io::FileError;
-use chatter_io::record_log::{RecordLog, Records};
+use chatter_files::FileError;
+use chatter_files::record_log::{RecordLog, Records};
 use std::path::Path;
 
 /// Bytes of a number, with what a double leaves of it.

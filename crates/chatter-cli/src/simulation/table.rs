@@ -5,8 +5,8 @@ use crate::named::Named;
 use crate::numbers::{Digits, significant};
 use chatter::analysis::simulate::{Samples, Simulation};
 use chatter::numerics::Real;
-use chatter_io::tables::{Cell, CsvWriter, NpzWriter, Spool, Table};
-use chatter_io::{Error, Format};
+use chatter_files::tables::{Cell, CsvWriter, NpzWriter, Spool, Table};
+use chatter_files::{Error, Format};
 use std::path::{Path, PathBuf};
 
 /// Texts of an NPZ file that say how its arrays came about.

@@ -4,7 +4,7 @@ use crate::json::{Json, Object};
 use crate::numbers::{Digits, concise, full};
 use chatter::analysis::universal::{Basin, Chaos, EdgeKind, Located, PeriodicWindow, Scaling};
 use chatter::numerics::{DoubleDouble, Real, Scalar};
-use chatter_io::tables::Table;
+use chatter_files::tables::Table;
 
 /// What a cell holds.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use super::picture::curve;
 use crate::options::Counts;
 use chatter::analysis::universal::{Located, PeriodicWindow, UniversalError, UniversalMap, Window};
 use chatter::numerics::{DoubleDouble, Real};
-use chatter_io::figures::{Axis, Color, Dash, Legend, Line, Marker, Markers, Panel};
+use chatter_figures::{Axis, Color, Dash, Legend, Line, Marker, Markers, Panel};
 
 /// Points of a curve, broken where a coordinate is not finite.
 type Points = (Vec<f64>, Vec<f64>);

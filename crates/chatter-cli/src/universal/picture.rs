@@ -5,7 +5,7 @@ use crate::diagram::{Source, View};
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Row, Sweep};
 use chatter::analysis::universal::{Universal, UniversalMap};
-use chatter_io::figures::{Axis, Color, Legend, Line, Panel, Rule};
+use chatter_figures::{Axis, Color, Legend, Line, Panel, Rule};
 
 /// Points of a curve on one lap: straight lines between them look smooth.
 const LAP_POINTS: i32 = 400;

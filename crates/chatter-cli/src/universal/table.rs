@@ -5,7 +5,7 @@ use crate::diagram::{Store, table as orbit_table};
 use crate::failure::Failure;
 use crate::named::Named;
 use chatter::numerics::Real;
-use chatter_io::tables::{Dataset, Table};
+use chatter_files::tables::{Dataset, Table};
 use std::path::{Path, PathBuf};
 
 /// Writes what `--out` holds: the last thing asked for.

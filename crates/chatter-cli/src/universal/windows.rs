@@ -5,7 +5,7 @@ use crate::numbers::{Digits, full};
 use crate::options::Counts;
 use chatter::analysis::universal::{Argument, Universal, UniversalError};
 use chatter::numerics::Real;
-use chatter_io::tables::Table;
+use chatter_files::tables::Table;
 
 /// One window, in mu or in a model's parameter. What there is none of is none.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use crate::failure::{self, Failure};
 use crate::options::ThreadCount;
 use crate::terminal;
 use chatter::analysis::diagram::Threads;
-use chatter_io::Format;
+use chatter_files::Format;
 use order::order;
 use produce::{Beginning, produce, produce_document};
 use std::io::Read;

@@ -7,7 +7,7 @@ use crate::diagram::tally::Tally;
 use crate::diagram::{Class, Source};
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Outcome, Range, Sweep};
-use chatter_io::figures::{Axis, Category, CategoryMap, Color, Colormap, HeatMap, Legend, Panel};
+use chatter_figures::{Axis, Category, CategoryMap, Color, Colormap, HeatMap, Legend, Panel};
 
 /// Periods that have a colour of their own.
 const PERIODS: [(u64, &str, Color); 6] = [

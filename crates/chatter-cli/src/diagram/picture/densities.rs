@@ -9,7 +9,7 @@ use crate::diagram::tally::Tally;
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Range, Sweep};
 use chatter::expressions::tex_name;
-use chatter_io::figures::{Axis, Density, Legend, Normalisation, Panel, Scale};
+use chatter_figures::{Axis, Density, Legend, Normalisation, Panel, Scale};
 
 /// A density has about as many cells as samples, so that bands of chaos are neither speckled nor blurred: between these
 /// numbers, three along the horizontal axis for two along the vertical one, and at most one a parameter value.

@@ -2,7 +2,7 @@
 
 use crate::diagram::tally::{Share, Tally, percent};
 use chatter::analysis::diagram::{Start, Sweep, Swept};
-use chatter_io::figures::{Color, PALETTE};
+use chatter_figures::{Color, PALETTE};
 
 /// What samples are drawn on.
 pub struct Layer {

@@ -15,7 +15,7 @@ use crate::simulation::picture::axis_of;
 use chatter::analysis::diagram::{Exponent, Range, Record, Spec, Sweep, Swept, initial_name};
 use chatter::analysis::map::Passage;
 use chatter::model::Model;
-use chatter_io::figures::{Axis, Figure, Sharing};
+use chatter_figures::{Axis, Figure, Sharing};
 use serde::{Deserialize, Serialize};
 
 /// Width of the figure, and height of a panel, in millimetres.

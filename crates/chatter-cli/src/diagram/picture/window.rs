@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use chatter::analysis::diagram::{Range, Spacing, Sweep};
-use chatter_io::figures::{Axis, Scale};
+use chatter_figures::{Axis, Scale};
 
 /// The parameter values that are shown.
 pub struct Window {

@@ -7,7 +7,7 @@ use crate::simulation::{Noted, side_name};
 use chatter::analysis::simulate::{Event, EventDetail};
 use chatter::flow::Closed;
 use chatter::numerics::Real;
-use chatter_io::FileError;
+use chatter_files::FileError;
 
 /// Digits of an estimated error.
 const ERROR_DIGITS: u32 = 2;

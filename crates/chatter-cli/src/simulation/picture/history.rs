@@ -2,7 +2,7 @@
 
 use super::shown::Shown;
 use super::{Subject, add_curve, axis_of};
-use chatter_io::figures::{Axis, Color, Legend, Line, Marker, Markers, Panel, Spans};
+use chatter_figures::{Axis, Color, Legend, Line, Marker, Markers, Panel, Spans};
 
 /// Room below and above the curve, as a part of its extent; ticks of impacts stand in the lower one.
 const ROOM_BELOW: f64 = 0.10;

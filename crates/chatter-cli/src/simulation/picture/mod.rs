@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use chatter::analysis::simulate::{Samples, Sampling, Simulation};
 use chatter::model::Label;
 use chatter::numerics::{DoubleDouble, Real};
-use chatter_io::figures::{Axis, Color, Figure, Line, Panel, variable};
+use chatter_figures::{Axis, Color, Figure, Line, Panel, variable};
 use shown::Shown;
 
 /// The resolution of a picture, in parts of the time simulated.

@@ -4,7 +4,7 @@ use super::shown::Shown;
 use super::{Subject, add_curve, axis_of};
 use chatter::expressions::{Expr, Graph, Node, Symbol};
 use chatter::model::Mechanics;
-use chatter_io::figures::{Axis, Color, Legend, Marker, Markers, Panel};
+use chatter_figures::{Axis, Color, Legend, Marker, Markers, Panel};
 
 const DISC: f64 = 3.2;
 
