@@ -1,19 +1,18 @@
 //! `chatter diagram`: what orbits settle to, for many parameter values.
 
 mod arguments;
-mod order;
 mod produce;
 
 pub use arguments::Arguments;
 
-use crate::diagram::{Begun, Stored, journal_of, table};
+use crate::diagram::{Beginning, Begun, Stored, journal_of, table};
 use crate::failure::{self, Failure};
 use crate::options::ThreadCount;
-use crate::terminal;
+use crate::terminal::{self, Console};
 use chatter::analysis::diagram::Threads;
 use chatter_files::Format;
-use order::order;
-use produce::{Beginning, produce, produce_document};
+use chatter_work::source::Source;
+use produce::{produce, produce_document};
 use std::io::Read;
 use std::path::Path;
 
@@ -21,7 +20,8 @@ use std::path::Path;
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let (threads, json) = (threads(arguments), arguments.json);
     let Some(target) = &arguments.resume else {
-        let order = order(arguments)?;
+        let source = Source::named(arguments.model.as_deref().unwrap_or_default())?;
+        let order = arguments.request().order(source)?;
         return match order.target().map(journal_of) {
             Some(journal) => produce(&order, Beginning::At(journal), threads, json),
             None if json => produce_document(&order, threads),
@@ -34,7 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     };
     same_version(&begun)?;
     let plot = arguments.plot.as_ref().map(|file| file.0.clone());
-    let order = begun.header.clone().order(target, plot)?;
+    let order = begun.header.clone().order(target, plot, &Console::new())?;
     produce(&order, Beginning::Resumed(Box::new(begun)), threads, json)
 }
 
