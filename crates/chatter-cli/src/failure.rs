@@ -2,7 +2,6 @@
 
 use crate::terminal;
 use chatter::model::Palette;
-use std::process::ExitCode;
 
 /// Everything went as asked.
 pub const SUCCESS: u8 = 0;
@@ -17,7 +16,7 @@ pub const INTERRUPTED: u8 = 130;
 pub type Failure = chatter_work::Refusal;
 
 /// Tells the user, and gives the exit code.
-pub fn report(failure: &Failure) -> ExitCode {
+pub fn report(failure: &Failure) -> u8 {
     let colored = terminal::colors_on_stderr();
     let palette = if colored {
         Palette::Ansi
@@ -30,11 +29,11 @@ pub fn report(failure: &Failure) -> ExitCode {
         // Made visible where they are rendered.
         Failure::Model(errors) => {
             terminal::tell(&errors.render(palette));
-            return BAD_INPUT.into();
+            return BAD_INPUT;
         }
         Failure::ModelPart(error) => {
             terminal::tell(&error.render(palette));
-            return BAD_INPUT.into();
+            return BAD_INPUT;
         }
         Failure::Input { message, help } | Failure::Unfinished { message, help } => match help {
             Some(help) => format!("{}\n  help: {help}", titled(message)),
@@ -45,8 +44,8 @@ pub fn report(failure: &Failure) -> ExitCode {
     };
     terminal::remark(&text);
     match failure {
-        Failure::Output(_) | Failure::Unfinished { .. } => UNFINISHED.into(),
-        Failure::Interrupted => INTERRUPTED.into(),
-        _ => BAD_INPUT.into(),
+        Failure::Output(_) | Failure::Unfinished { .. } => UNFINISHED,
+        Failure::Interrupted => INTERRUPTED,
+        _ => BAD_INPUT,
     }
 }

@@ -40,30 +40,30 @@ struct Arguments {
 
 /// Does what the command line of this process asks for; gives the exit code.
 pub fn main() -> ExitCode {
-    run(std::env::args_os())
+    run(std::env::args_os()).into()
 }
 
 /// Does what these arguments ask for, of which the first is the program's name; gives the exit code.
-pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => return answer(&error),
     };
     match arguments.command.run() {
-        Ok(code) => code.into(),
+        Ok(code) => code,
         Err(failure) => failure::report(&failure),
     }
 }
 
 /// Help, the version, or what is wrong with the command line.
-fn answer(error: &clap::Error) -> ExitCode {
+fn answer(error: &clap::Error) -> u8 {
     let text = error.render().to_string();
     if error.use_stderr() {
         terminal::remark(text.trim_end());
-        return failure::BAD_INPUT.into();
+        return failure::BAD_INPUT;
     }
     match terminal::print(&text) {
-        Ok(()) => failure::SUCCESS.into(),
+        Ok(()) => failure::SUCCESS,
         Err(message) => failure::report(&failure::Failure::Output(message)),
     }
 }

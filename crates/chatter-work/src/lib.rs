@@ -5,6 +5,7 @@
 //! cannot be answered is a [`Refusal`]. Nothing here knows of terminals, colours or exit codes.
 
 pub mod border;
+pub mod columns;
 pub mod data_files;
 pub mod diagram;
 pub mod json;

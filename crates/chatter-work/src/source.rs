@@ -1,6 +1,6 @@
 //! Where a model comes from: a file with its tables beside it, a text, or the models that are shipped.
 
-use crate::data_files::{DataFiles, beside, text_of};
+use crate::data_files::{DataFiles, beside, kept, text_of};
 use crate::options::Assignment;
 use crate::refusal::Refusal;
 use crate::shipped;
@@ -15,8 +15,18 @@ pub struct Source {
     pub name: String,
     /// The text.
     pub text: String,
-    /// The file it came from; its tables may stand in files beside it.
-    path: Option<PathBuf>,
+    tables: Tables,
+}
+
+/// Where the tables of a model stand that are in files.
+#[derive(Clone, Debug)]
+enum Tables {
+    /// Nowhere: it came from no file.
+    Nowhere,
+    /// Beside this file.
+    Beside(PathBuf),
+    /// They were read before.
+    Kept(DataFiles),
 }
 
 /// A model and the file it came from.
@@ -62,7 +72,15 @@ impl Source {
         Self {
             name: name.to_owned(),
             text: text.to_owned(),
-            path: None,
+            tables: Tables::Nowhere,
+        }
+    }
+
+    /// A text that came from a file, with the texts of the files beside it.
+    pub fn kept(name: &str, text: &str, data_files: DataFiles) -> Self {
+        Self {
+            tables: Tables::Kept(data_files),
+            ..Self::text(name, text)
         }
     }
 
@@ -82,7 +100,7 @@ impl Source {
                 Ok(text) => Ok(Self {
                     name: given.to_owned(),
                     text,
-                    path: Some(path.to_path_buf()),
+                    tables: Tables::Beside(path.to_path_buf()),
                 }),
                 Err(line) => Err(Refusal::input(format!(
                     "`{given}` is no text: line {line} is not UTF-8"
@@ -100,8 +118,22 @@ impl Source {
     /// # Errors
     /// Whatever is wrong with it.
     pub fn load(self) -> Result<Loaded, Refusal> {
+        let path = match self.tables {
+            Tables::Kept(data_files) => {
+                let mut load = kept(&data_files);
+                let model = Model::from_toml_with(&self.text, &self.name, &mut load)?;
+                drop(load);
+                return Ok(Loaded {
+                    model,
+                    text: self.text,
+                    data_files,
+                });
+            }
+            Tables::Beside(path) => Some(path),
+            Tables::Nowhere => None,
+        };
         let mut data_files = DataFiles::new();
-        let mut load = beside(self.path.as_deref(), &mut data_files);
+        let mut load = beside(path.as_deref(), &mut data_files);
         let model = Model::from_toml_with(&self.text, &self.name, &mut load)?;
         drop(load);
         Ok(Loaded {

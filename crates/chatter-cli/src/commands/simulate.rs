@@ -8,13 +8,11 @@ use crate::options::{
     Window,
 };
 use crate::simulation::{
-    Record, Rows, SampleOption, Subject, document, follow, part_done, picture, refused, sentence,
-    verification,
+    Record, Request, Rows, SampleOption, Subject, document, follow, part_done, picture, refused,
+    sentence, start_time, verification,
 };
 use crate::terminal::{self, Console, Printer, Waiting};
-use chatter::analysis::simulate::{
-    Outcome, Progress as Reached, Simulation, Spec, Stop, Verification,
-};
+use chatter::analysis::simulate::{Outcome, Progress as Reached, Simulation, Spec, Verification};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 use chatter_work::Observer;
@@ -119,12 +117,6 @@ pub struct Arguments {
     window: Option<Window>,
 }
 
-/// Units of time that a run lasts if nothing else is said.
-const USUAL_TIME: f64 = 100.0;
-
-/// Units of time within which an event that is waited for should come.
-const LONG_TIME: f64 = 1e6;
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Loaded {
@@ -215,23 +207,13 @@ fn specification(
     model: &mut Model,
     window: Option<(f64, f64)>,
 ) -> Result<Spec, Failure> {
-    let parameters = model.parameter_values::<DoubleDouble>(&[]);
-    let initial = model.initial_state(&parameters);
-    let start = model.time.map_or(DoubleDouble::ZERO, |time| initial[time]);
-    let mut stops: Vec<Stop> = arguments.stop.iter().map(|stop| stop.0.clone()).collect();
-    let until = match &arguments.until {
-        Some(until) => until.value(model, "--until")?,
-        None => {
-            let waits = !stops.is_empty() || arguments.impacts.is_some();
-            let lasts = if waits { LONG_TIME } else { USUAL_TIME };
-            stops.push(Stop::Rest);
-            start + DoubleDouble::from(lasts)
-        }
+    let request = Request {
+        until: arguments.until.clone(),
+        impacts: arguments.impacts,
+        stops: arguments.stop.iter().map(|stop| stop.0.clone()).collect(),
+        tolerance: arguments.tolerance.clone(),
     };
-    let tolerance = match &arguments.tolerance {
-        Some(tolerance) => tolerance.value(model, "--tolerance")?.high(),
-        None => 0.0,
-    };
+    let spec = request.spec(model)?;
     let mut sampling = Vec::new();
     if arguments.out.is_some() {
         let rows = arguments.sample.clone().unwrap_or_default();
@@ -240,20 +222,12 @@ fn specification(
     if arguments.plot.is_some() {
         // A run without an end of its own may turn out shorter.
         let duration = match &arguments.until {
-            Some(_) => until - start,
-            None => USUAL_TIME.into(),
+            Some(_) => spec.until - start_time(model),
+            None => Request::USUAL_TIME.into(),
         };
         sampling.push(picture::sampling(duration, window));
     }
-    Ok(Spec {
-        impacts: arguments
-            .impacts
-            .map_or(Spec::IMPACT_BUDGET, |count| count.0),
-        stops,
-        tolerance,
-        sampling,
-        ..Spec::until(until)
-    })
+    Ok(Spec { sampling, ..spec })
 }
 
 fn run_in<R: Real>(

@@ -1,5 +1,6 @@
 //! Orbit diagrams as files: what is wanted, the journal that holds what is there already, tables, pictures.
 
+mod columns;
 pub mod document;
 mod hysteresis;
 pub mod job;
@@ -12,6 +13,7 @@ mod stored;
 pub mod table;
 pub mod tally;
 
+pub use columns::{Columns, columns};
 pub use hysteresis::{Hysteresis, hysteresis};
 pub use job::{Header, Job, Order, Ready};
 pub use order::Request;

@@ -115,6 +115,24 @@ impl Begun {
         self.unread.path()
     }
 
+    /// Whether this version wrote it: another's rows may differ in their last digits.
+    ///
+    /// # Errors
+    /// Another did.
+    pub fn of_this_version(&self) -> Result<(), Refusal> {
+        let version = env!("CARGO_PKG_VERSION");
+        let (journal, began) = (self.path().display(), &self.header.job.version);
+        if began == version {
+            return Ok(());
+        }
+        Err(Refusal::input(format!(
+            "`{journal}` was begun by chatter {began}; this is chatter {version}, whose results may differ in their last digits",
+        ))
+        .help(format!(
+            "go on with the version that began it, or delete `{journal}` and compute the diagram anew",
+        )))
+    }
+
     /// Notes the rows that are there. The points of the map have so many coordinates.
     pub fn read(self, sweep: &Sweep, coordinates: usize) -> Result<(Store, Standing), Refusal> {
         let spec = sweep.spec();

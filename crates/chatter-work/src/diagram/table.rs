@@ -53,7 +53,7 @@ fn columns(sweep: &Sweep) -> Vec<String> {
 }
 
 /// Where orbits started: positions of coordinates and headings. Those that are swept have a column already.
-fn origins(sweep: &Sweep) -> Vec<(usize, String)> {
+pub(super) fn origins(sweep: &Sweep) -> Vec<(usize, String)> {
     let swept: Vec<String> = sweep.spec().sweeps.iter().map(Range::name).collect();
     let names = sweep.coordinates().iter().map(|name| initial_name(name));
     let mut origins: Vec<(usize, String)> = names.enumerate().collect();

@@ -1,11 +1,13 @@
 //! A simulation: followed, and told as a JSON document, as a table, as a picture.
 
+pub mod columns;
 pub mod document;
 pub mod event_table;
 mod expectation;
 mod follow;
 pub mod picture;
 mod record;
+mod request;
 mod sample;
 mod sentence;
 pub mod table;
@@ -14,6 +16,7 @@ pub mod verification;
 pub use expectation::Expectation;
 pub use follow::{Followed, Rows, follow, part_done, refused};
 pub use record::{Noted, Record};
+pub use request::{Request, start_time};
 pub use sample::SampleOption;
 pub use sentence::sentence;
 

@@ -32,7 +32,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Some(begun) = Begun::open(&journal_of(target))? else {
         return nothing_to_resume(target);
     };
-    same_version(&begun)?;
+    begun.of_this_version()?;
     let plot = arguments.plot.as_ref().map(|file| file.0.clone());
     let order = begun.header.clone().order(target, plot, &Console::new())?;
     produce(&order, Beginning::Resumed(Box::new(begun)), threads, json)
@@ -43,20 +43,6 @@ fn threads(arguments: &Arguments) -> Threads {
         Some(ThreadCount(count)) => Threads::new(count),
         None => Threads::available(),
     }
-}
-
-fn same_version(begun: &Begun) -> Result<(), Failure> {
-    let version = env!("CARGO_PKG_VERSION");
-    let (journal, began) = (begun.path().display(), &begun.header.job.version);
-    if began == version {
-        return Ok(());
-    }
-    Err(Failure::input(format!(
-        "`{journal}` was begun by chatter {began}; this is chatter {version}, whose results may differ in their last digits",
-    ))
-    .help(format!(
-        "go on with the version that began it, or delete `{journal}` and compute the diagram anew",
-    )))
 }
 
 /// No journal: the diagram is complete, or there never was one.
