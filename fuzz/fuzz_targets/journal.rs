@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-#[path = "../../crates/chatter-io/tests/laws/journal.rs"]
+#[path = "../../crates/chatter-files/tests/laws/journal.rs"]
 mod law;
 
 /// The same file again and again, one for each process.

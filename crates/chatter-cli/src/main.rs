@@ -1,68 +1,7 @@
 //! The `chatter` command.
 
-mod aligned;
-mod border;
-mod commands;
-mod data_files;
-mod diagram;
-mod failure;
-mod json;
-mod model_tables;
-mod named;
-mod numbers;
-mod options;
-mod parallel;
-mod reproduction;
-mod shipped;
-mod simulation;
-mod terminal;
-mod universal;
-
-use clap::Parser;
 use std::process::ExitCode;
 
-const EXAMPLES: &str = "\
-EXAMPLES
-  chatter reproduce
-  chatter models
-  chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg
-  chatter simulate my_model.toml --json
-  chatter check my_model.toml
-  chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:4000 --section closing --observe y2 --plot fig5.png
-  chatter border pressure_relief_valve --parameter q --near 0.02
-  chatter universal --restitution 0.8
-
-Each command has a --help of its own. Exit codes: 0 done, 1 the computation could not be finished, 2 wrong input,
-130 broken off by Ctrl-C.";
-
-/// Mechanical systems with impacts: trajectories through chatter, contact and release, from equations in a text file
-#[derive(Parser, Debug)]
-#[command(name = "chatter", version, after_help = EXAMPLES, disable_help_subcommand = true, term_width = 120)]
-struct Arguments {
-    #[command(subcommand)]
-    command: commands::Command,
-}
-
 fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
-        Err(error) => return answer(&error),
-    };
-    match arguments.command.run() {
-        Ok(code) => code.into(),
-        Err(failure) => failure.report(),
-    }
-}
-
-/// Help, the version, or what is wrong with the command line.
-fn answer(error: &clap::Error) -> ExitCode {
-    let text = error.render().to_string();
-    if error.use_stderr() {
-        terminal::remark(text.trim_end());
-        return failure::BAD_INPUT.into();
-    }
-    match terminal::print(&text) {
-        Ok(()) => failure::SUCCESS.into(),
-        Err(message) => failure::Failure::Output(message).report(),
-    }
+    chatter_cli::main()
 }

@@ -1,70 +1,15 @@
-//! Independent pieces of work, side by side on all cores.
+//! Independent pieces of work on all cores, until Ctrl-C.
 
 use crate::failure::Failure;
 use crate::terminal;
-use chatter::analysis::diagram::{Executor, Threads};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
-/// What `work` makes of each piece, in the order of the pieces, in which they are begun too: whatever takes long is best
-/// among the first.
+/// As [`chatter_work::parallel::each`].
 ///
 /// # Errors
-/// That of the first piece to fail, or [`Failure::Interrupted`] after Ctrl-C. No piece is begun after that.
+/// That of the first piece to fail, or [`Failure::Interrupted`] after Ctrl-C.
 pub fn each<P: Sync, T: Send>(
     pieces: &[P],
     work: impl Fn(&P) -> Result<T, Failure> + Sync,
 ) -> Result<Vec<T>, Failure> {
-    let next = AtomicUsize::new(0);
-    let made = Mutex::new(Vec::with_capacity(pieces.len()));
-    Threads::available().run(&|| {
-        while !terminal::interrupted() {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(piece) = pieces.get(place) else {
-                break;
-            };
-            let result = work(piece);
-            if result.is_err() {
-                next.store(pieces.len(), Ordering::Relaxed);
-            }
-            let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-            made.push((place, result));
-        }
-    });
-    if terminal::interrupted() {
-        return Err(Failure::Interrupted);
-    }
-    let mut made = made.into_inner().unwrap_or_else(PoisonError::into_inner);
-    // Pieces are begun in order, so the first failure has everything before it.
-    made.sort_unstable_by_key(|&(place, _)| place);
-    made.into_iter().map(|(_, result)| result).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_stand_in_the_order_of_the_pieces() {
-        let pieces: Vec<u64> = (0..1000).collect();
-        let squares = each(&pieces, |&n| Ok(n * n)).unwrap();
-        assert!(
-            squares
-                .iter()
-                .zip(&pieces)
-                .all(|(square, n)| *square == n * n)
-        );
-        assert_eq!(squares.len(), 1000);
-        assert!(each(&[] as &[u64], |&n| Ok(n)).unwrap().is_empty());
-    }
-
-    #[test]
-    fn the_first_failure_is_the_one_that_is_told() {
-        let pieces: Vec<u64> = (0..1000).collect();
-        let result = each(&pieces, |&n| match n {
-            0..300 => Ok(n),
-            _ => Err(Failure::input(format!("no {n}"))),
-        });
-        assert!(matches!(result, Err(Failure::Input { message, .. }) if message == "no 300"));
-    }
+    chatter_work::parallel::each(pieces, terminal::interrupt_flag(), work)
 }

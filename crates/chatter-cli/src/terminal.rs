@@ -3,10 +3,12 @@
 use crate::failure::Failure;
 use crate::json::Object;
 use chatter::model::visible;
-use chatter_io::atomic_file::discard_unfinished;
+use chatter_files::atomic_file::discard_unfinished;
+use chatter_work::Observer;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::{BufWriter, ErrorKind, IsTerminal, StdoutLock, Write};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -253,7 +255,7 @@ pub fn catch_interrupts() {
                 // In place of the bar, if there is one.
                 let _ = write!(std::io::stderr(), "\r\x1b[K");
             }
-            let _ = Failure::Interrupted.report();
+            let _ = crate::failure::report(&Failure::Interrupted);
             std::process::exit(crate::failure::INTERRUPTED.into());
         }
     });
@@ -332,6 +334,49 @@ impl Progress {
     pub fn finish(self) {
         if let Some(bar) = self.bar {
             bar.finish_and_clear();
+        }
+    }
+}
+
+/// Hears for the user: shows progress until it is dropped, tells remarks, stops at Ctrl-C.
+pub struct Console {
+    progress: Mutex<Option<Progress>>,
+}
+
+impl Console {
+    /// Shows nothing yet.
+    pub fn new() -> Self {
+        Self {
+            progress: Mutex::new(Some(Progress::new())),
+        }
+    }
+}
+
+impl Observer for Console {
+    fn progress(&self, done: f64, message: &dyn Fn() -> String) {
+        if let Ok(mut progress) = self.progress.lock()
+            && let Some(progress) = &mut *progress
+        {
+            progress.show(done, message);
+        }
+    }
+
+    fn remark(&self, text: &str) {
+        remark(text);
+    }
+
+    fn stop(&self) -> &AtomicBool {
+        interrupt_flag()
+    }
+}
+
+impl Drop for Console {
+    /// What is printed next finds the line empty.
+    fn drop(&mut self) {
+        if let Ok(progress) = self.progress.get_mut()
+            && let Some(progress) = progress.take()
+        {
+            progress.finish();
         }
     }
 }

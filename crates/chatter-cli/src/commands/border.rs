@@ -1,6 +1,7 @@
 //! `chatter border`: border orbits and their normal form.
 
-use crate::border::{Answer, Subject, account, compared, document, picture, refused};
+use crate::accounts::border::account;
+use crate::border::{Answer, Subject, compared, document, picture, refused};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
@@ -8,7 +9,7 @@ use crate::options::{
     SectionOption, Window,
 };
 use crate::parallel;
-use crate::terminal::{self, Progress, Style, Waiting};
+use crate::terminal::{self, Console, Progress, Style, Waiting};
 use chatter::analysis::border::{BorderSpec, Borders, border_near, search_range};
 use chatter::analysis::universal::Argument;
 use chatter::model::{Warning, check};
@@ -205,7 +206,8 @@ fn answer<R: Real + Argument<Real = R>>(
             let compared = compared(subject, spec, &border)?;
             drop(waiting);
             if let Some(FigureFile(path)) = plot {
-                picture(subject, spec, &border, &compared)?
+                terminal::catch_interrupts();
+                picture(subject, spec, &border, &compared, &Console::new())?
                     .write(path)
                     .map_err(|error| Failure::Output(error.to_string()))?;
             }

@@ -6,7 +6,7 @@ use crate::failure::{self, Failure};
 use crate::options::{FigureFile, ShearOption, SpanOption};
 use crate::terminal::{self, Waiting};
 use crate::universal;
-use chatter_io::figures::Axis;
+use chatter_figures::Axis;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 

@@ -8,9 +8,9 @@ use crate::reproduction::{
 };
 use crate::terminal::{self, Style};
 use chatter::analysis::universal::Universal;
-use chatter_io::atomic_file::write_atomically;
-use chatter_io::figures::Resolution;
-use chatter_io::reports::Report;
+use chatter_figures::Resolution;
+use chatter_figures::reports::Report;
+use chatter_files::atomic_file::write_atomically;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -200,7 +200,7 @@ fn draw(
     plates: &[Plate],
     advance: &Advance,
 ) -> Result<Vec<(PathBuf, Vec<u8>)>, Failure> {
-    type Draw<'a> = Box<dyn Fn() -> Result<Vec<u8>, chatter_io::Error> + Sync + 'a>;
+    type Draw<'a> = Box<dyn Fn() -> Result<Vec<u8>, chatter_figures::Error> + Sync + 'a>;
     // The report takes longest: all figures are in it.
     let whole: Draw<'_> = Box::new(|| Ok(report.html()?.into_bytes()));
     let mut files = vec![(folder.join(REPORT), whole)];

@@ -1,28 +1,24 @@
 //! `chatter simulate`: one trajectory.
 
+use crate::accounts::simulation::{self as account, Listing};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
     Count, FigureFile, Initial, Loaded, ModelOptions, Precision, Quantity, StopOption, TableFile,
     Window,
 };
-use crate::simulation::table::SampleTable;
 use crate::simulation::{
-    Expectation, Listing, Record, SampleOption, StepWatch, Subject, account, document, event_table,
-    picture, sentence, verification,
+    Record, Request, Rows, SampleOption, Subject, document, follow, part_done, picture, refused,
+    sentence, start_time, verification,
 };
-use crate::terminal::{self, Printer, Progress, Waiting};
-use chatter::analysis::simulate::{
-    ContactPhase, Event, Outcome, Progress as Reached, Samples, SimulateError, Simulation, Sink,
-    Spec, SpecError, Stop, Verification, simulate_into,
-};
+use crate::terminal::{self, Console, Printer, Waiting};
+use chatter::analysis::simulate::{Outcome, Progress as Reached, Simulation, Spec, Verification};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
+use chatter_work::Observer;
 use clap::Args;
-use core::cell::{Cell, RefCell};
 use core::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -121,12 +117,6 @@ pub struct Arguments {
     window: Option<Window>,
 }
 
-/// Units of time that a run lasts if nothing else is said.
-const USUAL_TIME: f64 = 100.0;
-
-/// Units of time within which an event that is waited for should come.
-const LONG_TIME: f64 = 1e6;
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Loaded {
@@ -153,7 +143,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         time_was_given: arguments.until.is_some(),
     };
     if digits.fit_double() {
-        follow::<f64>(arguments, &subject, window, |run| {
+        run_in::<f64>(arguments, &subject, window, |run| {
             verification(arguments, &subject, run)
         })
     } else if arguments.verify {
@@ -162,7 +152,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             digits.0
         )))
     } else {
-        follow::<DoubleDouble>(arguments, &subject, window, |_| Ok(None))
+        run_in::<DoubleDouble>(arguments, &subject, window, |_| Ok(None))
     }
 }
 
@@ -175,7 +165,7 @@ fn verification(
     if !arguments.verify || simulation.outcome == Outcome::Interrupted {
         return Ok(None);
     }
-    let mut progress = Progress::new();
+    let console = Console::new();
     let mut unread = None;
     let mut events = record.events().map_while(|noted| match noted {
         Ok(noted) => Some(noted.event),
@@ -184,14 +174,14 @@ fn verification(
             None
         }
     });
-    let mut observer = |reached: &Reached| observe(&mut progress, reached);
+    let mut observer = |reached: &Reached| observe(&console, reached);
     let (model, spec) = (subject.model, subject.spec);
     let verified = Verification::beside(model, spec, simulation, &mut events, &mut observer);
     let verification = verified.map_err(|error| refused(&error, subject.model))?;
     if let Some(error) = unread {
         return Err(error.into());
     }
-    progress.finish();
+    drop(console);
     let told = verification.map(|verification| {
         let text = verification::text(subject, (simulation, record), &verification)?;
         Ok(Verified { verification, text })
@@ -205,11 +195,11 @@ struct Verified {
 }
 
 /// Shows how far a run is, and lets the user break it off.
-fn observe(progress: &mut Progress, reached: &Reached) -> ControlFlow<()> {
-    progress.show(part_done(reached), || {
+fn observe(console: &Console, reached: &Reached) -> ControlFlow<()> {
+    console.progress(part_done(reached), &|| {
         format!("time {:.6}, {} impacts", reached.time, reached.impacts)
     });
-    going_on()
+    console.going_on()
 }
 
 fn specification(
@@ -217,23 +207,13 @@ fn specification(
     model: &mut Model,
     window: Option<(f64, f64)>,
 ) -> Result<Spec, Failure> {
-    let parameters = model.parameter_values::<DoubleDouble>(&[]);
-    let initial = model.initial_state(&parameters);
-    let start = model.time.map_or(DoubleDouble::ZERO, |time| initial[time]);
-    let mut stops: Vec<Stop> = arguments.stop.iter().map(|stop| stop.0.clone()).collect();
-    let until = match &arguments.until {
-        Some(until) => until.value(model, "--until")?,
-        None => {
-            let waits = !stops.is_empty() || arguments.impacts.is_some();
-            let lasts = if waits { LONG_TIME } else { USUAL_TIME };
-            stops.push(Stop::Rest);
-            start + DoubleDouble::from(lasts)
-        }
+    let request = Request {
+        until: arguments.until.clone(),
+        impacts: arguments.impacts,
+        stops: arguments.stop.iter().map(|stop| stop.0.clone()).collect(),
+        tolerance: arguments.tolerance.clone(),
     };
-    let tolerance = match &arguments.tolerance {
-        Some(tolerance) => tolerance.value(model, "--tolerance")?.high(),
-        None => 0.0,
-    };
+    let spec = request.spec(model)?;
     let mut sampling = Vec::new();
     if arguments.out.is_some() {
         let rows = arguments.sample.clone().unwrap_or_default();
@@ -242,83 +222,15 @@ fn specification(
     if arguments.plot.is_some() {
         // A run without an end of its own may turn out shorter.
         let duration = match &arguments.until {
-            Some(_) => until - start,
-            None => USUAL_TIME.into(),
+            Some(_) => spec.until - start_time(model),
+            None => Request::USUAL_TIME.into(),
         };
         sampling.push(picture::sampling(duration, window));
     }
-    Ok(Spec {
-        impacts: arguments
-            .impacts
-            .map_or(Spec::IMPACT_BUDGET, |count| count.0),
-        stops,
-        tolerance,
-        sampling,
-        ..Spec::until(until)
-    })
+    Ok(Spec { sampling, ..spec })
 }
 
-/// What a run hands over while it goes on.
-struct Listener<'a, 'b, R> {
-    table: Option<SampleTable<'a>>,
-    record: Record<R>,
-    /// Why nothing more can be taken.
-    failure: Option<Failure>,
-    /// How far the run is, and the rows written.
-    reached: &'b Cell<Option<Reached>>,
-    rows: u64,
-    show: &'b dyn Fn(&Reached, u64),
-}
-
-impl<R> Listener<'_, '_, R> {
-    /// Goes on unless something could not be written, or Ctrl-C was pressed.
-    fn taken(&mut self, outcome: Result<(), Failure>) -> ControlFlow<()> {
-        if let Err(failure) = outcome {
-            self.failure = Some(failure);
-            return ControlFlow::Break(());
-        }
-        going_on()
-    }
-}
-
-impl<R: Real> Sink<R> for Listener<'_, '_, R> {
-    fn samples(&mut self, _: usize, samples: &Samples<R>) -> ControlFlow<()> {
-        let Some(table) = &mut self.table else {
-            return ControlFlow::Continue(());
-        };
-        let taken = table.take(samples).map_err(unwritten);
-        self.rows += samples.len() as u64;
-        if let (Some(mut reached), Some(time)) = (self.reached.get(), samples.times.last()) {
-            reached.time = time.to_f64();
-            (self.show)(&reached, self.rows);
-        }
-        self.taken(taken)
-    }
-
-    fn event(&mut self, event: &Event<R>) -> ControlFlow<()> {
-        let noted = self.record.event(event);
-        self.taken(noted.map_err(Failure::from))
-    }
-
-    fn contact_phase(&mut self, number: u64, phase: &ContactPhase<R>) -> ControlFlow<()> {
-        let noted = self.record.contact_phase(number, phase);
-        self.taken(noted.map_err(Failure::from))
-    }
-}
-
-fn going_on() -> ControlFlow<()> {
-    if terminal::interrupted() {
-        ControlFlow::Break(())
-    } else {
-        ControlFlow::Continue(())
-    }
-}
-
-fn unwritten(error: chatter_io::Error) -> Failure {
-    Failure::Output(error.to_string())
-}
-
-fn follow<R: Real>(
+fn run_in<R: Real>(
     arguments: &Arguments,
     subject: &Subject,
     window: Option<(f64, f64)>,
@@ -326,68 +238,16 @@ fn follow<R: Real>(
 ) -> Result<u8, Failure> {
     terminal::catch_interrupts();
     let path = arguments.out.as_ref().map(|TableFile(path)| path.as_path());
-    let of_events = arguments.sample == Some(SampleOption::Events);
-    let table = match path {
-        Some(path) if of_events => {
-            event_table::check(subject, path).map_err(unwritten)?;
-            None
-        }
-        Some(path) => {
-            Expectation::of_table(subject, path).tell();
-            Some(SampleTable::create(subject, path).map_err(unwritten)?)
-        }
-        None => None,
+    let rows = match path {
+        Some(path) if arguments.sample == Some(SampleOption::Events) => Rows::Events(path),
+        Some(path) => Rows::Table(path),
+        None => Rows::None,
     };
-    let progress = RefCell::new(Progress::new());
-    let began = Instant::now();
-    let mut stiffness = Some(StepWatch::new(subject));
-    let show = |reached: &Reached, rows: u64| {
-        progress.borrow_mut().show(part_done(reached), || {
-            let rate = reached.steps as f64 / began.elapsed().as_secs_f64();
-            let (time, impacts) = (reached.time, reached.impacts);
-            let rows = match rows {
-                0 => String::new(),
-                rows => format!(", {rows} rows"),
-            };
-            format!("time {time:.6}, {impacts} impacts{rows}, {rate:.2e} steps/s")
-        });
-    };
-    let reached = Cell::new(None);
-    let folder = folder(path);
-    let (dimension, contacts) = (subject.model.states.len(), subject.model.contacts.len());
-    let mut listener = Listener {
-        table,
-        record: Record::new(&folder, dimension, contacts),
-        failure: None,
-        reached: &reached,
-        rows: 0,
-        show: &show,
-    };
-    let mut simulation: Simulation<R> = simulate_into(
-        subject.model,
-        subject.spec,
-        &mut |now| {
-            if stiffness.as_ref().is_some_and(|watch| watch.tell(now)) {
-                stiffness = None;
-            }
-            show(now, 0);
-            reached.set(Some(*now));
-            going_on()
-        },
-        &mut listener,
-    )
-    .map_err(|error| refused(&error, subject.model))?;
-    let Listener {
-        table,
-        record,
-        failure,
-        ..
-    } = listener;
-    progress.into_inner().finish();
-    if let Some(failure) = failure {
-        return Err(failure);
-    }
-    let verified = verify((&simulation, &record))?;
+    let console = Console::new();
+    let followed = follow::<R>(subject, &rows, &console);
+    drop(console);
+    let mut followed = followed?;
+    let verified = verify((&followed.simulation, &followed.record))?;
     // What is written now is all that is done.
     terminal::end_on_interrupt();
     let waiting = Waiting::new("writing");
@@ -395,17 +255,11 @@ fn follow<R: Real>(
     let drawn = arguments
         .plot
         .as_ref()
-        .and_then(|_| simulation.samples.pop());
-    let run = (&simulation, &record);
-    let mut written = Vec::new();
-    if let Some(path) = path {
-        match table {
-            Some(table) => table.finish(&simulation),
-            None => event_table::write(subject, run, path),
-        }
-        .map_err(unwritten)?;
-        written.push(path.to_path_buf());
-    }
+        .and_then(|_| followed.simulation.samples.pop());
+    followed.write(subject, &rows)?;
+    let (simulation, record) = (&followed.simulation, &followed.record);
+    let run = (simulation, record);
+    let mut written: Vec<PathBuf> = path.map(Path::to_path_buf).into_iter().collect();
     let mut remarks = Vec::new();
     if let (Some(FigureFile(path)), Some(samples)) = (&arguments.plot, &drawn) {
         let picture = picture::draw(subject, run, samples, window)?;
@@ -459,36 +313,4 @@ fn follow<R: Real>(
             failure::SUCCESS
         }
     })
-}
-
-/// Where what does not fit memory is kept while it is needed: on the disk that the table will be on, if there is one.
-fn folder(path: Option<&Path>) -> PathBuf {
-    match path.and_then(Path::parent) {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
-        Some(_) => PathBuf::from("."),
-        None => std::env::temp_dir(),
-    }
-}
-
-/// By time or by impacts, whichever is nearer to its end.
-fn part_done(reached: &Reached) -> f64 {
-    let by_time = (reached.time - reached.start) / (reached.until - reached.start);
-    let by_impacts = reached.impacts as f64 / reached.impact_budget as f64;
-    by_time.max(by_impacts)
-}
-
-/// A run that could not begin: what was asked for is wrong.
-fn refused(error: &SimulateError, model: &Model) -> Failure {
-    match error {
-        SimulateError::Spec(error) => {
-            let failure = Failure::input(error);
-            match error {
-                SpecError::UnknownPlace(error) => failure.did_you_mean(error.suggestion()),
-                _ => failure,
-            }
-        }
-        SimulateError::Model(error) => Failure::from(error.clone()),
-        SimulateError::System(error) => Failure::input(error),
-        SimulateError::Start(error) => Failure::input(sentence(error, model)),
-    }
 }

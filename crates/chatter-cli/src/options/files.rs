@@ -1,7 +1,7 @@
 //! Files to be written: their kind is known, and their folder there, before anything is computed.
 
-use chatter_io::Format;
-use chatter_io::atomic_file::check_target;
+use chatter_files::Format;
+use chatter_files::atomic_file::check_target;
 use std::path::{Path, PathBuf};
 
 /// A table: `.csv` or `.npz`.

@@ -1,23 +1,9 @@
-//! Options that several commands have in common, each read in one place.
+//! Options that several commands have in common: what can be asked anywhere, and what only a command line asks.
 
-mod count;
-mod counts;
-mod decimal;
-mod event;
 mod files;
 mod model;
-mod orbit;
-mod quantity;
-mod section;
-mod sweep;
 
-pub use count::{Count, Precision, ThreadCount};
-pub use counts::{Counts, Periods};
-pub use decimal::Decimal;
-pub use event::StopOption;
+pub use chatter_work::options::*;
+pub use chatter_work::source::Loaded;
 pub use files::{FigureFile, TableFile};
-pub use model::{Assignment, Initial, Loaded, ModelOptions, neighbour};
-pub use orbit::{AtOption, ObserveOption, ShearOption, StartOption};
-pub use quantity::{Quantity, Window};
-pub use section::SectionOption;
-pub use sweep::{SpanOption, SweepOption};
+pub use model::{Initial, ModelOptions};

@@ -7,7 +7,7 @@ use crate::parallel;
 use crate::universal::picture;
 use chatter::analysis::diagram::{Range, Spec, Start};
 use chatter::analysis::universal::{Universal, UniversalMap};
-use chatter_io::figures::{Figure, Panel};
+use chatter_figures::{Figure, Panel};
 
 /// The paper's slope CAB in Figs. 3 and 4.
 const SLOPE: f64 = 1.0;

@@ -18,8 +18,8 @@ use crate::failure::Failure;
 use crate::terminal;
 use chatter::analysis::diagram::{Ending, Row, Spec, Standing, Sweep, Threads, run};
 use chatter::analysis::map::Map;
-use chatter_io::figures::Figure;
-use chatter_io::reports::{Block, Picture};
+use chatter_figures::Figure;
+use chatter_figures::reports::{Block, Picture};
 use core::ops::ControlFlow;
 
 /// A figure with its number in the paper, or none.

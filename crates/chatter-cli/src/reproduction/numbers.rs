@@ -3,7 +3,7 @@
 use super::Valve;
 use crate::aligned::{Side, aligned};
 use chatter::analysis::border::LeadingOrder;
-use chatter_io::reports::{Column, Grid, Report};
+use chatter_figures::reports::{Column, Grid, Report};
 
 /// A number of the paper.
 struct Printed {

@@ -2,8 +2,8 @@
 
 use super::{Part, Plate, WIDTH};
 use chatter::analysis::universal::Constants;
-use chatter_io::figures::{Axis, Color, Dash, Figure, Legend, Line, Panel, Rule};
-use chatter_io::reports::{Column, Grid};
+use chatter_figures::reports::{Column, Grid};
+use chatter_figures::{Axis, Color, Dash, Figure, Legend, Line, Panel, Rule};
 
 /// Restitutions of the curves, and of the table.
 const CURVE_POINTS: u32 = 600;

@@ -9,8 +9,8 @@ use chatter::analysis::border::{Prediction, Simulator, WindowComparison};
 use chatter::analysis::diagram::{Range, Row, Spec};
 use chatter::analysis::map::Map;
 use chatter::analysis::universal::UniversalMap;
-use chatter_io::figures::{Axis, Color, Figure, Legend, Line, Marker, Markers, Panel};
-use chatter_io::reports::{Block, Column, Grid};
+use chatter_figures::reports::{Block, Column, Grid};
+use chatter_figures::{Axis, Color, Figure, Legend, Line, Marker, Markers, Panel};
 
 /// Flow rates at which impacts are counted.
 const RATES: [f64; 5] = [0.020_185, 0.020_19, 0.0203, 0.0205, 0.021];

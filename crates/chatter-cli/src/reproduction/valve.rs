@@ -13,7 +13,7 @@ use chatter::analysis::map::Map;
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
 use chatter::analysis::universal::{Universal, UniversalMap};
 use chatter::model::Model;
-use chatter_io::figures::{Axis, Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
+use chatter_figures::{Axis, Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
 
 /// Where the paper says that the border is.
 const NEAR: f64 = 0.02;

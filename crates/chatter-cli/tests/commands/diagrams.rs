@@ -1,7 +1,7 @@
 //! Orbit diagrams as a user computes them: tables, resumption after kill and Ctrl-C, pictures, wrong input.
 
 use crate::common::{Folder, begin, chatter, fails, interrupt, succeeds, told, typed, wait_for};
-use chatter_io::tables::NpzReader;
+use chatter_files::tables::NpzReader;
 
 /// The diagram of the issue, with fewer values.
 fn valve<'a>(sweep: &'a str, options: &'a str, rest: &[&'a str]) -> Vec<&'a str> {

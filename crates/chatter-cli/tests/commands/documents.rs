@@ -217,7 +217,7 @@ fn archives_say_how_they_came_about() {
         "simulate", VALVE, "--until", "2", "--digits", "30", "--out", &file,
     ]);
     assert!(output.status.success());
-    let archive = chatter_io::tables::NpzReader::open(&file).unwrap();
+    let archive = chatter_files::tables::NpzReader::open(&file).unwrap();
     let times = archive.floats("time").unwrap();
     let remainders = archive.floats("time_low").unwrap();
     assert_eq!(times.len(), remainders.len());

@@ -2,7 +2,7 @@
 //! so, ends, or is ended by Ctrl-C, in memory that is in proportion.
 
 use crate::common::{Folder, interrupt, told};
-use chatter_io::tables::{Kind, NpzReader, NpzWriter, Values};
+use chatter_files::tables::{Kind, NpzReader, NpzWriter, Values};
 use std::path::PathBuf;
 use std::process::Stdio;
 use std::time::Duration;

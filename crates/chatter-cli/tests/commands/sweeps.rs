@@ -3,8 +3,8 @@
 use crate::common::{
     Folder, begin, chatter, document, fails, interrupt_within, succeeds, typed, wait_for,
 };
-use chatter_io::journal::{Journal, Unread};
-use chatter_io::tables::NpzReader;
+use chatter_files::journal::{Journal, Unread};
+use chatter_files::tables::NpzReader;
 use serde_json::Value;
 use std::time::Duration;
 

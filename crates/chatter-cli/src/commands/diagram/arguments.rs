@@ -1,9 +1,11 @@
 //! The options of `chatter diagram`.
 
+use crate::diagram::Request;
 use crate::options::{
     Assignment, AtOption, Count, FigureFile, Initial, ObserveOption, Quantity, ShearOption,
     SpanOption, StartOption, SweepOption, TableFile, ThreadCount,
 };
+use chatter::analysis::diagram::Record;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -187,6 +189,39 @@ pub struct Arguments {
 }
 
 impl Arguments {
+    /// What is asked for.
+    pub fn request(&self) -> Request {
+        Request {
+            set: self.set.clone(),
+            initial: self.initial.initial.clone(),
+            sweeps: self.sweep.clone(),
+            section: self.section.clone(),
+            at: self.at.clone(),
+            period: self.period.clone(),
+            every: self.every,
+            observe: self.observe.iter().map(|one| one.0.clone()).collect(),
+            transient: self.transient,
+            keep: self.keep,
+            start: self.start,
+            chunk: self.chunk,
+            bounds: self.bounds.clone(),
+            seed: self.seed,
+            longest_period: self.longest_period,
+            period_tolerance: self.period_tolerance.clone(),
+            exponent: self.exponent,
+            record: self.record.map(|record| match record {
+                RecordOption::Samples => Record::Samples,
+                RecordOption::Classes => Record::Classes,
+            }),
+            longest_return: self.longest_return.clone(),
+            most_impacts: self.most_impacts,
+            tolerance: self.tolerance.clone(),
+            out: self.out.as_ref().map(|file| file.0.clone()),
+            plot: self.plot.as_ref().map(|file| file.0.clone()),
+            shear: self.shear.map(|shear| shear.0),
+        }
+    }
+
     /// What a diagram that is resumed has been told already: everything but the number of threads, and where a figure goes.
     const SETTLED: [&'static str; 24] = [
         "model",

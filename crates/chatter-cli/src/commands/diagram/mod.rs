@@ -1,19 +1,18 @@
 //! `chatter diagram`: what orbits settle to, for many parameter values.
 
 mod arguments;
-mod order;
 mod produce;
 
 pub use arguments::Arguments;
 
-use crate::diagram::{Begun, Stored, journal_of, table};
+use crate::diagram::{Beginning, Begun, Stored, journal_of, table};
 use crate::failure::{self, Failure};
 use crate::options::ThreadCount;
-use crate::terminal;
+use crate::terminal::{self, Console};
 use chatter::analysis::diagram::Threads;
-use chatter_io::Format;
-use order::order;
-use produce::{Beginning, produce, produce_document};
+use chatter_files::Format;
+use chatter_work::source::Source;
+use produce::{produce, produce_document};
 use std::io::Read;
 use std::path::Path;
 
@@ -21,7 +20,8 @@ use std::path::Path;
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let (threads, json) = (threads(arguments), arguments.json);
     let Some(target) = &arguments.resume else {
-        let order = order(arguments)?;
+        let source = Source::named(arguments.model.as_deref().unwrap_or_default())?;
+        let order = arguments.request().order(source)?;
         return match order.target().map(journal_of) {
             Some(journal) => produce(&order, Beginning::At(journal), threads, json),
             None if json => produce_document(&order, threads),
@@ -32,9 +32,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Some(begun) = Begun::open(&journal_of(target))? else {
         return nothing_to_resume(target);
     };
-    same_version(&begun)?;
+    begun.of_this_version()?;
     let plot = arguments.plot.as_ref().map(|file| file.0.clone());
-    let order = begun.header.clone().order(target, plot)?;
+    let order = begun.header.clone().order(target, plot, &Console::new())?;
     produce(&order, Beginning::Resumed(Box::new(begun)), threads, json)
 }
 
@@ -43,20 +43,6 @@ fn threads(arguments: &Arguments) -> Threads {
         Some(ThreadCount(count)) => Threads::new(count),
         None => Threads::available(),
     }
-}
-
-fn same_version(begun: &Begun) -> Result<(), Failure> {
-    let version = env!("CARGO_PKG_VERSION");
-    let (journal, began) = (begun.path().display(), &begun.header.job.version);
-    if began == version {
-        return Ok(());
-    }
-    Err(Failure::input(format!(
-        "`{journal}` was begun by chatter {began}; this is chatter {version}, whose results may differ in their last digits",
-    ))
-    .help(format!(
-        "go on with the version that began it, or delete `{journal}` and compute the diagram anew",
-    )))
 }
 
 /// No journal: the diagram is complete, or there never was one.

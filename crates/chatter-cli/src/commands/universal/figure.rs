@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::universal::{Findings, branches, picture};
 use chatter::analysis::universal::{Universal, UniversalMap};
 use chatter::numerics::Real;
-use chatter_io::figures::{Figure, Sharing};
+use chatter_figures::{Figure, Sharing};
 
 /// Widths of a figure, in millimetres.
 const WIDE: f64 = 178.0;

@@ -6,12 +6,13 @@ mod figure;
 
 pub use arguments::Arguments;
 
+use crate::accounts::universal::account;
 use crate::diagram::{Store, check_size};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{FigureFile, SweepOption, TableFile};
 use crate::terminal::{self, Progress, Style, Waiting};
-use crate::universal::{Findings, UniversalJob, account, document, table};
+use crate::universal::{Findings, UniversalJob, document, table};
 use atlas::Atlas;
 use chatter::analysis::diagram::{
     self, Exponent, Row, Spec, Standing, Start, Sweep, Swept, Threads,

@@ -128,7 +128,6 @@ pub fn simulate_into<R: Real>(
     observer: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     sink: &mut dyn Sink<R>,
 ) -> Result<Simulation<R>, SimulateError> {
-    let mut targets = spec.targets(model)?;
     model.check_defined().map_err(SimulateError::Model)?;
     let system = System::new(model).map_err(SimulateError::System)?;
     let settings = Settings {
@@ -139,6 +138,7 @@ pub fn simulate_into<R: Real>(
     let parameters = model.parameter_values::<R>(&[]);
     let state = model.initial_state(&parameters);
     let start = model.time.map_or(R::ZERO, |index| state[index]);
+    let mut targets = spec.targets(model, start.to_double_double())?;
     let until = R::from_double_double(spec.until);
     if until.partial_cmp(&start) != Some(core::cmp::Ordering::Greater) || !until.is_finite() {
         return Err(SpecError::Until {

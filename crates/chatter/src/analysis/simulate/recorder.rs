@@ -40,7 +40,7 @@ impl<R: Real> Recorder<R> {
             before: (trajectory.time(), Closed::NONE),
             in_flight: false,
             samplers: (sampling.iter())
-                .map(|&sampling| Sampler::new(sampling, trajectory))
+                .map(|sampling| Sampler::new(sampling.clone(), trajectory))
                 .collect(),
         }
     }

@@ -95,21 +95,27 @@ impl<R: Real> Sampler<R> {
     pub(super) fn new(sampling: Sampling, trajectory: &Trajectory<R>) -> Self {
         let state = trajectory.state();
         let start = trajectory.time();
-        let outside = match sampling {
+        let outside = match &sampling {
             Sampling::Smooth { window, .. } => {
                 window.is_some_and(|(from, _)| from > start.to_double_double())
             }
-            Sampling::Dense { .. } | Sampling::Every(_) => false,
+            Sampling::Dense { .. } | Sampling::Every(_) | Sampling::At(_) => false,
         };
         let mut samples = Samples::new(state.len());
-        if !outside {
+        let at_start = match &sampling {
+            Sampling::At(times) => (times.iter())
+                .take_while(|time| R::from_double_double(**time) <= start)
+                .count(),
+            _ => usize::from(!outside),
+        };
+        for _ in 0..at_start {
             samples.push(start, trajectory.closed(), |index| state[index]);
         }
         Self {
             sampling,
             samples,
             start,
-            taken: 1,
+            taken: at_start as u64,
             reached: trajectory.time_parts(),
             outside,
         }
@@ -164,13 +170,13 @@ impl<R: Real> Sampler<R> {
                     self.samples.forget(self.samples.len() - MOST_IN_PICTURE);
                 }
             }
-            Sampling::Every(interval) => {
-                let start = self.start.to_double_double();
-                let due = |taken: u64| start + interval * DoubleDouble::from(taken as f64);
+            Sampling::Every(_) | Sampling::At(_) => {
                 let (reached, low) = trajectory.time_parts();
                 let before = core::mem::replace(&mut self.reached, (reached, low));
                 loop {
-                    let due = due(self.taken);
+                    let Some(due) = self.due() else {
+                        break;
+                    };
                     let time = R::from_double_double(due);
                     if time > reached {
                         break;
@@ -193,6 +199,18 @@ impl<R: Real> Sampler<R> {
             }
         }
         self.hand_over(list, BLOCK, sink)
+    }
+
+    /// When the next sample is due, where that is known beforehand.
+    fn due(&self) -> Option<DoubleDouble> {
+        match &self.sampling {
+            Sampling::Every(interval) => {
+                let start = self.start.to_double_double();
+                Some(start + *interval * DoubleDouble::from(self.taken as f64))
+            }
+            Sampling::At(times) => times.get(self.taken as usize).copied(),
+            Sampling::Dense { .. } | Sampling::Smooth { .. } => None,
+        }
     }
 
     /// Samples the end of each of so many equal parts of the step.
@@ -223,7 +241,7 @@ impl<R: Real> Sampler<R> {
     pub(super) fn event(&mut self, trajectory: &Trajectory<R>) {
         let at_events = match self.sampling {
             Sampling::Dense { .. } | Sampling::Smooth { .. } => true,
-            Sampling::Every(_) => false,
+            Sampling::Every(_) | Sampling::At(_) => false,
         };
         if at_events && !self.outside {
             let state = trajectory.state();

@@ -40,8 +40,8 @@ impl Spec {
         }
     }
 
-    /// Checks the specification against the model and resolves its names.
-    pub(super) fn targets(&self, model: &Model) -> Result<Targets, SpecError> {
+    /// Checks the specification against the model and the time where the run starts, and resolves its names.
+    pub(super) fn targets(&self, model: &Model, start: DoubleDouble) -> Result<Targets, SpecError> {
         if self.impacts == 0 {
             return Err(SpecError::NoImpacts);
         }
@@ -54,6 +54,18 @@ impl Spec {
                     resolution: step, ..
                 } if !(step.high() > 0.0 && step.high().is_finite()) => {
                     return Err(SpecError::SampleStep { value: step.high() });
+                }
+                Sampling::At(times) => {
+                    let mut before = start;
+                    for &time in times {
+                        if time < before || !time.high().is_finite() {
+                            return Err(SpecError::SampleTime {
+                                value: time.high(),
+                                before: before.high(),
+                            });
+                        }
+                        before = time;
+                    }
                 }
                 _ => {}
             }
@@ -216,7 +228,7 @@ impl fmt::Display for EventKind {
 }
 
 /// At which times the state is kept.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sampling {
     /// At equal fractions of each integration step, so many a step. Where an event ends the step there are two samples:
@@ -235,6 +247,9 @@ pub enum Sampling {
     },
     /// At equal intervals of time from the start; an event that falls on such a time counts as not yet happened.
     Every(DoubleDouble),
+    /// At these times, none before the start and none before the one in front of it; an event that falls on such a time
+    /// counts as not yet happened.
+    At(Vec<DoubleDouble>),
 }
 
 /// What is wrong with a specification.
@@ -258,6 +273,13 @@ pub enum SpecError {
         /// What was asked for.
         value: f64,
     },
+    /// A time of sampling that is not finite, or lies before the start or the time in front of it.
+    SampleTime {
+        /// What was asked for.
+        value: f64,
+        /// The start, or the time in front of it.
+        before: f64,
+    },
     /// The model has no such contact or section.
     UnknownPlace(UnknownPlace),
 }
@@ -275,6 +297,10 @@ impl fmt::Display for SpecError {
             Self::SampleStep { value } => write!(
                 out,
                 "a sampling interval of {value} makes no sense: expected a positive number"
+            ),
+            Self::SampleTime { value, before } => write!(
+                out,
+                "no sample can be taken at time {value}: expected times in order, none below {before}"
             ),
             Self::UnknownPlace(error) => error.fmt(out),
         }

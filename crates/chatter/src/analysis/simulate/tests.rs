@@ -380,6 +380,21 @@ fn samples_are_where_they_should_be() {
         let exact = (4.0 - 4.0 * time * time).max(0.0);
         assert!((y - exact).abs() < 1e-14, "{time}: {y}");
     }
+    // At times of one's own the same states as in equal intervals, to the bit.
+    let chosen = [0usize, 0, 1, 37, 99, 100, 101, 150, 200, 200];
+    let times =
+        chosen.map(|k| "0.01".parse::<DoubleDouble>().unwrap() * DoubleDouble::from(k as f64));
+    let mut at = Spec::until(2.0);
+    at.sampling = vec![Sampling::At(
+        times.iter().copied().chain([3.0.into()]).collect(),
+    )];
+    let at = &run::<f64>(&ball, &at).samples[0];
+    assert_eq!(at.len(), chosen.len());
+    for (place, k) in chosen.into_iter().enumerate() {
+        assert_eq!(at.times[place], even.times[k]);
+        assert_eq!(at.states[0][place], even.states[0][k]);
+        assert_eq!(at.states[1][place], even.states[1][k]);
+    }
     let dense = &simulation.samples[1];
     assert!(dense.times.is_sorted());
     // The impact at time 1 takes all speed away.
@@ -454,9 +469,13 @@ fn a_wrong_specification_is_told_apart() {
     assert!(error(&|spec| spec.until = f64::NAN.into()).contains("cannot end"));
     assert!(error(&|spec| spec.impacts = 0).contains("at least one impact"));
     assert!(error(&|spec| spec.tolerance = -1.0).contains("tolerance"));
-    let sampling = |sampling| error(&|spec| spec.sampling = vec![sampling]);
+    let sampling = |sampling: Sampling| error(&|spec| spec.sampling = vec![sampling.clone()]);
     assert!(sampling(Sampling::Dense { per_step: 0 }).contains("one sample"));
     assert!(sampling(Sampling::Every((-0.1).into())).contains("positive"));
+    for times in [[1.0, 0.5], [-0.1, 1.0], [0.0, f64::NAN]] {
+        let times = times.map(DoubleDouble::from).to_vec();
+        assert!(sampling(Sampling::At(times)).contains("in order"));
+    }
     let at = |kind, name| error(&|spec| spec.stops = vec![target(kind, Some(name), 1)]);
     assert_eq!(
         at(EventKind::Section, "top"),

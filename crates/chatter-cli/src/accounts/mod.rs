@@ -1,0 +1,6 @@
+//! How answers are told in text, for people.
+
+pub mod border;
+pub mod diagram;
+pub mod simulation;
+pub mod universal;

@@ -1,0 +1,147 @@
+//! Border orbits.
+
+use crate::errors::{raised, unreadable};
+use crate::interruptible::{Listener, interruptible};
+use crate::model::Core;
+use chatter::analysis::border::{BorderSpec, border_near, search_range};
+use chatter::analysis::universal::Argument;
+use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
+use chatter_work::border::{Answer, Subject, compared, document, refused};
+use chatter_work::numbers::Digits;
+use chatter_work::options::{Counts, Precision, Quantity, SectionOption};
+use chatter_work::{Observer, Refusal, parallel};
+use pyo3::prelude::*;
+use std::str::FromStr;
+use std::sync::Arc;
+
+/// Where borders are looked for.
+#[derive(Clone, Copy)]
+enum Place {
+    Near(f64),
+    Range(f64, f64),
+}
+
+/// What was asked, but for the digits.
+struct Question {
+    model: Arc<Model>,
+    source: String,
+    spec: BorderSpec,
+    place: Place,
+    windows: Option<Counts>,
+    digits: Digits,
+}
+
+/// The document of the border near a value, or of those of a range.
+#[pyfunction]
+#[pyo3(signature = (core, parameter, *, near=None, range=None, samples=None, excursions=None, section=None, windows=None,
+                    digits=17, progress=None))]
+#[allow(clippy::too_many_arguments)]
+pub fn border(
+    py: Python<'_>,
+    core: &Core,
+    parameter: &str,
+    near: Option<String>,
+    range: Option<(String, String)>,
+    samples: Option<usize>,
+    excursions: Option<usize>,
+    section: Option<String>,
+    windows: Option<(i64, i64)>,
+    digits: u32,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let digits = Precision::from_str(&digits.to_string())
+        .map_err(|error| unreadable("digits", error))?
+        .0;
+    let mut model = (*core.model).clone();
+    let mut spec = BorderSpec::new(parameter);
+    if let Some(samples) = samples {
+        spec.samples = samples;
+    }
+    if let Some(excursions) = excursions {
+        spec.excursions = excursions;
+    }
+    if let Some(section) = section {
+        let section = SectionOption::from_str(&section);
+        let section = section.map_err(|error| unreadable("section", error))?;
+        spec.section = Some(section.section(&mut model).map_err(raised)?);
+    }
+    let mut number = |text: String, what: &str| Quantity(text).value(&mut model, what);
+    let place = match (near, range) {
+        (Some(near), None) => Place::Near(number(near, "--near").map_err(raised)?.to_f64()),
+        (None, Some((low, high))) => {
+            let low = number(low, "--range").map_err(raised)?.to_f64();
+            Place::Range(low, number(high, "--range").map_err(raised)?.to_f64())
+        }
+        _ => {
+            let message = "expected --near or --range, one of them";
+            return Err(raised(Refusal::input(message)));
+        }
+    };
+    if let Some((first, last)) = windows
+        && (first < 0 || last < first)
+    {
+        let message = format!("--windows {first} to {last}: expected 0 <= first <= last");
+        return Err(raised(Refusal::input(message)));
+    }
+    let question = Question {
+        model: Arc::clone(&core.model),
+        source: core.name.clone(),
+        spec,
+        place,
+        windows: windows.map(|(first, last)| Counts { first, last }),
+        digits,
+    };
+    let found = interruptible(py, progress, move |listener| {
+        if question.digits.fit_double() {
+            answer::<f64>(&question, listener)
+        } else {
+            answer::<DoubleDouble>(&question, listener)
+        }
+    })?;
+    found.map_err(raised)
+}
+
+fn answer<R: Real + Argument<Real = R>>(
+    question: &Question,
+    listener: &Listener,
+) -> Result<String, Refusal> {
+    let (model, spec) = (&*question.model, &question.spec);
+    let subject = Subject {
+        model,
+        source: &question.source,
+        parameter: &spec.parameter,
+        digits: question.digits,
+        text_digits: question.digits,
+        samples: spec.samples,
+        excursions: spec.excursions,
+        windows: question.windows,
+    };
+    let found = match question.place {
+        Place::Near(value) => {
+            let border = border_near::<R>(model, spec, value).map_err(refused)?;
+            Answer::One {
+                compared: compared(&subject, spec, &border)?,
+                border: Box::new(border),
+            }
+        }
+        Place::Range(low, high) => {
+            let found = search_range::<R>(model, spec, (low, high), &mut |reached| {
+                listener.progress(reached.done, &|| format!("{} borders", reached.borders));
+                listener.going_on()
+            });
+            let found = found.map_err(refused)?;
+            let windows = parallel::each(&found.borders, listener.stop(), |border| {
+                compared(&subject, spec, border)
+            })?;
+            Answer::All {
+                found,
+                compared: Some(windows),
+                low,
+                high,
+            }
+        }
+    };
+    let document = document(&subject, &found);
+    serde_json::to_string(&document).map_err(|error| Refusal::Output(error.to_string()))
+}

@@ -1,0 +1,231 @@
+//! Orbit diagrams.
+
+use crate::arrays::columns as arrays;
+use crate::errors::{raised, unreadable};
+use crate::interruptible::{Listener, interruptible};
+use crate::model::{Core, assignments};
+use chatter::analysis::diagram::{Record, Threads};
+use chatter_work::Refusal;
+use chatter_work::diagram::{
+    Beginning, Begun, Columns, Order, Produced, Request, columns, journal_of, produce,
+    produce_in_memory,
+};
+use chatter_work::options::{
+    AtOption, Count, ObserveOption, Quantity, SpanOption, StartOption, SweepOption, ThreadCount,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// A finished diagram.
+struct Answer {
+    order: Order,
+    columns: Columns,
+}
+
+/// What a text or number means, by its name in the dictionary of what is asked.
+struct Asked<'a, 'py>(&'a Bound<'py, PyDict>);
+
+impl<'py> Asked<'_, 'py> {
+    fn get<T: for<'a> FromPyObject<'a, 'py, Error = PyErr>>(
+        &self,
+        name: &str,
+    ) -> PyResult<Option<T>> {
+        match self.0.get_item(name)? {
+            Some(value) if !value.is_none() => value.extract().map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    fn texts<T: FromStr<Err: ToString>>(&self, name: &str) -> PyResult<Vec<T>> {
+        let texts: Vec<String> = self.get(name)?.unwrap_or_default();
+        let read = |text: &String| {
+            text.parse()
+                .map_err(|error: T::Err| unreadable(name, error.to_string()))
+        };
+        texts.iter().map(read).collect()
+    }
+
+    fn text<T: FromStr<Err: ToString>>(&self, name: &str) -> PyResult<Option<T>> {
+        let text: Option<String> = self.get(name)?;
+        let read = |text: String| {
+            text.parse()
+                .map_err(|error: T::Err| unreadable(name, error.to_string()))
+        };
+        text.map(read).transpose()
+    }
+}
+
+fn request(core: &Core, asked: &Asked) -> PyResult<Request> {
+    let record = match asked.get::<String>("record")?.as_deref() {
+        None => None,
+        Some("samples") => Some(Record::Samples),
+        Some("classes") => Some(Record::Classes),
+        Some(_) => return Err(unreadable("record", "expected `samples` or `classes`")),
+    };
+    let observe: Vec<ObserveOption> = asked.texts("observe")?;
+    Ok(Request {
+        set: assignments(&core.set),
+        initial: assignments(&core.initial),
+        sweeps: asked.texts::<SweepOption>("sweep")?,
+        section: asked.get("section")?,
+        at: asked.texts::<AtOption>("at")?,
+        period: asked.get("period")?,
+        every: asked.text::<Count>("every")?,
+        observe: observe.into_iter().map(|one| one.0).collect(),
+        transient: asked.text("transient")?,
+        keep: asked.text::<Count>("keep")?,
+        start: asked.text::<StartOption>("start")?,
+        chunk: asked.text::<Count>("chunk")?,
+        bounds: asked.texts::<SpanOption>("box")?,
+        seed: asked.text("seed")?,
+        longest_period: asked.text::<Count>("longest_period")?,
+        period_tolerance: asked.text::<Quantity>("period_tolerance")?,
+        exponent: asked.get("exponent")?.unwrap_or(false),
+        record,
+        longest_return: asked.text::<Quantity>("longest_return")?,
+        most_impacts: asked.text::<Count>("most_impacts")?,
+        tolerance: asked.text::<Quantity>("tolerance")?,
+        out: asked.get("out")?,
+        plot: None,
+        shear: None,
+    })
+}
+
+fn threads(count: Option<&str>) -> PyResult<Threads> {
+    match count {
+        None => Ok(Threads::available()),
+        Some(count) => match ThreadCount::from_str(count) {
+            Ok(ThreadCount(count)) => Ok(Threads::new(count)),
+            Err(error) => Err(unreadable("threads", error)),
+        },
+    }
+}
+
+/// Computes a diagram. `asked` has its options by name, as texts in the notation of the command line; `out` is the table to be
+/// written, `journal` the file that keeps what is done.
+#[pyfunction]
+#[pyo3(signature = (core, asked, journal=None, progress=None))]
+pub fn diagram<'py>(
+    py: Python<'py>,
+    core: &Core,
+    asked: &Bound<'py, PyDict>,
+    journal: Option<PathBuf>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let asked = Asked(asked);
+    let threads = threads(asked.get::<String>("threads")?.as_deref())?;
+    let request = request(core, &asked)?;
+    let source = core.source();
+    let answer = interruptible(py, progress, move |listener| {
+        let order = request.order(source)?;
+        let journal = journal.or_else(|| order.target().map(journal_of));
+        match journal {
+            Some(path) => kept(order, Beginning::At(path), threads, listener),
+            None => in_memory(order, threads, listener),
+        }
+    })?;
+    told(py, answer.map_err(raised)?)
+}
+
+/// Goes on with a diagram that was broken off: that of the table `path`, or that whose journal stands there. `None` where the
+/// table is complete.
+#[pyfunction]
+#[pyo3(signature = (path, threads_wanted=None, progress=None))]
+pub fn resume<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    threads_wanted: Option<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Option<Bound<'py, PyDict>>> {
+    let threads = threads(threads_wanted.as_deref())?;
+    let answer = interruptible(py, progress, move |listener| {
+        resumed(&path, threads, listener)
+    })?;
+    answer
+        .map_err(raised)?
+        .map(|answer| told(py, answer))
+        .transpose()
+}
+
+fn resumed(path: &Path, threads: Threads, listener: &Listener) -> Result<Option<Answer>, Refusal> {
+    if let Some(begun) = Begun::open(&journal_of(path))? {
+        begun.of_this_version()?;
+        let order = begun.header.clone().order(path, None, listener)?;
+        return kept(
+            order,
+            Beginning::Resumed(Box::new(begun)),
+            threads,
+            listener,
+        )
+        .map(Some);
+    }
+    if chatter_files::Format::of_table(path).is_ok() && path.exists() {
+        return Ok(None);
+    }
+    let Some(begun) = Begun::open(path)? else {
+        return Err(Refusal::input(format!(
+            "there is nothing to resume: neither `{}` nor `{}`",
+            path.display(),
+            journal_of(path).display()
+        )));
+    };
+    begun.of_this_version()?;
+    let header = begun.header.clone();
+    let order = Order {
+        job: header.job,
+        model_text: header.model_text,
+        out: None,
+        plot: None,
+        shear: None,
+    };
+    kept(
+        order,
+        Beginning::Resumed(Box::new(begun)),
+        threads,
+        listener,
+    )
+    .map(Some)
+}
+
+fn in_memory(order: Order, threads: Threads, listener: &Listener) -> Result<Answer, Refusal> {
+    let (ready, rows, complete) = produce_in_memory(&order, threads, listener)?;
+    if !complete {
+        return Err(Refusal::Interrupted);
+    }
+    let columns = columns(&mut ready.source(&rows, complete))?;
+    Ok(Answer { order, columns })
+}
+
+/// A diagram with a journal, which goes when the table is written, and stays where there is none.
+fn kept(
+    order: Order,
+    beginning: Beginning,
+    threads: Threads,
+    listener: &Listener,
+) -> Result<Answer, Refusal> {
+    let mut produced = produce(&order, beginning, threads, listener)?;
+    if !produced.complete {
+        return Err(Refusal::Interrupted);
+    }
+    produced.write(&order)?;
+    let Produced { mut store, .. } = produced;
+    let columns = columns(&mut store)?;
+    if order.target().is_some() {
+        store.remove()?;
+    }
+    Ok(Answer { order, columns })
+}
+
+fn told(py: Python<'_>, answer: Answer) -> PyResult<Bound<'_, PyDict>> {
+    let job = &answer.order.job;
+    let dict = PyDict::new(py);
+    dict.set_item("orbits", arrays(py, answer.columns.orbits)?)?;
+    dict.set_item("samples", arrays(py, answer.columns.samples)?)?;
+    let specification =
+        serde_json::to_string(job).map_err(|error| raised(Refusal::Output(error.to_string())))?;
+    dict.set_item("specification", specification)?;
+    dict.set_item("model", &answer.order.model_text)?;
+    Ok(dict)
+}

@@ -1,0 +1,34 @@
+//! The compiled part of the Python package `chatter`: what is asked comes as text in the notation of the command line, what
+//! is answered goes as arrays. Everything that a Python user sees is made of it in `python/chatter`.
+
+mod arrays;
+mod border;
+mod diagram;
+mod errors;
+mod interruptible;
+mod model;
+mod run;
+mod universal;
+
+use pyo3::prelude::*;
+
+/// The compiled part of `chatter`.
+#[pymodule]
+fn _chatter(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<model::Core>()?;
+    module.add_class::<universal::Upsilon>()?;
+    module.add_function(wrap_pyfunction!(model::shipped, module)?)?;
+    module.add_function(wrap_pyfunction!(run::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(diagram::diagram, module)?)?;
+    module.add_function(wrap_pyfunction!(diagram::resume, module)?)?;
+    module.add_function(wrap_pyfunction!(border::border, module)?)?;
+    module.add_function(wrap_pyfunction!(main, module)?)?;
+    Ok(())
+}
+
+/// Does what the `chatter` command does; gives its exit code.
+#[pyfunction]
+fn main(py: Python<'_>, arguments: Vec<std::ffi::OsString>) -> u8 {
+    py.detach(|| chatter_cli::run(arguments))
+}

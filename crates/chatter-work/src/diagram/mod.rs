@@ -1,0 +1,24 @@
+//! Orbit diagrams as files: what is wanted, the journal that holds what is there already, tables, pictures.
+
+mod columns;
+pub mod document;
+mod hysteresis;
+pub mod job;
+mod order;
+pub mod picture;
+mod produce;
+mod source;
+mod store;
+mod stored;
+pub mod table;
+pub mod tally;
+
+pub use columns::{Columns, columns};
+pub use hysteresis::{Hysteresis, hysteresis};
+pub use job::{Header, Job, Order, Ready};
+pub use order::Request;
+pub use picture::{Shear, Show, View, Zoom};
+pub use produce::{Beginning, Produced, Written, produce, produce_in_memory};
+pub use source::{Class, InMemory, Rows, Source};
+pub use store::{Begun, Found, Store, check_size, journal_of};
+pub use stored::{Stored, Subject};

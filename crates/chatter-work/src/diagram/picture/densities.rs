@@ -1,0 +1,193 @@
+//! Samples over one parameter, as densities.
+
+use super::layers::Layers;
+use super::line_fit::LineFit;
+use super::window::{Abscissa, Window};
+use super::{Shear, View};
+use crate::diagram::Source;
+use crate::diagram::tally::Tally;
+use crate::refusal::Refusal;
+use chatter::analysis::diagram::{Range, Sweep};
+use chatter::expressions::tex_name;
+use chatter_figures::{Axis, Density, Legend, Normalisation, Panel, Scale};
+
+/// A density has about as many cells as samples, so that bands of chaos are neither speckled nor blurred: between these
+/// numbers, three along the horizontal axis for two along the vertical one, and at most one a parameter value.
+const FEWEST_CELLS: u64 = 900 * 600;
+const MOST_CELLS: u64 = 2400 * 1600;
+
+/// Room above and below the samples, as a part of their extent.
+const ROOM: f64 = 0.03;
+
+/// Samples that follow a straight line as closely as this (squared correlation) form a narrow band.
+const NARROW: f64 = 0.98;
+
+/// Panels one above the other.
+pub struct Densities {
+    /// One for each observed quantity that is shown.
+    pub panels: Vec<Panel>,
+    /// Whether the samples form a narrow slanted band.
+    pub slanted: bool,
+}
+
+/// Draws the samples of a diagram over one parameter. `axis` labels the swept parameter and observed quantities.
+pub fn densities(
+    sweep: &Sweep,
+    range: &Range,
+    axis: &dyn Fn(&str) -> Axis,
+    source: &mut dyn Source,
+    view: &View,
+) -> Result<Densities, Refusal> {
+    let window = Window::new(range, view.zoom(&range.name()))?;
+    let tally = match sweep.compares() {
+        true => Some(Tally::of(source)?),
+        false => None,
+    };
+    let layers = Layers::new(sweep, tally.as_ref());
+    let mut shown = Vec::new();
+    for (place, observed) in sweep.spec().observe.iter().enumerate() {
+        if view.observe.is_empty() || view.observe.contains(&observed.name) {
+            shown.push(Shown {
+                place,
+                name: &observed.name,
+                fit: LineFit::default(),
+                slope: 0.0,
+                low: f64::INFINITY,
+                high: f64::NEG_INFINITY,
+            });
+        }
+    }
+    let mut abscissa = Abscissa::new(sweep);
+    let mut visible = |source: &mut dyn Source, visit: &mut dyn FnMut(u64, f64, &[f64])| {
+        source.samples(&mut |row, sample| {
+            let x = abscissa.of(row);
+            if window.holds(x) {
+                visit(row, x, sample);
+            }
+        })
+    };
+    visible(source, &mut |_, x, sample| {
+        for one in &mut shown {
+            one.fit.add(x - window.low, sample[one.place]);
+        }
+    })?;
+    for one in &mut shown {
+        one.slope = match view.shear {
+            None => 0.0,
+            Some(Shear::Slope(slope)) => slope,
+            Some(Shear::Fitted) => one.fit.slope(),
+        };
+    }
+    let mut count: u64 = 0;
+    visible(source, &mut |_, x, sample| {
+        count += 1;
+        for one in &mut shown {
+            let y = one.level(x - window.low, sample);
+            if y.is_finite() {
+                (one.low, one.high) = (one.low.min(y), one.high.max(y));
+            }
+        }
+    })?;
+    let across = (count.clamp(FEWEST_CELLS, MOST_CELLS) as f64 / 6.0).sqrt();
+    let (columns, rows) = ((3.0 * across) as u64, (2.0 * across) as usize);
+    let mut drawn = Vec::new();
+    for one in shown {
+        let extent = one.extent(view)?;
+        let densities = layers.layers.iter().map(|layer| {
+            Density::new(window.cells, extent)
+                .normalisation(Normalisation::Column)
+                .color(layer.color)
+                .label(&layer.name)
+                .cells(window.count.min(columns) as usize, rows)
+                .scales(window.scale, Scale::Linear)
+        });
+        let densities: Vec<Density> = densities.collect();
+        drawn.push((one, densities));
+    }
+    visible(source, &mut |row, x, sample| {
+        for (one, densities) in &mut drawn {
+            densities[layers.of(row)].add(x, one.level(x - window.low, sample));
+        }
+    })?;
+    let level = view.shear.is_some();
+    let slanted = !level && drawn.iter().any(|(one, _)| one.fit.quality() > NARROW);
+    let panel = |(one, densities): (Shown, Vec<Density>)| {
+        let y = one.axis(axis, range, window.low).tight();
+        let panel = Panel::new(window.on(axis(&range.name())), y);
+        let legend = match densities.len() {
+            1 => Legend::Hidden,
+            _ => Legend::Above,
+        };
+        let layered = densities.into_iter().fold(panel, Panel::with);
+        layered.legend(legend)
+    };
+    Ok(Densities {
+        panels: drawn.into_iter().map(panel).collect(),
+        slanted,
+    })
+}
+
+/// An observed quantity that is shown.
+struct Shown<'a> {
+    place: usize,
+    name: &'a str,
+    fit: LineFit,
+    slope: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Shown<'_> {
+    /// The sheared quantity, so far from where the figure begins.
+    fn level(&self, along: f64, sample: &[f64]) -> f64 {
+        sample[self.place] - self.slope * along
+    }
+
+    /// From where to where the vertical axis goes.
+    fn extent(&self, view: &View) -> Result<(f64, f64), Refusal> {
+        let (low, high) = (self.low, self.high);
+        match view.zoom(self.name) {
+            Some((from, to)) if to < low || high < from => Err(Refusal::input(format!(
+                "there is no sample of `{}` from {from} to {to}: they lie from {low} to {high}",
+                self.name
+            ))),
+            Some(zoom) => Ok(zoom),
+            None => Ok(padded(low, high)),
+        }
+    }
+
+    /// The vertical axis: what is observed, less what the shear subtracts.
+    fn axis(&self, axis: &dyn Fn(&str) -> Axis, range: &Range, from: f64) -> Axis {
+        if self.slope == 0.0 {
+            return axis(self.name);
+        }
+        let sign = if self.slope < 0.0 { '+' } else { '-' };
+        let size = self.slope.abs();
+        let parameter = tex_name(&range.name());
+        let origin = crate::numbers::concise(from, 6);
+        Axis::new(format!(
+            "${} {sign} {size}\\,({parameter} - {origin})$",
+            tex_name(self.name)
+        ))
+    }
+}
+
+/// Largest values that are drawn: differences and squares of pixels stay finite. Whatever lies beyond is none of what an
+/// orbit settles to.
+const LARGEST: f64 = 1e300;
+
+fn padded(low: f64, high: f64) -> (f64, f64) {
+    if low > high {
+        return (0.0, 1.0);
+    }
+    let (low, high) = (low.max(-LARGEST), high.min(LARGEST));
+    let extent = high - low;
+    let room = if extent > 0.0 {
+        extent * ROOM
+    } else if low == 0.0 {
+        0.5
+    } else {
+        low.abs() * ROOM
+    };
+    (low - room, high + room)
+}

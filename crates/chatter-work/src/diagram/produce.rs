@@ -1,0 +1,236 @@
+//! Computes what is missing of a diagram, then writes its files.
+
+use super::job::{Order, Ready};
+use super::picture::{self, Words};
+use super::source::InMemory;
+use super::store::{Begun, Found, Store, check_size};
+use super::{View, table};
+use crate::observer::Observer;
+use crate::refusal::Refusal;
+use chatter::analysis::diagram::{
+    Ending, Executor, Record, Row, Standing, Sweep, Threads, run as compute,
+};
+use chatter::analysis::map::Map as _;
+use chatter::analysis::return_map::ReturnMap;
+use core::ops::ControlFlow;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// What is gone on with.
+pub enum Beginning {
+    /// Whatever stands at this path; nothing as a rule.
+    At(PathBuf),
+    /// A diagram that was broken off.
+    Resumed(Box<Begun>),
+}
+
+/// A diagram in its journal.
+pub struct Produced {
+    /// Its model and map.
+    pub ready: Ready,
+    /// Its rows.
+    pub store: Store,
+    /// Whether all of them are there.
+    pub complete: bool,
+}
+
+/// The files of a diagram, and what to say of its figure.
+pub struct Written {
+    /// The files.
+    pub files: Vec<PathBuf>,
+    /// Whether the figure shows a narrow slanted band.
+    pub slanted: bool,
+}
+
+/// Computes what is missing.
+///
+/// # Errors
+/// The order is wrong, or its journal is another's or cannot be written.
+pub fn produce(
+    order: &Order,
+    beginning: Beginning,
+    threads: Threads,
+    observer: &dyn Observer,
+) -> Result<Produced, Refusal> {
+    let ready = order.job.prepare(&order.model_text)?;
+    check(order, &ready.sweep)?;
+    let (mut store, standing) = open(order, beginning, &ready, observer)?;
+    let keep = &mut |row: Row| {
+        let kept = store.append(&row);
+        kept.map_err(|error| Refusal::Output(error.to_string()))
+    };
+    let ending = fill(&ready.map, &ready.sweep, &standing, threads, keep, observer)?;
+    let complete = ending == Ending::Complete;
+    Ok(Produced {
+        ready,
+        store,
+        complete,
+    })
+}
+
+impl Produced {
+    /// Tells attractors apart, and writes table and figure.
+    ///
+    /// # Errors
+    /// A file cannot be written, or the journal not be read.
+    pub fn write(&mut self, order: &Order) -> Result<Written, Refusal> {
+        self.store.compare(&self.ready.map)?;
+        write(order, &self.ready, &mut self.store)
+    }
+}
+
+/// Computes a diagram that is kept in memory: the rows that are done, in order, and whether all are.
+///
+/// # Errors
+/// The order is wrong, or asks for too much.
+pub fn produce_in_memory(
+    order: &Order,
+    threads: Threads,
+    observer: &dyn Observer,
+) -> Result<(Ready, Vec<Row>, bool), Refusal> {
+    let ready = order.job.prepare(&order.model_text)?;
+    check_size(&ready.sweep, false)?;
+    let mut rows: Vec<Row> = Vec::new();
+    let standing = Standing::default();
+    let keep = &mut |row| {
+        rows.push(row);
+        Ok(())
+    };
+    let ending = fill(&ready.map, &ready.sweep, &standing, threads, keep, observer)?;
+    rows.sort_unstable_by_key(|row| row.row);
+    Ok((ready, rows, ending == Ending::Complete))
+}
+
+impl Ready {
+    /// All rows of the diagram, their attractors told apart.
+    pub fn source<'a>(&'a self, rows: &'a [Row], complete: bool) -> InMemory<'a> {
+        let source = InMemory::new(&self.sweep, rows);
+        match complete {
+            true => source.compared(&self.map),
+            false => source,
+        }
+    }
+}
+
+fn check(order: &Order, sweep: &Sweep) -> Result<(), Refusal> {
+    check_size(sweep, true)?;
+    if order.out.is_some() {
+        table::check_names(sweep)?;
+    }
+    let spec = sweep.spec();
+    if order.plot.is_some() && spec.sweeps.len() == 1 && spec.record == Record::Classes {
+        return Err(Refusal::input("a diagram without samples cannot be drawn")
+            .help("leave out --record classes, or --plot"));
+    }
+    if let (Some(_), [first, second]) = (&order.plot, &spec.sweeps[..]) {
+        picture::check_cells(first.count, second.count)?;
+    }
+    Ok(())
+}
+
+/// Writes table and figure.
+fn write(order: &Order, ready: &Ready, store: &mut Store) -> Result<Written, Refusal> {
+    let job = &order.job;
+    let mut files = Vec::new();
+    let mut slanted = false;
+    if let Some(path) = &order.out {
+        let texts = table::provenance(order, &ready.model)?;
+        files.extend(table::write(store, &texts, path)?);
+    }
+    if let Some(path) = &order.plot {
+        let view = View {
+            shear: order.shear,
+            ..View::default()
+        };
+        let words = Words {
+            title: job.title(&ready.model),
+            origin: &job.model,
+            version: &job.version,
+            axis: &|name| picture::axis(&ready.model, name),
+        };
+        let picture = picture::draw(&words, &ready.sweep, store, &view)?;
+        picture.figure.write(path)?;
+        files.push(path.clone());
+        slanted = picture.slanted;
+    }
+    Ok(Written { files, slanted })
+}
+
+/// The journal: the one that is there if it is about the same diagram, else a new one.
+fn open(
+    order: &Order,
+    beginning: Beginning,
+    ready: &Ready,
+    observer: &dyn Observer,
+) -> Result<(Store, Standing), Refusal> {
+    let sweep = &ready.sweep;
+    let begun = match beginning {
+        Beginning::Resumed(begun) => *begun,
+        Beginning::At(path) => match Store::find(&path, &order.header(), sweep)? {
+            Found::New(store) => return Ok((store, Standing::default())),
+            Found::Old(begun) => same(order, begun)?,
+        },
+    };
+    let path = begun.path().to_path_buf();
+    let (store, standing) = begun.read(sweep, ready.map.coordinates().len())?;
+    observer.remark(&format!(
+        "going on from `{}`: {} of {} orbits are done",
+        path.display(),
+        standing.rows(),
+        sweep.rows()
+    ));
+    Ok((store, standing))
+}
+
+/// A journal that was there, if it is about the same diagram.
+fn same(order: &Order, begun: Begun) -> Result<Begun, Refusal> {
+    let found = &begun.header;
+    let same_model = found.model_text == order.model_text && found.job.model == order.job.model;
+    if found.job == order.job && same_model {
+        return Ok(begun);
+    }
+    let difference = if same_model {
+        found.job.difference(&order.job)
+    } else {
+        "another model"
+    };
+    Err(Refusal::input(format!(
+        "`{}` holds an unfinished diagram with {difference}",
+        begun.path().display()
+    ))
+    .help("finish it with --resume, delete it, or write this diagram to another file"))
+}
+
+/// Computes what is missing; `keep` takes each row as it is done.
+fn fill(
+    map: &ReturnMap,
+    sweep: &Sweep,
+    standing: &Standing,
+    threads: Threads,
+    keep: &mut (dyn FnMut(Row) -> Result<(), Refusal> + Send),
+    observer: &dyn Observer,
+) -> Result<Ending, Refusal> {
+    let began = Instant::now();
+    let spec = sweep.spec();
+    let returns = (spec.transient as f64 + spec.keep as f64) * spec.every as f64;
+    let mut broken = None;
+    let executor: &dyn Executor = &threads;
+    let mut done = standing.rows();
+    let stop = observer.stop();
+    let ending = compute(map, sweep, standing, executor, stop, &mut |row| {
+        if let Err(refusal) = keep(row) {
+            broken = Some(refusal);
+            return ControlFlow::Break(());
+        }
+        done += 1;
+        observer.progress(done as f64 / sweep.rows() as f64, &|| {
+            let rate = (done - standing.rows()) as f64 * returns / began.elapsed().as_secs_f64();
+            format!("{done} of {} orbits, {rate:.0} returns/s", sweep.rows())
+        });
+        ControlFlow::Continue(())
+    });
+    match broken {
+        Some(refusal) => Err(refusal),
+        None => Ok(ending),
+    }
+}

@@ -1,0 +1,43 @@
+//! The universal map: an orbit diagram of it, and how it is told as a JSON document, as a table, as a picture.
+
+pub mod atlas;
+pub mod branches;
+mod document;
+mod job;
+pub mod picture;
+pub mod table;
+mod windows;
+
+pub use document::document;
+pub use job::UniversalJob;
+pub use windows::{Window, window_list, window_rows, window_table};
+
+use crate::numbers::Digits;
+use atlas::Sheet;
+use chatter::analysis::diagram::{Row, Sweep};
+use chatter::analysis::universal::{Evaluation, PeriodicWindow, Scaling, Universal};
+use chatter::numerics::DoubleDouble;
+
+/// What was found.
+pub struct Findings<'a, R> {
+    /// The universal function.
+    pub universal: &'a Universal<R>,
+    /// The slope K of the map.
+    pub slope: R,
+    /// Upsilon where it was asked for.
+    pub values: Option<Vec<(R, Evaluation<R>)>>,
+    /// The windows asked for, to more digits than any output.
+    pub windows: Option<Vec<Window<DoubleDouble>>>,
+    /// What the windows tend to.
+    pub scaling: Option<Scaling<DoubleDouble>>,
+    /// Windows of periodic orbits.
+    pub periodic: Vec<PeriodicWindow<DoubleDouble>>,
+    /// What else of the atlas was asked for.
+    pub sheets: Vec<Sheet>,
+    /// Intervals of mu that may hold windows of periodic orbits and were given up.
+    pub undecided: usize,
+    /// The orbit diagram, without its samples.
+    pub diagram: Option<(&'a Sweep, &'a [Row])>,
+    /// How many digits the user wants.
+    pub digits: Digits,
+}
