@@ -9,6 +9,8 @@ use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 pub enum Json {
     /// No value.
     Null,
+    /// Yes or no.
+    Bool(bool),
     /// A whole number.
     Integer(i64),
     /// A number.
@@ -110,6 +112,34 @@ fn list<R: Real>(values: &[R], json: impl Fn(R) -> Json) -> Json {
     Json::List(values.iter().map(|&value| json(value)).collect())
 }
 
+impl Json {
+    /// Whatever can be written as JSON; members are then in the order of their names.
+    pub fn of(value: &impl Serialize) -> Self {
+        fn taken(value: serde_json::Value) -> Json {
+            match value {
+                serde_json::Value::Null => Json::Null,
+                serde_json::Value::Bool(value) => Json::Bool(value),
+                serde_json::Value::Number(number) => match number.as_i64() {
+                    Some(whole) => Json::Integer(whole),
+                    None => Json::Number(number.as_f64().unwrap_or(f64::NAN)),
+                },
+                serde_json::Value::String(text) => Json::Text(text),
+                serde_json::Value::Array(values) => {
+                    Json::List(values.into_iter().map(taken).collect())
+                }
+                serde_json::Value::Object(members) => {
+                    let object = Object::new(Digits::DOUBLE);
+                    let add = |object: Object, (name, value): (String, serde_json::Value)| {
+                        object.with(&name, taken(value))
+                    };
+                    Json::Object(members.into_iter().fold(object, add))
+                }
+            }
+        }
+        serde_json::to_value(value).map_or(Self::Null, taken)
+    }
+}
+
 impl From<f64> for Json {
     fn from(value: f64) -> Self {
         Self::Number(value)
@@ -160,6 +190,7 @@ impl Serialize for Json {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Null => serializer.serialize_none(),
+            Self::Bool(value) => serializer.serialize_bool(*value),
             Self::Integer(value) => serializer.serialize_i64(*value),
             Self::Number(value) if value.is_finite() => serializer.serialize_f64(*value),
             Self::Number(_) => serializer.serialize_none(),

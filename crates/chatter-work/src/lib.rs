@@ -15,6 +15,7 @@ pub mod numbers;
 pub mod observer;
 pub mod options;
 pub mod parallel;
+pub mod periodic;
 pub mod refusal;
 pub mod shipped;
 pub mod simulation;

@@ -2,5 +2,6 @@
 
 pub mod border;
 pub mod diagram;
+pub mod periodic;
 pub mod simulation;
 pub mod universal;

@@ -2,8 +2,10 @@
 
 pub mod border;
 mod check;
+mod continuation;
 mod diagram;
 mod models;
+mod orbit;
 mod plot;
 mod reproduce;
 mod simulate;
@@ -11,6 +13,7 @@ mod universal;
 
 use crate::failure::Failure;
 use clap::Subcommand;
+use core::ops::ControlFlow;
 
 /// What can be asked for.
 #[derive(Subcommand, Debug)]
@@ -19,6 +22,8 @@ pub enum Command {
     Diagram(Box<diagram::Arguments>),
     Plot(plot::Arguments),
     Check(check::Arguments),
+    Orbit(Box<orbit::Arguments>),
+    Continue(Box<continuation::Arguments>),
     Border(Box<border::Arguments>),
     Universal(Box<universal::Arguments>),
     Reproduce(reproduce::Arguments),
@@ -33,10 +38,20 @@ impl Command {
             Self::Diagram(arguments) => diagram::run(arguments),
             Self::Plot(arguments) => plot::run(arguments),
             Self::Check(arguments) => check::run(arguments),
+            Self::Orbit(arguments) => orbit::run(arguments),
+            Self::Continue(arguments) => continuation::run(arguments),
             Self::Border(arguments) => border::run(arguments),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Universal(arguments) => universal::run(arguments),
             Self::Models(arguments) => models::run(arguments),
         }
+    }
+}
+
+/// Goes on unless Ctrl-C was pressed.
+fn going_on() -> ControlFlow<()> {
+    match crate::terminal::interrupted() {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
     }
 }

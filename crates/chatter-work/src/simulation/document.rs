@@ -1,6 +1,7 @@
 //! A simulation as one JSON document.
 
 use super::{Record, Subject, sentence, verification};
+use crate::json::Json;
 use crate::named::Named;
 use crate::numbers::significant;
 use crate::simulation::side_name;
@@ -175,6 +176,12 @@ pub fn document<'a, R: Real>(
         tolerance: subject.spec.tolerance,
         version: env!("CARGO_PKG_VERSION"),
     }
+}
+
+/// One event, as it stands in the document.
+pub fn event<R: Real>(subject: &Subject, event: &Event<R>) -> Json {
+    let writer = Writer { subject };
+    Json::of(&writer.event(event))
 }
 
 /// Events become objects one by one, as they are written.

@@ -90,6 +90,11 @@ impl<R: Real> Singular<R> {
         })
     }
 
+    /// What the matrix takes to zero, of length one: one number for each unknown that is no parameter.
+    pub fn direction(&self) -> &[R] {
+        &self.c
+    }
+
     fn bordered(&self, matrix: &Matrix<R>) -> Option<Factored<R>> {
         let size = matrix.rows();
         let mut bordered = Matrix::zeros(size + 1, size + 1);

@@ -36,6 +36,7 @@ mod tail;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use random::Generator;
 pub use attractors::{Attractors, Collector};
 pub use error::DiagramError;
 pub use executor::{Executor, Threads};

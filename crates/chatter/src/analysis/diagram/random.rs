@@ -3,7 +3,7 @@
 /// SplitMix64 (Steele, Lea & Flood 2014, Fast splittable pseudorandom number generators): one addition and a mixing
 /// function, so any place of the sequence can be reached at once.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Generator(u64);
+pub(crate) struct Generator(u64);
 
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
@@ -15,7 +15,7 @@ fn mix(mut z: u64) -> u64 {
 
 impl Generator {
     /// The generator of one row: rows of one seed do not share numbers.
-    pub(super) fn of_row(seed: u64, row: u64) -> Self {
+    pub(crate) fn of_row(seed: u64, row: u64) -> Self {
         Self(mix(
             mix(seed.wrapping_add(GOLDEN)) ^ mix(row.wrapping_mul(GOLDEN).wrapping_add(1))
         ))
@@ -27,7 +27,7 @@ impl Generator {
     }
 
     /// A number in [from, to].
-    pub(super) fn between(&mut self, from: f64, to: f64) -> f64 {
+    pub(crate) fn between(&mut self, from: f64, to: f64) -> f64 {
         const UNIT: f64 = 1.0 / (1_u64 << 53) as f64;
         let share = (self.next() >> 11) as f64 * UNIT;
         (from + (to - from) * share).min(to)

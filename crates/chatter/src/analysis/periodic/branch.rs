@@ -264,6 +264,16 @@ fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Broken> {
     found
 }
 
+/// Whether an orbit's equations are solved by what is no motion: through a wall, or with events in another order.
+pub(crate) fn is_broken(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+) -> Result<bool, crate::analysis::continuation::Left> {
+    shooting.evaluate(at)?;
+    let least = shooting.least(at)?;
+    Ok(!broken(shooting, &least).is_empty())
+}
+
 fn tests(multipliers: &[Complex]) -> (f64, f64) {
     // Products of real factors and of |1 + m|^2 for pairs.
     let product = |shift: f64| {

@@ -6,6 +6,8 @@
 //! itinerary    the cycle as legs of smooth flow, and stretches that are followed through complete chatter
 //! closure      what a state is after one period: the same, but for turns of phases and distance covered
 //! shooting     the equations of an itinerary: nodes after events and the times between them
+//! search       all that Newton's method finds from many starts
+//! survey       a branch with those beyond its borders, and those that leave it
 //! branch       orbits over a parameter, from one sequence of events to the next
 //! orbit        Newton's solution in double-double; multipliers, margins
 //! ```
@@ -15,14 +17,18 @@ mod closure;
 mod error;
 mod itinerary;
 mod orbit;
+mod search;
 mod settle;
 mod shooting;
+mod survey;
 mod trace;
 
 pub use branch::{Branch, End, Limits, Point, Special, SpecialKind};
 pub use error::PeriodicError;
 pub use orbit::{Margin, MarginKind, Orbit};
+pub use search::{Search, Searched};
 pub use settle::Patience;
+pub use survey::Beside;
 
 use crate::model::Model;
 use closure::Closure;
@@ -81,39 +87,78 @@ pub fn settled(
     orbit::close(&workshop, cycle, &[])
 }
 
-/// Where a branch of periodic orbits is looked for.
-#[derive(Clone, Debug)]
+/// All periodic orbits found from many starts, those of short period first.
+///
+/// # Errors
+/// Nothing tells where a period begins, or the observer broke off.
+pub fn all(
+    model: &Model,
+    spec: &Spec,
+    what: &Search,
+    observer: &mut dyn FnMut(Searched) -> ControlFlow<()>,
+) -> Result<Vec<Orbit>, PeriodicError> {
+    let workshop = workshop(model, spec, (&[], &[]))?;
+    let parameters = model.parameter_values::<f64>(&[]);
+    let state = model.initial_state(&parameters);
+    search::search(&workshop, &state, what, observer)
+}
+
+/// Where branches of periodic orbits are looked for.
+#[derive(Clone, Copy, Debug)]
 pub struct BranchSpec {
     /// Position of the parameter that is varied.
     pub parameter: usize,
-    /// Within what the branch is followed.
+    /// Within what branches are followed.
     pub limits: Limits,
+    /// What else than the first branch is followed.
+    pub beside: Beside,
 }
 
-/// The branch through the orbit that the trajectory from the model's initial state settles to. The observers hear of the time
-/// that it has come to, and of each orbit found.
+/// The branch through the orbit that the trajectory from the model's initial state settles to, those beyond the borders at
+/// its ends, and others that leave it. Where nothing settles at the model's value of the parameter, others are tried. The
+/// observer hears of each orbit found, and of nothing while a trajectory settles.
 ///
 /// # Errors
 /// There is no such orbit, or none was found.
-pub fn branch(
+pub fn branches(
     model: &Model,
     spec: &Spec,
-    branch: &BranchSpec,
+    what: &BranchSpec,
     observer: &mut dyn FnMut(Option<&Point>) -> ControlFlow<()>,
-) -> Result<Branch, PeriodicError> {
-    let (low, high) = branch.limits.range;
-    let workshop = workshop(model, spec, (&[branch.parameter], &[high - low]))?;
-    let parameters = model.parameter_values::<f64>(&[]);
-    let here = parameters[branch.parameter].clamp(low, high);
-    let parameters = model.parameter_values::<f64>(&[(branch.parameter, here)]);
-    let state = model.initial_state(&parameters);
-    let mut settling = |_: f64| observer(None);
-    let cycle = settle::settle(&workshop, &[here], &state, spec.patience, &mut settling)?;
-    let orbit = orbit::close(&workshop, cycle, &[here])?;
-    branch::follow(&workshop, &orbit.shooting, &orbit.at, &branch.limits, &mut |point| {
-        observer(Some(point))
-    })
+) -> Result<Vec<Branch>, PeriodicError> {
+    let (low, high) = what.limits.range;
+    let workshop = workshop(model, spec, (&[what.parameter], &[high - low]))?;
+    let own = model.parameter_values::<f64>(&[])[what.parameter];
+    let inside = (low..=high).contains(&own).then_some(own);
+    let others = STARTS.iter().map(|part| low + part * (high - low));
+    let mut failed = None;
+    for here in inside.into_iter().chain(others) {
+        let parameters = model.parameter_values::<f64>(&[(what.parameter, here)]);
+        let state = model.initial_state(&parameters);
+        let mut settling = |_: f64| observer(None);
+        let found = settle::settle(&workshop, &[here], &state, spec.patience, &mut settling)
+            .and_then(|cycle| orbit::close(&workshop, cycle, &[here]));
+        let orbit = match found {
+            Ok(orbit) => orbit,
+            Err(PeriodicError::Interrupted) => return Err(PeriodicError::Interrupted),
+            Err(error) => {
+                failed.get_or_insert(error);
+                continue;
+            }
+        };
+        return survey::survey(
+            &workshop,
+            (&orbit.shooting, &orbit.at),
+            (&what.limits, what.beside),
+            (&state, spec.patience),
+            &mut |point| observer(Some(point)),
+        );
+    }
+    Err(failed.unwrap_or(PeriodicError::Interrupted))
 }
+
+/// Where a settled orbit is looked for, in parts of the range.
+const STARTS: [f64; 9] = [0.5, 0.02, 0.98, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6];
 
 #[cfg(test)]
 mod tests;

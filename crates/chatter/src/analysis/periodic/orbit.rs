@@ -1,10 +1,12 @@
 //! One periodic orbit, closed by Newton's method.
 
 use super::error::PeriodicError;
+use super::itinerary::{Passage, Step};
 use super::settle::Cycle;
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, newton};
 use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, LegKind};
 use crate::numerics::{Complex, DoubleDouble, Real};
 use std::sync::Arc;
 
@@ -15,6 +17,8 @@ pub struct Orbit {
     pub period: DoubleDouble,
     /// The state that it is told from: just after an event.
     pub start: Vec<DoubleDouble>,
+    /// The section that it starts at, if it does.
+    pub section: Option<usize>,
     /// All parameters.
     pub parameters: Vec<f64>,
     /// Impacts a period; none where infinitely many.
@@ -171,19 +175,22 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;
     let checked = (fine.evaluate(&found.at)).map_err(|left| failed(&NewtonError::Left(left)))?;
     let residual = (checked.residual.iter()).fold(0.0_f64, |most, x| most.max(x.to_f64().abs()));
-    let off = (found.at.iter().zip(&at).zip(shooting.scales()))
-        .fold(0.0_f64, |most, ((fine, x), scale)| {
-            most.max((*fine - DoubleDouble::from(*x)).to_f64().abs() / scale)
-        });
-    let _ = off;
     let margins = margins(&mut shooting, &at)?;
     let parameters = workshop.parameters(&at[at.len() - free..]);
     let turns = workshop.closure.turns::<f64>(&parameters)?;
-    let infinite = shooting.steps.iter().any(super::itinerary::Step::is_stretch);
+    let infinite = shooting.steps.iter().any(Step::is_stretch);
     let impacts = (shooting.steps.iter()).filter(|step| step.impact().is_some()).count();
     Ok(Orbit {
         period: fine.period(),
         start: fine.node(&found.at, 0).to_vec(),
+        section: match shooting.steps.last().map(|step| step.passage) {
+            Some(Passage::Leg(LegKind {
+                ends_at: Some(GuardKind::Section(section)),
+                jump: Jump::None,
+                ..
+            })) => Some(section),
+            _ => None,
+        },
         parameters,
         impacts: (!infinite).then_some(impacts as u64),
         turns: (turns.iter().zip(&shooting.counts))
@@ -231,9 +238,9 @@ fn margins(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<Vec<Margin>, Peri
             note(MarginKind::ImpactRate, GuardKind::Gap(contact), time, -landing.surface_rate);
         }
         let released = match step.passage {
-            super::itinerary::Passage::Leg(kind) => kind.ends_at,
-            super::itinerary::Passage::Stretch(kind) => kind.last.ends_at,
-            super::itinerary::Passage::Timed(_) => None,
+            Passage::Leg(kind) => kind.ends_at,
+            Passage::Stretch(kind) => kind.last.ends_at,
+            Passage::Timed(_) => None,
         };
         if let Some(GuardKind::Reaction(contact)) = released {
             // Minus the reaction is the acceleration that it keeps from being.

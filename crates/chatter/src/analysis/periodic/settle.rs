@@ -256,58 +256,74 @@ fn timed(
     })
 }
 
-/// The cycle of so many periods of the forcing that a trajectory from a state would have if it closed; none if it ends
-/// before, or nothing tells where it begins.
-pub(crate) fn first_loop(
+/// The cycles of up to so many periods of the forcing, or returns to the section, that a trajectory from a state would have if
+/// they closed. Those `passed` over before are left out.
+pub(crate) fn loops(
     workshop: &Workshop,
     free: &[f64],
     state: &[f64],
-    (skip, periods): (usize, usize),
-) -> Result<Option<Cycle>, PeriodicError> {
+    (passed, periods): (usize, usize),
+) -> Result<Vec<(usize, Cycle)>, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
-    let Some(period) = workshop.closure.forcing(&workshop.model, &parameters) else {
-        return Ok(None);
-    };
+    let forcing = workshop.closure.forcing(&workshop.model, &parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
-    let mut tracer = Tracer::new(&workshop.system, &parameters, state, None)?;
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
     let mut instants = Vec::new();
     let mut quiet = |_: f64| ControlFlow::Continue(());
-    // One more period, so that the landmark of the first is met again.
-    let until = start + period * (skip + 2 * periods) as f64;
-    tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
-    let begin = start + period * skip as f64;
-    let middle = begin + period * periods as f64;
-    let fastest = |from: f64, to: f64, like: Option<&Instant>| {
-        (instants.iter().enumerate())
-            .filter(|(_, i)| i.time >= from && i.time < to)
-            .filter(|(_, i)| like.is_none_or(|like| like.guard == i.guard))
-            .filter_map(|(index, i)| Some((index, i.impact()?.1)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(index, _)| index)
-    };
-    let Some(first) = fastest(begin, middle, None) else {
-        return Ok(None);
-    };
-    let due = instants[first].time + period * periods as f64;
-    let slack = 0.45 * period;
-    let like = Some(&instants[first]);
-    let Some(last) = (instants.iter().enumerate())
-        .filter(|(_, i)| (i.time - due).abs() <= slack)
-        .filter(|(_, i)| like.is_none_or(|like| like.guard == i.guard && i.impact().is_some()))
-        .min_by(|(_, a), (_, b)| (a.time - due).abs().total_cmp(&(b.time - due).abs()))
-        .map(|(index, _)| index)
-    else {
-        return Ok(None);
-    };
-    if last <= first {
-        return Ok(None);
-    }
-    let mut found = cycle(workshop, &turns, &instants[first..=last])?;
-    for (count, turn) in found.counts.iter_mut().zip(&turns) {
-        if Some(turn.state) == workshop.closure.time {
-            *count = periods as i64;
+    let mut found = Vec::new();
+    match (forcing, workshop.section) {
+        (Some(period), _) => {
+            let until = start + period * (passed + 2 * periods + 1) as f64;
+            tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
+            let begin = start + period * passed as f64;
+            for count in 1..=periods {
+                let ends = (begin, begin + period * count as f64, period);
+                if let Some((first, last)) = lap(&instants, ends) {
+                    let mut cycle = cycle(workshop, &turns, &instants[first..=last])?;
+                    for (turns, turn) in cycle.counts.iter_mut().zip(&turns) {
+                        if Some(turn.state) == workshop.closure.time {
+                            *turns = count as i64;
+                        }
+                    }
+                    found.push((count, cycle));
+                }
+            }
         }
+        (None, Some(section)) => {
+            let most = (passed + periods + 2) * CHUNK;
+            tracer.follow((f64::MAX, most), &mut instants, &mut quiet)?;
+            let crossings: Vec<usize> = (0..instants.len())
+                .filter(|&index| instants[index].crosses(section))
+                .collect();
+            for count in 1..=periods {
+                if let (Some(&first), Some(&last)) =
+                    (crossings.get(passed), crossings.get(passed + count))
+                {
+                    found.push((count, cycle(workshop, &turns, &instants[first..=last])?));
+                }
+            }
+        }
+        (None, None) => {}
     }
-    Ok(Some(found))
+    Ok(found)
+}
+
+/// The fastest impact between two times, and the one that would be it a lap later.
+fn lap(instants: &[Instant], (begin, end, period): (f64, f64, f64)) -> Option<(usize, usize)> {
+    let impacts = |from: f64, to: f64| {
+        (instants.iter().enumerate())
+            .filter(move |(_, i)| i.time >= from && i.time < to)
+            .filter_map(|(index, i)| Some((index, i.impact()?.1)))
+    };
+    let first = impacts(begin, end).min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+    let due = instants[first].time + (end - begin);
+    let slack = 0.45 * period;
+    let (last, _) = impacts(due - slack, due + slack)
+        .filter(|&(index, _)| instants[index].guard == instants[first].guard)
+        .min_by(|a, b| {
+            let late = |index: usize| (instants[index].time - due).abs();
+            late(a.0).total_cmp(&late(b.0))
+        })?;
+    (last > first).then_some((first, last))
 }

@@ -201,6 +201,31 @@ impl<R: Real> Shooting<R> {
             .unwrap_or_default();
     }
 
+    /// The size of each unknown.
+    pub(crate) fn scales_of(&self) -> &[f64] {
+        &self.scales
+    }
+
+    /// The size of each state.
+    pub(crate) fn state_sizes(&self) -> Vec<f64> {
+        self.scales[..self.workshop.model.states.len()].to_vec()
+    }
+
+    /// Adds the turns of a period to the phases of all nodes.
+    pub(crate) fn turn_on(&self, nodes: &mut [f64], at: &[R]) {
+        let parameters = self.workshop.parameters::<f64>(
+            &self.free(at).iter().map(|p| p.to_f64()).collect::<Vec<f64>>(),
+        );
+        let Ok(turns) = self.workshop.closure.turns(&parameters) else {
+            return;
+        };
+        for (turn, &count) in turns.iter().zip(&self.counts) {
+            for &place in &self.places {
+                nodes[place + turn.state] += turn.period * count as f64;
+            }
+        }
+    }
+
     /// The unknowns as first guessed, at these free parameters.
     pub(crate) fn guess(&self, free: &[f64]) -> Vec<R> {
         let mut at = Vec::with_capacity(self.scales.len());

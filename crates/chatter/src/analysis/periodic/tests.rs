@@ -48,12 +48,13 @@ fn the_cascade_of_the_valve() {
     let spec = BranchSpec {
         parameter: model.parameter_index("q").unwrap(),
         limits: Limits { range: (0.0202, 0.0204), impacts: 39, points: 3000, longest_step: 0.02 },
+        beside: Beside::default(),
     };
     let start = std::time::Instant::now();
     let mut count = 0;
-    let found = branch(&model, &Spec::default(), &spec, &mut |_| { count += 1; ControlFlow::Continue(()) }).unwrap();
-    println!("{} points {:?} in {:?} calls {count}", found.points.len(), found.ends, start.elapsed());
+    let found = branches(&model, &Spec::default(), &spec, &mut |_| { count += 1; ControlFlow::Continue(()) }).unwrap();
+    for found in &found { println!("{} points {:?} in {:?} calls {count}", found.points.len(), found.ends, start.elapsed());
     for s in &found.special {
         println!("{:?} {:?} {:?} err {:.1e} res {:.1e} {:?} {:?} @{}", s.kind, s.point.impacts, s.point.parameters, s.error, s.residual, s.persists, s.point.multipliers, s.place);
-    }
+    } }
 }

@@ -1,0 +1,158 @@
+//! Periodic orbits and branches as text.
+
+use crate::aligned::{Side, aligned};
+use crate::failure::Failure;
+use crate::numbers::{Digits, concise, full as to_digits};
+use crate::terminal::Style;
+use chatter::analysis::periodic::{Branch, Orbit, Special};
+use chatter::numerics::{Complex, Real};
+use chatter_work::periodic::{Subject, events_of, parameter};
+
+/// Digits of numbers in tables.
+const DIGITS: u32 = 10;
+/// Multipliers that are told one by one.
+const MOST_TOLD: usize = 6;
+
+fn full(value: f64) -> String {
+    to_digits(value, Digits::DOUBLE)
+}
+
+fn title(subject: &Subject, style: Style) -> String {
+    let title = subject.model.title.as_deref().unwrap_or(subject.source);
+    format!("{}  {}\n", style.title(title), style.faint(subject.source))
+}
+
+fn complex(value: &Complex, digits: u32) -> String {
+    if value.im == 0.0 {
+        return concise(value.re, digits);
+    }
+    let sign = if value.im < 0.0 { '-' } else { '+' };
+    format!("{} {sign} {}i", concise(value.re, digits), concise(value.im.abs(), digits))
+}
+
+fn multipliers(values: &[Complex], digits: u32) -> String {
+    let mut told: Vec<String> = values.iter().take(MOST_TOLD).map(|m| complex(m, digits)).collect();
+    if values.len() > MOST_TOLD {
+        told.push(format!("and {} smaller", values.len() - MOST_TOLD));
+    }
+    told.join(", ")
+}
+
+/// Orbits, one after the other.
+pub fn orbits(subject: &Subject, orbits: &[Orbit], style: Style) -> Result<String, Failure> {
+    let mut text = title(subject, style);
+    if orbits.is_empty() {
+        text += "no periodic orbit was found\n";
+    }
+    for orbit in orbits {
+        text += "\n";
+        text += &one(subject, orbit)?;
+    }
+    Ok(text)
+}
+
+fn one(subject: &Subject, orbit: &Orbit) -> Result<String, Failure> {
+    let names = subject.model.state_names();
+    let digits = subject.digits.0.clamp(DIGITS, 30);
+    let number = |value: chatter::numerics::DoubleDouble| {
+        if digits > 17 {
+            chatter_work::numbers::significant(value, digits)
+        } else {
+            full(value.to_f64())
+        }
+    };
+    let events = events_of(subject, orbit)?;
+    let mut rows: Vec<Vec<String>> = vec![
+        vec!["period".to_owned(), number(orbit.period)],
+        vec![
+            "impacts".to_owned(),
+            match orbit.impacts {
+                Some(count) => format!("{count} a period"),
+                None => "infinitely many: complete chatter".to_owned(),
+            },
+        ],
+        vec![
+            "stability".to_owned(),
+            if orbit.is_stable() { "stable" } else { "unstable" }.to_owned(),
+        ],
+        vec!["multipliers".to_owned(), multipliers(&orbit.multipliers, DIGITS)],
+    ];
+    if let Some(trivial) = orbit.trivial_multiplier {
+        rows.push(vec!["along the flow".to_owned(), full(trivial)]);
+    }
+    let place = match orbit.section {
+        Some(section) => format!("at section {}", subject.model.sections[section].name),
+        None => "at its start".to_owned(),
+    };
+    let state: Vec<String> = names.iter().zip(&orbit.start).map(|(name, &x)| format!("{name} = {}", number(x))).collect();
+    rows.push(vec![place, state.join(", ")]);
+    let mut kinds: Vec<(&str, usize)> = Vec::new();
+    for event in &events {
+        let name = event.kind().name();
+        match kinds.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((name, 1)),
+        }
+    }
+    let kinds: Vec<String> = kinds.iter().map(|(name, count)| format!("{count} {name}")).collect();
+    rows.push(vec!["events".to_owned(), kinds.join(", ")]);
+    for margin in &orbit.margins {
+        rows.push(vec![
+            margin.kind.name().replace('_', " "),
+            format!(
+                "{} at {}, time {}",
+                concise(margin.value, DIGITS),
+                subject.place(margin.guard),
+                concise(margin.time, DIGITS)
+            ),
+        ]);
+    }
+    rows.push(vec!["residual".to_owned(), format!("{:.1e}", orbit.residual)]);
+    Ok(aligned(&rows, &[Side::Left, Side::Left]))
+}
+
+/// Branches with their special points.
+pub fn branches(subject: &Subject, branches: &[Branch], style: Style) -> String {
+    let mut text = title(subject, style);
+    let name = subject.names().last().copied().unwrap_or_default().to_owned();
+    for (index, branch) in branches.iter().enumerate() {
+        let values = || branch.points.iter().map(parameter);
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        let stable = branch.points.iter().filter(|point| point.is_stable()).count();
+        text += &format!(
+            "\nbranch {}: {} orbits, {stable} of them stable, {name} from {} to {}\n  ends: {}; {}\n",
+            index + 1,
+            branch.points.len(),
+            concise(low, DIGITS),
+            concise(high, DIGITS),
+            branch.ends[0],
+            branch.ends[1]
+        );
+        if branch.special.is_empty() {
+            continue;
+        }
+        let heading = ["kind", &name, "error", "impacts", "period", "multipliers"];
+        let mut rows: Vec<Vec<String>> = vec![heading.map(str::to_owned).to_vec()];
+        rows.extend(branch.special.iter().map(row));
+        let sides = [Side::Left, Side::Left, Side::Right, Side::Right, Side::Left, Side::Left];
+        text += &aligned(&rows, &sides);
+    }
+    text
+}
+
+fn row(special: &Special) -> Vec<String> {
+    let point = &special.point;
+    let mut kind = special.kind.name().replace('_', " ");
+    if special.persists == Some(false) {
+        kind += ", turns back";
+    }
+    vec![
+        kind,
+        full(parameter(point)),
+        format!("{:.0e}", special.error),
+        point.impacts.map_or("infinite".to_owned(), |count| count.to_string()),
+        concise(point.period, DIGITS),
+        multipliers(&point.multipliers, 6),
+    ]
+}

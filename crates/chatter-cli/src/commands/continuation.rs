@@ -1,0 +1,262 @@
+//! `chatter continue`: branches of periodic orbits over a parameter.
+
+use super::going_on;
+use super::orbit::{check_period, section};
+use crate::accounts::periodic::branches as account;
+use crate::failure::{self, Failure};
+use crate::numbers::Digits;
+use crate::options::{Count, FigureFile, Initial, Loaded, ModelOptions, Quantity, TableFile, Window};
+use crate::terminal::{self, Progress, Style};
+use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Limits, Point, Spec, branches};
+use chatter::expressions::nearest;
+use chatter::model::{Model, Warning, check};
+use chatter::numerics::Real;
+use chatter_work::periodic::{
+    Subject, Vertical, branch_document, first_that_changes, picture, refused, write,
+};
+use clap::{Args, ValueEnum};
+use std::str::FromStr;
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+EXAMPLES
+  chatter continue pressure_relief_valve --sweep q=0.0195:0.0235 --out branch.npz --plot branch.pdf
+  chatter continue pressure_relief_valve --sweep q=0.0202:0.021 --switch period-doubling --depth 2 --json
+  chatter continue impact_oscillator --set sigma=0 --sweep omega=2.4:3 --plot branch.svg
+
+The orbit that the motion settles to is followed to both sides of the parameter's value, stable or not, by its arc length:
+around folds, and through grazes from one sequence of events to the next, where the branch gains or loses an impact. At a
+border, where complete chatter ends exactly at release, infinitely many arcs accumulate: there the branch ends, and the one
+beyond is followed, too. Special points are solutions of their own equations.
+
+JSON
+  branches, a list of {points: columns (the parameter under its name, period, impacts (null where infinitely many), stable,
+  multipliers, states at the section, residual, error), special: list of {kind, value, at, error, residual, period,
+  impacts (without the one that grazes), multipliers, state, point, persists (of grazes: whether the branch goes on beyond
+  rather than turning back)}, ends: how each end came about}. Kinds: fold, period_doubling, neimark_sacker, branch_point,
+  impact_graze, flight_graze, chatter_border, touch.
+
+TABLE
+  A row for each orbit: branch, parameter, period, impacts (-1 where infinitely many), stable, states, multipliers; and a
+  table of special points, in NPZ under names that begin with `special_`.";
+
+/// Follow periodic orbits over a parameter, through grazes, folds and period doublings
+#[derive(Args, Debug)]
+#[command(name = "continue", after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    model: ModelOptions,
+
+    #[command(flatten)]
+    initial: Initial,
+
+    /// The parameter and its range; the start is the model's value of it, if that lies within
+    #[arg(long, value_name = "NAME=LOW:HIGH", allow_hyphen_values = true)]
+    sweep: Swept,
+
+    /// Period of the forcing, an expression in parameters, where the equations do not tell it
+    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
+    period: Option<String>,
+
+    /// The section at which states are told [default: the first of the model; where it is not crossed, an event]
+    #[arg(long, value_name = "NAME")]
+    section: Option<String>,
+
+    /// Follow the branches that leave at such points, too
+    #[arg(long, value_name = "KIND", value_enum)]
+    switch: Vec<Switch>,
+
+    /// How often a branch may be left for another [default: 1]
+    #[arg(long, value_name = "N", requires = "switch", allow_hyphen_values = true)]
+    depth: Option<Count>,
+
+    /// Follow orbits of at most so many impacts a period [default: 80]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    impacts: Option<Count>,
+
+    /// Orbits of one branch, to either side, at most [default: 20000]
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    points: Option<Count>,
+
+    /// The longest step, in parts of the range [default: 0.01]
+    #[arg(long, value_name = "X", allow_hyphen_values = true)]
+    step: Option<Quantity>,
+
+    /// Write the branches as a table, .csv or .npz
+    #[arg(long, value_name = "FILE")]
+    out: Option<TableFile>,
+
+    /// Draw the branches, .svg, .png or .pdf
+    #[arg(long, value_name = "FILE")]
+    plot: Option<FigureFile>,
+
+    /// What the plot shows over the parameter: a state at the section, or `period` [default: the first state that changes]
+    #[arg(long, value_name = "NAME", requires = "plot")]
+    observe: Option<String>,
+
+    /// Print one JSON document instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Points at which branches leave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Switch {
+    /// Where a multiplier passes -1.
+    PeriodDoubling,
+    /// Where two branches meet.
+    BranchPoint,
+}
+
+/// A parameter and its range.
+#[derive(Clone, Debug)]
+struct Swept {
+    name: String,
+    range: Window,
+}
+
+impl FromStr for Swept {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const EXPECTED: &str = "expected NAME=LOW:HIGH, such as q=0.0195:0.0235";
+        let (name, range) = text.split_once('=').ok_or(EXPECTED)?;
+        if range.matches(':').count() != 1 {
+            return Err(EXPECTED.to_owned());
+        }
+        Ok(Self {
+            name: name.trim().to_owned(),
+            range: range.parse().map_err(|_| EXPECTED)?,
+        })
+    }
+}
+
+/// Usual limits.
+const IMPACTS: u64 = 80;
+const POINTS: u64 = 20_000;
+const STEP: f64 = 0.01;
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let Loaded {
+        mut model, text, ..
+    } = arguments.model.load()?;
+    arguments.initial.apply(&mut model)?;
+    model.check_defined()?;
+    check_period(&mut model, arguments.period.as_deref())?;
+    let what = specification(arguments, &mut model)?;
+    let spec = Spec {
+        period: arguments.period.clone(),
+        section: section(&model, arguments.section.as_deref())?,
+        ..Spec::default()
+    };
+    let vertical = match arguments.observe.as_deref() {
+        None => None,
+        Some("period") => Some(Vertical::Period),
+        Some(name) => Some(Vertical::State(model.state_index(name).ok_or_else(|| {
+            let known = nearest(name, model.state_names());
+            Failure::input(format!("the model has no state `{name}`")).did_you_mean(known)
+        })?)),
+    };
+    terminal::catch_interrupts();
+    let mut progress = Progress::new();
+    let began = Instant::now();
+    let mut count = 0_u64;
+    let (low, high) = what.limits.range;
+    let found = branches(&model, &spec, &what, &mut |point: Option<&Point>| {
+        if let Some(point) = point {
+            count += 1;
+            let at = point.parameters.last().copied().unwrap_or(low);
+            progress.show(((at - low) / (high - low)).clamp(0.0, 1.0), || {
+                let impacts = match point.impacts {
+                    Some(impacts) => format!("{impacts} impacts"),
+                    None => "complete chatter".to_owned(),
+                };
+                let rate = count as f64 / began.elapsed().as_secs_f64();
+                format!("{} = {at:.8}, {impacts}, {count} orbits, {rate:.0} orbits/s", arguments.sweep.name)
+            });
+        }
+        going_on()
+    });
+    progress.finish();
+    let found = found.map_err(|error| refused(&error, &model))?;
+    let subject = Subject {
+        model: &model,
+        source: &arguments.model.model,
+        text: &text,
+        free: vec![what.parameter],
+        digits: Digits::DOUBLE,
+    };
+    if let Some(TableFile(path)) = &arguments.out {
+        write(&subject, &found, path)?;
+    }
+    if let Some(FigureFile(path)) = &arguments.plot {
+        let vertical = vertical.unwrap_or_else(|| first_that_changes(&subject, &found));
+        (picture(&subject, &found, vertical).write(path))
+            .map_err(|error| Failure::Output(error.to_string()))?;
+    }
+    let answer = if arguments.json {
+        terminal::Answer::Document(branch_document(&subject, &found))
+    } else {
+        terminal::Answer::Text(account(&subject, &found, Style::of_stdout()))
+    };
+    answer.print()?;
+    let interrupted = |branch: &Branch| branch.ends.contains(&End::Interrupted);
+    Ok(if found.iter().any(interrupted) {
+        failure::INTERRUPTED
+    } else {
+        failure::SUCCESS
+    })
+}
+
+fn specification(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {
+    let name = &arguments.sweep.name;
+    let Some(parameter) = model.parameter_index(name) else {
+        if model.state_index(name).is_some() {
+            return Err(Failure::input(format!("`{name}` is a state, not a parameter")));
+        }
+        let known = nearest(name, model.parameter_names());
+        return Err(Failure::input(format!("the model has no parameter `{name}`")).did_you_mean(known));
+    };
+    let is_unused = |warning: &Warning| matches!(warning, Warning::UnusedParameter { name: unused } if unused == name);
+    if check(model).warnings.iter().any(is_unused) {
+        return Err(Failure::input(format!(
+            "no equation uses parameter `{name}`: nothing changes with it"
+        )));
+    }
+    let range = arguments.sweep.range.ends(model, "--sweep")?;
+    let step = match &arguments.step {
+        Some(step) => step.value(model, "--step")?.to_f64(),
+        None => STEP,
+    };
+    if !(step > 0.0 && step <= 1.0) {
+        return Err(Failure::input(format!(
+            "--step {step}: expected a part of the range, above 0 and at most 1"
+        )));
+    }
+    let depth = arguments.depth.map_or(1, |depth| depth.0);
+    if depth > 16 {
+        return Err(Failure::input(format!("--depth {depth}: expected at most 16")));
+    }
+    let to = |kind: Switch| {
+        if arguments.switch.contains(&kind) {
+            depth as usize
+        } else {
+            0
+        }
+    };
+    let points = arguments.points.map_or(POINTS, |points| points.0);
+    Ok(BranchSpec {
+        parameter,
+        limits: Limits {
+            range,
+            impacts: arguments.impacts.map_or(IMPACTS, |impacts| impacts.0),
+            points: usize::try_from(points).unwrap_or(usize::MAX),
+            longest_step: step,
+        },
+        beside: Beside {
+            doublings: to(Switch::PeriodDoubling),
+            branch_points: to(Switch::BranchPoint),
+        },
+    })
+}

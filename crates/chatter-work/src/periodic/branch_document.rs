@@ -1,0 +1,77 @@
+//! Branches of periodic orbits as one JSON document.
+
+use super::Subject;
+use super::orbit_document::{about, multipliers};
+use crate::json::{Json, Object};
+use chatter::analysis::periodic::{Branch, Point, Special};
+
+/// The document.
+pub fn document(subject: &Subject, branches: &[Branch]) -> Object {
+    let branches: Vec<Json> = branches.iter().map(|branch| one(subject, branch)).collect();
+    let fixed: Vec<usize> = (0..subject.model.parameters.len())
+        .filter(|index| !subject.free.contains(index))
+        .collect();
+    let values = subject.model.parameter_values::<f64>(&[]);
+    let names = subject.model.parameter_names();
+    let fixed_names: Vec<&str> = fixed.iter().map(|&index| names[index]).collect();
+    let fixed_values: Vec<f64> = fixed.iter().map(|&index| values[index]).collect();
+    let free: Vec<Json> = subject.names().into_iter().map(Json::from).collect();
+    Object::new(subject.digits)
+        .with("branches", branches)
+        .with("free", free)
+        .with("model", about(subject))
+        .named("parameters", &fixed_names, &fixed_values)
+        .with("version", env!("CARGO_PKG_VERSION"))
+}
+
+fn impacts(point: &Point) -> Json {
+    point.impacts.map_or(Json::Null, |count| Json::Integer(count as i64))
+}
+
+fn one(subject: &Subject, branch: &Branch) -> Json {
+    let points = &branch.points;
+    let column = |value: &dyn Fn(&Point) -> Json| -> Vec<Json> { points.iter().map(value).collect() };
+    let mut columns = Object::new(subject.digits);
+    for (place, name) in subject.names().into_iter().enumerate() {
+        columns = columns.with(name, column(&|point| Json::Number(point.parameters[place])));
+    }
+    columns = columns
+        .with("period", column(&|point| Json::Number(point.period)))
+        .with("impacts", column(&impacts))
+        .with("stable", column(&|point| Json::Bool(point.is_stable())))
+        .with("multipliers", column(&|point| Json::List(multipliers(&point.multipliers))));
+    for (index, state) in subject.model.states.iter().enumerate() {
+        columns = columns.with(&state.name, column(&|point| Json::Number(point.state[index])));
+    }
+    columns = columns
+        .with("residual", column(&|point| Json::Number(point.residual)))
+        .with("error", column(&|point| Json::Number(point.correction)));
+    let special: Vec<Json> = (branch.special.iter())
+        .map(|special| special_object(subject, special))
+        .collect();
+    let ends: Vec<Json> = branch.ends.iter().map(|end| Json::from(end.to_string())).collect();
+    Object::new(subject.digits)
+        .with("points", columns)
+        .with("special", special)
+        .with("ends", ends)
+        .into()
+}
+
+fn special_object(subject: &Subject, special: &Special) -> Json {
+    let point = &special.point;
+    let states: Vec<&str> = subject.model.state_names();
+    let value = point.parameters.last().copied().unwrap_or(f64::NAN);
+    Object::new(subject.digits)
+        .with("kind", special.kind.name())
+        .with("value", value)
+        .named("at", &subject.names(), &point.parameters)
+        .with("error", special.error)
+        .with("residual", special.residual)
+        .with("period", point.period)
+        .with("impacts", impacts(point))
+        .with("multipliers", multipliers(&point.multipliers))
+        .named("state", &states, &point.state)
+        .with("point", special.place as i64)
+        .with("persists", special.persists.map_or(Json::Null, Json::Bool))
+        .into()
+}

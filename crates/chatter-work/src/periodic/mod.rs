@@ -1,0 +1,86 @@
+//! Periodic orbits and their branches: as documents, tables and figures.
+
+mod branch_document;
+mod orbit_document;
+mod picture;
+mod refused;
+mod table;
+
+pub use branch_document::document as branch_document;
+pub use orbit_document::{document as orbit_document, events_of};
+pub use picture::{Vertical, first_that_changes, picture};
+pub use refused::refused;
+pub use table::write;
+
+use crate::numbers::Digits;
+use chatter::analysis::periodic::{Branch, PeriodicError, Point, SpecialKind};
+use chatter::flow::GuardKind;
+use chatter::model::Model;
+
+/// What was asked about.
+pub struct Subject<'a> {
+    /// The model, with everything set into it.
+    pub model: &'a Model,
+    /// The model as the user named it.
+    pub source: &'a str,
+    /// The text of the model's file.
+    pub text: &'a str,
+    /// Positions of the free parameters.
+    pub free: Vec<usize>,
+    /// How many digits the user wants.
+    pub digits: Digits,
+}
+
+impl Subject<'_> {
+    /// Name and place of a guard: a contact, a surface or an event.
+    pub fn place(&self, guard: GuardKind) -> String {
+        match guard {
+            GuardKind::Gap(contact) | GuardKind::Reaction(contact) | GuardKind::Jam(contact) => {
+                self.model.contacts[contact].name.clone()
+            }
+            GuardKind::Section(section) => self.model.sections[section].name.clone(),
+            GuardKind::Switch(surface) | GuardKind::Leave(surface, _) => (self.model.surfaces)
+                .get(surface)
+                .cloned()
+                .unwrap_or_else(|| format!("surface {surface}")),
+            GuardKind::Piece(lookup, _) => format!("table {lookup}"),
+        }
+    }
+
+    /// Names of the free parameters.
+    pub fn names(&self) -> Vec<&str> {
+        let parameters = &self.model.parameters;
+        (self.free.iter())
+            .map(|&index| parameters[index].name.as_str())
+            .collect()
+    }
+}
+
+/// The parameter of a point that a branch is told over.
+pub fn parameter(point: &Point) -> f64 {
+    point.parameters.last().copied().unwrap_or(f64::NAN)
+}
+
+/// How many special points of each kind branches have, in the order of first mention.
+pub fn tally(branches: &[Branch]) -> Vec<(SpecialKind, usize)> {
+    let mut counts: Vec<(SpecialKind, usize)> = Vec::new();
+    for special in branches.iter().flat_map(|branch| &branch.special) {
+        match counts.iter_mut().find(|(kind, _)| *kind == special.kind) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((special.kind, 1)),
+        }
+    }
+    counts
+}
+
+/// Whether a question makes no sense, rather than having no answer.
+fn is_wrong(error: &PeriodicError) -> bool {
+    matches!(
+        error,
+        PeriodicError::System(_)
+            | PeriodicError::Start(_)
+            | PeriodicError::Autonomous
+            | PeriodicError::NoPeriod
+            | PeriodicError::BadPeriod { .. }
+    )
+}

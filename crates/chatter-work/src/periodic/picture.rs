@@ -1,0 +1,112 @@
+//! A picture of branches: stable solid, unstable thin, special points marked.
+
+use super::{Subject, parameter};
+use crate::diagram::picture::axis;
+use chatter::analysis::periodic::{Branch, Point, SpecialKind};
+use chatter_figures::{Axis, Color, Figure, Line, Marker, Markers, Panel};
+
+/// Line widths in points.
+const STABLE: f64 = 1.1;
+const UNSTABLE: f64 = 0.45;
+/// Size of marks in points.
+const MARK: f64 = 3.2;
+/// In millimetres.
+const WIDTH: f64 = 120.0;
+const HEIGHT: f64 = 80.0;
+
+/// What is drawn over the parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vertical {
+    /// A state at the section.
+    State(usize),
+    /// The period.
+    Period,
+}
+
+fn mark(kind: SpecialKind) -> (Marker, Color, &'static str) {
+    match kind {
+        SpecialKind::Fold => (Marker::Disc, Color::VERMILION, "fold"),
+        SpecialKind::PeriodDoubling => (Marker::Diamond, Color::GREEN, "period doubling"),
+        SpecialKind::NeimarkSacker => (Marker::Triangle, Color::PURPLE, "Neimark\u{2013}Sacker"),
+        SpecialKind::BranchPoint => (Marker::Plus, Color::INK, "branch point"),
+        SpecialKind::ImpactGraze | SpecialKind::FlightGraze => (Marker::Circle, Color::BLUE, "graze"),
+        SpecialKind::ChatterBorder => (Marker::Square, Color::ORANGE, "chatter border"),
+        SpecialKind::Touch => (Marker::Cross, Color::GREY, "touch"),
+    }
+}
+
+/// The state that is drawn unless another is asked for: the first that changes along the branches.
+pub fn first_that_changes(subject: &Subject, branches: &[Branch]) -> Vertical {
+    let points = || branches.iter().flat_map(|branch| &branch.points);
+    let states = 0..subject.model.states.len();
+    let mut changing = states.filter(|&index| {
+        let values = || points().map(|point| point.state[index]);
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        Some(index) != subject.model.time && high - low > 1e-9 * low.abs().max(high.abs())
+    });
+    changing.next().map_or(Vertical::Period, Vertical::State)
+}
+
+/// The figure.
+pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Figure {
+    let value = |point: &Point| match vertical {
+        Vertical::State(index) => point.state[index],
+        Vertical::Period => point.period,
+    };
+    let name = subject.names().last().copied().unwrap_or_default().to_owned();
+    let y = match vertical {
+        Vertical::State(index) => axis(subject.model, &subject.model.states[index].name),
+        Vertical::Period => Axis::new("period"),
+    };
+    let mut panel = Panel::new(axis(subject.model, &name), y);
+    let mut told = [false; 2];
+    for branch in branches {
+        for (stable, run) in runs(&branch.points) {
+            let (x, y) = run.iter().map(|point| (parameter(point), value(point))).unzip();
+            let line = Line::new(x, y);
+            let line = if stable {
+                line.color(Color::BLUE).width(STABLE)
+            } else {
+                line.color(Color::GREY).width(UNSTABLE)
+            };
+            let known = &mut told[usize::from(stable)];
+            let label = if stable { "stable" } else { "unstable" };
+            panel.add(if *known { line } else { line.label(label) });
+            *known = true;
+        }
+    }
+    let mut kinds: Vec<(Marker, Color, &str)> = Vec::new();
+    for special in branches.iter().flat_map(|branch| &branch.special) {
+        let mark = mark(special.kind);
+        if !kinds.contains(&mark) {
+            kinds.push(mark);
+        }
+    }
+    for known in kinds {
+        let (x, y) = (branches.iter().flat_map(|branch| &branch.special))
+            .filter(|special| mark(special.kind) == known)
+            .map(|special| (parameter(&special.point), value(&special.point)))
+            .unzip();
+        let (marker, color, label) = known;
+        panel.add(Markers::new(x, y).marker(marker).color(color).size(MARK).label(label));
+    }
+    Figure::from(panel).width(WIDTH).height(HEIGHT)
+}
+
+/// Stretches of one stability; each ends where the next begins.
+fn runs(points: &[Point]) -> Vec<(bool, Vec<&Point>)> {
+    let mut runs: Vec<(bool, Vec<&Point>)> = Vec::new();
+    for point in points {
+        let stable = point.is_stable();
+        match runs.last_mut() {
+            Some((known, run)) if *known == stable => run.push(point),
+            Some((_, run)) => {
+                run.push(point);
+                runs.push((stable, vec![point]));
+            }
+            None => runs.push((stable, vec![point])),
+        }
+    }
+    runs
+}

@@ -1,0 +1,29 @@
+//! Why there is no periodic orbit, as refusals.
+
+use super::is_wrong;
+use crate::refusal::Refusal;
+use crate::simulation::sentence;
+use chatter::analysis::periodic::PeriodicError;
+use chatter::model::Model;
+
+/// A question that does not fit the model is wrong input; one without answer is an answer of its own kind.
+pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
+    let message = match error {
+        PeriodicError::Start(error) | PeriodicError::Ended(error) => sentence(error, model),
+        error => error.to_string(),
+    };
+    let help = match error {
+        PeriodicError::NoPeriod => Some("give it with --period, such as --period '2*pi/omega'".to_owned()),
+        PeriodicError::Autonomous => Some("leave out --period".to_owned()),
+        PeriodicError::NotSettled { .. } => Some(
+            "the motion may be chaotic or quasi-periodic: --all finds unstable orbits from many starts".to_owned(),
+        ),
+        PeriodicError::Equilibrium { .. } => Some("start elsewhere with --initial, or choose other parameters".to_owned()),
+        _ => None,
+    };
+    match error {
+        PeriodicError::Interrupted => Refusal::Interrupted,
+        error if is_wrong(error) => Refusal::Input { message, help },
+        _ => Refusal::Unfinished { message, help },
+    }
+}

@@ -1,0 +1,220 @@
+//! All that hangs together over a range of a parameter: a branch, those beyond the borders at its ends, and those that leave at its
+//! special points.
+
+use super::branch::{Branch, End, Limits, Point, Special, SpecialKind, follow};
+use super::error::PeriodicError;
+use super::orbit::close;
+use super::settle::{Patience, settle};
+use super::shooting::{Shooting, Workshop};
+use crate::analysis::continuation::{Condition, Singular, newton};
+use core::ops::ControlFlow;
+use std::sync::Arc;
+
+/// What is followed beside the first branch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Beside {
+    /// Branches that leave at period doublings are followed to this depth, …
+    pub doublings: usize,
+    /// … and those that leave at branch points.
+    pub branch_points: usize,
+}
+
+/// Beyond a border orbits are looked for at these parts of the range.
+const HOPS: [f64; 7] = [0.05, 0.02, 0.01, 3e-3, 1e-3, 3e-4, 1e-4];
+/// Borders that are passed in one survey.
+const MOST_HOPS: usize = 8;
+/// The first displacement along a branch that leaves another, against the size of the orbit.
+const ASIDE: f64 = 2e-3;
+/// Two special points this near, in parts of the range, are one.
+const SAME: f64 = 1e-9;
+
+/// The branches, the first through the orbit at a solution.
+pub(crate) fn survey(
+    workshop: &Arc<Workshop>,
+    (shooting, at): (&Shooting<f64>, &[f64]),
+    (limits, beside): (&Limits, Beside),
+    (state, patience): (&[f64], Patience),
+    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+) -> Result<Vec<Branch>, PeriodicError> {
+    let mut interrupted = false;
+    let mut watch = |point: &Point| {
+        let told = observer(point);
+        interrupted |= told.is_break();
+        told
+    };
+    let mut branches = vec![follow(workshop, shooting, at, limits, &mut watch)?];
+    let mut next = 0;
+    let mut hops = 0;
+    while next < branches.len() {
+        let ends: Vec<(End, f64, f64)> = ends(&branches[next]);
+        for (end, value, direction) in ends {
+            let crosses = matches!(end, End::ChatterBorder | End::Impacts(_));
+            if !crosses || hops >= MOST_HOPS {
+                continue;
+            }
+            let wants_infinite = matches!(end, End::Impacts(_));
+            for part in HOPS {
+                let beyond = value + direction * part * (limits.range.1 - limits.range.0);
+                if beyond < limits.range.0 || beyond > limits.range.1 {
+                    continue;
+                }
+                let mut quiet = |_: f64| ControlFlow::Continue(());
+                let Ok(cycle) = settle(workshop, &[beyond], state, patience, &mut quiet) else {
+                    continue;
+                };
+                let Ok(orbit) = close(workshop, cycle, &[beyond]) else {
+                    continue;
+                };
+                let fits = orbit.impacts.is_none() == wants_infinite
+                    && orbit.impacts.is_none_or(|impacts| impacts <= limits.impacts);
+                if !fits {
+                    continue;
+                }
+                if !is_known(&branches, beyond, orbit.impacts) {
+                    hops += 1;
+                    branches.push(follow(workshop, &orbit.shooting, &orbit.at, limits, &mut watch)?);
+                }
+                break;
+            }
+        }
+        next += 1;
+    }
+    leave(workshop, &mut branches, (limits, beside), &mut watch);
+    Ok(branches)
+}
+
+/// How each end came about, where it is, and to which side the parameter went.
+fn ends(branch: &Branch) -> Vec<(End, f64, f64)> {
+    let value = |point: Option<&Point>| point.and_then(|p| p.parameters.last().copied());
+    let mut found = Vec::new();
+    let points = &branch.points;
+    let count = points.len();
+    let trend = |a: Option<f64>, b: Option<f64>| match (a, b) {
+        (Some(a), Some(b)) if b > a => 1.0,
+        _ => -1.0,
+    };
+    if let Some(first) = value(points.first()) {
+        let back = value(points.get(count.min(60) - 1));
+        found.push((branch.ends[0].clone(), first, trend(back, Some(first))));
+    }
+    if let Some(last) = value(points.last()) {
+        let back = value(points.get(count.saturating_sub(60)));
+        found.push((branch.ends[1].clone(), last, trend(back, Some(last))));
+    }
+    found
+}
+
+/// Whether a branch is known to have such an orbit there.
+fn is_known(branches: &[Branch], value: f64, impacts: Option<u64>) -> bool {
+    branches.iter().any(|branch| {
+        branch.points.windows(2).any(|pair| {
+            let at = |point: &Point| point.parameters.last().copied().unwrap_or(f64::NAN);
+            let (a, b) = (at(&pair[0]), at(&pair[1]));
+            pair[0].impacts == impacts && a.min(b) <= value && value <= a.max(b)
+        })
+    })
+}
+
+/// Follows what leaves at special points.
+fn leave(
+    workshop: &Arc<Workshop>,
+    branches: &mut Vec<Branch>,
+    (limits, beside): (&Limits, Beside),
+    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+) {
+    // Branch, and how often a branch has been left on the way to it.
+    let mut open: Vec<(usize, usize, usize)> =
+        (0..branches.len()).map(|index| (index, 0, 0)).collect();
+    let mut passed: Vec<(SpecialKind, f64)> = Vec::new();
+    let mut next = 0;
+    while next < open.len() {
+        let (index, doublings, branch_points) = open[next];
+        next += 1;
+        let special = branches[index].special.clone();
+        for special in &special {
+            let (sign, deeper) = match special.kind {
+                SpecialKind::PeriodDoubling if doublings < beside.doublings => {
+                    (-1.0, (doublings + 1, branch_points))
+                }
+                SpecialKind::BranchPoint if branch_points < beside.branch_points => {
+                    (1.0, (doublings, branch_points + 1))
+                }
+                _ => continue,
+            };
+            let value = special.point.parameters.last().copied().unwrap_or(f64::NAN);
+            let near = SAME * (limits.range.1 - limits.range.0);
+            let is_passed = |(kind, at): &(SpecialKind, f64)| {
+                *kind == special.kind && (at - value).abs() <= near
+            };
+            if passed.iter().any(is_passed) {
+                continue;
+            }
+            passed.push((special.kind, value));
+            let Some((shooting, at)) = aside(workshop, special, sign) else {
+                continue;
+            };
+            if let Ok(branch) = follow(workshop, &shooting, &at, limits, observer) {
+                // The far end of a doubled branch is a doubling of the same one again.
+                for end in &branch.special {
+                    let at = end.point.parameters.last().copied().unwrap_or(f64::NAN);
+                    if end.kind == SpecialKind::BranchPoint {
+                        passed.push((SpecialKind::PeriodDoubling, at));
+                    }
+                }
+                branches.push(branch);
+                open.push((branches.len() - 1, deeper.0, deeper.1));
+                if matches!(branches.last(), Some(b) if b.ends.contains(&End::Interrupted)) {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// An orbit on the branch that leaves another at a special point: once, or twice around it.
+fn aside(
+    workshop: &Arc<Workshop>,
+    special: &Special,
+    sign: f64,
+) -> Option<(Shooting<f64>, Vec<f64>)> {
+    let seed = special.seed.as_ref()?;
+    let mut shooting = seed.shooting.clone();
+    let singular = Singular::near(&mut shooting, &seed.at, sign).ok()?;
+    let free = workshop.free.len();
+    let size = seed.at.len() - free;
+    let direction = singular.direction();
+    let reach = (direction.iter().zip(shooting.scales_of()))
+        .fold(0.0_f64, |most, (x, scale)| most.max(x.abs() / scale));
+    let by = ASIDE / reach;
+    let moved = |sign: f64| -> Vec<f64> {
+        (seed.at[..size].iter().zip(direction))
+            .map(|(x, v)| x + sign * by * v)
+            .collect()
+    };
+    let mut steps = shooting.current_steps(&[moved(1.0), seed.at[size..].to_vec()].concat());
+    let mut counts = shooting.counts.clone();
+    let mut guess = moved(1.0);
+    if sign < 0.0 {
+        steps.extend(shooting.current_steps(&[moved(-1.0), seed.at[size..].to_vec()].concat()));
+        counts.iter_mut().for_each(|count| *count *= 2);
+        let mut second = moved(-1.0);
+        shooting.turn_on(&mut second, &seed.at);
+        guess.extend(second);
+    }
+    guess.extend(&seed.at[size..]);
+    let mut doubled = Shooting::<f64>::new(workshop, steps, counts).ok()?;
+    // The displacement is held, the parameter free.
+    let mut row = vec![0.0; guess.len()];
+    row[..size].copy_from_slice(direction);
+    if sign < 0.0 {
+        for (entry, v) in row[size..2 * size].iter_mut().zip(direction) {
+            *entry = -v;
+        }
+    }
+    let value = crate::numerics::dot(&row, &guess);
+    let mut conditions = super::branch::held_parameters(&guess, free);
+    conditions.push(Condition { row, value });
+    let found = newton(&mut doubled, &guess, &conditions).ok()?;
+    doubled.adopt(&found.at);
+    Some((doubled, found.at))
+}
