@@ -82,5 +82,6 @@ fn is_wrong(error: &PeriodicError) -> bool {
             | PeriodicError::Autonomous
             | PeriodicError::NoPeriod
             | PeriodicError::BadPeriod { .. }
+            | PeriodicError::OtherPeriod { .. }
     )
 }

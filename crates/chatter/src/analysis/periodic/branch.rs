@@ -172,10 +172,16 @@ struct Side {
     end: End,
 }
 
+/// This part of a step before a graze.
+const NOT_QUITE: f64 = 1e-5;
+/// A curve is this near to its chords, in parts of their length.
+const NEAR_CHORD: f64 = 0.2;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
 /// A graze that leads back to itself this often is no way on.
 const MOST_GRAZES: usize = 4_000;
+/// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
+const NOISE: f64 = 16.0;
 /// Points nearer than this to the latest, in parts of a step, are not kept: at a border they accumulate.
 const CROWDED: f64 = 1e-6;
 
@@ -445,15 +451,21 @@ pub(crate) fn follow(
             points: Vec::new(),
             special: Vec::new(),
         };
-        let interrupted = matches!(sides.last(), Some(Side { end: End::Interrupted, .. }));
-        sides.push(if interrupted {
-            Side {
+        // What is broken off, or has come back, has no other side.
+        let all = match sides.last() {
+            Some(Side {
+                end: end @ (End::Interrupted | End::Closed),
+                ..
+            }) => Some(end.clone()),
+            _ => None,
+        };
+        sides.push(match all {
+            Some(end) => Side {
                 points: Vec::new(),
                 special: Vec::new(),
-                end: End::Interrupted,
-            }
-        } else {
-            walker.walk(start, observer)
+                end,
+            },
+            None => walker.walk(start, observer),
         });
     }
     let (forward, back) = (sides.pop(), sides.pop());
@@ -494,6 +506,32 @@ enum Stop {
     End(End),
 }
 
+/// What an orbit's sequence of events is.
+fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
+    shooting.steps.iter().map(|step| step.passage).collect()
+}
+
+/// Whether a curve comes back to a point between two of its stations: they are much nearer to each other than a turn.
+fn passes(from: &Station, to: &Station, origin: &Station, scales: &[f64]) -> bool {
+    let difference = |a: &[f64], b: &[f64]| -> Vec<f64> {
+        (a.iter().zip(b).zip(scales))
+            .map(|((a, b), scale)| (a - b) / scale)
+            .collect()
+    };
+    let dot = crate::numerics::dot::<f64>;
+    let chord = difference(&to.at, &from.at);
+    let length = dot(&chord, &chord);
+    let way = difference(&origin.at, &from.at);
+    let along = dot(&way, &chord) / length;
+    if !(0.0..1.0).contains(&along) {
+        return false;
+    }
+    let off: f64 = (way.iter().zip(&chord))
+        .map(|(way, chord)| (way - along * chord) * (way - along * chord))
+        .sum();
+    off < NEAR_CHORD * NEAR_CHORD * length
+}
+
 impl Walker {
     fn walk(mut self, start: Station, observer: &mut dyn FnMut(&Point) -> ControlFlow<()>) -> Side {
         let mut curve = Curve::new(start, settings(&self.limits));
@@ -501,7 +539,9 @@ impl Walker {
             let _ = self.shooting.evaluate(&curve.station.at);
             point(&self.shooting, &curve.station)
         };
+        let origin = (curve.station.clone(), passages(&self.shooting));
         let mut grazes = 0;
+        let mut made = 0;
         let mut since_kept = f64::INFINITY;
         // At a graze multipliers have a pole: the first step from one has no sign changes to tell.
         let mut leaves_graze = false;
@@ -541,6 +581,13 @@ impl Walker {
                         continue;
                     }
                     Stop::End(end) => break end,
+                }
+            }
+            made += 1;
+            if made > 3 && origin.1 == passages(&self.shooting) {
+                let scales = self.shooting.scales();
+                if passes(&curve.station, &next, &origin.0, scales) {
+                    break End::Closed;
                 }
             }
             let there = point(&self.shooting, &next);
@@ -633,10 +680,11 @@ impl Walker {
         let size = from.at.len();
         let (before, after) = (from.tangent[size - 1], to.tangent[size - 1]);
         let mut kinds = Vec::new();
-        if before * after < 0.0 {
-            kinds.push(SpecialKind::Fold);
-        } else if from.orientation * to.orientation < 0.0 {
+        if from.orientation * to.orientation < 0.0 {
+            // Where branches meet, one of them may turn.
             kinds.push(SpecialKind::BranchPoint);
+        } else if before * after < 0.0 {
+            kinds.push(SpecialKind::Fold);
         }
         let (tests_here, tests_there) = (tests(&here.multipliers), tests(&there.multipliers));
         if tests_here.0 * tests_there.0 < 0.0 {
@@ -672,13 +720,10 @@ impl Walker {
                 (before, after),
                 &mut |_, station| station.tangent.last().copied(),
             ),
-            SpecialKind::BranchPoint => locate(
-                &mut self.shooting,
-                from,
-                step,
-                (from.orientation, -from.orientation),
-                &mut |_, station| Some(station.orientation),
-            ),
+            SpecialKind::BranchPoint => {
+                self.branch_point(from, step, (before, after));
+                return;
+            }
             SpecialKind::PeriodDoubling => {
                 let value = |m: &[Complex]| {
                     let size = doubling_value(m)?.abs();
@@ -708,7 +753,7 @@ impl Walker {
         };
         let rough = station.parameter();
         let mut refined = station.clone();
-        let mut error = f64::EPSILON * rough.abs();
+        let mut error = NOISE * f64::EPSILON * rough.abs();
         let mut residual = f64::NAN;
         let sign = match kind {
             SpecialKind::Fold => Some(1.0),
@@ -726,7 +771,7 @@ impl Walker {
                 // Nearer than where the sign changed, or something else was found.
                 if moved <= 1e-3 * (from.parameter() - there.parameters.last().copied().unwrap_or(rough)).abs().max(1e-9 * scale) {
                     refined.at = found.at;
-                    error = error.max(found.correction * scale);
+                    error = error.max(NOISE * found.correction * scale);
                     residual = found.residual;
                 }
             }
@@ -742,6 +787,77 @@ impl Walker {
         here.correction = refined.correction;
         let at = refined.at.clone();
         self.note(kind, &here, (&at, None), error, residual);
+    }
+
+    /// A point where branches meet. The equations are singular there, so it is found from stations around it: the
+    /// polynomial through what vanishes, a multiplier less one or, on a branch that turns, the tangent's part along the
+    /// parameter.
+    fn branch_point(&mut self, from: &Station, step: f64, (before, after): (f64, f64)) {
+        let turns = before * after < 0.0;
+        let mut reader = self.shooting.clone();
+        let mut value = |station: &Station| {
+            if turns {
+                return station.tangent.last().copied();
+            }
+            reader.evaluate(&station.at).ok()?;
+            let found = reader.multipliers();
+            (found.iter().filter(|m| m.im == 0.0))
+                .map(|m| m.re - 1.0)
+                .min_by(|a, b| a.abs().total_cmp(&b.abs()))
+        };
+        let mut ends = (0.0, step);
+        let mut fit: Option<(f64, Vec<f64>)> = None;
+        // Around the first root of the polynomial the next one is fitted more closely.
+        for width in [1.0, 0.2, 0.04] {
+            let (low, high) = match fit {
+                None => ends,
+                Some((root, ..)) => {
+                    let half: f64 = 0.5 * width * step;
+                    ((root - half).max(0.0), (root + half).min(step))
+                }
+            };
+            ends = (low, high);
+            let mut places = Vec::new();
+            let mut values = Vec::new();
+            let mut stations = Vec::new();
+            for k in 0..FITTED {
+                let angle = core::f64::consts::PI * (k as f64 + 0.5) / FITTED as f64;
+                let at = 0.5 * (low + high) - 0.5 * (high - low) * libm::cos(angle);
+                let Ok((station, _)) = from.ahead(&mut self.shooting, at) else {
+                    continue;
+                };
+                let Some(here) = value(&station) else {
+                    continue;
+                };
+                places.push(at);
+                values.push(here);
+                stations.push(station);
+            }
+            let Some(root) = root_of(&places, &values, ends) else {
+                break;
+            };
+            let at: Vec<f64> = (0..from.at.len())
+                .map(|i| {
+                    let component: Vec<f64> = stations.iter().map(|s| s.at[i]).collect();
+                    interpolated(&places, &component, root)
+                })
+                .collect();
+            let earlier = fit.as_ref().map(|(_, at)| at[at.len() - 1]);
+            let error = earlier.map_or(step, |earlier| (earlier - at[at.len() - 1]).abs());
+            fit = Some((root, at.clone()));
+            if width < 0.1 {
+                let station = Station {
+                    at,
+                    ..stations[0].clone()
+                };
+                self.settle(&station);
+                let here = point(&self.shooting, &station);
+                let residual = interpolated(&places, &values, root).abs();
+                let noise = NOISE * f64::EPSILON * station.parameter().abs();
+                let at = station.at.clone();
+                self.note(SpecialKind::BranchPoint, &here, (&at, None), error.max(noise), residual);
+            }
+        }
     }
 
     /// Goes on past the first place where the sequence of events breaks.
@@ -784,8 +900,14 @@ impl Walker {
         self.settle(&station);
         // Special points before it.
         let there = point(&self.shooting, &station);
-        let before = here.clone();
-        self.between(&from, &station, reached, (&before, &there));
+        // Where an impact loses its rate multipliers have a pole: not quite there.
+        let close = reached * (1.0 - NOT_QUITE);
+        if let Ok((nearly, _)) = from.ahead(&mut self.shooting, close) {
+            self.settle(&nearly);
+            let near = point(&self.shooting, &nearly);
+            let before = here.clone();
+            self.between(&from, &nearly, close, (&before, &near));
+        }
         self.settle(&station);
         let forward = station.tangent[station.tangent.len() - 1];
         let outcome = match broken {
@@ -836,7 +958,7 @@ impl Walker {
             .map_err(|error| told(&error))?;
         let mut held = Held::monitor(&mut longer, index);
         let found = newton(&mut held, &guess, &[]).map_err(|error| told(&error))?;
-        let error = found.correction * held.scales()[found.at.len() - 1];
+        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
         let (_, gradient) = (longer.monitor(index, &found.at)).map_err(|left| told(&left))?;
         let mut tangent = longer.tangent(&found.at, &gradient).map_err(|error| told(&error))?;
         // The impact's rate is to grow: against the gap.
@@ -859,7 +981,7 @@ impl Walker {
             SpecialKind::FlightGraze,
             &point,
             (&found.at, Some(index)),
-            error.max(f64::EPSILON * next.parameter().abs()),
+            error.max(NOISE * f64::EPSILON * next.parameter().abs()),
             found.residual,
         );
         Ok(next)
@@ -870,7 +992,7 @@ impl Walker {
         let told = |error: &dyn core::fmt::Display| error.to_string();
         let mut held = Held::monitor(&mut self.shooting, index);
         let found = newton(&mut held, &station.at, &[]).map_err(|error| told(&error))?;
-        let error = found.correction * held.scales()[found.at.len() - 1];
+        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
         let is_impact = self.shooting.steps[index].impact().is_some();
         let mut at_graze = there.clone();
         if let (Some(at), Some(found)) = (at_graze.parameters.last_mut(), found.at.last()) {
@@ -881,7 +1003,7 @@ impl Walker {
         } else {
             SpecialKind::Touch
         };
-        let error = error.max(f64::EPSILON * station.parameter().abs());
+        let error = error.max(NOISE * f64::EPSILON * station.parameter().abs());
         self.note(kind, &at_graze, (&found.at, Some(index)), error, found.residual);
         if !is_impact {
             return Err("an event that is no impact is only touched".to_owned());
@@ -923,6 +1045,43 @@ impl Walker {
         self.shooting = shorter;
         Ok(if forward { next } else { reversed })
     }
+}
+
+/// Stations that a polynomial is fitted to.
+const FITTED: usize = 8;
+
+/// The polynomial through points, in Lagrange's form.
+fn interpolated(places: &[f64], values: &[f64], at: f64) -> f64 {
+    let mut sum = 0.0;
+    for (i, (&x, &y)) in places.iter().zip(values).enumerate() {
+        let weight: f64 = (places.iter().enumerate())
+            .filter(|(k, _)| *k != i)
+            .map(|(_, other)| (at - other) / (x - other))
+            .product();
+        sum += weight * y;
+    }
+    sum
+}
+
+/// Where it vanishes between the ends, by bisection.
+fn root_of(places: &[f64], values: &[f64], (mut low, mut high): (f64, f64)) -> Option<f64> {
+    if places.len() < FITTED / 2 {
+        return None;
+    }
+    let at = |x: f64| interpolated(places, values, x);
+    let sign = at(low) > 0.0;
+    if sign == (at(high) > 0.0) {
+        return None;
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if (at(middle) > 0.0) == sign {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
 }
 
 /// Condition rows that hold all free parameters but the last.

@@ -46,6 +46,9 @@ pub(crate) struct Difference {
     pub turns: Vec<i64>,
 }
 
+/// A period is a multiple of another up to so much.
+const SAME: f64 = 1e-9;
+
 impl Closure {
     /// Of a model whose time has this period, if it is said.
     pub(crate) fn new(
@@ -76,7 +79,17 @@ impl Closure {
         let mut turning = Vec::new();
         for phase in phases {
             let is_idle = idle.iter().any(|free| free.state == phase.state);
-            if is_idle || (given.is_some() && model.time == Some(phase.state)) {
+            if is_idle {
+                continue;
+            }
+            if let (Some(given), true) = (given, model.time == Some(phase.state)) {
+                let value = graph.evaluate(given, &[], &parameters);
+                if let Some(own) = phase.period(&graph, &parameters) {
+                    let turns = value / own;
+                    if (turns - turns.round()).abs() > SAME * turns || turns < 0.5 {
+                        return Err(PeriodicError::OtherPeriod { value, own });
+                    }
+                }
                 continue;
             }
             let rates = slopes(&mut graph, phase.rates());

@@ -21,6 +21,13 @@ pub enum PeriodicError {
         /// Its value.
         value: f64,
     },
+    /// The period given is no multiple of that of the equations.
+    OtherPeriod {
+        /// What was given.
+        value: f64,
+        /// The period of the equations.
+        own: f64,
+    },
     /// The trajectory comes to rest.
     Equilibrium {
         /// When.
@@ -64,9 +71,13 @@ impl fmt::Display for PeriodicError {
                 out,
                 "the period is {value}: expected a positive number"
             ),
+            Self::OtherPeriod { value, own } => write!(
+                out,
+                "the period is given as {value}, but the equations repeat after {own}"
+            ),
             Self::Equilibrium { time } => write!(
                 out,
-                "the trajectory is at rest from time {time:.6} on: an equilibrium is no periodic orbit"
+                "nothing happens after time {time:.6}: the trajectory comes to rest, and an equilibrium is no periodic orbit"
             ),
             Self::NotSettled { time, nearest } => write!(
                 out,

@@ -7,7 +7,7 @@ use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, newton};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
-use crate::numerics::{Complex, DoubleDouble, Real};
+use crate::numerics::{Complex, DoubleDouble, Real, Scalar};
 use std::sync::Arc;
 
 /// A periodic orbit.
@@ -151,6 +151,9 @@ pub(crate) fn close(
     cycle: Cycle,
     free: &[f64],
 ) -> Result<Orbit, PeriodicError> {
+    let mut cycle = cycle;
+    let parameters = workshop.parameters(free);
+    cycle.begin_at_section(workshop, &workshop.closure.turns(&parameters)?);
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     let guess = shooting.guess(free);
     let near = if cycle.distance > 1e-7 {
@@ -182,7 +185,7 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let impacts = (shooting.steps.iter()).filter(|step| step.impact().is_some()).count();
     Ok(Orbit {
         period: fine.period(),
-        start: fine.node(&found.at, 0).to_vec(),
+        start: cleaned(fine.node(&found.at, 0), &shooting.state_sizes()),
         section: match shooting.steps.last().map(|step| step.passage) {
             Some(Passage::Leg(LegKind {
                 ends_at: Some(GuardKind::Section(section)),
@@ -204,6 +207,14 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
         shooting,
         at,
     })
+}
+
+/// What is nothing but rounding of a state's size is nothing: a state on a contact at zero is told as zero.
+fn cleaned(state: &[DoubleDouble], sizes: &[f64]) -> Vec<DoubleDouble> {
+    let rounding = 64.0 * <DoubleDouble as Scalar>::ROUNDOFF;
+    (state.iter().zip(sizes))
+        .map(|(&x, size)| if x.to_f64().abs() <= rounding * size { DoubleDouble::ZERO } else { x })
+        .collect()
 }
 
 /// The smallest of each kind of margin, at each guard.

@@ -5,6 +5,7 @@ use super::error::PeriodicError;
 use super::itinerary::{Passage, Step, read};
 use super::shooting::Workshop;
 use super::trace::{Instant, Tracer};
+use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
 use core::ops::ControlFlow;
 
@@ -15,6 +16,30 @@ pub(crate) struct Cycle {
     pub counts: Vec<i64>,
     /// How far from closed it is, against the size of the state.
     pub distance: f64,
+}
+
+impl Cycle {
+    /// Begins the cycle at the section, if it is crossed.
+    pub(crate) fn begin_at_section(&mut self, workshop: &Workshop, turns: &[Turn<f64>]) {
+        let Some(section) = workshop.section else {
+            return;
+        };
+        let ends_there = |step: &Step| match step.passage {
+            Passage::Leg(kind) => kind.ends_at == Some(GuardKind::Section(section)),
+            _ => false,
+        };
+        let Some(index) = self.steps.iter().position(ends_there) else {
+            return;
+        };
+        let count = self.steps.len();
+        let moved = (index + 1) % count;
+        self.steps.rotate_left(moved);
+        for step in &mut self.steps[count - moved..] {
+            for (turn, &times) in turns.iter().zip(&self.counts) {
+                step.start[turn.state] += turn.period * times as f64;
+            }
+        }
+    }
 }
 
 /// How long a trajectory is followed.
@@ -124,7 +149,15 @@ fn cycle(
     turns: &[Turn<f64>],
     instants: &[Instant],
 ) -> Result<Cycle, PeriodicError> {
-    let steps = read(&workshop.system, instants)?;
+    let mut steps = read(&workshop.system, instants)?;
+    // In the first period, where phases have most digits.
+    for turn in turns {
+        let first = steps.first().map_or(0.0, |step| step.start[turn.state]);
+        let whole = (first / turn.period).floor() * turn.period;
+        for step in &mut steps {
+            step.start[turn.state] -= whole;
+        }
+    }
     let sizes = sizes(instants, turns);
     let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
     let difference = workshop.closure.difference(turns, (first, last), &sizes);
@@ -169,6 +202,11 @@ pub(crate) fn settle(
                     let before = instants.len();
                     tracer.follow((start + patience.time, CHUNK), &mut instants, observer)?;
                     total += instants.len() - before;
+                    let quiet = instants.last().map_or(start, |instant| instant.time);
+                    let all = tracer.trajectory.time() - start;
+                    if instants.len() - before < CHUNK && tracer.trajectory.time() - quiet > 0.5 * all {
+                        return Err(PeriodicError::Equilibrium { time: quiet });
+                    }
                 }
             }
             let keep = instants.len().saturating_sub(4 * CHUNK);
