@@ -7,14 +7,17 @@ use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{Count, FigureFile, Initial, Loaded, ModelOptions, Quantity, TableFile, Window};
 use crate::terminal::{self, Progress, Style};
-use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Limits, Point, Spec, branches};
+use chatter::analysis::periodic::{
+    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, branches, special_curve,
+};
 use chatter::expressions::nearest;
 use chatter::model::{Model, Warning, check};
 use chatter::numerics::Real;
 use chatter_work::periodic::{
-    Subject, Vertical, branch_document, first_that_changes, picture, refused, write,
+    Subject, Vertical, branch_document, first_that_changes, picture, refused, restore, write,
 };
 use clap::{Args, ValueEnum};
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Instant;
 
@@ -82,6 +85,14 @@ pub struct Arguments {
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     step: Option<Quantity>,
 
+    /// Follow special point number N (from 1) of a table that was written before in two parameters, see --free
+    #[arg(long, value_name = "FILE.npz:N", requires = "free")]
+    from: Option<Seed>,
+
+    /// The parameters of such a curve: the one of the table, and the one of --sweep
+    #[arg(long, value_name = "NAME,NAME", requires = "from")]
+    free: Option<String>,
+
     /// Write the branches as a table, .csv or .npz
     #[arg(long, value_name = "FILE")]
     out: Option<TableFile>,
@@ -131,6 +142,26 @@ impl FromStr for Swept {
     }
 }
 
+/// A file and the number of a point in it.
+#[derive(Clone, Debug)]
+struct Seed {
+    path: PathBuf,
+    index: usize,
+}
+
+impl FromStr for Seed {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        const EXPECTED: &str = "expected FILE.npz:N, such as branch.npz:3";
+        let (path, index) = text.rsplit_once(':').ok_or(EXPECTED)?;
+        Ok(Self {
+            path: PathBuf::from(path),
+            index: index.parse().map_err(|_| EXPECTED)?,
+        })
+    }
+}
+
 /// Usual limits.
 const IMPACTS: u64 = 80;
 const POINTS: u64 = 20_000;
@@ -163,7 +194,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let began = Instant::now();
     let mut count = 0_u64;
     let (low, high) = what.limits.range;
-    let found = branches(&model, &spec, &what, &mut |point: Option<&Point>| {
+    let mut listen = |point: Option<&Point>| {
         if let Some(point) = point {
             count += 1;
             let at = point.parameters.last().copied().unwrap_or(low);
@@ -177,14 +208,35 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             });
         }
         going_on()
-    });
+    };
+    let mut free = vec![what.parameter];
+    let mut kind = None;
+    let found = match &arguments.from {
+        None => branches(&model, &spec, &what, &mut listen),
+        Some(seed) => {
+            let (other, known) = curve_of(arguments, &mut model, seed, what.parameter)?;
+            free = vec![other, what.parameter];
+            kind = Some(known.kind);
+            let limits = &what.limits;
+            let mut listen = |point: &Point| listen(Some(point));
+            special_curve(&model, &spec, ([other, what.parameter], &known), limits, &mut listen).map(
+                |curve| {
+                    vec![Branch {
+                        points: curve.points,
+                        special: Vec::new(),
+                        ends: curve.ends,
+                    }]
+                },
+            )
+        }
+    };
     progress.finish();
     let found = found.map_err(|error| refused(&error, &model))?;
     let subject = Subject {
         model: &model,
         source: &arguments.model.model,
         text: &text,
-        free: vec![what.parameter],
+        free,
         digits: Digits::DOUBLE,
     };
     if let Some(TableFile(path)) = &arguments.out {
@@ -196,7 +248,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             .map_err(|error| Failure::Output(error.to_string()))?;
     }
     let answer = if arguments.json {
-        terminal::Answer::Document(branch_document(&subject, &found))
+        terminal::Answer::Document(branch_document(&subject, &found, kind))
     } else {
         terminal::Answer::Text(account(&subject, &found, Style::of_stdout()))
     };
@@ -207,6 +259,40 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     } else {
         failure::SUCCESS
     })
+}
+
+/// The special point that is followed in two parameters, with the place of the first; the model is set to its values.
+fn curve_of(
+    arguments: &Arguments,
+    model: &mut Model,
+    seed: &Seed,
+    swept: usize,
+) -> Result<(usize, Known), Failure> {
+    let names = arguments.free.as_deref().unwrap_or_default();
+    let wrong = || {
+        Failure::input(format!(
+            "--free {names}: expected two parameters, one of them that of --sweep, such as q,kappa"
+        ))
+    };
+    let (one, two) = names.split_once(',').ok_or_else(wrong)?;
+    let index = |name: &str| {
+        model.parameter_index(name.trim()).ok_or_else(|| {
+            let known = nearest(name.trim(), model.parameter_names());
+            Failure::input(format!("--free: the model has no parameter `{}`", name.trim()))
+                .did_you_mean(known)
+        })
+    };
+    let (one, two) = (index(one)?, index(two)?);
+    let other = match (one == swept, two == swept) {
+        (false, true) => one,
+        (true, false) => two,
+        _ => return Err(wrong()),
+    };
+    let restored = restore(model, &seed.path, seed.index)?;
+    for (name, value) in &restored.parameters {
+        model.set_parameter(name, &format!("{value:?}"))?;
+    }
+    Ok((other, restored.known))
 }
 
 fn specification(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {

@@ -3,11 +3,15 @@
 use super::Subject;
 use super::orbit_document::{about, multipliers};
 use crate::json::{Json, Object};
-use chatter::analysis::periodic::{Branch, Point, Special};
+use chatter::analysis::periodic::{Branch, Point, Special, SpecialKind};
 
-/// The document.
-pub fn document(subject: &Subject, branches: &[Branch]) -> Object {
-    let branches: Vec<Json> = branches.iter().map(|branch| one(subject, branch)).collect();
+/// The document. Where the branches are curves of special points, these are of one kind.
+pub fn document(subject: &Subject, branches: &[Branch], kind: Option<SpecialKind>) -> Object {
+    let branches = branches.iter().map(|branch| match kind {
+        Some(kind) => one(subject, branch).with("kind", kind.name()).into(),
+        None => one(subject, branch).into(),
+    });
+    let branches: Vec<Json> = branches.collect();
     let fixed: Vec<usize> = (0..subject.model.parameters.len())
         .filter(|index| !subject.free.contains(index))
         .collect();
@@ -28,7 +32,7 @@ fn impacts(point: &Point) -> Json {
     point.impacts.map_or(Json::Null, |count| Json::Integer(count as i64))
 }
 
-fn one(subject: &Subject, branch: &Branch) -> Json {
+fn one(subject: &Subject, branch: &Branch) -> Object {
     let points = &branch.points;
     let column = |value: &dyn Fn(&Point) -> Json| -> Vec<Json> { points.iter().map(value).collect() };
     let mut columns = Object::new(subject.digits);
@@ -54,7 +58,6 @@ fn one(subject: &Subject, branch: &Branch) -> Json {
         .with("points", columns)
         .with("special", special)
         .with("ends", ends)
-        .into()
 }
 
 fn special_object(subject: &Subject, special: &Special) -> Json {

@@ -163,6 +163,11 @@ impl<'p, R: Real, P: Problem<R> + ?Sized> Held<'p, R, P> {
         }
     }
 
+    /// The problem itself.
+    pub fn problem_mut(&mut self) -> &mut P {
+        self.problem
+    }
+
     /// Where a function of the problem vanishes.
     pub fn monitor(problem: &'p mut P, index: usize) -> Self {
         Self {

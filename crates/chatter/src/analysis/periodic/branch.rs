@@ -65,6 +65,18 @@ pub enum SpecialKind {
 }
 
 impl SpecialKind {
+    /// All kinds.
+    pub const ALL: [Self; 8] = [
+        Self::Fold,
+        Self::PeriodDoubling,
+        Self::NeimarkSacker,
+        Self::BranchPoint,
+        Self::ImpactGraze,
+        Self::FlightGraze,
+        Self::ChatterBorder,
+        Self::Touch,
+    ];
+
     /// Its name in results.
     pub const fn name(self) -> &'static str {
         match self {
@@ -193,7 +205,7 @@ fn settings(limits: &Limits) -> Settings {
     }
 }
 
-fn point(shooting: &Shooting<f64>, station: &Station) -> Point {
+pub(crate) fn point(shooting: &Shooting<f64>, station: &Station) -> Point {
     let infinite = shooting.steps.iter().any(Step::is_stretch);
     let impacts = (shooting.steps.iter()).filter(|step| step.impact().is_some());
     let impacts = impacts.count() as u64;
@@ -280,6 +292,22 @@ pub(crate) fn is_broken(
     Ok(!broken(shooting, &least).is_empty())
 }
 
+/// The same but for the step that grazes.
+pub(crate) fn broken_at(shooting: &mut Shooting<f64>, at: &[f64], grazing: Option<usize>) -> bool {
+    let Ok(least) = shooting.least(at) else {
+        return true;
+    };
+    let graze = |broken: &Broken| match (grazing, broken) {
+        (Some(index), Broken::Event(step)) => *step == index,
+        // The touch itself, seen from either side of it.
+        (Some(index), Broken::Inner(step, _)) => {
+            *step == index || *step == index + 1
+        }
+        _ => false,
+    };
+    broken(shooting, &least).iter().any(|broken| !graze(broken))
+}
+
 fn tests(multipliers: &[Complex]) -> (f64, f64) {
     // Products of real factors and of |1 + m|^2 for pairs.
     let product = |shift: f64| {
@@ -333,7 +361,7 @@ impl Shooting<f64> {
     }
 
     /// The same orbit with an impact of rate zero where a guard has its least value on a step.
-    fn with_event(
+    pub(crate) fn with_event(
         &self,
         at: &[f64],
         index: usize,
@@ -584,11 +612,8 @@ impl Walker {
                 }
             }
             made += 1;
-            if made > 3 && origin.1 == passages(&self.shooting) {
-                let scales = self.shooting.scales();
-                if passes(&curve.station, &next, &origin.0, scales) {
-                    break End::Closed;
-                }
+            if made > 3 && self.returns(&curve.station, &next, &origin) {
+                break End::Closed;
             }
             let there = point(&self.shooting, &next);
             let ended = self.leaves(&there);
@@ -630,6 +655,31 @@ impl Walker {
             special: self.special,
             end,
         }
+    }
+
+    /// Whether the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events.
+    fn returns(
+        &self,
+        from: &Station,
+        to: &Station,
+        (origin, kinds): &(Station, Vec<Passage>),
+    ) -> bool {
+        let (a, b) = (from.parameter(), to.parameter());
+        let between = a.min(b) <= origin.parameter() && origin.parameter() <= a.max(b);
+        let own = passages(&self.shooting);
+        if !between || own.len() != kinds.len() {
+            return false;
+        }
+        (0..own.len()).any(|by| {
+            let same = (0..own.len()).all(|k| own[(k + by) % own.len()] == kinds[k]);
+            same && {
+                let turned = |station: &Station| Station {
+                    at: self.shooting.rotated(&station.at, by),
+                    ..station.clone()
+                };
+                passes(&turned(from), &turned(to), origin, self.shooting.scales())
+            }
+        })
     }
 
     /// The landings of a station, which trials may have overwritten.

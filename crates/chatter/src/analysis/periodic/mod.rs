@@ -6,6 +6,7 @@
 //! itinerary    the cycle as legs of smooth flow, and stretches that are followed through complete chatter
 //! closure      what a state is after one period: the same, but for turns of phases and distance covered
 //! shooting     the equations of an itinerary: nodes after events and the times between them
+//! special_curve  special points in two parameters
 //! search       all that Newton's method finds from many starts
 //! survey       a branch with those beyond its borders, and those that leave it
 //! branch       orbits over a parameter, from one sequence of events to the next
@@ -20,6 +21,7 @@ mod orbit;
 mod search;
 mod settle;
 mod shooting;
+mod special_curve;
 mod survey;
 mod trace;
 
@@ -28,6 +30,7 @@ pub use error::PeriodicError;
 pub use orbit::{Margin, MarginKind, Orbit};
 pub use search::{Search, Searched};
 pub use settle::Patience;
+pub use special_curve::{Known, SpecialCurve};
 pub use survey::Beside;
 
 use crate::model::Model;
@@ -155,6 +158,28 @@ pub fn branches(
         );
     }
     Err(failed.unwrap_or(PeriodicError::Interrupted))
+}
+
+/// The curve of a special point in two parameters.
+///
+/// `free` are the positions of both, the second of which is varied over `limits`' range; the model has their values at the
+/// point.
+///
+/// # Errors
+/// The point cannot be found again, or is of a kind that has no curve.
+pub fn special_curve(
+    model: &Model,
+    spec: &Spec,
+    (free, known): ([usize; 2], &Known),
+    limits: &Limits,
+    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+) -> Result<SpecialCurve, PeriodicError> {
+    let parameters = model.parameter_values::<f64>(&[]);
+    let values = free.map(|index| parameters[index]);
+    let size = |value: f64| if value == 0.0 { 1.0 } else { value.abs() };
+    let sizes = [size(values[0]), limits.range.1 - limits.range.0];
+    let workshop = workshop(model, spec, (&free, &sizes))?;
+    special_curve::follow(&workshop, (&values, known), limits, observer)
 }
 
 /// Where a settled orbit is looked for, in parts of the range.

@@ -251,6 +251,28 @@ impl<R: Real> Shooting<R> {
         }
     }
 
+    /// The same orbit, told from the node of step `by` on.
+    pub(crate) fn rotated(&self, at: &[R], by: usize) -> Vec<R> {
+        let free = at.len() - self.workshop.free.len();
+        let mut second = at[..free].to_vec();
+        if by == 0 {
+            return at.to_vec();
+        }
+        let mut nodes: Vec<f64> = second.iter().map(|x| x.to_f64()).collect();
+        self.turn_on(&mut nodes, at);
+        for (&place, _) in self.places.iter().zip(&self.steps) {
+            for i in 0..self.workshop.model.states.len() {
+                second[place + i] += R::splat(nodes[place + i]) - R::splat(at[place + i].to_f64());
+            }
+        }
+        let place = self.places[by];
+        let mut rotated = at[place..free].to_vec();
+        rotated.extend(&second[..place]);
+        // Phases in the turn of the first node.
+        rotated.extend(&at[free..]);
+        rotated
+    }
+
     /// The node that a step starts from.
     pub(crate) fn node<'a>(&self, at: &'a [R], index: usize) -> &'a [R] {
         let n = self.workshop.model.states.len();

@@ -1,0 +1,62 @@
+//! A special point from a table that was written before.
+
+use crate::refusal::Refusal;
+use chatter::analysis::periodic::{Known, SpecialKind};
+use chatter::model::Model;
+use chatter_files::tables::NpzReader;
+use std::path::Path;
+
+/// A special point, and the values of the parameters that were free.
+pub struct Restored {
+    /// The point.
+    pub known: Known,
+    /// Name and value of each parameter that the table has.
+    pub parameters: Vec<(String, f64)>,
+}
+
+/// Reads special point number `index`, from 1, of a table in NPZ.
+///
+/// # Errors
+/// There is no such file, or no such point in it, or it is of another model.
+pub fn restore(model: &Model, path: &Path, index: usize) -> Result<Restored, Refusal> {
+    let file = NpzReader::open(path).map_err(Refusal::input)?;
+    let kinds = file.texts("special_kind").map_err(|_| {
+        Refusal::input(format!("`{}` holds no special points", path.display()))
+            .help("write them with `chatter continue … --out FILE.npz`")
+    })?;
+    let Some(place) = index.checked_sub(1).filter(|place| *place < kinds.len()) else {
+        return Err(Refusal::input(format!(
+            "`{}` has special points 1 to {}, and no {index}",
+            path.display(),
+            kinds.len()
+        )));
+    };
+    let number = |name: &str| -> Result<f64, Refusal> {
+        let values = file.floats(name).map_err(Refusal::input)?;
+        values.get(place).copied().ok_or_else(|| {
+            Refusal::input(format!("`{}` is damaged: `{name}` is too short", path.display()))
+        })
+    };
+    let named = |kind: &&SpecialKind| kind.name() == kinds[place];
+    let kind = (SpecialKind::ALL.iter().find(named)).copied().ok_or_else(|| {
+        Refusal::input(format!("`{}` has a point of unknown kind `{}`", path.display(), kinds[place]))
+    })?;
+    let states: Result<Vec<f64>, Refusal> = (model.states.iter())
+        .map(|state| number(&format!("special_{}", state.name)))
+        .collect();
+    let mut parameters = Vec::new();
+    for parameter in &model.parameters {
+        let name = format!("special_{}", parameter.name);
+        if file.contains(&name) {
+            parameters.push((parameter.name.clone(), number(&name)?));
+        }
+    }
+    Ok(Restored {
+        known: Known {
+            kind,
+            state: states?,
+            period: number("special_period")?,
+        },
+        parameters,
+    })
+}
