@@ -46,6 +46,28 @@ impl Closed {
     }
 }
 
+/// The closed contacts of a mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub(crate) struct Grip {
+    /// All of them.
+    pub closed: Closed,
+    /// Those whose gaps stay zero as long as those of the others do: no force is asked of them, as of the third leg of a beam.
+    pub idle: Closed,
+}
+
+impl Grip {
+    /// No contact is closed.
+    pub const NONE: Self = Self {
+        closed: Closed::NONE,
+        idle: Closed::NONE,
+    };
+
+    /// Contacts whose forces hold all.
+    pub fn carrying(self) -> Closed {
+        Closed(self.closed.0 & !self.idle.0)
+    }
+}
+
 /// What holds a state beside the forces of closed contacts.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Held {
@@ -133,7 +155,7 @@ pub struct Program {
     pub(crate) locals: Vec<Tape>,
     /// Per contact: the state brought to rest on it (gap and rate zero).
     pub(crate) captures: Vec<Tape>,
-    /// Gap and rate of each closed contact, in order; then the surfaces that are slid along, and rates of sliding of
+    /// Gap and rate of each carrying contact, in order; then the surfaces that are slid along, and rates of sliding of
     /// contacts that stick.
     pub(crate) residuals: Tape,
     /// For each surface that is held so its gradient, zero for time.
@@ -178,10 +200,10 @@ pub(crate) const STANDING_ORDERS: usize = 4;
 /// What holds while a set of contacts is closed, as expressions.
 #[derive(Clone, Debug)]
 pub(crate) struct ModeExprs {
-    pub closed: Closed,
+    pub grip: Grip,
     /// Flight or sticking field.
     pub field: Vec<Expr>,
-    /// One for each closed contact, in order.
+    /// One for each carrying contact, in order.
     pub reactions: Vec<Expr>,
     /// For each surface that is slid along, the share of the fields on both sides.
     pub shares: Vec<Expr>,
@@ -197,8 +219,8 @@ pub(crate) struct ModeExprs {
 
 impl ModeExprs {
     /// The mode in which these contacts are closed; none where they cannot be held together.
-    pub(crate) fn new(mechanics: &mut Mechanics, closed: Closed) -> Option<Self> {
-        let active: Vec<usize> = closed.contacts().collect();
+    pub(crate) fn new(mechanics: &mut Mechanics, grip: Grip) -> Option<Self> {
+        let active: Vec<usize> = grip.carrying().contacts().collect();
         let held = if active.is_empty() && mechanics.slides.is_empty() {
             Sticking {
                 field: mechanics.field.clone(),
@@ -226,7 +248,7 @@ impl ModeExprs {
             .collect();
         Some(Self {
             sequences,
-            closed,
+            grip,
             field: held.field,
             reactions: held.reactions,
             shares: held.shares,
@@ -247,14 +269,17 @@ impl Program {
         mode: &ModeExprs,
         names: Names<'_>,
     ) -> Self {
-        let ModeExprs { closed, field, .. } = mode;
+        let ModeExprs { grip, field, .. } = mode;
+        let (closed, carrying) = (grip.closed, grip.carrying());
         let dimension = field.len();
         let coordinates = mechanics.field.len();
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
         let listed = guard_functions(graph, &contacts, (sections, limits), mode);
         let functions: Vec<Expr> = listed.iter().map(|&(.., function)| function).collect();
-        let kinds = listed.into_iter().map(|(kind, crossing, _)| (kind, crossing));
+        let kinds = listed
+            .into_iter()
+            .map(|(kind, crossing, _)| (kind, crossing));
         let tape = Tape::new(graph, dimension, field, &functions);
         let vanishing = (tape.singular.iter())
             .map(|singular| {
@@ -353,14 +378,14 @@ impl Program {
                 is_alone,
             }));
         }
-        let mut residuals: Vec<Expr> = (closed.contacts())
+        let mut residuals: Vec<Expr> = (carrying.contacts())
             .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
             .collect();
         let sticks = mechanics.sticks.iter();
         let held: Vec<Expr> = (mechanics.slides.iter().map(|slide| slide.surface))
             .chain(
                 sticks
-                    .filter(|stick| closed.contains(stick.contact))
+                    .filter(|stick| carrying.contains(stick.contact))
                     .map(|stick| stick.rate),
             )
             .collect();
@@ -485,11 +510,17 @@ pub(crate) fn guard_functions(
     (sections, limits): (&[Section], &Limits),
     mode: &ModeExprs,
 ) -> Vec<(GuardKind, Crossing, Expr)> {
-    let open = (0..contacts.len()).filter(|&index| !mode.closed.contains(index));
+    let open = (0..contacts.len()).filter(|&index| !mode.grip.closed.contains(index));
     let mut guards: Vec<(GuardKind, Crossing, Expr)> = open
-        .map(|index| (GuardKind::Gap(index), Crossing::Falling, contacts[index].gap))
+        .map(|index| {
+            (
+                GuardKind::Gap(index),
+                Crossing::Falling,
+                contacts[index].gap,
+            )
+        })
         .collect();
-    for (contact, &reaction) in mode.closed.contacts().zip(&mode.reactions) {
+    for (contact, &reaction) in mode.grip.carrying().contacts().zip(&mode.reactions) {
         let push = graph.neg(reaction);
         guards.push((GuardKind::Reaction(contact), Crossing::Falling, push));
     }

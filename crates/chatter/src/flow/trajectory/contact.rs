@@ -7,7 +7,7 @@ use super::Trajectory;
 use crate::expressions::Operand;
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, GuardKind, LOCAL_SCALARS};
+use crate::flow::program::{Closed, Grip, GuardKind, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
@@ -112,12 +112,20 @@ impl<R: Real> Trajectory<R> {
                 self.leave_gap(system, contact, 2);
             }
         }
+        let idle = self.idle_beside(&block, &contacts, (held, &undecided));
         let mut balanced = Vec::new();
         for contact in undecided {
+            if idle.contains(contact) {
+                continue;
+            }
             let closes = self.settle_by_jerk(system, work, contact)?;
             if closes && self.roots(system, GuardKind::Reaction(contact)) == Touching::BALANCED {
                 balanced.push(contact);
             }
+        }
+        if idle != Closed::NONE {
+            let closed = Closed(self.closed.0 | idle.0);
+            self.enter_grip(system, Grip { closed, idle })?;
         }
         // Each was found while the others that are balanced do not push: so none does.
         for contact in balanced {
@@ -249,14 +257,19 @@ impl<R: Real> Trajectory<R> {
 
     /// Changes the mode; guards that both modes have keep their roots at the present state.
     pub(super) fn enter(&mut self, system: &System, closed: Closed) -> Result<(), FlowError> {
+        self.flight = system.meet(Grip::NONE, self.regime);
+        self.load_constants(system, self.flight);
+        let idle = self.idle_among(system, closed)?;
+        self.enter_grip(system, Grip { closed, idle })
+    }
+
+    /// As [`enter`](Self::enter), where it is known which of the contacts are idle.
+    pub(super) fn enter_grip(&mut self, system: &System, grip: Grip) -> Result<(), FlowError> {
         let before = self.touching;
         let old = system.program(self.mode);
-        self.mode = system.meet(closed, self.regime);
-        self.flight = system.meet(Closed::NONE, self.regime);
-        self.closed = closed;
-        for mode in [self.flight, self.mode] {
-            self.load_constants(system, mode);
-        }
+        self.mode = system.meet(grip, self.regime);
+        (self.closed, self.idle) = (grip.closed, grip.idle);
+        self.load_constants(system, self.mode);
         let program = self.program(system)?;
         self.touching = Touching::NONE;
         self.left = Left::NONE;

@@ -164,7 +164,7 @@ impl<R: Real> Trajectory<R> {
     /// Enters the mode of these sides, the same contacts closed; whether there is one.
     fn try_sides(&mut self, system: &System, candidate: &Candidate) -> Result<bool, FlowError> {
         self.take_sides(system, candidate)?;
-        let mode = system.meet(self.closed, self.regime);
+        let mode = system.meet(self.grip(), self.regime);
         if system.program(mode).is_none() {
             return Ok(false);
         }

@@ -9,6 +9,7 @@ mod collisions;
 mod contact;
 mod corners;
 mod projection;
+mod redundant;
 mod reset;
 mod sequence;
 mod start;
@@ -16,7 +17,9 @@ mod start;
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
 use super::occurrence::Occurrence;
-use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes};
+use super::program::{
+    Closed, Grip, GuardKind, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes,
+};
 use super::resolve::{Resolution, crossed_here, resolve};
 use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
@@ -49,6 +52,8 @@ pub struct Trajectory<R> {
     /// How many of the states are the model's own; columns of derivatives follow.
     coordinates: usize,
     pub(crate) closed: Closed,
+    /// Those of them that no force is asked of.
+    idle: Closed,
     /// Number of the mode in which these are closed.
     pub(crate) mode: usize,
     /// Number of the mode on the same sides of all surfaces in which nothing is closed.
@@ -130,6 +135,13 @@ impl<R: Real> Trajectory<R> {
     /// The contacts that are closed.
     pub fn closed(&self) -> Closed {
         self.closed
+    }
+
+    pub(crate) fn grip(&self) -> Grip {
+        Grip {
+            closed: self.closed,
+            idle: self.idle,
+        }
     }
 
     /// The time at which the trajectory stops next.
@@ -454,6 +466,10 @@ impl<R: Real> Trajectory<R> {
                 }
                 self.flight_time = self.rest_of_flight(result.step);
                 Ok(Some(Occurrence::Section { section }))
+            }
+            GuardKind::Reaction(contact) if self.idle != Closed::NONE => {
+                self.tracker.interrupt();
+                self.hand_over(system, work, contact)
             }
             GuardKind::Reaction(contact) => {
                 self.open(system, contact, 3)?;

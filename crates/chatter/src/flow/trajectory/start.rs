@@ -46,6 +46,7 @@ impl<R: Real> Trajectory<R> {
             low: vec![R::ZERO; state.len()],
             coordinates: system.coordinates(),
             closed: Closed::NONE,
+            idle: Closed::NONE,
             mode: FLIGHT,
             flight: FLIGHT,
             regime: Default::default(),
@@ -206,6 +207,8 @@ impl<R: Real> Trajectory<R> {
         self.completion = None;
         self.may_have_crossed = false;
         self.pending.clear();
+        self.closed = Closed::NONE;
+        self.idle = Closed::NONE;
         self.place_on_sides(system)?;
         self.enter(system, closed)?;
         self.touching = Touching::NONE;
