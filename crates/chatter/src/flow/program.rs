@@ -179,7 +179,7 @@ pub(crate) struct ProgramConstants<R> {
     pub residuals: Vec<R>,
     pub held_gradients: Vec<R>,
     pub resets: Vec<[Vec<R>; 2]>,
-    pub standings: Vec<[Vec<R>; 2]>,
+    pub standings: Vec<[Vec<R>; 3]>,
     pub field: Vec<R>,
 }
 
@@ -192,6 +192,8 @@ pub(crate) struct StandingTapes {
     pub guards: Vec<GuardKind>,
     /// The derivative of the surface along each column.
     pub slopes: Tape,
+    /// By how much the surface rises where the rate of each contact is made larger by one.
+    pub lifts: Tape,
 }
 
 /// Values of a guard and its derivatives that decide which mode follows at a corner.
@@ -418,11 +420,15 @@ impl Program {
                 let slopes: Vec<Expr> = (directions.iter())
                     .flat_map(|along| along.along(graph, coordinates, &[limit.surface]))
                     .collect();
+                let lifts: Vec<Expr> = (contacts.iter())
+                    .map(|contact| graph.lie_derivative(limit.surface, &contact.jump))
+                    .collect();
                 StandingTapes {
                     corner: limit.corner,
                     values: Tape::new(graph, dimension, &[], &outputs),
                     guards: limit.guards.iter().map(|&(kind, _)| kind).collect(),
                     slopes: Tape::new(graph, dimension, &[], &slopes),
+                    lifts: Tape::new(graph, dimension, &[], &lifts),
                 }
             })
             .collect();
@@ -474,7 +480,7 @@ impl Program {
                 })
                 .collect(),
             standings: (self.standings.iter())
-                .map(|standing| [of(&standing.values), of(&standing.slopes)])
+                .map(|standing| [&standing.values, &standing.slopes, &standing.lifts].map(of))
                 .collect(),
             field: of(&self.field),
         }
@@ -489,7 +495,7 @@ impl Program {
             &self.field,
         ]
         .into_iter()
-        .chain((self.standings.iter()).flat_map(|s| [&s.values, &s.slopes]))
+        .chain((self.standings.iter()).flat_map(|s| [&s.values, &s.slopes, &s.lifts]))
         .chain((self.resets.iter().flatten()).flat_map(|r| [&r.after, &r.crossing]))
         .chain(&self.locals)
         .chain(&self.captures)

@@ -61,7 +61,12 @@ impl<R: Real> Trajectory<R> {
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
         self.settle_corners(system, None)?;
-        let [_, _, acceleration, _] = self.local(system, contact)?;
+        let [_, _, mut acceleration, _] = self.local(system, contact)?;
+        if acceleration.value.abs() <= acceleration.level()
+            && self.hold_by_contact(system, contact)?
+        {
+            [_, _, acceleration, _] = self.local(system, contact)?;
+        }
         if acceleration.value > acceleration.level() {
             self.leave_gap(system, contact, 2);
             return Ok(());

@@ -13,6 +13,7 @@ mod redundant;
 mod reset;
 mod sequence;
 mod start;
+mod tops;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
@@ -31,6 +32,7 @@ use crate::model::Simultaneous;
 use crate::numerics::{Real, two_sum};
 use collisions::Collisions;
 use std::collections::VecDeque;
+use tops::Tops;
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
 const REACH_USED: f64 = 0.95;
@@ -73,6 +75,8 @@ pub struct Trajectory<R> {
     /// Its rounding remainder.
     horizon_low: R,
     tracker: ChatterTracker<R>,
+    /// Surfaces that are crossed at the top of each flight of a sequence of impacts.
+    tops: Tops,
     /// How many impacts the sequence has so far: each slower than the one before, at one contact.
     sequence: u64,
     /// Contact and incoming rate of the latest impact.

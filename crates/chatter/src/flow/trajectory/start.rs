@@ -1,5 +1,6 @@
 //! Where a trajectory starts: the contacts that a state lies on are classified.
 
+use super::tops::Tops;
 use super::{ORDER_CLASSES, Trajectory};
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
@@ -59,6 +60,7 @@ impl<R: Real> Trajectory<R> {
             horizon: R::splat(FOREVER),
             horizon_low: R::ZERO,
             tracker: ChatterTracker::new(work.tail),
+            tops: Tops::NONE,
             sequence: 0,
             latest_impact: None,
             longest_step: R::ZERO,
@@ -198,6 +200,7 @@ impl<R: Real> Trajectory<R> {
         self.flight_time = R::splat(FOREVER);
         self.set_horizon(R::splat(FOREVER));
         self.tracker.restart();
+        self.tops = Tops::NONE;
         self.sequence = 0;
         self.latest_impact = None;
         self.longest_step = R::ZERO;
