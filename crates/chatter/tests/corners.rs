@@ -824,7 +824,8 @@ fn chatter_against_dry_friction_ends_where_it_ends() {
                  restitution = {r}\n[initial]\ny = {height}\nv = 0\n"
             );
             let (told, end) = follow::<R>(&read(&text), 1000.0).expect("a motion");
-            let parsed = |x: f64| R::from_double_double(format!("{x:?}").parse().expect("a number"));
+            let parsed =
+                |x: f64| R::from_double_double(format!("{x:?}").parse().expect("a number"));
             let (g, f, r, height) = (parsed(g), parsed(f), parsed(r), parsed(height));
             let (rise, fall) = (g + f, g - f);
             let ratio = r * (fall / rise).sqrt();

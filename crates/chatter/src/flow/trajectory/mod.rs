@@ -8,6 +8,7 @@ mod cascade;
 mod collisions;
 mod contact;
 mod corners;
+mod grazing;
 mod projection;
 mod redundant;
 mod reset;
@@ -81,6 +82,9 @@ pub struct Trajectory<R> {
     sequence: u64,
     /// Contact and incoming rate of the latest impact.
     latest_impact: Option<(usize, R)>,
+    /// When a contact was last met, or the start.
+    touched_at: R,
+    started_at: R,
     /// The longest step since the start.
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
@@ -494,6 +498,10 @@ impl<R: Real> Trajectory<R> {
             GuardKind::Gap(contact) => {
                 self.flight_time = result.flight_time;
                 self.touching.set(index, 1);
+                if result.impact[2] > R::ZERO && self.only_touches(&result.impact) {
+                    return self.pass_by(system, (index, contact), &result.impact);
+                }
+                self.touched_at = self.time;
                 if system.corners().is_empty() {
                     return self.after_impact(system, work, program, (contact, &result.impact));
                 }

@@ -63,6 +63,8 @@ impl<R: Real> Trajectory<R> {
             tops: Tops::NONE,
             sequence: 0,
             latest_impact: None,
+            touched_at: time,
+            started_at: time,
             longest_step: R::ZERO,
             burst: 0,
             rates_of_instant: Vec::new(),
@@ -203,6 +205,8 @@ impl<R: Real> Trajectory<R> {
         self.tops = Tops::NONE;
         self.sequence = 0;
         self.latest_impact = None;
+        self.touched_at = time;
+        self.started_at = time;
         self.longest_step = R::ZERO;
         self.burst = 0;
         self.rates_of_instant.clear();
