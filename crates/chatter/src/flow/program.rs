@@ -2,6 +2,7 @@
 
 use super::chatter::{SequenceConstants, SequenceExprs, SequenceTapes};
 use super::limits::{Corner, Limits};
+use super::looked_up::LookedUp;
 use super::reset::ResetTapes;
 use super::touching::Touching;
 use super::variation::Direction as Along;
@@ -166,6 +167,8 @@ pub struct Program {
     pub(crate) standings: Vec<StandingTapes>,
     /// The field of the model's own states, at a point.
     pub(crate) field: Tape,
+    /// Constants of the tapes that change at knots.
+    pub(crate) looked_up: LookedUp,
 }
 
 /// The constants of a program's tapes at one parameter set.
@@ -447,6 +450,7 @@ impl Program {
             resets,
             standings,
             field: at_point,
+            looked_up: LookedUp::default(),
         }
     }
 
@@ -486,7 +490,23 @@ impl Program {
         }
     }
 
-    /// Every tape, for sizing scratch space.
+    /// Takes note of the constants that depend on a parameter from this number on.
+    pub(crate) fn look_up_from(&mut self, graph: &Graph, first_slot: usize) {
+        self.looked_up = LookedUp::new(graph, self.tapes(), first_slot);
+    }
+
+    /// Computes the constants that change at knots anew.
+    pub(crate) fn renew<R: Real>(
+        &self,
+        graph: &Graph,
+        parameters: &[R],
+        constants: &mut ProgramConstants<R>,
+    ) {
+        let parts = constants.of_tapes(self);
+        self.looked_up.renew(graph, parameters, parts);
+    }
+
+    /// Every tape, for sizing scratch space; in the order of [`ProgramConstants::of_tapes`].
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
         [
             &self.tape,
@@ -541,6 +561,43 @@ pub(crate) fn guard_functions(
     let limits = limits.guards();
     guards.extend(limits.map(|(kind, function)| (kind, Crossing::Falling, function)));
     guards
+}
+
+impl<R> ProgramConstants<R> {
+    /// The constants of each tape of their program, in order.
+    fn of_tapes<'a>(
+        &'a mut self,
+        program: &'a Program,
+    ) -> impl Iterator<Item = &'a mut Vec<R>> + 'a {
+        let resets = self.resets.iter_mut().zip(&program.resets);
+        let impacts = self.impacts.iter_mut().zip(&program.impacts);
+        let sequences = self.sequences.iter_mut().zip(&program.sequences);
+        [
+            &mut self.tape,
+            &mut self.residuals,
+            &mut self.held_gradients,
+            &mut self.field,
+        ]
+        .into_iter()
+        .chain(self.standings.iter_mut().flatten())
+        .chain(
+            resets
+                .filter(|(_, tapes)| tapes.is_some())
+                .flat_map(|(own, _)| own),
+        )
+        .chain(&mut self.locals)
+        .chain(&mut self.captures)
+        .chain(
+            impacts
+                .filter(|(_, tape)| tape.is_some())
+                .map(|(own, _)| own),
+        )
+        .chain(
+            sequences
+                .filter(|(_, tapes)| tapes.is_some())
+                .flat_map(|(own, _)| own.of_tapes()),
+        )
+    }
 }
 
 fn is_state(graph: &Graph, function: Expr) -> bool {

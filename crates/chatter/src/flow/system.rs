@@ -183,7 +183,11 @@ impl System {
         };
         let mut mechanics = on_sides.mechanics.clone();
         let program = self.compile(&mut mechanics, &on_sides, Grip::NONE, sides);
-        let touches = Touches::new(&on_sides.mechanics, &self.directions, self.model.time);
+        let touches = Touches::new(
+            &on_sides.mechanics,
+            &self.directions,
+            (self.model.time, self.corners.first_slot),
+        );
         Mode {
             grip: Grip::NONE,
             sides,
@@ -227,14 +231,18 @@ impl System {
             (&self.rubbing, grip.carrying(), sides),
             &mode,
         );
-        Some(Program::new(
+        let mut program = Program::new(
             mechanics,
             (&on_sides.sections, &limits),
             &self.directions,
             self.model.time,
             &mode,
             self.names(),
-        ))
+        );
+        if !self.corners.lookups.is_empty() {
+            program.look_up_from(&mechanics.graph, self.corners.first_slot);
+        }
+        Some(program)
     }
 
     /// What a mode is, and what holds on its sides.
@@ -277,6 +285,20 @@ impl System {
         let mode = self.modes.get(mode)?;
         let program = mode.program.as_ref()?;
         Some(program.constants(&mode.graph, parameters))
+    }
+
+    /// Computes those of them anew that change at knots.
+    pub(crate) fn renew_constants<R: Real>(
+        &self,
+        mode: usize,
+        parameters: &[R],
+        constants: &mut ProgramConstants<R>,
+    ) {
+        if let Some(mode) = self.modes.get(mode)
+            && let Some(program) = &mode.program
+        {
+            program.renew(&mode.graph, parameters, constants);
+        }
     }
 
     /// All contacts at one state, on the sides of a mode in which nothing is closed.

@@ -94,6 +94,13 @@ impl<R> SequenceConstants<R> {
     }
 }
 
+impl<R> SequenceConstants<R> {
+    /// Of each tape, in the order of [`SequenceTapes::tapes`].
+    pub(crate) fn of_tapes(&mut self) -> impl Iterator<Item = &mut Vec<R>> {
+        [&mut self.events, &mut self.limit].into_iter()
+    }
+}
+
 impl SequenceTapes {
     pub(crate) fn new(graph: &mut Graph, dimension: usize, exprs: &SequenceExprs) -> Self {
         let mut limit = vec![exprs.restitution];

@@ -290,27 +290,34 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
-    /// The constants of a mode at the present parameter values, unless they are known.
+    /// The constants of a mode at the present parameter values and pieces, unless they are known.
     fn load_constants(&mut self, system: &System, mode: usize) {
         if self.constants.len() <= mode {
             self.constants.resize(mode + 1, None);
-        }
-        if self.constants[mode].is_none() {
-            self.constants[mode] = system.constants(mode, &self.parameters);
-        }
-        if self.touch_constants.len() <= mode {
             self.touch_constants.resize(mode + 1, None);
+            self.known_at.resize(mode + 1, 0);
         }
-        if self.touch_constants[mode].is_none() {
-            let touches = system.touches(mode);
-            self.touch_constants[mode] = touches.map(|t| t.constants(&self.parameters));
+        let is_known = self.constants[mode].is_some();
+        if is_known && self.known_at[mode] == self.knots {
+            return;
+        }
+        self.known_at[mode] = self.knots;
+        match &mut self.constants[mode] {
+            Some(constants) => system.renew_constants(mode, &self.parameters, constants),
+            unknown => *unknown = system.constants(mode, &self.parameters),
+        }
+        let Some(touches) = system.touches(mode) else {
+            return;
+        };
+        match &mut self.touch_constants[mode] {
+            Some(constants) => touches.renew(&self.parameters, constants),
+            unknown => *unknown = Some(touches.constants(&self.parameters)),
         }
     }
 
-    /// Parameter values have changed.
-    pub(super) fn forget_constants(&mut self) {
-        self.constants.clear();
-        self.touch_constants.clear();
+    /// Pieces of lookups have changed.
+    pub(super) fn pass_knots(&mut self) {
+        self.knots += 1;
     }
 
     /// Says how many roots of the gap of an open contact lie at the present state.

@@ -151,7 +151,7 @@ impl<R: Real> Trajectory<R> {
         self.parameters.truncate(corners.first_slot);
         self.parameters.extend(parameters);
         self.pieces.clone_from(&candidate.pieces);
-        self.forget_constants();
+        self.pass_knots();
         Ok(())
     }
 

@@ -45,6 +45,9 @@ pub struct Trajectory<R> {
     parameters: Vec<R>,
     /// By number of the mode; none where it was never entered.
     pub(crate) constants: Vec<Option<ProgramConstants<R>>>,
+    /// How often pieces of lookups have changed, and by number of the mode up to which of these changes constants are known.
+    knots: u64,
+    known_at: Vec<u64>,
     /// By number of the mode of free flight.
     touch_constants: Vec<Option<TouchConstants<R>>>,
     law: Simultaneous,

@@ -178,7 +178,7 @@ impl<R: Real> Trajectory<R> {
             constants: &constants.sequences[contact],
             work,
             coordinates: self.coordinates,
-            turn: self.tops.tapes(system, &self.constants, contact),
+            turn: (self.tops).tapes(system, (&self.constants, &self.known_at), contact),
         };
         let time = (self.time, self.time_low);
         let state = (&self.state[..], &self.low[..]);

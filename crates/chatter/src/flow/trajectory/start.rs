@@ -39,6 +39,8 @@ impl<R: Real> Trajectory<R> {
         let mut trajectory = Self {
             parameters: parameters.to_vec(),
             constants: Vec::new(),
+            knots: 0,
+            known_at: Vec::new(),
             touch_constants: Vec::new(),
             law: system.simultaneous(),
             time,

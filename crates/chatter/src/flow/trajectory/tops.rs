@@ -49,10 +49,13 @@ impl Tops {
     pub(super) fn tapes<'a, R: Real>(
         self,
         system: &'a System,
-        constants: &'a [Option<ProgramConstants<R>>],
+        (constants, known_at): (&'a [Option<ProgramConstants<R>>], &[u64]),
         contact: usize,
     ) -> Option<Turn<'a, R>> {
         let (rise, fall) = self.turn()?;
+        if known_at.get(rise) != known_at.get(fall) {
+            return None;
+        }
         let local = |mode: usize| {
             let program = system.program(mode)?;
             let constants = constants.get(mode)?.as_ref()?;
@@ -97,7 +100,7 @@ impl<R: Real> Trajectory<R> {
     /// By how much the restitution of the sequence is changed by its tops, and how much longer its flights take than if their
     /// whole way were the rise: at the present state.
     pub(super) fn fall_by_rise(&self, system: &System, contact: usize) -> Option<(R, R)> {
-        let turn = self.tops.tapes(system, &self.constants, contact)?;
+        let turn = (self.tops).tapes(system, (&self.constants, &self.known_at), contact)?;
         let start = (&self.state[..], &self.low[..]);
         let acceleration = |(tape, constants)| with_terms(tape, constants, start)[2].value;
         let (up, down) = (acceleration(turn.rise), acceleration(turn.fall));
