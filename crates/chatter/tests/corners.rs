@@ -4,7 +4,7 @@
 use chatter::expressions::Side;
 use chatter::flow::{Column, FlowError, Occurrence, Settings, System, Trajectory};
 use chatter::model::{Direction, Model, ModelBuilder};
-use chatter::numerics::{DoubleDouble, Real};
+use chatter::numerics::{DoubleDouble, Real, Scalar};
 use core::cell::Cell;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
@@ -805,4 +805,131 @@ fn gaps_that_jump_open_or_end_the_run() {
     assert!(
         matches!(by_event, Err(FlowError::JumpsInside { gap, time, .. }) if gap == -0.25 && time == 0.5)
     );
+}
+
+/// A ball against Coulomb friction along its fall: rates fall by r sqrt((g - f) / (g + f)) from impact to impact, so that it comes to
+/// rest at a time that is known.
+#[test]
+fn chatter_against_dry_friction_ends_where_it_ends() {
+    fn check<R: Real>(share: f64) {
+        for (g, f, r, height) in [
+            (1.0, 0.3, 0.7, 1.0),
+            (9.81, 0.5, 0.9, 0.4),
+            (2.0, 1.5, 0.4, 3.0),
+            (1.0, -0.1, 0.6, 1.0),
+            (1.0, 0.02, 0.99, 0.2),
+        ] {
+            let text = format!(
+                "[flight]\ny = \"v\"\nv = \"-{g} - {f}*sign(v)\"\n[[contact]]\ngap = \"y\"\nimpulse = {{ v = 1 }}\n\
+                 restitution = {r}\n[initial]\ny = {height}\nv = 0\n"
+            );
+            let (told, end) = follow::<R>(&read(&text), 1000.0).expect("a motion");
+            let parsed =
+                |x: f64| R::from_double_double(format!("{x:?}").parse().expect("a number"));
+            let (g, f, r, height) = (parsed(g), parsed(f), parsed(r), parsed(height));
+            let (rise, fall) = (g + f, g - f);
+            let ratio = r * (fall / rise).sqrt();
+            let first = (R::splat(2.0) * fall * height).sqrt();
+            let flight = r * first / rise + ratio * first / fall;
+            let expected = first / fall + flight / (R::ONE - ratio);
+            let (at, error, impacts) = (told.iter())
+                .find_map(|told| match told.what {
+                    Occurrence::Accumulation { error, impacts, .. } => {
+                        Some((told.time, error, impacts))
+                    }
+                    _ => None,
+                })
+                .expect("it comes to rest");
+            let off = ((at - expected) / expected).abs().to_f64();
+            assert!(off < share, "{r:?} {f:?}: {at:?} {expected:?} {off:e}");
+            assert!(
+                (at - expected).abs().to_f64() <= 2.0 * error,
+                "{off:e} {error:e}"
+            );
+            // It is not followed until nothing is left.
+            let few = 40.0 / -libm::log2(ratio.to_f64()).max(-40.0) + 30.0;
+            assert!((impacts as f64) < few, "{impacts} {few}");
+            assert!(end.iter().all(|x| *x == R::ZERO), "{end:?}");
+        }
+    }
+    check::<f64>(2e-13);
+    check::<DoubleDouble>(1e-28);
+}
+
+/// The same where neither force is constant: extrapolated as soon as it can be, and followed for long.
+#[test]
+fn chatter_that_crosses_surfaces_ends_alike_however_long_it_is_followed() {
+    for force in [
+        "-1 - 0.3*sign(v) - 0.2*y*y",
+        "-1 - (0.3 + 0.1*cos(t) + 0.2*y)*sign(v)",
+        "-1 - 0.4*v*abs(v)",
+        "-1 + if(v > 0, -0.2*cos(t), 0.3*sin(t) - 0.1*y)",
+        "-1 - 0.3*sign(v) + 0.2*sin(3*t)",
+    ] {
+        let text = format!(
+            "[flight]\ny = \"v\"\nv = \"{force}\"\n[[contact]]\ngap = \"y\"\nimpulse = {{ v = 1 }}\nrestitution = 0.6\n\
+             [initial]\ny = 0.8\nv = 0\n"
+        );
+        let model = read(&text);
+        let end = |longest_tail: f64| {
+            let system = System::new(&model).expect("a valid system");
+            let settings = Settings {
+                longest_tail,
+                ..Settings::default()
+            };
+            let mut work = system.workspace::<DoubleDouble>(&settings);
+            let parameters = model.parameter_values(&[]);
+            let state = model.initial_state(&parameters);
+            let start = DoubleDouble::ZERO;
+            let mut trajectory =
+                Trajectory::start(&system, &mut work, &parameters, start, &state).expect("a start");
+            loop {
+                let until = DoubleDouble::splat(20.0);
+                match trajectory
+                    .advance(&system, &mut work, until)
+                    .expect("a motion")
+                {
+                    Some(Occurrence::Accumulation { impacts, .. }) => {
+                        return (trajectory.time(), impacts);
+                    }
+                    Some(Occurrence::Horizon) => panic!("{force}: no end"),
+                    _ => {}
+                }
+            }
+        };
+        let ((soon, few), (late, many)) = (end(f64::INFINITY), end(1e-14));
+        assert!(few + 10 < many, "{force}: {few} {many}");
+        assert!(
+            (soon - late).abs().to_f64() < 1e-27,
+            "{force}: {:e}",
+            (soon - late).to_f64()
+        );
+    }
+}
+
+/// Friction along the gap holds a ball on the floor as well as the floor does: it rises when the lift exceeds weight and friction.
+#[test]
+fn friction_along_the_gap_delays_release() {
+    for (friction, lift) in [(0.3_f64, 1.4_f64), (0.05, 3.0), (0.9, 2.0)] {
+        for force in [
+            format!("-1 + {lift}*sin(t) - {friction}*sign(v)"),
+            format!("-1 + {lift}*sin(t) + {friction}*sign(-v)"),
+            format!("-1 + {lift}*sin(t) - if(v > 0, {friction}, -{friction})"),
+        ] {
+            let text = format!(
+                "[flight]\ny = \"v\"\nv = \"{force}\"\n[[contact]]\ngap = \"y\"\nimpulse = {{ v = 1 }}\n\
+                 restitution = 0.4\n[initial]\ny = 0\nv = 0\n"
+            );
+            let (told, _) = follow::<f64>(&read(&text), 1.7).expect("a motion");
+            let released = (told.iter())
+                .find(|told| matches!(told.what, Occurrence::Release { .. }))
+                .expect("it rises");
+            let expected: f64 = ((1.0 + friction) / lift).asin();
+            assert!(
+                (released.time - expected).abs() < 1e-14,
+                "{force} {}",
+                released.time
+            );
+        }
+    }
 }

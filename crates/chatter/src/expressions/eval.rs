@@ -16,12 +16,22 @@ impl Graph {
 
     /// The values of several expressions, what they share computed once.
     pub fn evaluate_all<R: Real>(&self, exprs: &[Expr], states: &[R], parameters: &[R]) -> Vec<R> {
+        self.evaluate_parts(&self.reachable(exprs), exprs, (states, parameters))
+    }
+
+    /// As [`evaluate_all`](Self::evaluate_all), given all that the expressions are made of.
+    pub(crate) fn evaluate_parts<R: Real>(
+        &self,
+        parts: &[Expr],
+        exprs: &[Expr],
+        (states, parameters): (&[R], &[R]),
+    ) -> Vec<R> {
         let missing = R::splat(f64::NAN);
         let size = exprs.iter().map(|expr| expr.index() + 1).max();
         let mut known = vec![missing; size.unwrap_or(0)];
-        for part in self.reachable(exprs) {
+        for part in parts {
             let value = |operand: &Expr| known[operand.index()];
-            known[part.index()] = match self.node(part) {
+            known[part.index()] = match self.node(*part) {
                 Node::Number(number) => R::from_double_double(number.value()),
                 Node::Pi => R::from_double_double(DoubleDouble::PI),
                 Node::Symbol(Symbol::State(index)) => {

@@ -61,10 +61,18 @@ impl Graph {
 
     /// Whether each of `exprs` has a state in it, looked at together.
     pub fn depend_on_state(&self, exprs: &[Expr]) -> Vec<bool> {
+        self.depend_on(exprs, |symbol| matches!(symbol, Symbol::State(_)))
+    }
+
+    /// Whether each of `exprs` has a symbol in it that is asked for, looked at together.
+    pub fn depend_on(&self, exprs: &[Expr], is_asked: impl Fn(Symbol) -> bool) -> Vec<bool> {
         let parts = self.reachable(exprs);
         let mut changes = vec![false; parts.last().map_or(0, |last| last.index() + 1)];
         for part in parts {
-            let mut changing = matches!(self.node(part), Node::Symbol(Symbol::State(_)));
+            let mut changing = match self.node(part) {
+                Node::Symbol(symbol) => is_asked(*symbol),
+                _ => false,
+            };
             self.for_each_operand(part, |operand| changing |= changes[operand.index()]);
             changes[part.index()] = changing;
         }

@@ -247,10 +247,12 @@ impl Tape {
 
     /// The tape's constants at one parameter set.
     pub fn constants<R: Real>(&self, graph: &Graph, parameters: &[R]) -> Vec<R> {
-        self.constants
-            .iter()
-            .map(|&expr| graph.evaluate(expr, &[], parameters))
-            .collect()
+        graph.evaluate_all(&self.constants, &[], parameters)
+    }
+
+    /// The expressions of the constants.
+    pub(crate) fn constant_exprs(&self) -> &[Expr] {
+        &self.constants
     }
 
     /// Indices of the constants whose expressions satisfy a condition.

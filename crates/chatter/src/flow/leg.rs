@@ -125,13 +125,13 @@ fn columns(coordinates: usize, free: &[usize]) -> Vec<Column> {
 
 impl System {
     fn ending(&self, kind: LegKind) -> Option<Ending> {
-        let (closed, sides, on_sides) = self.origin_of(kind.mode)?;
+        let (grip, sides, on_sides) = self.origin_of(kind.mode)?;
         let mut mechanics = on_sides.mechanics.clone();
-        let exprs = ModeExprs::new(&mut mechanics, closed)?;
+        let exprs = ModeExprs::new(&mut mechanics, grip)?;
         let limits = Limits::new(
             &mut mechanics,
             (self.corners(), on_sides),
-            (self.rubbing(), closed, sides),
+            (self.rubbing(), grip.carrying(), sides),
             &exprs,
         );
         let contacts = mechanics.contacts.clone();
@@ -343,7 +343,13 @@ impl Leg {
         let start = with_identity(x, self.edge.columns);
         let clock = self.time.map_or(R::ZERO, |index| x[index]);
         let system = &self.flow;
-        place(system, (&mut flyer.trajectory, &mut flyer.work), parameters, clock, &start)?;
+        place(
+            system,
+            (&mut flyer.trajectory, &mut flyer.work),
+            parameters,
+            clock,
+            &start,
+        )?;
         let Some((_, trajectory)) = &mut flyer.trajectory else {
             return Err(left_domain(clock, x));
         };
@@ -556,7 +562,9 @@ impl Stretch {
                     let landing = (self.edge).landing(&mut follower.expansion, all, longest, end);
                     return Ok(Followed { landing, impacts });
                 }
-                Some(Occurrence::Accumulation { .. } | Occurrence::Cascade { .. }) => accumulations += 1,
+                Some(Occurrence::Accumulation { .. } | Occurrence::Cascade { .. }) => {
+                    accumulations += 1
+                }
                 Some(Occurrence::Impact { .. }) => impacts += 1,
                 _ => {}
             }

@@ -19,6 +19,7 @@ mod error;
 mod fleet;
 pub(crate) mod leg;
 mod limits;
+mod looked_up;
 mod modes;
 mod occurrence;
 mod program;

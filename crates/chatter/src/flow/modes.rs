@@ -4,7 +4,7 @@
 //! them have 2^n such sets and more, of which a motion meets few: so none is compiled in advance. Every mode is derived from the same expressions, whatever modes were met before it, so that its
 //! results do not depend on the order of meeting, nor on threads.
 
-use super::program::{Closed, Program};
+use super::program::{Grip, Program};
 use super::touch::Touches;
 use crate::expressions::{Graph, Sides, Surfaces};
 use crate::model::OnSides;
@@ -17,7 +17,7 @@ const BLOCK: usize = 32;
 /// One set of closed contacts and sides.
 #[derive(Debug)]
 pub(crate) struct Mode {
-    pub closed: Closed,
+    pub grip: Grip,
     pub sides: Sides,
     /// The surfaces whose side matters here.
     pub surfaces: Surfaces,
@@ -37,8 +37,8 @@ pub(crate) struct Flight {
 }
 
 impl Mode {
-    fn is(&self, closed: Closed, sides: Sides) -> bool {
-        self.closed == closed && self.sides.agree(sides, self.surfaces)
+    fn is(&self, grip: Grip, sides: Sides) -> bool {
+        self.grip == grip && self.sides.agree(sides, self.surfaces)
     }
 }
 
@@ -70,17 +70,13 @@ impl Modes {
     }
 
     /// The number of a mode; it is built if it was never met before.
-    pub(crate) fn meet(
-        &self,
-        (closed, sides): (Closed, Sides),
-        build: impl FnOnce() -> Mode,
-    ) -> usize {
-        if let Ok(known) = self.find(closed, sides) {
+    pub(crate) fn meet(&self, (grip, sides): (Grip, Sides), build: impl FnOnce() -> Mode) -> usize {
+        if let Ok(known) = self.find(grip, sides) {
             return known;
         }
         let _alone = (self.building.lock()).unwrap_or_else(PoisonError::into_inner);
         // Another thread may have been faster.
-        let number = match self.find(closed, sides) {
+        let number = match self.find(grip, sides) {
             Ok(known) => return known,
             Err(free) => free,
         };
@@ -93,13 +89,13 @@ impl Modes {
     }
 
     /// The number of a mode, or else the first that is free.
-    fn find(&self, closed: Closed, sides: Sides) -> Result<usize, usize> {
+    fn find(&self, grip: Grip, sides: Sides) -> Result<usize, usize> {
         let mut number = 0;
         let mut block = Some(&self.first);
         while let Some(here) = block {
             for mode in &here.modes {
                 match mode.get() {
-                    Some(mode) if mode.is(closed, sides) => return Ok(number),
+                    Some(mode) if mode.is(grip, sides) => return Ok(number),
                     Some(_) => number += 1,
                     None => return Err(number),
                 }
@@ -120,10 +116,18 @@ impl fmt::Debug for Modes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flow::program::Closed;
+
+    fn grip(bits: u128) -> Grip {
+        Grip {
+            closed: Closed(bits),
+            idle: Closed::NONE,
+        }
+    }
 
     fn mode(bits: u128) -> Mode {
         Mode {
-            closed: Closed(bits),
+            grip: grip(bits),
             sides: Sides::default(),
             surfaces: Surfaces::default(),
             program: None,
@@ -136,15 +140,12 @@ mod tests {
     fn numbers_stay_whatever_comes_later() {
         let modes = Modes::default();
         let numbers: Vec<usize> = (0..100)
-            .map(|bits| modes.meet((Closed(bits), Sides::default()), || mode(bits)))
+            .map(|bits| modes.meet((grip(bits), Sides::default()), || mode(bits)))
             .collect();
         assert_eq!(numbers, (0..100).collect::<Vec<_>>());
         for bits in (0..100_u128).rev() {
-            let number = modes.meet((Closed(bits), Sides::default()), || panic!("met before"));
-            assert_eq!(
-                modes.get(number).map(|mode| mode.closed),
-                Some(Closed(bits))
-            );
+            let number = modes.meet((grip(bits), Sides::default()), || panic!("met before"));
+            assert_eq!(modes.get(number).map(|mode| mode.grip), Some(grip(bits)));
         }
         assert!(modes.get(100).is_none());
     }
@@ -158,14 +159,11 @@ mod tests {
                 .map(|bits| {
                     (
                         bits,
-                        modes.meet((Closed(bits), Sides::default()), || mode(bits)),
+                        modes.meet((grip(bits), Sides::default()), || mode(bits)),
                     )
                 })
                 .map(|(bits, number)| {
-                    assert_eq!(
-                        modes.get(number).map(|mode| mode.closed),
-                        Some(Closed(bits))
-                    );
+                    assert_eq!(modes.get(number).map(|mode| mode.grip), Some(grip(bits)));
                     number
                 })
                 .collect()

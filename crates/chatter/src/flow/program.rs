@@ -2,6 +2,7 @@
 
 use super::chatter::{SequenceConstants, SequenceExprs, SequenceTapes};
 use super::limits::{Corner, Limits};
+use super::looked_up::LookedUp;
 use super::reset::ResetTapes;
 use super::touching::Touching;
 use super::variation::Direction as Along;
@@ -43,6 +44,28 @@ impl Closed {
             rest &= rest - 1;
             Some(first)
         })
+    }
+}
+
+/// The closed contacts of a mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub(crate) struct Grip {
+    /// All of them.
+    pub closed: Closed,
+    /// Those whose gaps stay zero as long as those of the others do: no force is asked of them, as of the third leg of a beam.
+    pub idle: Closed,
+}
+
+impl Grip {
+    /// No contact is closed.
+    pub const NONE: Self = Self {
+        closed: Closed::NONE,
+        idle: Closed::NONE,
+    };
+
+    /// Contacts whose forces hold all.
+    pub fn carrying(self) -> Closed {
+        Closed(self.closed.0 & !self.idle.0)
     }
 }
 
@@ -133,7 +156,7 @@ pub struct Program {
     pub(crate) locals: Vec<Tape>,
     /// Per contact: the state brought to rest on it (gap and rate zero).
     pub(crate) captures: Vec<Tape>,
-    /// Gap and rate of each closed contact, in order; then the surfaces that are slid along, and rates of sliding of
+    /// Gap and rate of each carrying contact, in order; then the surfaces that are slid along, and rates of sliding of
     /// contacts that stick.
     pub(crate) residuals: Tape,
     /// For each surface that is held so its gradient, zero for time.
@@ -144,6 +167,8 @@ pub struct Program {
     pub(crate) standings: Vec<StandingTapes>,
     /// The field of the model's own states, at a point.
     pub(crate) field: Tape,
+    /// Constants of the tapes that change at knots.
+    pub(crate) looked_up: LookedUp,
 }
 
 /// The constants of a program's tapes at one parameter set.
@@ -157,7 +182,7 @@ pub(crate) struct ProgramConstants<R> {
     pub residuals: Vec<R>,
     pub held_gradients: Vec<R>,
     pub resets: Vec<[Vec<R>; 2]>,
-    pub standings: Vec<[Vec<R>; 2]>,
+    pub standings: Vec<[Vec<R>; 3]>,
     pub field: Vec<R>,
 }
 
@@ -170,6 +195,8 @@ pub(crate) struct StandingTapes {
     pub guards: Vec<GuardKind>,
     /// The derivative of the surface along each column.
     pub slopes: Tape,
+    /// By how much the surface rises where the rate of each contact is made larger by one.
+    pub lifts: Tape,
 }
 
 /// Values of a guard and its derivatives that decide which mode follows at a corner.
@@ -178,10 +205,10 @@ pub(crate) const STANDING_ORDERS: usize = 4;
 /// What holds while a set of contacts is closed, as expressions.
 #[derive(Clone, Debug)]
 pub(crate) struct ModeExprs {
-    pub closed: Closed,
+    pub grip: Grip,
     /// Flight or sticking field.
     pub field: Vec<Expr>,
-    /// One for each closed contact, in order.
+    /// One for each carrying contact, in order.
     pub reactions: Vec<Expr>,
     /// For each surface that is slid along, the share of the fields on both sides.
     pub shares: Vec<Expr>,
@@ -197,8 +224,8 @@ pub(crate) struct ModeExprs {
 
 impl ModeExprs {
     /// The mode in which these contacts are closed; none where they cannot be held together.
-    pub(crate) fn new(mechanics: &mut Mechanics, closed: Closed) -> Option<Self> {
-        let active: Vec<usize> = closed.contacts().collect();
+    pub(crate) fn new(mechanics: &mut Mechanics, grip: Grip) -> Option<Self> {
+        let active: Vec<usize> = grip.carrying().contacts().collect();
         let held = if active.is_empty() && mechanics.slides.is_empty() {
             Sticking {
                 field: mechanics.field.clone(),
@@ -226,7 +253,7 @@ impl ModeExprs {
             .collect();
         Some(Self {
             sequences,
-            closed,
+            grip,
             field: held.field,
             reactions: held.reactions,
             shares: held.shares,
@@ -247,14 +274,17 @@ impl Program {
         mode: &ModeExprs,
         names: Names<'_>,
     ) -> Self {
-        let ModeExprs { closed, field, .. } = mode;
+        let ModeExprs { grip, field, .. } = mode;
+        let (closed, carrying) = (grip.closed, grip.carrying());
         let dimension = field.len();
         let coordinates = mechanics.field.len();
         let contacts = mechanics.contacts.clone();
         let graph = &mut mechanics.graph;
         let listed = guard_functions(graph, &contacts, (sections, limits), mode);
         let functions: Vec<Expr> = listed.iter().map(|&(.., function)| function).collect();
-        let kinds = listed.into_iter().map(|(kind, crossing, _)| (kind, crossing));
+        let kinds = listed
+            .into_iter()
+            .map(|(kind, crossing, _)| (kind, crossing));
         let tape = Tape::new(graph, dimension, field, &functions);
         let vanishing = (tape.singular.iter())
             .map(|singular| {
@@ -353,14 +383,14 @@ impl Program {
                 is_alone,
             }));
         }
-        let mut residuals: Vec<Expr> = (closed.contacts())
+        let mut residuals: Vec<Expr> = (carrying.contacts())
             .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
             .collect();
         let sticks = mechanics.sticks.iter();
         let held: Vec<Expr> = (mechanics.slides.iter().map(|slide| slide.surface))
             .chain(
                 sticks
-                    .filter(|stick| closed.contains(stick.contact))
+                    .filter(|stick| carrying.contains(stick.contact))
                     .map(|stick| stick.rate),
             )
             .collect();
@@ -393,11 +423,15 @@ impl Program {
                 let slopes: Vec<Expr> = (directions.iter())
                     .flat_map(|along| along.along(graph, coordinates, &[limit.surface]))
                     .collect();
+                let lifts: Vec<Expr> = (contacts.iter())
+                    .map(|contact| graph.lie_derivative(limit.surface, &contact.jump))
+                    .collect();
                 StandingTapes {
                     corner: limit.corner,
                     values: Tape::new(graph, dimension, &[], &outputs),
                     guards: limit.guards.iter().map(|&(kind, _)| kind).collect(),
                     slopes: Tape::new(graph, dimension, &[], &slopes),
+                    lifts: Tape::new(graph, dimension, &[], &lifts),
                 }
             })
             .collect();
@@ -416,6 +450,7 @@ impl Program {
             resets,
             standings,
             field: at_point,
+            looked_up: LookedUp::default(),
         }
     }
 
@@ -449,13 +484,29 @@ impl Program {
                 })
                 .collect(),
             standings: (self.standings.iter())
-                .map(|standing| [of(&standing.values), of(&standing.slopes)])
+                .map(|standing| [&standing.values, &standing.slopes, &standing.lifts].map(of))
                 .collect(),
             field: of(&self.field),
         }
     }
 
-    /// Every tape, for sizing scratch space.
+    /// Takes note of the constants that depend on a parameter from this number on.
+    pub(crate) fn look_up_from(&mut self, graph: &Graph, first_slot: usize) {
+        self.looked_up = LookedUp::new(graph, self.tapes(), first_slot);
+    }
+
+    /// Computes the constants that change at knots anew.
+    pub(crate) fn renew<R: Real>(
+        &self,
+        graph: &Graph,
+        parameters: &[R],
+        constants: &mut ProgramConstants<R>,
+    ) {
+        let parts = constants.of_tapes(self);
+        self.looked_up.renew(graph, parameters, parts);
+    }
+
+    /// Every tape, for sizing scratch space; in the order of [`ProgramConstants::of_tapes`].
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
         [
             &self.tape,
@@ -464,7 +515,7 @@ impl Program {
             &self.field,
         ]
         .into_iter()
-        .chain((self.standings.iter()).flat_map(|s| [&s.values, &s.slopes]))
+        .chain((self.standings.iter()).flat_map(|s| [&s.values, &s.slopes, &s.lifts]))
         .chain((self.resets.iter().flatten()).flat_map(|r| [&r.after, &r.crossing]))
         .chain(&self.locals)
         .chain(&self.captures)
@@ -485,11 +536,17 @@ pub(crate) fn guard_functions(
     (sections, limits): (&[Section], &Limits),
     mode: &ModeExprs,
 ) -> Vec<(GuardKind, Crossing, Expr)> {
-    let open = (0..contacts.len()).filter(|&index| !mode.closed.contains(index));
+    let open = (0..contacts.len()).filter(|&index| !mode.grip.closed.contains(index));
     let mut guards: Vec<(GuardKind, Crossing, Expr)> = open
-        .map(|index| (GuardKind::Gap(index), Crossing::Falling, contacts[index].gap))
+        .map(|index| {
+            (
+                GuardKind::Gap(index),
+                Crossing::Falling,
+                contacts[index].gap,
+            )
+        })
         .collect();
-    for (contact, &reaction) in mode.closed.contacts().zip(&mode.reactions) {
+    for (contact, &reaction) in mode.grip.carrying().contacts().zip(&mode.reactions) {
         let push = graph.neg(reaction);
         guards.push((GuardKind::Reaction(contact), Crossing::Falling, push));
     }
@@ -504,6 +561,43 @@ pub(crate) fn guard_functions(
     let limits = limits.guards();
     guards.extend(limits.map(|(kind, function)| (kind, Crossing::Falling, function)));
     guards
+}
+
+impl<R> ProgramConstants<R> {
+    /// The constants of each tape of their program, in order.
+    fn of_tapes<'a>(
+        &'a mut self,
+        program: &'a Program,
+    ) -> impl Iterator<Item = &'a mut Vec<R>> + 'a {
+        let resets = self.resets.iter_mut().zip(&program.resets);
+        let impacts = self.impacts.iter_mut().zip(&program.impacts);
+        let sequences = self.sequences.iter_mut().zip(&program.sequences);
+        [
+            &mut self.tape,
+            &mut self.residuals,
+            &mut self.held_gradients,
+            &mut self.field,
+        ]
+        .into_iter()
+        .chain(self.standings.iter_mut().flatten())
+        .chain(
+            resets
+                .filter(|(_, tapes)| tapes.is_some())
+                .flat_map(|(own, _)| own),
+        )
+        .chain(&mut self.locals)
+        .chain(&mut self.captures)
+        .chain(
+            impacts
+                .filter(|(_, tape)| tape.is_some())
+                .map(|(own, _)| own),
+        )
+        .chain(
+            sequences
+                .filter(|(_, tapes)| tapes.is_some())
+                .flat_map(|(own, _)| own.of_tapes()),
+        )
+    }
 }
 
 fn is_state(graph: &Graph, function: Expr) -> bool {

@@ -3,7 +3,7 @@
 use super::error::FlowError;
 use super::limits::{Corner, Limits};
 use super::modes::{Flight, Mode, Modes};
-use super::program::{Closed, ModeExprs, Program, ProgramConstants};
+use super::program::{Grip, ModeExprs, Program, ProgramConstants};
 use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
@@ -123,7 +123,7 @@ impl System {
             directions,
             modes: Arc::default(),
         };
-        system.meet(Closed::NONE, Sides::default());
+        system.meet(Grip::NONE, Sides::default());
         Ok(system)
     }
 
@@ -160,10 +160,10 @@ impl System {
     }
 
     /// The number of the mode in which these contacts are closed, on these sides of the surfaces.
-    pub(crate) fn meet(&self, closed: Closed, sides: Sides) -> usize {
-        let flight = (closed != Closed::NONE).then(|| self.meet(Closed::NONE, sides));
-        self.modes.meet((closed, sides), || match flight {
-            Some(flight) => self.held(closed, sides, flight),
+    pub(crate) fn meet(&self, grip: Grip, sides: Sides) -> usize {
+        let flight = (grip != Grip::NONE).then(|| self.meet(Grip::NONE, sides));
+        self.modes.meet((grip, sides), || match flight {
+            Some(flight) => self.held(grip, sides, flight),
             None => self.flight(sides),
         })
     }
@@ -173,7 +173,7 @@ impl System {
         let found = Mechanics::on_sides(&self.model, &self.corners, &self.rubbing, sides);
         let Ok(on_sides) = found else {
             return Mode {
-                closed: Closed::NONE,
+                grip: Grip::NONE,
                 sides,
                 surfaces: Surfaces::all(self.corners.surfaces.len()),
                 program: None,
@@ -182,10 +182,14 @@ impl System {
             };
         };
         let mut mechanics = on_sides.mechanics.clone();
-        let program = self.compile(&mut mechanics, &on_sides, Closed::NONE, sides);
-        let touches = Touches::new(&on_sides.mechanics, &self.directions, self.model.time);
+        let program = self.compile(&mut mechanics, &on_sides, Grip::NONE, sides);
+        let touches = Touches::new(
+            &on_sides.mechanics,
+            &self.directions,
+            (self.model.time, self.corners.first_slot),
+        );
         Mode {
-            closed: Closed::NONE,
+            grip: Grip::NONE,
             sides,
             surfaces: on_sides.active,
             program,
@@ -195,14 +199,13 @@ impl System {
     }
 
     /// A mode in which contacts are closed.
-    fn held(&self, closed: Closed, sides: Sides, flight: usize) -> Mode {
+    fn held(&self, grip: Grip, sides: Sides, flight: usize) -> Mode {
         let flight = self.modes.get(flight).and_then(|mode| mode.flight.as_ref());
         let mut mechanics = flight.map(|flight| flight.on_sides.mechanics.clone());
-        let program = (flight.zip(mechanics.as_mut())).and_then(|(flight, mechanics)| {
-            self.compile(mechanics, &flight.on_sides, closed, sides)
-        });
+        let program = (flight.zip(mechanics.as_mut()))
+            .and_then(|(flight, mechanics)| self.compile(mechanics, &flight.on_sides, grip, sides));
         Mode {
-            closed,
+            grip,
             sides,
             surfaces: flight.map_or(Surfaces::all(self.corners.surfaces.len()), |flight| {
                 flight.on_sides.active
@@ -217,32 +220,36 @@ impl System {
         &self,
         mechanics: &mut Mechanics,
         on_sides: &OnSides,
-        closed: Closed,
+        grip: Grip,
         sides: Sides,
     ) -> Option<Program> {
-        let mut mode = ModeExprs::new(mechanics, closed)?;
+        let mut mode = ModeExprs::new(mechanics, grip)?;
         extend(&mut mode, mechanics, &self.directions);
         let limits = Limits::new(
             mechanics,
             (&self.corners, on_sides),
-            (&self.rubbing, closed, sides),
+            (&self.rubbing, grip.carrying(), sides),
             &mode,
         );
-        Some(Program::new(
+        let mut program = Program::new(
             mechanics,
             (&on_sides.sections, &limits),
             &self.directions,
             self.model.time,
             &mode,
             self.names(),
-        ))
+        );
+        if !self.corners.lookups.is_empty() {
+            program.look_up_from(&mechanics.graph, self.corners.first_slot);
+        }
+        Some(program)
     }
 
     /// What a mode is, and what holds on its sides.
-    pub(crate) fn origin_of(&self, mode: usize) -> Option<(Closed, Sides, &OnSides)> {
+    pub(crate) fn origin_of(&self, mode: usize) -> Option<(Grip, Sides, &OnSides)> {
         let mode = self.modes.get(mode)?;
-        let flight = self.modes.get(self.meet(Closed::NONE, mode.sides))?;
-        Some((mode.closed, mode.sides, &flight.flight.as_ref()?.on_sides))
+        let flight = self.modes.get(self.meet(Grip::NONE, mode.sides))?;
+        Some((mode.grip, mode.sides, &flight.flight.as_ref()?.on_sides))
     }
 
     /// The program of a mode; none where its contacts cannot be held together.
@@ -278,6 +285,20 @@ impl System {
         let mode = self.modes.get(mode)?;
         let program = mode.program.as_ref()?;
         Some(program.constants(&mode.graph, parameters))
+    }
+
+    /// Computes those of them anew that change at knots.
+    pub(crate) fn renew_constants<R: Real>(
+        &self,
+        mode: usize,
+        parameters: &[R],
+        constants: &mut ProgramConstants<R>,
+    ) {
+        if let Some(mode) = self.modes.get(mode)
+            && let Some(program) = &mode.program
+        {
+            program.renew(&mode.graph, parameters, constants);
+        }
     }
 
     /// All contacts at one state, on the sides of a mode in which nothing is closed.

@@ -1,5 +1,6 @@
 //! All contacts of a system at one state, as numbers: what simultaneous impacts and joint rest are decided by.
 
+use super::looked_up::LookedUp;
 use super::variation::Direction;
 use crate::expressions::{Expansion, Expr, Graph, Node, Symbol, Tape};
 use crate::model::Mechanics;
@@ -23,6 +24,8 @@ pub(crate) struct Touches {
     coordinates: usize,
     /// No impulse changes a restitution or what another impulse does.
     is_linear: bool,
+    /// Constants of the tapes that change at knots.
+    looked_up: LookedUp,
 }
 
 /// The constants of these tapes at one parameter set.
@@ -32,6 +35,23 @@ pub(crate) struct TouchConstants<R> {
     collisions: Vec<Vec<R>>,
     slopes: Vec<R>,
     slidings: Vec<Vec<R>>,
+}
+
+impl<R> TouchConstants<R> {
+    fn of_tapes<'a>(
+        &'a mut self,
+        touches: &'a Touches,
+    ) -> impl Iterator<Item = &'a mut Vec<R>> + 'a {
+        let slidings = self.slidings.iter_mut().zip(&touches.slidings);
+        [&mut self.values, &mut self.slopes]
+            .into_iter()
+            .chain(&mut self.collisions)
+            .chain(
+                slidings
+                    .filter(|(_, tape)| tape.is_some())
+                    .map(|(own, _)| own),
+            )
+    }
 }
 
 /// Values of [`Touches`], each with its terms.
@@ -60,7 +80,7 @@ impl Touches {
     pub(crate) fn new(
         mechanics: &Mechanics,
         directions: &[Direction],
-        time: Option<usize>,
+        (time, first_slot): (Option<usize>, usize),
     ) -> Self {
         let mut mechanics = mechanics.clone();
         let contacts = mechanics.contacts.clone();
@@ -122,7 +142,7 @@ impl Touches {
         let slidings = (0..contacts.len())
             .map(|contact| sliding(&mut mechanics, contact, coordinates))
             .collect();
-        Self {
+        let mut touches = Self {
             values,
             collisions,
             slopes,
@@ -131,7 +151,24 @@ impl Touches {
             contacts: contacts.len(),
             coordinates,
             is_linear,
-        }
+            looked_up: LookedUp::default(),
+        };
+        touches.looked_up = LookedUp::new(&touches.graph, touches.tapes(), first_slot);
+        touches
+    }
+
+    /// All of them, in the order of [`TouchConstants::of_tapes`].
+    fn tapes(&self) -> impl Iterator<Item = &Tape> {
+        [&self.values, &self.slopes]
+            .into_iter()
+            .chain(&self.collisions)
+            .chain(self.slidings.iter().flatten())
+    }
+
+    /// Computes the constants that change at knots anew.
+    pub(crate) fn renew<R: Real>(&self, parameters: &[R], constants: &mut TouchConstants<R>) {
+        let parts = constants.of_tapes(self);
+        self.looked_up.renew(&self.graph, parameters, parts);
     }
 
     /// Whether impulses change rates by amounts that stay the same all through the collisions of an instant.

@@ -2,10 +2,11 @@
 //!
 //! Contact forces and impacts of several contacts obey it: each either pushes or lets go. Principal pivoting by the least
 //! index (Murty) finds the solution of every matrix whose principal minors are positive, as mechanics makes them, in
-//! finitely many exchanges.
+//! finitely many exchanges. Where contacts depend on each other some are zero; then Lemke's path, followed by the lexicographic
+//! rule, finds one of the solutions: forces differ between them, w does not.
 
 use super::Real;
-use super::linear::solve;
+use super::linear::{independent, solve};
 
 /// A solution: p, and w = q + M p.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub(crate) struct Complementary<R> {
 const EXCHANGES: usize = 64;
 
 /// Solves the problem; entries of p and w count as zero within `levels`. None where no solution is found: the matrix has
-/// a principal minor that is not positive.
+/// a principal minor that is negative.
 pub(crate) fn complementary<R: Real>(
     matrix: &[Vec<R>],
     q: &[R],
@@ -31,6 +32,9 @@ pub(crate) fn complementary<R: Real>(
         let block: Vec<Vec<R>> = (active.iter())
             .map(|&i| active.iter().map(|&j| matrix[i][j]).collect())
             .collect();
+        if independent(&block).len() < active.len() {
+            return lemke(matrix, q, levels);
+        }
         let right: Vec<R> = active.iter().map(|&i| -q[i]).collect();
         let mut p = vec![R::ZERO; size];
         for (&i, value) in active.iter().zip(solve(&block, &right)?) {
@@ -51,6 +55,105 @@ pub(crate) fn complementary<R: Real>(
     None
 }
 
+/// Entries of a tableau no larger than this many roundoffs of its largest are rounding.
+const PIVOT_ROUNDOFFS: f64 = 4096.0;
+
+/// Lemke's method: w = q + M p + z with one z for all rows, from a z that is large enough along a path to z = 0. Ties are broken by
+/// the columns of w (the lexicographic rule), so that it ends.
+fn lemke<R: Real>(matrix: &[Vec<R>], q: &[R], levels: &[R]) -> Option<Complementary<R>> {
+    let size = q.len();
+    let tiny = R::splat(PIVOT_ROUNDOFFS * R::ROUNDOFF);
+    let q: Vec<R> = (q.iter().zip(levels))
+        .map(|(&q, &level)| if q.abs() <= level { R::ZERO } else { q })
+        .collect();
+    // Columns: w, p, z, right side. Variables are numbered alike.
+    let z = 2 * size;
+    let mut rows: Vec<Vec<R>> = (0..size)
+        .map(|i| {
+            let unit = (0..size).map(|j| if i == j { R::ONE } else { R::ZERO });
+            let pushes = matrix[i].iter().map(|&entry| -entry);
+            unit.chain(pushes).chain([-R::ONE, q[i]]).collect()
+        })
+        .collect();
+    let mut basis: Vec<usize> = (0..size).collect();
+    let lexical = |rows: &[Vec<R>], a: usize, b: usize, column: usize| {
+        for k in core::iter::once(z + 1).chain(0..size) {
+            let (x, y) = (rows[a][k] / rows[a][column], rows[b][k] / rows[b][column]);
+            if (x - y).abs() > tiny * x.abs().max(y.abs()) {
+                return x < y;
+            }
+        }
+        a < b
+    };
+    let pivot = |rows: &mut Vec<Vec<R>>, row: usize, column: usize| {
+        let lead = rows[row][column];
+        for entry in &mut rows[row] {
+            *entry = *entry / lead;
+        }
+        let own = rows[row].clone();
+        for (other, entries) in rows.iter_mut().enumerate() {
+            let factor = entries[column];
+            if other != row && factor != R::ZERO {
+                for (entry, &by) in entries.iter_mut().zip(&own) {
+                    *entry -= factor * by;
+                }
+            }
+        }
+    };
+    // The first row to leave: the one that needs the largest z.
+    let first = (0..size).reduce(|a, b| if lexical(&rows, a, b, z) { b } else { a })?;
+    if q[first] < R::ZERO {
+        let mut leaving = basis[first];
+        pivot(&mut rows, first, z);
+        basis[first] = z;
+        for turn in 0.. {
+            let entering = if leaving < size {
+                leaving + size
+            } else {
+                leaving - size
+            };
+            let scale = rows
+                .iter()
+                .fold(R::ONE, |most, row| most.max(row[entering].abs()));
+            let candidates = (0..size).filter(|&row| rows[row][entering] > tiny * scale);
+            // Where z may leave as well as others, it does.
+            let row = candidates.reduce(|a, b| {
+                let ratio = |row: usize| rows[row][z + 1] / rows[row][entering];
+                let tie = (ratio(a) - ratio(b)).abs() <= tiny * ratio(a).abs().max(ratio(b).abs());
+                match (basis[a] == z, basis[b] == z) {
+                    (true, _) if tie => a,
+                    (_, true) if tie => b,
+                    _ if lexical(&rows, a, b, entering) => a,
+                    _ => b,
+                }
+            })?;
+            leaving = basis[row];
+            pivot(&mut rows, row, entering);
+            basis[row] = entering;
+            if leaving == z {
+                break;
+            }
+            if turn > EXCHANGES * (size + 1) {
+                return None;
+            }
+        }
+    }
+    let mut p = vec![R::ZERO; size];
+    for (row, &variable) in basis.iter().enumerate() {
+        if (size..z).contains(&variable) {
+            p[variable - size] = rows[row][z + 1];
+        }
+    }
+    let w: Vec<R> = (0..size)
+        .map(|i| {
+            let pushed = (0..size).fold(q[i], |sum, j| matrix[i][j].mul_add(p[j], sum));
+            if basis.contains(&i) { pushed } else { R::ZERO }
+        })
+        .collect();
+    let is_finite = p.iter().chain(&w).all(|value| value.is_finite());
+    is_finite.then_some(Complementary { p, w })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,6 +170,37 @@ mod tests {
     }
 
     proptest! {
+        /// More contacts than coordinates: A D A^T of low rank. Forces are not unique; what moves is.
+        #[test]
+        fn dependent_contacts_have_solutions_and_one_motion(
+            entries in proptest::collection::vec(-1.0_f64..1.0, 18),
+            free in proptest::collection::vec(-1.0_f64..1.0, 3),
+            size in 2_usize..=6,
+            rank in 1_usize..=2,
+        ) {
+            let row = |i: usize| &entries[3 * i..3 * i + rank];
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let matrix: Vec<Vec<f64>> = (0..size)
+                .map(|i| (0..size).map(|j| dot(row(i), row(j)) / dot(row(j), row(j))).collect())
+                .collect();
+            let q: Vec<f64> = (0..size).map(|i| dot(row(i), &free[..rank])).collect();
+            let found = complementary(&matrix, &q, &vec![1e-12; size]).expect("a solution");
+            let backwards: Vec<usize> = (0..size).rev().collect();
+            let turned: Vec<Vec<f64>> = (backwards.iter())
+                .map(|&i| backwards.iter().map(|&j| matrix[i][j]).collect())
+                .collect();
+            let q_turned: Vec<f64> = backwards.iter().map(|&i| q[i]).collect();
+            let other = complementary(&turned, &q_turned, &vec![1e-12; size]).expect("a solution");
+            let size_of_p = found.p.iter().fold(1.0_f64, |most, p| most.max(p.abs()));
+            for i in 0..size {
+                let w: f64 = q[i] + (0..size).map(|j| matrix[i][j] * found.p[j]).sum::<f64>();
+                prop_assert!((w - found.w[i]).abs() < 1e-10 * size_of_p, "{w} {}", found.w[i]);
+                prop_assert!(found.p[i] >= -1e-12 && found.w[i] >= -1e-10 * size_of_p);
+                prop_assert!((found.p[i] * found.w[i]).abs() < 1e-9 * size_of_p);
+                prop_assert!((found.w[i] - other.w[size - 1 - i]).abs() < 1e-9 * size_of_p);
+            }
+        }
+
         #[test]
         fn solutions_satisfy_the_conditions(
             entries in proptest::collection::vec(-1.0_f64..1.0, 36),

@@ -57,9 +57,8 @@ fn pair_up(values: &mut [Complex]) {
             continue;
         }
         let mate = (i + 1..values.len()).min_by(|&a, &b| {
-            let apart = |k: usize| {
-                libm::hypot(values[k].re - values[i].re, values[k].im + values[i].im)
-            };
+            let apart =
+                |k: usize| libm::hypot(values[k].re - values[i].re, values[k].im + values[i].im);
             apart(a).total_cmp(&apart(b))
         });
         if let Some(mate) = mate {
@@ -88,7 +87,10 @@ mod tests {
         let found = eigenvalues(&matrix);
         let expected = [(3.0, 0.0), (1.0, 2.0), (1.0, -2.0)];
         for (value, (re, im)) in found.iter().zip(expected) {
-            assert!((value.re - re).abs() + (value.im - im).abs() < 1e-13, "{found:?}");
+            assert!(
+                (value.re - re).abs() + (value.im - im).abs() < 1e-13,
+                "{found:?}"
+            );
         }
         matrix[(0, 0)] = f64::NAN;
         assert_eq!(eigenvalues(&matrix), []);

@@ -70,9 +70,7 @@ impl<R: Real> Matrix<R> {
 
     /// The product with a vector.
     pub fn apply(&self, vector: &[R]) -> Vec<R> {
-        (0..self.rows)
-            .map(|i| dot(self.row(i), vector))
-            .collect()
+        (0..self.rows).map(|i| dot(self.row(i), vector)).collect()
     }
 
     /// The product of its transpose with a vector.
@@ -304,7 +302,10 @@ mod tests {
         let third = DoubleDouble::ONE / DoubleDouble::from(3.0);
         let mut matrix = Matrix::identity(2);
         matrix[(0, 1)] = third;
-        let x = matrix.factored().unwrap().solve(&[DoubleDouble::ONE, third]);
+        let x = matrix
+            .factored()
+            .unwrap()
+            .solve(&[DoubleDouble::ONE, third]);
         let off = x[0] - (DoubleDouble::ONE - third * third);
         assert!(off.abs().to_f64() < 1e-31);
     }

@@ -182,9 +182,9 @@ fn stretch(
 
 /// How many surfaces are slid along in a mode, and contacts closed.
 pub(crate) fn held(system: &System, mode: usize) -> usize {
-    let Some((closed, sides, _)) = system.origin_of(mode) else {
+    let Some((grip, sides, _)) = system.origin_of(mode) else {
         return 0;
     };
     let slides = (0..system.corners().surfaces.len()).filter(|&k| sides.get(k) == Side::Sliding);
-    2 * closed.contacts().count() + slides.count()
+    2 * grip.carrying().contacts().count() + slides.count()
 }

@@ -94,6 +94,13 @@ impl<R> SequenceConstants<R> {
     }
 }
 
+impl<R> SequenceConstants<R> {
+    /// Of each tape, in the order of [`SequenceTapes::tapes`].
+    pub(crate) fn of_tapes(&mut self) -> impl Iterator<Item = &mut Vec<R>> {
+        [&mut self.events, &mut self.limit].into_iter()
+    }
+}
+
 impl SequenceTapes {
     pub(crate) fn new(graph: &mut Graph, dimension: usize, exprs: &SequenceExprs) -> Self {
         let mut limit = vec![exprs.restitution];
@@ -128,6 +135,15 @@ pub(crate) struct SequenceMap<'a, R: Real> {
     pub(crate) work: &'a mut Workspace<R>,
     /// How many of the states are the model's own.
     pub(crate) coordinates: usize,
+    /// Where the field is another one in the fall of each flight than in its rise.
+    pub(crate) turn: Option<Turn<'a, R>>,
+}
+
+/// Gap, rate, acceleration and jerk in the rise and in the fall of each flight: tapes with their constants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn<'a, R> {
+    pub rise: (&'a Tape, &'a [R]),
+    pub fall: (&'a Tape, &'a [R]),
 }
 
 /// A point at which a sequence may end: its restitution there, with the derivatives along the columns.
@@ -169,6 +185,15 @@ impl<R: Real> SequenceMap<'_, R> {
         self.work
             .values_at(tape, constants, (point, low), &mut values);
         let columns = self.columns();
+        if let Some(turn) = self.turn {
+            let mut acceleration = |(tape, constants): (&Tape, &[R])| {
+                let mut local = vec![R::ZERO; tape.outputs.len()];
+                self.work
+                    .values_at(tape, constants, (point, low), &mut local);
+                local[2]
+            };
+            values[0] *= (acceleration(turn.fall) / acceleration(turn.rise)).sqrt();
+        }
         LimitPoint {
             restitution: values[0],
             slopes: values[1..1 + columns].to_vec(),

@@ -12,7 +12,7 @@ mod limit;
 mod pace;
 mod tableau;
 
-pub(crate) use limit::{SequenceConstants, SequenceExprs, SequenceMap, SequenceTapes};
+pub(crate) use limit::{SequenceConstants, SequenceExprs, SequenceMap, SequenceTapes, Turn};
 
 use limit::LimitPoint;
 use pace::Pace;

@@ -7,7 +7,7 @@ use super::Trajectory;
 use crate::expressions::Operand;
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, GuardKind, LOCAL_SCALARS};
+use crate::flow::program::{Closed, Grip, GuardKind, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
@@ -61,7 +61,12 @@ impl<R: Real> Trajectory<R> {
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
         self.settle_corners(system, None)?;
-        let [_, _, acceleration, _] = self.local(system, contact)?;
+        let [_, _, mut acceleration, _] = self.local(system, contact)?;
+        if acceleration.value.abs() <= acceleration.level()
+            && self.hold_by_contact(system, contact)?
+        {
+            [_, _, acceleration, _] = self.local(system, contact)?;
+        }
         if acceleration.value > acceleration.level() {
             self.leave_gap(system, contact, 2);
             return Ok(());
@@ -112,12 +117,20 @@ impl<R: Real> Trajectory<R> {
                 self.leave_gap(system, contact, 2);
             }
         }
+        let idle = self.idle_beside(&block, &contacts, (held, &undecided));
         let mut balanced = Vec::new();
         for contact in undecided {
+            if idle.contains(contact) {
+                continue;
+            }
             let closes = self.settle_by_jerk(system, work, contact)?;
             if closes && self.roots(system, GuardKind::Reaction(contact)) == Touching::BALANCED {
                 balanced.push(contact);
             }
+        }
+        if idle != Closed::NONE {
+            let closed = Closed(self.closed.0 | idle.0);
+            self.enter_grip(system, Grip { closed, idle })?;
         }
         // Each was found while the others that are balanced do not push: so none does.
         for contact in balanced {
@@ -249,14 +262,19 @@ impl<R: Real> Trajectory<R> {
 
     /// Changes the mode; guards that both modes have keep their roots at the present state.
     pub(super) fn enter(&mut self, system: &System, closed: Closed) -> Result<(), FlowError> {
+        self.flight = system.meet(Grip::NONE, self.regime);
+        self.load_constants(system, self.flight);
+        let idle = self.idle_among(system, closed)?;
+        self.enter_grip(system, Grip { closed, idle })
+    }
+
+    /// As [`enter`](Self::enter), where it is known which of the contacts are idle.
+    pub(super) fn enter_grip(&mut self, system: &System, grip: Grip) -> Result<(), FlowError> {
         let before = self.touching;
         let old = system.program(self.mode);
-        self.mode = system.meet(closed, self.regime);
-        self.flight = system.meet(Closed::NONE, self.regime);
-        self.closed = closed;
-        for mode in [self.flight, self.mode] {
-            self.load_constants(system, mode);
-        }
+        self.mode = system.meet(grip, self.regime);
+        (self.closed, self.idle) = (grip.closed, grip.idle);
+        self.load_constants(system, self.mode);
         let program = self.program(system)?;
         self.touching = Touching::NONE;
         self.left = Left::NONE;
@@ -272,27 +290,34 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
-    /// The constants of a mode at the present parameter values, unless they are known.
+    /// The constants of a mode at the present parameter values and pieces, unless they are known.
     fn load_constants(&mut self, system: &System, mode: usize) {
         if self.constants.len() <= mode {
             self.constants.resize(mode + 1, None);
-        }
-        if self.constants[mode].is_none() {
-            self.constants[mode] = system.constants(mode, &self.parameters);
-        }
-        if self.touch_constants.len() <= mode {
             self.touch_constants.resize(mode + 1, None);
+            self.known_at.resize(mode + 1, 0);
         }
-        if self.touch_constants[mode].is_none() {
-            let touches = system.touches(mode);
-            self.touch_constants[mode] = touches.map(|t| t.constants(&self.parameters));
+        let is_known = self.constants[mode].is_some();
+        if is_known && self.known_at[mode] == self.knots {
+            return;
+        }
+        self.known_at[mode] = self.knots;
+        match &mut self.constants[mode] {
+            Some(constants) => system.renew_constants(mode, &self.parameters, constants),
+            unknown => *unknown = system.constants(mode, &self.parameters),
+        }
+        let Some(touches) = system.touches(mode) else {
+            return;
+        };
+        match &mut self.touch_constants[mode] {
+            Some(constants) => touches.renew(&self.parameters, constants),
+            unknown => *unknown = Some(touches.constants(&self.parameters)),
         }
     }
 
-    /// Parameter values have changed.
-    pub(super) fn forget_constants(&mut self) {
-        self.constants.clear();
-        self.touch_constants.clear();
+    /// Pieces of lookups have changed.
+    pub(super) fn pass_knots(&mut self) {
+        self.knots += 1;
     }
 
     /// Says how many roots of the gap of an open contact lie at the present state.

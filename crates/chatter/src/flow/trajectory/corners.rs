@@ -90,6 +90,8 @@ struct Verdict<R> {
     roots: Vec<(GuardKind, u8)>,
     /// Nothing moves it off a corner.
     is_balanced: bool,
+    /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them.
+    opens_there: bool,
     /// On corners that nothing moves it off it is where plain evaluation says.
     is_plain: bool,
     field: Vec<WithTerms<R>>,
@@ -149,7 +151,7 @@ impl<R: Real> Trajectory<R> {
         self.parameters.truncate(corners.first_slot);
         self.parameters.extend(parameters);
         self.pieces.clone_from(&candidate.pieces);
-        self.forget_constants();
+        self.pass_knots();
         Ok(())
     }
 
@@ -164,7 +166,7 @@ impl<R: Real> Trajectory<R> {
     /// Enters the mode of these sides, the same contacts closed; whether there is one.
     fn try_sides(&mut self, system: &System, candidate: &Candidate) -> Result<bool, FlowError> {
         self.take_sides(system, candidate)?;
-        let mode = system.meet(self.closed, self.regime);
+        let mode = system.meet(self.grip(), self.regime);
         if system.program(mode).is_none() {
             return Ok(false);
         }
@@ -178,7 +180,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(Vec::new());
         };
         let start = (&self.state[..], &self.low[..]);
-        let standing = |(tapes, constants): (&super::StandingTapes, &[Vec<R>; 2])| {
+        let standing = |(tapes, constants): (&super::StandingTapes, &[Vec<R>; 3])| {
             let values = with_terms(&tapes.values, &constants[0], start);
             let guards = (tapes.guards.iter().zip(values[1..].chunks(STANDING_ORDERS)))
                 .map(|(&kind, orders)| {
@@ -351,6 +353,9 @@ impl<R: Real> Trajectory<R> {
         (now, touched): (&Candidate, &[Corner]),
         asked: Asked,
     ) -> Result<(), FlowError> {
+        if verdicts.iter().any(|verdict| verdict.opens_there) {
+            verdicts.retain(|verdict| verdict.opens_there);
+        }
         let place = match verdicts.len() {
             0 => {
                 self.try_sides(system, now)?;
@@ -551,6 +556,7 @@ impl<R: Real> Trajectory<R> {
             candidate,
             roots: Vec::new(),
             is_balanced: false,
+            opens_there: true,
             is_plain: true,
             field,
         };
@@ -584,6 +590,8 @@ impl<R: Real> Trajectory<R> {
                     Some((order, _)) => verdict.roots.push((*kind, (order as u8).min(2))),
                     None => {
                         verdict.is_balanced = true;
+                        verdict.opens_there &=
+                            is_slid || self.opens_there(system, standing.corner)?;
                         verdict.is_plain &= is_slid || self.is_plain(system, &standing);
                         verdict.roots.push((*kind, Touching::BALANCED));
                     }
@@ -591,6 +599,63 @@ impl<R: Real> Trajectory<R> {
             }
         }
         Ok(Some(verdict))
+    }
+
+    /// What a closed contact that opens does to a surface: the side that it leaves to; none where it does nothing.
+    fn side_of_opening(
+        &self,
+        system: &System,
+        corner: Corner,
+        contacts: Closed,
+    ) -> Result<Option<Side>, FlowError> {
+        let program = self.program(system)?;
+        let found = (program.standings.iter()).position(|tapes| tapes.corner == corner);
+        let (Some(place), Some(constants)) = (found, &self.constants[self.mode]) else {
+            return Ok(None);
+        };
+        let start = (&self.state[..], &self.low[..]);
+        let tape = &program.standings[place].lifts;
+        let lifts = with_terms(tape, &constants.standings[place][2], start);
+        let mut moved = contacts.contacts().map(|contact| lifts[contact]);
+        let clear = moved.find(|lift| lift.value.abs() > lift.level());
+        Ok(clear.map(|lift| {
+            if lift.value > R::ZERO {
+                Side::Above
+            } else {
+                Side::Below
+            }
+        }))
+    }
+
+    /// Whether a surface that closed contacts keep the state on, as friction along the gap does at rest, is on the side that it
+    /// leaves to when they open. Until then its force and theirs are not told apart.
+    fn opens_there(&self, system: &System, corner: Corner) -> Result<bool, FlowError> {
+        let Corner::Surface(index) = corner else {
+            return Ok(true);
+        };
+        if system.rubbing().iter().any(|r| r.surface == index) {
+            return Ok(true);
+        }
+        let side = self.side_of_opening(system, corner, self.closed)?;
+        Ok(side.is_none_or(|side| self.regime.get(index) == side))
+    }
+
+    /// Takes what holds a contact that is at rest by sliding on surfaces to the side that it would leave to: the contact holds it
+    /// from now on. Whether there was any.
+    pub(super) fn hold_by_contact(
+        &mut self,
+        system: &System,
+        contact: usize,
+    ) -> Result<bool, FlowError> {
+        let mut candidate = self.standing_sides();
+        for surface in self.held(system).surfaces {
+            let contacts = Closed::NONE.with(contact);
+            let side = self.side_of_opening(system, Corner::Surface(surface), contacts)?;
+            if let Some(side) = side {
+                candidate.sides = candidate.sides.with(surface, side);
+            }
+        }
+        Ok(candidate != self.standing_sides() && self.try_sides(system, &candidate)?)
     }
 
     /// Whether plain evaluation takes the piece of a corner that the state is on.
@@ -626,7 +691,16 @@ impl<R: Real> Trajectory<R> {
                 (None, Side::Sliding, side) => Occurrence::Leave { surface, side },
                 (None, _, side) => Occurrence::Switch { surface, side },
             };
-            self.pending.push_back(told);
+            // What was crossed and is crossed back at one instant is told neither time.
+            let crossed = self.pending.iter().rposition(|before| {
+                matches!(*before, Occurrence::Switch { surface: before, side } if before == surface && side == old)
+            });
+            match (told, crossed) {
+                (Occurrence::Switch { .. }, Some(place)) => {
+                    self.pending.remove(place);
+                }
+                _ => self.pending.push_back(told),
+            }
         }
     }
 
@@ -643,7 +717,10 @@ impl<R: Real> Trajectory<R> {
             GuardKind::Piece(index, _) => (Corner::Lookup(index), false),
             _ => return Ok(None),
         };
-        self.tracker.interrupt();
+        if !self.is_top(system, kind)? {
+            self.tracker.interrupt();
+            self.tops.interrupt();
+        }
         self.flight_time = R::splat(FOREVER);
         self.burst += 1;
         if self.burst > MOST_SWITCHES {

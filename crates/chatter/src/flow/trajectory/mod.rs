@@ -8,15 +8,20 @@ mod cascade;
 mod collisions;
 mod contact;
 mod corners;
+mod grazing;
 mod projection;
+mod redundant;
 mod reset;
 mod sequence;
 mod start;
+mod tops;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
 use super::occurrence::Occurrence;
-use super::program::{Closed, GuardKind, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes};
+use super::program::{
+    Closed, Grip, GuardKind, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes,
+};
 use super::resolve::{Resolution, crossed_here, resolve};
 use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
@@ -28,6 +33,7 @@ use crate::model::Simultaneous;
 use crate::numerics::{Real, two_sum};
 use collisions::Collisions;
 use std::collections::VecDeque;
+use tops::Tops;
 
 /// An order is used up to this part of the time that it reaches: a prediction is not exact.
 const REACH_USED: f64 = 0.95;
@@ -39,6 +45,9 @@ pub struct Trajectory<R> {
     parameters: Vec<R>,
     /// By number of the mode; none where it was never entered.
     pub(crate) constants: Vec<Option<ProgramConstants<R>>>,
+    /// How often pieces of lookups have changed, and by number of the mode up to which of these changes constants are known.
+    knots: u64,
+    known_at: Vec<u64>,
     /// By number of the mode of free flight.
     touch_constants: Vec<Option<TouchConstants<R>>>,
     law: Simultaneous,
@@ -49,6 +58,8 @@ pub struct Trajectory<R> {
     /// How many of the states are the model's own; columns of derivatives follow.
     coordinates: usize,
     pub(crate) closed: Closed,
+    /// Those of them that no force is asked of.
+    idle: Closed,
     /// Number of the mode in which these are closed.
     pub(crate) mode: usize,
     /// Number of the mode on the same sides of all surfaces in which nothing is closed.
@@ -68,10 +79,15 @@ pub struct Trajectory<R> {
     /// Its rounding remainder.
     horizon_low: R,
     tracker: ChatterTracker<R>,
+    /// Surfaces that are crossed at the top of each flight of a sequence of impacts.
+    tops: Tops,
     /// How many impacts the sequence has so far: each slower than the one before, at one contact.
     sequence: u64,
     /// Contact and incoming rate of the latest impact.
     latest_impact: Option<(usize, R)>,
+    /// When a contact was last met, or the start.
+    touched_at: R,
+    started_at: R,
     /// The longest step since the start.
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
@@ -130,6 +146,13 @@ impl<R: Real> Trajectory<R> {
     /// The contacts that are closed.
     pub fn closed(&self) -> Closed {
         self.closed
+    }
+
+    pub(crate) fn grip(&self) -> Grip {
+        Grip {
+            closed: self.closed,
+            idle: self.idle,
+        }
     }
 
     /// The time at which the trajectory stops next.
@@ -455,6 +478,10 @@ impl<R: Real> Trajectory<R> {
                 self.flight_time = self.rest_of_flight(result.step);
                 Ok(Some(Occurrence::Section { section }))
             }
+            GuardKind::Reaction(contact) if self.idle != Closed::NONE => {
+                self.tracker.interrupt();
+                self.hand_over(system, work, contact)
+            }
             GuardKind::Reaction(contact) => {
                 self.open(system, contact, 3)?;
                 self.tracker.interrupt();
@@ -474,6 +501,10 @@ impl<R: Real> Trajectory<R> {
             GuardKind::Gap(contact) => {
                 self.flight_time = result.flight_time;
                 self.touching.set(index, 1);
+                if result.impact[2] > R::ZERO && self.only_touches(&result.impact) {
+                    return self.pass_by(system, (index, contact), &result.impact);
+                }
+                self.touched_at = self.time;
                 if system.corners().is_empty() {
                     return self.after_impact(system, work, program, (contact, &result.impact));
                 }

@@ -7,7 +7,7 @@ use crate::flow::step::Workspace;
 use crate::flow::system::System;
 use crate::flow::touch::Touch;
 use crate::numerics::Real;
-use crate::numerics::linear::solve;
+use crate::numerics::linear::solve_consistent;
 
 /// Gaps that are not linear, and what rounding leaves of a first correction, need a second, never a third at this distance.
 const CORRECTIONS: usize = 2;
@@ -40,7 +40,8 @@ impl<R: Real> Trajectory<R> {
         if self.closed == Closed::NONE {
             return Ok(());
         }
-        self.project(system, self.closed)
+        self.project(system, self.closed)?;
+        self.watch_idle(system)
     }
 
     /// Puts the state back onto the surfaces that it slides along, and rates of sliding that stick to zero: by the least
@@ -50,7 +51,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         work: &mut Workspace<R>,
     ) -> Result<(), FlowError> {
-        let first = 2 * self.closed.contacts().count();
+        let first = 2 * self.grip().carrying().contacts().count();
         for _ in 0..CORRECTIONS {
             let program = self.program(system)?;
             let Some(constants) = &self.constants[self.mode] else {
@@ -138,7 +139,7 @@ impl<R: Real> Trajectory<R> {
         if right.iter().all(|&value| value == R::ZERO) {
             return Ok(vec![R::ZERO; right.len()]);
         }
-        solve(rows, right).ok_or_else(|| self.dependent(contacts))
+        solve_consistent(rows, right).ok_or_else(|| self.dependent(contacts))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Events that change the state, and impacts that take it across corners.
 
 use super::Trajectory;
+use super::tops::Tops;
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, IMPACT_SCALARS};
@@ -81,13 +82,19 @@ impl<R: Real> Trajectory<R> {
         mut impact: [R; IMPACT_SCALARS],
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.stop_sliding(system, contact)?;
+        let fall = self.mode;
         if self.settle_corners(system, None)? {
             // What follows is moved by another field.
             let [_, _, acceleration, jerk] = self.local(system, contact)?;
             impact[2] = acceleration.value;
             impact[3] = jerk.value;
             self.flight_time = flight_time(impact[1], impact[2], impact[3]);
-            self.tracker.interrupt();
+            if !self.note_top(fall) {
+                self.tracker.interrupt();
+            }
+            self.turn_impact(system, contact, &mut impact);
+        } else {
+            self.tops = Tops::NONE;
         }
         let program = self.program(system)?;
         self.after_impact(system, work, program, (contact, &impact))

@@ -118,7 +118,7 @@ impl<R: Real> Trajectory<R> {
             restitution: at_rest,
         };
         let end = if at_rest < R::ONE {
-            self.sequence_end(work, program, contact, local)
+            self.sequence_end(system, work, program, (contact, local))
         } else {
             None
         };
@@ -166,10 +166,10 @@ impl<R: Real> Trajectory<R> {
     #[inline(always)]
     fn sequence_end(
         &mut self,
+        system: &System,
         work: &mut Workspace<R>,
         program: &Program,
-        contact: usize,
-        local: LocalPoint<R>,
+        (contact, local): (usize, LocalPoint<R>),
     ) -> Option<Accumulation<R>> {
         let tapes = program.sequences[contact].as_ref()?;
         let constants = self.constants[self.mode].as_ref()?;
@@ -178,6 +178,7 @@ impl<R: Real> Trajectory<R> {
             constants: &constants.sequences[contact],
             work,
             coordinates: self.coordinates,
+            turn: (self.tops).tapes(system, (&self.constants, &self.known_at), contact),
         };
         let time = (self.time, self.time_low);
         let state = (&self.state[..], &self.low[..]);

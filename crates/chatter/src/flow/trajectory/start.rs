@@ -1,5 +1,6 @@
 //! Where a trajectory starts: the contacts that a state lies on are classified.
 
+use super::tops::Tops;
 use super::{ORDER_CLASSES, Trajectory};
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
@@ -38,6 +39,8 @@ impl<R: Real> Trajectory<R> {
         let mut trajectory = Self {
             parameters: parameters.to_vec(),
             constants: Vec::new(),
+            knots: 0,
+            known_at: Vec::new(),
             touch_constants: Vec::new(),
             law: system.simultaneous(),
             time,
@@ -46,6 +49,7 @@ impl<R: Real> Trajectory<R> {
             low: vec![R::ZERO; state.len()],
             coordinates: system.coordinates(),
             closed: Closed::NONE,
+            idle: Closed::NONE,
             mode: FLIGHT,
             flight: FLIGHT,
             regime: Default::default(),
@@ -58,8 +62,11 @@ impl<R: Real> Trajectory<R> {
             horizon: R::splat(FOREVER),
             horizon_low: R::ZERO,
             tracker: ChatterTracker::new(work.tail),
+            tops: Tops::NONE,
             sequence: 0,
             latest_impact: None,
+            touched_at: time,
+            started_at: time,
             longest_step: R::ZERO,
             burst: 0,
             rates_of_instant: Vec::new(),
@@ -197,8 +204,11 @@ impl<R: Real> Trajectory<R> {
         self.flight_time = R::splat(FOREVER);
         self.set_horizon(R::splat(FOREVER));
         self.tracker.restart();
+        self.tops = Tops::NONE;
         self.sequence = 0;
         self.latest_impact = None;
+        self.touched_at = time;
+        self.started_at = time;
         self.longest_step = R::ZERO;
         self.burst = 0;
         self.rates_of_instant.clear();
@@ -206,6 +216,8 @@ impl<R: Real> Trajectory<R> {
         self.completion = None;
         self.may_have_crossed = false;
         self.pending.clear();
+        self.closed = Closed::NONE;
+        self.idle = Closed::NONE;
         self.place_on_sides(system)?;
         self.enter(system, closed)?;
         self.touching = Touching::NONE;

@@ -1,0 +1,193 @@
+//! Contacts whose gaps stay zero as long as those of others do, as the third leg of a beam: the motion is determined, their
+//! forces are not (MATH.md 9). A least set of contacts carries, the others are idle; where a force of those that carry vanishes
+//! an idle contact may take its place.
+
+use super::Trajectory;
+use super::start::{PENETRATION, is_inside};
+use crate::expressions::Operand;
+use crate::flow::error::FlowError;
+use crate::flow::occurrence::Occurrence;
+use crate::flow::program::{Closed, Grip, GuardKind};
+use crate::flow::step::{FOREVER, Workspace};
+use crate::flow::system::System;
+use crate::numerics::linear::independent;
+use crate::numerics::{Real, WithTerms};
+
+impl<R: Real> Trajectory<R> {
+    /// Which of these contacts are idle where the others carry.
+    pub(super) fn idle_among(&self, system: &System, closed: Closed) -> Result<Closed, FlowError> {
+        if closed == self.closed {
+            return Ok(self.idle);
+        }
+        let all = Grip {
+            closed,
+            idle: Closed::NONE,
+        };
+        let is_determined = || system.program(system.meet(all, self.regime)).is_some();
+        if closed.contacts().nth(1).is_none() || self.idle == Closed::NONE && is_determined() {
+            return Ok(Closed::NONE);
+        }
+        let contacts: Vec<usize> = closed.contacts().collect();
+        let carrying = independent(&self.touch_values(system)?.block(&contacts));
+        let carries = |place: &usize| carrying.contains(place);
+        Ok((0..contacts.len())
+            .filter(|place| !carries(place))
+            .fold(Closed::NONE, |idle, place| idle.with(contacts[place])))
+    }
+
+    /// Which of the undecided contacts depend on those that are held, given how they are coupled.
+    pub(super) fn idle_beside(
+        &self,
+        block: &[Vec<R>],
+        contacts: &[usize],
+        (held, undecided): (Closed, &[usize]),
+    ) -> Closed {
+        let mut idle = Closed::NONE;
+        let places = |among: Closed| -> Vec<usize> {
+            (0..contacts.len())
+                .filter(|&place| among.contains(contacts[place]))
+                .collect()
+        };
+        let mut carrying = held;
+        for &contact in undecided {
+            let with = places(carrying.with(contact));
+            let rows: Vec<Vec<R>> = (with.iter())
+                .map(|&i| with.iter().map(|&j| block[i][j]).collect())
+                .collect();
+            if independent(&rows).len() < with.len() {
+                idle = idle.with(contact);
+            } else {
+                carrying = carrying.with(contact);
+            }
+        }
+        idle
+    }
+
+    /// The force of a contact has vanished beside idle ones: one of them carries in its place, or it opens.
+    pub(super) fn hand_over(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        let before = self.grip();
+        let rest = before.carrying().without(contact);
+        self.flight_time = R::splat(FOREVER);
+        for other in before.idle.contacts() {
+            let idle = before.idle.without(other).with(contact);
+            let grip = Grip {
+                closed: before.closed,
+                idle,
+            };
+            let carrying: Vec<usize> = grip.carrying().contacts().collect();
+            let block = self.touch_values(system)?.block(&carrying);
+            let exists = system.program(system.meet(grip, self.regime)).is_some();
+            if !exists || independent(&block).len() < carrying.len() {
+                continue;
+            }
+            self.enter_grip(system, grip)?;
+            if self.pushes(system, work)? {
+                self.settle_corners(system, None)?;
+                return Ok(self.pending.pop_front());
+            }
+        }
+        let without = |idle: Closed| Grip {
+            closed: Closed(rest.0 | idle.0),
+            idle,
+        };
+        self.enter_grip(system, without(Closed::NONE))?;
+        // What depends on those that still carry stays with them; what depends on the one that opens opens with it.
+        let others: Vec<usize> = before.idle.contacts().collect();
+        let contacts: Vec<usize> = rest.contacts().chain(others.iter().copied()).collect();
+        let block = self.touch_values(system)?.block(&contacts);
+        let stays = (others.iter())
+            .filter(|&&other| self.idle_beside(&block, &contacts, (rest, &[other])) != Closed::NONE)
+            .fold(Closed::NONE, |stays, &other| stays.with(other));
+        let mut opens = vec![(contact, 3)];
+        for other in others.into_iter().filter(|&other| !stays.contains(other)) {
+            let [_, _, acceleration, jerk] = self.local(system, other)?;
+            let sign = |value: &WithTerms<R>| {
+                if value.value.abs() <= value.level() {
+                    R::ZERO
+                } else {
+                    value.value
+                }
+            };
+            match (sign(&acceleration), sign(&jerk)) {
+                (a, _) if a > R::ZERO => opens.push((other, 2)),
+                (a, j) if a == R::ZERO && j > R::ZERO => opens.push((other, 3)),
+                _ => return Err(self.dependent(&before.closed.contacts().collect::<Vec<_>>())),
+            }
+        }
+        self.enter_grip(system, without(stays))?;
+        for &(other, roots) in &opens {
+            self.leave_gap(system, other, roots);
+        }
+        self.settle_corners(system, None)?;
+        let released = opens.iter().skip(1);
+        (self.pending).extend(released.map(|&(contact, _)| Occurrence::Release { contact }));
+        Ok(Some(Occurrence::Release { contact }))
+    }
+
+    /// Whether all contacts that carry push, or begin to.
+    fn pushes(&mut self, system: &System, work: &mut Workspace<R>) -> Result<bool, FlowError> {
+        let touch = self.touch_values(system)?;
+        let greatest = touch.greatest_accelerations();
+        let level = (self.closed.contacts())
+            .map(|contact| WithTerms::exact(greatest[contact]).level())
+            .fold(R::ZERO, R::max);
+        let program = self.program(system)?;
+        let Some(constants) = &self.constants[self.mode] else {
+            return Ok(false);
+        };
+        let start = (&self.state[..], &self.low[..]);
+        work.expand_at(&program.tape, &constants.tape, start, R::ONE);
+        let mut begin = Vec::new();
+        for guard in &program.guards {
+            let GuardKind::Reaction(contact) = guard.kind else {
+                continue;
+            };
+            let (value, slope) = match guard.series {
+                Operand::Series(slot) => {
+                    let series = work.point.series(slot);
+                    (series[0], series[1])
+                }
+                Operand::Constant(place) => (constants.tape[place], R::ZERO),
+            };
+            if value <= level {
+                let begins = value >= -level && slope > R::ZERO;
+                if !begins {
+                    return Ok(false);
+                }
+                begin.push(contact);
+            }
+        }
+        for contact in begin {
+            self.touch(system, GuardKind::Reaction(contact), 1);
+        }
+        Ok(true)
+    }
+
+    /// What is idle stays closed only as long as its gap is zero.
+    pub(super) fn watch_idle(&mut self, system: &System) -> Result<(), FlowError> {
+        if self.idle == Closed::NONE {
+            return Ok(());
+        }
+        let touch = self.touch_values(system)?;
+        for contact in self.idle.contacts() {
+            let gap = touch.gap[contact];
+            if is_inside(&gap) {
+                return Err(self.dependent(&self.closed.contacts().collect::<Vec<_>>()));
+            }
+            if gap.value > gap.level().max(R::splat(PENETRATION * gap.terms)) {
+                let grip = Grip {
+                    closed: self.closed.without(contact),
+                    idle: self.idle.without(contact),
+                };
+                self.enter_grip(system, grip)?;
+                self.pending.push_back(Occurrence::Release { contact });
+            }
+        }
+        Ok(())
+    }
+}
