@@ -65,10 +65,17 @@ fn request(core: &Core, asked: &Asked) -> PyResult<Request> {
         Some(_) => return Err(unreadable("record", "expected `samples` or `classes`")),
     };
     let observe: Vec<ObserveOption> = asked.texts("observe")?;
+    let sweeps: Vec<SweepOption> = asked.texts("sweep")?;
+    // A model keeps what was set into it; what is swept takes its place.
+    let others = |pairs: &[(String, String)]| {
+        let mut kept = assignments(pairs);
+        kept.retain(|one| sweeps.iter().all(|sweep| sweep.name() != one.name));
+        kept
+    };
     Ok(Request {
-        set: assignments(&core.set),
-        initial: assignments(&core.initial),
-        sweeps: asked.texts::<SweepOption>("sweep")?,
+        set: others(&core.set),
+        initial: others(&core.initial),
+        sweeps,
         section: asked.get("section")?,
         at: asked.texts::<AtOption>("at")?,
         period: asked.get("period")?,

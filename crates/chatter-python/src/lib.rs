@@ -16,6 +16,8 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _chatter(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    let kinds = chatter::analysis::simulate::EventKind::ALL.map(|kind| kind.name());
+    module.add("EVENT_KINDS", kinds)?;
     module.add_class::<model::Core>()?;
     module.add_class::<universal::Upsilon>()?;
     module.add_function(wrap_pyfunction!(model::shipped, module)?)?;
