@@ -7,7 +7,9 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str]
+__all__ = [
+    "Core", "EVENT_KINDS", "Upsilon", "__version__", "border", "diagram", "main", "resume", "shipped", "simulate",
+]
 __version__: str
 EVENT_KINDS: list[str]
 
