@@ -7,6 +7,7 @@ mod diagram;
 mod errors;
 mod interruptible;
 mod model;
+mod periodic;
 mod run;
 mod universal;
 
@@ -24,7 +25,10 @@ fn _chatter(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(run::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(diagram::diagram, module)?)?;
     module.add_function(wrap_pyfunction!(diagram::resume, module)?)?;
+    module.add_function(wrap_pyfunction!(diagram::merge, module)?)?;
     module.add_function(wrap_pyfunction!(border::border, module)?)?;
+    module.add_function(wrap_pyfunction!(periodic::orbit, module)?)?;
+    module.add_function(wrap_pyfunction!(periodic::branches, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     Ok(())
 }

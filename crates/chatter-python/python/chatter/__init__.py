@@ -15,18 +15,19 @@ from chatter._builder import (
     sign, sin, sinh, sqrt, step, tan, tanh, time,
 )
 from chatter._chatter import __version__
-from chatter._diagram import Diagram, Orbit, resume
+from chatter._diagram import Diagram, Orbit, merge, resume
 from chatter._errors import (
     ChatterError, ChatterWarning, InputError, ModelError, ModelIssue, OutputError, RunError, UnfinishedError,
 )
 from chatter._model import Model, shipped_models
+from chatter._periodic import Branch, PeriodicOrbit, branches
 from chatter._run import ContactPhases, Events, Run
 from chatter._universal import Universal
 
 __all__ = [
-    "Border", "Borders", "ChatterError", "ChatterWarning", "ContactPhases", "Diagram", "Events", "Expr", "InputError",
-    "Model", "ModelBuilder", "ModelError", "ModelIssue", "Orbit", "OutputError", "Run", "RunError", "UnfinishedError",
-    "Universal", "__version__", "abs_", "acos", "asin", "atan", "atan2", "clamp", "cos", "cosh", "exp", "expr", "floor",
-    "if_", "log", "max_", "min_", "mod", "pi", "resume", "shipped_models", "sign", "sin", "sinh", "sqrt", "step", "tan",
+    "Border", "Borders", "Branch", "ChatterError", "ChatterWarning", "ContactPhases", "Diagram", "Events", "Expr", "InputError",
+    "Model", "ModelBuilder", "ModelError", "ModelIssue", "Orbit", "OutputError", "PeriodicOrbit", "Run", "RunError", "UnfinishedError",
+    "Universal", "__version__", "abs_", "acos", "asin", "atan", "atan2", "branches", "clamp", "cos", "cosh", "exp", "expr", "floor",
+    "if_", "log", "max_", "merge", "min_", "mod", "pi", "resume", "shipped_models", "sign", "sin", "sinh", "sqrt", "step", "tan",
     "tanh", "time",
 ]

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "Core", "EVENT_KINDS", "Upsilon", "__version__", "border", "diagram", "main", "resume", "shipped", "simulate",
+    "Core", "EVENT_KINDS", "Upsilon", "__version__", "border", "branches", "diagram", "main", "merge", "orbit", "resume",
+    "shipped", "simulate",
 ]
 __version__: str
 EVENT_KINDS: list[str]
@@ -73,8 +74,41 @@ def diagram(
     core: Core,
     asked: dict[str, Any],
     journal: str | os.PathLike[str] | None = None,
+    shard: tuple[int, int] | None = None,
+    progress: _Progress = None,
+) -> dict[str, Any] | None: ...
+def merge(
+    journals: Sequence[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    threads_wanted: str | None = None,
     progress: _Progress = None,
 ) -> dict[str, Any]: ...
+def orbit(
+    core: Core,
+    *,
+    period: str | None = None,
+    section: str | None = None,
+    periods: int | None = None,
+    starts: int = 200,
+    seed: int = 0,
+    digits: int = 17,
+    progress: _Progress = None,
+) -> str: ...
+def branches(
+    core: Core,
+    parameter: str,
+    low: str,
+    high: str,
+    *,
+    period: str | None = None,
+    section: str | None = None,
+    doublings: int = 0,
+    branch_points: int = 0,
+    impacts: int = ...,
+    points: int = ...,
+    step: float = ...,
+    progress: _Progress = None,
+) -> str: ...
 def resume(
     path: str | os.PathLike[str],
     threads_wanted: str | None = None,

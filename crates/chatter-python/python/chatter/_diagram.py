@@ -221,9 +221,10 @@ def compute(
     observe: Any,
     sweeps: Mapping[str, Sequence[Any]],
     journal: str | os.PathLike[str] | None,
+    shard: tuple[int, int] | None,
     progress: Progress | None,
-) -> Diagram:
-    """Computes a diagram."""
+) -> Diagram | None:
+    """Computes a diagram, or a share of it."""
     if isinstance(observe, Mapping):
         asked["observe"] = [f"{name}={text_of(what)}" for name, what in observe.items()]
     elif isinstance(observe, (list, tuple)):
@@ -236,7 +237,11 @@ def compute(
         asked[option] = [*asked[option], text]
     if journal is not None and asked["out"] is not None:
         raise InputError("what is done is kept beside `out`: leave out `journal`")
-    return _made(_chatter.diagram(core, asked, None if journal is None else os.fspath(journal), progress))
+    if journal is not None and shard is not None:
+        raise InputError("a share has its journal beside `out`: leave out `journal`")
+    where = None if journal is None else os.fspath(journal)
+    answer = _chatter.diagram(core, asked, where, shard, progress)
+    return None if answer is None else _made(answer)
 
 
 def _made(answer: Mapping[str, Any]) -> Diagram:
@@ -252,6 +257,29 @@ def resume(path: str | os.PathLike[str], *, threads: int | None = None, progress
     with shown(progress) as hears:
         answer = _chatter.resume(path, None if threads is None else str(threads), hears)
     return _read(path) if answer is None else _made(answer)
+
+
+def shard_journal(out: str, number: int, of: int) -> str:
+    """The journal of a share, beside the table."""
+    stem = os.path.splitext(os.path.basename(out))[0]
+    return os.path.join(os.path.dirname(out), f"{stem}.{number:0{len(str(of))}}-of-{of}.journal")
+
+
+def merge(
+    journals: Sequence[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    *,
+    threads: int | None = None,
+    progress: bool | Progress = False,
+) -> Diagram:
+    """Puts the shares of a diagram together: writes `out`, to the bit as one machine would have, and gives the diagram.
+
+    journals: those of `Model.diagram_shard` or of `chatter diagram --shard`; foreign ones are refused, and what none of them has
+        is computed. They stay.
+    """
+    with shown(progress) as hears:
+        paths = [os.fspath(path) for path in journals]
+        return _made(_chatter.merge(paths, os.fspath(out), None if threads is None else str(threads), hears))
 
 
 _TEXTS = ("specification", "model", "parameters", "version")

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chatter import _border, _chatter, _diagram, _run
+from chatter import _border, _chatter, _diagram, _periodic, _run
 from chatter._border import Border, Borders
 from chatter._diagram import Diagram
 from chatter._frozen import Frozen
+from chatter._periodic import PeriodicOrbit
 from chatter._progress import Progress, shown
 from chatter._run import Run
 from chatter._text import text_of
@@ -192,17 +193,29 @@ class Model(Frozen):
 
         Ctrl-C raises KeyboardInterrupt within a fraction of a second; with `out` or `journal` nothing is lost.
         """
-        asked = {
-            "section": section, "at": [] if at is None else [at], "period": _maybe(period), "start": start,
-            "chunk": _maybe(chunk), "transient": _maybe(transient), "keep": _maybe(keep), "every": _maybe(every),
-            "exponent": bool(exponent), "record": record, "seed": _maybe(seed), "longest_period": _maybe(longest_period),
-            "period_tolerance": _maybe(period_tolerance), "longest_return": _maybe(longest_return),
-            "most_impacts": _maybe(most_impacts), "tolerance": _maybe(tolerance), "threads": _maybe(threads),
-            "out": None if out is None else os.fspath(out),
-            "box": [f"{name}={text_of(low)}:{text_of(high)}" for name, (low, high) in (box or {}).items()],
-        }  # fmt: skip
+        options = dict(locals())
+        for name in ("self", "observe", "sweep", "swept", "journal", "progress"):
+            del options[name]
+        sweeps = {**(sweep or {}), **swept}
         with shown(progress) as hears:
-            return _diagram.compute(self._core, asked, observe, {**(sweep or {}), **swept}, journal, hears)
+            found = _diagram.compute(self._core, _asked(**options), observe, sweeps, journal, None, hears)
+        assert found is not None
+        return found
+
+    def diagram_shard(
+        self, number: int, of: int, *, observe: Any, out: str | os.PathLike[str], progress: bool | Progress = False, **asked: Any
+    ) -> str:
+        """Computes a share of a diagram, `number` (from 1) of so many, for `chatter.merge`; gives the path of its journal.
+
+        Everything else as for `diagram`. Each share may be computed on another machine or by another process; one that was
+        broken off goes on, one that is done does nothing.
+        """
+        out = os.fspath(out)
+        names = _OPTIONS & asked.keys()
+        sweeps = {**asked.pop("sweep", {}), **{name: asked.pop(name) for name in asked.keys() - names}}
+        with shown(progress) as hears:
+            _diagram.compute(self._core, _asked(out=out, **asked), observe, sweeps, None, (number, of), hears)
+        return _diagram.shard_journal(out, number, of)
 
     def border(
         self,
@@ -250,6 +263,46 @@ class Model(Frozen):
         borders: Borders = _border.read(text)
         return borders
 
+    def orbit(
+        self,
+        values: Mapping[str, Any] | None = None,
+        /,
+        *,
+        period: Any = None,
+        section: str | None = None,
+        digits: int = 17,
+        **more: Any,
+    ) -> PeriodicOrbit:
+        """The periodic orbit that the motion settles to at these values, closed by Newton's method.
+
+        period: of the forcing, an expression in parameters, where the equations do not tell it.
+        section: at which states are told (the first of the model).
+        """
+        model = self.with_values(values, **more)
+        how = {"period": _maybe(period), "section": section}
+        return _periodic.read_orbits(model, how, _chatter.orbit(model._core, digits=digits, **how))[0]
+
+    def orbits(
+        self,
+        periods: int,
+        *,
+        starts: int = 200,
+        seed: int = 0,
+        period: Any = None,
+        section: str | None = None,
+        digits: int = 17,
+        progress: bool | Progress = False,
+    ) -> list[PeriodicOrbit]:
+        """All periodic orbits of up to so many periods of the forcing, or returns to the section, stable or not, that are found
+        from so many starts.
+        """
+        how = {"period": _maybe(period), "section": section}
+        with shown(progress) as hears:
+            text = _chatter.orbit(
+                self._core, periods=periods, starts=starts, seed=seed, digits=digits, progress=hears, **how
+            )
+        return _periodic.read_orbits(self, how, text)
+
     def over(self, table: Any) -> list[Model]:
         """A model for each row of a table of values: a DataFrame, or a mapping of names to equally long columns."""
         names = list(table.columns if hasattr(table, "columns") else table)
@@ -272,6 +325,29 @@ class Model(Frozen):
 
 def _restored(state: Any) -> Model:
     return Model._of(_chatter.Core.restore(state))
+
+
+def _asked(**options: Any) -> dict[str, Any]:
+    """Options of a diagram as texts, by name."""
+    asked: dict[str, Any] = {"at": [], "exponent": bool(options.get("exponent", False))}
+    for name in _TEXTS & options.keys():
+        asked[name] = _maybe(options[name])
+    for name in ("section", "start", "record"):
+        asked[name] = options.get(name)
+    if options.get("at") is not None:
+        asked["at"] = [options["at"]]
+    out = options.get("out")
+    asked["out"] = None if out is None else os.fspath(out)
+    bounds = options.get("box") or {}
+    asked["box"] = [f"{name}={text_of(low)}:{text_of(high)}" for name, (low, high) in bounds.items()]
+    return asked
+
+
+_TEXTS = {
+    "period", "chunk", "transient", "keep", "every", "seed", "longest_period", "period_tolerance", "longest_return",
+    "most_impacts", "tolerance", "threads",
+}  # fmt: skip
+_OPTIONS = _TEXTS | {"section", "start", "record", "at", "box", "exponent", "sweep"}
 
 
 def _maybe(value: ArrayLike | str | None) -> str | None:

@@ -4,12 +4,14 @@ mod branch_document;
 mod orbit_document;
 mod picture;
 mod refused;
+mod request;
 mod table;
 
 pub use branch_document::document as branch_document;
 pub use orbit_document::{document as orbit_document, events_of};
 pub use picture::{Vertical, first_that_changes, picture};
 pub use refused::refused;
+pub use request::{check_period, free_parameter, section};
 pub use table::write;
 
 use crate::numbers::Digits;
