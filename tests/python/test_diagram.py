@@ -125,3 +125,18 @@ def test_maps_and_initial_values_are_swept():
 def test_what_is_set_gives_way_to_what_is_swept(valve):
     d = valve.with_values(q=0.03, r="0.8").diagram(q=(0.0201, 0.0206, 24), **ASKED)
     assert d.specification["set"] == [["r", "0.8"]]
+
+
+def test_shares_come_to_the_file_of_one_process(valve, tmp_path):
+    whole = tmp_path / "whole.npz"
+    asked = dict(q=(0.0201, 0.0206, 24), **ASKED)
+    valve.diagram(out=whole, **asked)
+    with pytest.warns(ch.ChatterWarning, match="pieces"):
+        journals = [valve.diagram_shard(k, 3, out=tmp_path / "parts.npz", **asked) for k in (2, 1, 3)]
+    with pytest.warns(ch.ChatterWarning, match="24 of 24"):
+        merged = ch.merge(journals, tmp_path / "parts.npz")
+    assert (tmp_path / "parts.npz").read_bytes() == whole.read_bytes()
+    assert np.array_equal(merged["y2"], ch.resume(whole)["y2"])
+    with pytest.raises(ch.InputError, match="another sweep"):
+        other = valve.diagram_shard(1, 3, out=tmp_path / "other.npz", **{**asked, "q": (0.0201, 0.0206, 25)})
+        ch.merge([journals[0], other], tmp_path / "both.npz")

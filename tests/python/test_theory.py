@@ -68,3 +68,31 @@ def test_a_border_is_that_of_the_command():
 def test_a_search_without_border_says_so():
     with pytest.raises(ch.ChatterError):
         ch.Model.shipped("pressure_relief_valve").border("q", near=1e9)
+
+
+def test_a_periodic_orbit_returns_to_where_it_started():
+    valve = ch.Model.shipped("pressure_relief_valve")
+    orbit = valve.orbit(q=0.0203)
+    assert orbit.stable and np.all(np.abs(orbit.multipliers) < 1)
+    run = orbit.model.with_values(orbit.start).simulate(orbit.period, sample=None)
+    np.testing.assert_allclose(list(run.end.values()), list(orbit.start.values()), atol=1e-9)
+    # A linear system has the multipliers of its own: exp of eigenvalues times period.
+    forced = ch.Model('[flight]\nx = "v"\nv = "cos(2*t) - 0.2*v - x"\n[initial]\nx = 0\nv = 0\n')
+    orbit = forced.orbit(period="pi")
+    eigenvalues = np.linalg.eigvals(np.array([[0, 1], [-1, -0.2]]))
+    expected = np.sort_complex(np.exp(eigenvalues * np.pi))
+    np.testing.assert_allclose(np.sort_complex(orbit.multipliers), expected, rtol=1e-9)
+
+
+def test_a_branch_holds_the_orbits_of_its_parameter():
+    valve = ch.Model.shipped("pressure_relief_valve")
+    branch = valve.orbit(q=0.0203).follow("q", to=0.0204)
+    assert np.all((branch["q"] >= 0.0203 - 1e-15) & (branch["q"] <= 0.0204 + 1e-15))
+    k = len(branch) // 2
+    start = {name: branch[name][k] for name in valve.states}
+    at = valve.with_values(start, q=branch["q"][k])
+    run = at.simulate(branch["period"][k], sample=None)
+    np.testing.assert_allclose(list(run.end.values()), list(start.values()), atol=1e-6)
+    assert run.counts["impacts"] == branch["impacts"][k] or branch["impacts"][k] == -1
+    for kind, found in branch.special.items():
+        assert all(0.0203 <= one["value"] <= 0.0204 for one in found), kind

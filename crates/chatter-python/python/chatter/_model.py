@@ -279,7 +279,7 @@ class Model(Frozen):
         section: at which states are told (the first of the model).
         """
         model = self.with_values(values, **more)
-        how = {"period": _maybe(period), "section": section}
+        how: dict[str, Any] = {"period": _maybe(period), "section": section}
         return _periodic.read_orbits(model, how, _chatter.orbit(model._core, digits=digits, **how))[0]
 
     def orbits(
@@ -296,7 +296,7 @@ class Model(Frozen):
         """All periodic orbits of up to so many periods of the forcing, or returns to the section, stable or not, that are found
         from so many starts.
         """
-        how = {"period": _maybe(period), "section": section}
+        how: dict[str, Any] = {"period": _maybe(period), "section": section}
         with shown(progress) as hears:
             text = _chatter.orbit(
                 self._core, periods=periods, starts=starts, seed=seed, digits=digits, progress=hears, **how
