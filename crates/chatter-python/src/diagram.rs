@@ -4,11 +4,12 @@ use crate::arrays::columns as arrays;
 use crate::errors::{raised, unreadable};
 use crate::interruptible::{Listener, interruptible};
 use crate::model::{Core, assignments};
-use chatter::analysis::diagram::{Record, Threads};
+use chatter::analysis::diagram::{Record, Share, Threads};
+use chatter_work::Observer;
 use chatter_work::Refusal;
 use chatter_work::diagram::{
-    Beginning, Begun, Columns, Order, Produced, Request, columns, journal_of, produce,
-    produce_in_memory,
+    Beginning, Begun, Columns, Order, Produced, Request, columns, journal_of, merge as merged,
+    produce, produce_in_memory, produce_share, shard_journal, small_share,
 };
 use chatter_work::options::{
     AtOption, Count, ObserveOption, Quantity, SpanOption, StartOption, SweepOption, ThreadCount,
@@ -65,10 +66,17 @@ fn request(core: &Core, asked: &Asked) -> PyResult<Request> {
         Some(_) => return Err(unreadable("record", "expected `samples` or `classes`")),
     };
     let observe: Vec<ObserveOption> = asked.texts("observe")?;
+    let sweeps: Vec<SweepOption> = asked.texts("sweep")?;
+    // A model keeps what was set into it; what is swept takes its place.
+    let others = |pairs: &[(String, String)]| {
+        let mut kept = assignments(pairs);
+        kept.retain(|one| sweeps.iter().all(|sweep| sweep.name() != one.name));
+        kept
+    };
     Ok(Request {
-        set: assignments(&core.set),
-        initial: assignments(&core.initial),
-        sweeps: asked.texts::<SweepOption>("sweep")?,
+        set: others(&core.set),
+        initial: others(&core.initial),
+        sweeps,
         section: asked.get("section")?,
         at: asked.texts::<AtOption>("at")?,
         period: asked.get("period")?,
@@ -106,25 +114,81 @@ fn threads(count: Option<&str>) -> PyResult<Threads> {
 /// Computes a diagram. `asked` has its options by name, as texts in the notation of the command line; `out` is the table to be
 /// written, `journal` the file that keeps what is done.
 #[pyfunction]
-#[pyo3(signature = (core, asked, journal=None, progress=None))]
+#[pyo3(signature = (core, asked, journal=None, shard=None, progress=None))]
 pub fn diagram<'py>(
     py: Python<'py>,
     core: &Core,
     asked: &Bound<'py, PyDict>,
     journal: Option<PathBuf>,
+    shard: Option<(u64, u64)>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Option<Bound<'py, PyDict>>> {
     let asked = Asked(asked);
     let threads = threads(asked.get::<String>("threads")?.as_deref())?;
     let request = request(core, &asked)?;
     let source = core.source();
+    let shard = match shard {
+        None => None,
+        Some((number, of)) => match Share::new(number, of) {
+            Some(share) => Some(share),
+            None => {
+                return Err(unreadable(
+                    "shard",
+                    "expected (NUMBER, COUNT), NUMBER from 1 to COUNT",
+                ));
+            }
+        },
+    };
     let answer = interruptible(py, progress, move |listener| {
         let order = request.order(source)?;
+        if let Some(share) = shard {
+            return only(&order, share, threads, listener).map(|()| None);
+        }
         let journal = journal.or_else(|| order.target().map(journal_of));
-        match journal {
+        let answer = match journal {
             Some(path) => kept(order, Beginning::At(path), threads, listener),
             None => in_memory(order, threads, listener),
-        }
+        };
+        answer.map(Some)
+    })?;
+    answer
+        .map_err(raised)?
+        .map(|answer| told(py, answer))
+        .transpose()
+}
+
+/// A share of a diagram, into its journal beside the table.
+fn only(order: &Order, share: Share, threads: Threads, listener: &Listener) -> Result<(), Refusal> {
+    let Some(out) = &order.out else {
+        return Err(Refusal::input(
+            "--shard needs --out, which its journal is named after",
+        ));
+    };
+    let beginning = Beginning::At(shard_journal(out, share));
+    let produced = produce_share(order, share, beginning, threads, listener)?;
+    if let Some(remark) = small_share(&produced.ready.sweep, share) {
+        listener.remark(&remark);
+    }
+    match produced.complete {
+        true => Ok(()),
+        false => Err(Refusal::Interrupted),
+    }
+}
+
+/// Puts the journals of shares together, computes what none of them has, and writes the table.
+#[pyfunction]
+#[pyo3(signature = (journals, out, threads_wanted=None, progress=None))]
+pub fn merge<'py>(
+    py: Python<'py>,
+    journals: Vec<PathBuf>,
+    out: PathBuf,
+    threads_wanted: Option<String>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let threads = threads(threads_wanted.as_deref())?;
+    let answer = interruptible(py, progress, move |listener| {
+        let order = merged(&journals, &out, None, listener)?;
+        kept(order, Beginning::At(journal_of(&out)), threads, listener)
     })?;
     told(py, answer.map_err(raised)?)
 }

@@ -7,6 +7,7 @@ mod diagram;
 mod errors;
 mod interruptible;
 mod model;
+mod periodic;
 mod run;
 mod universal;
 
@@ -16,13 +17,18 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _chatter(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    let kinds = chatter::analysis::simulate::EventKind::ALL.map(|kind| kind.name());
+    module.add("EVENT_KINDS", kinds)?;
     module.add_class::<model::Core>()?;
     module.add_class::<universal::Upsilon>()?;
     module.add_function(wrap_pyfunction!(model::shipped, module)?)?;
     module.add_function(wrap_pyfunction!(run::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(diagram::diagram, module)?)?;
     module.add_function(wrap_pyfunction!(diagram::resume, module)?)?;
+    module.add_function(wrap_pyfunction!(diagram::merge, module)?)?;
     module.add_function(wrap_pyfunction!(border::border, module)?)?;
+    module.add_function(wrap_pyfunction!(periodic::orbit, module)?)?;
+    module.add_function(wrap_pyfunction!(periodic::branches, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     Ok(())
 }

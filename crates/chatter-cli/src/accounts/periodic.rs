@@ -27,11 +27,19 @@ fn complex(value: &Complex, digits: u32) -> String {
         return concise(value.re, digits);
     }
     let sign = if value.im < 0.0 { '-' } else { '+' };
-    format!("{} {sign} {}i", concise(value.re, digits), concise(value.im.abs(), digits))
+    format!(
+        "{} {sign} {}i",
+        concise(value.re, digits),
+        concise(value.im.abs(), digits)
+    )
 }
 
 fn multipliers(values: &[Complex], digits: u32) -> String {
-    let mut told: Vec<String> = values.iter().take(MOST_TOLD).map(|m| complex(m, digits)).collect();
+    let mut told: Vec<String> = values
+        .iter()
+        .take(MOST_TOLD)
+        .map(|m| complex(m, digits))
+        .collect();
     if values.len() > MOST_TOLD {
         told.push(format!("and {} smaller", values.len() - MOST_TOLD));
     }
@@ -73,9 +81,17 @@ fn one(subject: &Subject, orbit: &Orbit) -> Result<String, Failure> {
         ],
         vec![
             "stability".to_owned(),
-            if orbit.is_stable() { "stable" } else { "unstable" }.to_owned(),
+            if orbit.is_stable() {
+                "stable"
+            } else {
+                "unstable"
+            }
+            .to_owned(),
         ],
-        vec!["multipliers".to_owned(), multipliers(&orbit.multipliers, DIGITS)],
+        vec![
+            "multipliers".to_owned(),
+            multipliers(&orbit.multipliers, DIGITS),
+        ],
     ];
     if let Some(trivial) = orbit.trivial_multiplier {
         rows.push(vec!["along the flow".to_owned(), full(trivial)]);
@@ -84,7 +100,11 @@ fn one(subject: &Subject, orbit: &Orbit) -> Result<String, Failure> {
         Some(section) => format!("at section {}", subject.model.sections[section].name),
         None => "at its start".to_owned(),
     };
-    let state: Vec<String> = names.iter().zip(&orbit.start).map(|(name, &x)| format!("{name} = {}", number(x))).collect();
+    let state: Vec<String> = names
+        .iter()
+        .zip(&orbit.start)
+        .map(|(name, &x)| format!("{name} = {}", number(x)))
+        .collect();
     rows.push(vec![place, state.join(", ")]);
     let mut kinds: Vec<(&str, usize)> = Vec::new();
     for event in &events {
@@ -94,7 +114,10 @@ fn one(subject: &Subject, orbit: &Orbit) -> Result<String, Failure> {
             None => kinds.push((name, 1)),
         }
     }
-    let kinds: Vec<String> = kinds.iter().map(|(name, count)| format!("{count} {name}")).collect();
+    let kinds: Vec<String> = kinds
+        .iter()
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
     rows.push(vec!["events".to_owned(), kinds.join(", ")]);
     for margin in &orbit.margins {
         rows.push(vec![
@@ -107,19 +130,31 @@ fn one(subject: &Subject, orbit: &Orbit) -> Result<String, Failure> {
             ),
         ]);
     }
-    rows.push(vec!["residual".to_owned(), format!("{:.1e}", orbit.residual)]);
+    rows.push(vec![
+        "residual".to_owned(),
+        format!("{:.1e}", orbit.residual),
+    ]);
     Ok(aligned(&rows, &[Side::Left, Side::Left]))
 }
 
 /// Branches with their special points.
 pub fn branches(subject: &Subject, branches: &[Branch], style: Style) -> String {
     let mut text = title(subject, style);
-    let name = subject.names().last().copied().unwrap_or_default().to_owned();
+    let name = subject
+        .names()
+        .last()
+        .copied()
+        .unwrap_or_default()
+        .to_owned();
     for (index, branch) in branches.iter().enumerate() {
         let values = || branch.points.iter().map(parameter);
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
-        let stable = branch.points.iter().filter(|point| point.is_stable()).count();
+        let stable = branch
+            .points
+            .iter()
+            .filter(|point| point.is_stable())
+            .count();
         text += &format!(
             "\nbranch {}: {} orbits, {stable} of them stable, {name} from {} to {}\n  ends: {}; {}\n",
             index + 1,
@@ -135,7 +170,14 @@ pub fn branches(subject: &Subject, branches: &[Branch], style: Style) -> String 
         let heading = ["kind", &name, "error", "impacts", "period", "multipliers"];
         let mut rows: Vec<Vec<String>> = vec![heading.map(str::to_owned).to_vec()];
         rows.extend(branch.special.iter().map(row));
-        let sides = [Side::Left, Side::Left, Side::Right, Side::Right, Side::Left, Side::Left];
+        let sides = [
+            Side::Left,
+            Side::Left,
+            Side::Right,
+            Side::Right,
+            Side::Left,
+            Side::Left,
+        ];
         text += &aligned(&rows, &sides);
     }
     text
@@ -151,7 +193,9 @@ fn row(special: &Special) -> Vec<String> {
         kind,
         full(parameter(point)),
         format!("{:.0e}", special.error),
-        point.impacts.map_or("infinite".to_owned(), |count| count.to_string()),
+        point
+            .impacts
+            .map_or("infinite".to_owned(), |count| count.to_string()),
         concise(point.period, DIGITS),
         multipliers(&point.multipliers, 6),
     ]

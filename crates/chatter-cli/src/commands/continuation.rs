@@ -1,20 +1,22 @@
 //! `chatter continue`: branches of periodic orbits over a parameter.
 
 use super::going_on;
-use super::orbit::{check_period, section};
 use crate::accounts::periodic::branches as account;
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
-use crate::options::{Count, FigureFile, Initial, Loaded, ModelOptions, Quantity, TableFile, Window};
+use crate::options::{
+    Count, FigureFile, Initial, Loaded, ModelOptions, Quantity, TableFile, Window,
+};
 use crate::terminal::{self, Progress, Style};
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, branches, special_curve,
 };
 use chatter::expressions::nearest;
-use chatter::model::{Model, Warning, check};
+use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_work::periodic::{
-    Subject, Vertical, branch_document, first_that_changes, picture, refused, restore, write,
+    Subject, Vertical, branch_document, check_period, first_that_changes, free_parameter, picture,
+    refused, restore, section, write,
 };
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -70,7 +72,12 @@ pub struct Arguments {
     switch: Vec<Switch>,
 
     /// How often a branch may be left for another [default: 1]
-    #[arg(long, value_name = "N", requires = "switch", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "switch",
+        allow_hyphen_values = true
+    )]
     depth: Option<Count>,
 
     /// Follow orbits of at most so many impacts a period [default: 80]
@@ -184,10 +191,12 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let vertical = match arguments.observe.as_deref() {
         None => None,
         Some("period") => Some(Vertical::Period),
-        Some(name) => Some(Vertical::State(model.state_index(name).ok_or_else(|| {
-            let known = nearest(name, model.state_names());
-            Failure::input(format!("the model has no state `{name}`")).did_you_mean(known)
-        })?)),
+        Some(name) => Some(Vertical::State(model.state_index(name).ok_or_else(
+            || {
+                let known = nearest(name, model.state_names());
+                Failure::input(format!("the model has no state `{name}`")).did_you_mean(known)
+            },
+        )?)),
     };
     terminal::catch_interrupts();
     let mut progress = Progress::new();
@@ -204,7 +213,10 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                     None => "complete chatter".to_owned(),
                 };
                 let rate = count as f64 / began.elapsed().as_secs_f64();
-                format!("{} = {at:.8}, {impacts}, {count} orbits, {rate:.0} orbits/s", arguments.sweep.name)
+                format!(
+                    "{} = {at:.8}, {impacts}, {count} orbits, {rate:.0} orbits/s",
+                    arguments.sweep.name
+                )
             });
         }
         going_on()
@@ -219,15 +231,20 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             kind = Some(known.kind);
             let limits = &what.limits;
             let mut listen = |point: &Point| listen(Some(point));
-            special_curve(&model, &spec, ([other, what.parameter], &known), limits, &mut listen).map(
-                |curve| {
-                    vec![Branch {
-                        points: curve.points,
-                        special: Vec::new(),
-                        ends: curve.ends,
-                    }]
-                },
+            special_curve(
+                &model,
+                &spec,
+                ([other, what.parameter], &known),
+                limits,
+                &mut listen,
             )
+            .map(|curve| {
+                vec![Branch {
+                    points: curve.points,
+                    special: Vec::new(),
+                    ends: curve.ends,
+                }]
+            })
         }
     };
     progress.finish();
@@ -278,8 +295,11 @@ fn curve_of(
     let index = |name: &str| {
         model.parameter_index(name.trim()).ok_or_else(|| {
             let known = nearest(name.trim(), model.parameter_names());
-            Failure::input(format!("--free: the model has no parameter `{}`", name.trim()))
-                .did_you_mean(known)
+            Failure::input(format!(
+                "--free: the model has no parameter `{}`",
+                name.trim()
+            ))
+            .did_you_mean(known)
         })
     };
     let (one, two) = (index(one)?, index(two)?);
@@ -296,20 +316,7 @@ fn curve_of(
 }
 
 fn specification(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {
-    let name = &arguments.sweep.name;
-    let Some(parameter) = model.parameter_index(name) else {
-        if model.state_index(name).is_some() {
-            return Err(Failure::input(format!("`{name}` is a state, not a parameter")));
-        }
-        let known = nearest(name, model.parameter_names());
-        return Err(Failure::input(format!("the model has no parameter `{name}`")).did_you_mean(known));
-    };
-    let is_unused = |warning: &Warning| matches!(warning, Warning::UnusedParameter { name: unused } if unused == name);
-    if check(model).warnings.iter().any(is_unused) {
-        return Err(Failure::input(format!(
-            "no equation uses parameter `{name}`: nothing changes with it"
-        )));
-    }
+    let parameter = free_parameter(model, &arguments.sweep.name)?;
     let range = arguments.sweep.range.ends(model, "--sweep")?;
     let step = match &arguments.step {
         Some(step) => step.value(model, "--step")?.to_f64(),
@@ -322,7 +329,9 @@ fn specification(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec,
     }
     let depth = arguments.depth.map_or(1, |depth| depth.0);
     if depth > 16 {
-        return Err(Failure::input(format!("--depth {depth}: expected at most 16")));
+        return Err(Failure::input(format!(
+            "--depth {depth}: expected at most 16"
+        )));
     }
     let to = |kind: Switch| {
         if arguments.switch.contains(&kind) {

@@ -4,6 +4,7 @@ pub mod border;
 mod check;
 mod continuation;
 mod diagram;
+mod merge;
 mod models;
 mod orbit;
 mod plot;
@@ -20,6 +21,7 @@ use core::ops::ControlFlow;
 pub enum Command {
     Simulate(Box<simulate::Arguments>),
     Diagram(Box<diagram::Arguments>),
+    Merge(merge::Arguments),
     Plot(plot::Arguments),
     Check(check::Arguments),
     Orbit(Box<orbit::Arguments>),
@@ -36,6 +38,7 @@ impl Command {
         match self {
             Self::Simulate(arguments) => simulate::run(arguments),
             Self::Diagram(arguments) => diagram::run(arguments),
+            Self::Merge(arguments) => merge::run(arguments),
             Self::Plot(arguments) => plot::run(arguments),
             Self::Check(arguments) => check::run(arguments),
             Self::Orbit(arguments) => orbit::run(arguments),

@@ -7,9 +7,8 @@ use crate::numbers::Digits;
 use crate::options::{Count, Initial, Loaded, ModelOptions, Precision};
 use crate::terminal::{self, Progress, Style, Waiting};
 use chatter::analysis::periodic::{Orbit, Search, Spec, all, settled};
-use chatter::expressions::nearest;
 use chatter::model::Model;
-use chatter_work::periodic::{Subject, orbit_document, refused};
+use chatter_work::periodic::{Subject, check_period, orbit_document, refused, section};
 use clap::Args;
 use std::time::Instant;
 
@@ -75,32 +74,6 @@ const STARTS: u64 = 200;
 /// Longer cycles take too long to be found by chance.
 const MOST_PERIODS: u64 = 64;
 
-/// The section of a model that is meant.
-pub(super) fn section(model: &Model, name: Option<&str>) -> Result<Option<usize>, Failure> {
-    let Some(name) = name else {
-        return Ok(None);
-    };
-    let found = model.sections.iter().position(|section| section.name == name);
-    if found.is_none() {
-        let names = model.sections.iter().map(|section| section.name.as_str());
-        let known: Vec<&str> = names.collect();
-        let failure = Failure::input(format!("the model has no section `{name}`"));
-        return Err(match nearest(name, known.iter().copied()) {
-            None if known.is_empty() => failure.help("it has none at all: add a [section.NAME] to it"),
-            near => failure.did_you_mean(near),
-        });
-    }
-    Ok(found)
-}
-
-/// Checks that a period is an expression in parameters.
-pub(super) fn check_period(model: &mut Model, period: Option<&str>) -> Result<(), Failure> {
-    if let Some(text) = period {
-        crate::options::Quantity(text.to_owned()).value(model, "--period")?;
-    }
-    Ok(())
-}
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Loaded {
@@ -124,7 +97,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             vec![found.map_err(|error| refused(&error, &model))?]
         }
     };
-    let digits = arguments.digits.map_or(Digits::DOUBLE, |precision| precision.0);
+    let digits = arguments
+        .digits
+        .map_or(Digits::DOUBLE, |precision| precision.0);
     let subject = Subject {
         model: &model,
         source: &arguments.model.model,

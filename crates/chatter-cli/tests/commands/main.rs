@@ -10,5 +10,6 @@ mod documents;
 mod files;
 #[cfg(unix)]
 mod guards;
+mod shards;
 mod sweeps;
 mod theory;

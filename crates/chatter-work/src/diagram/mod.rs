@@ -7,6 +7,7 @@ pub mod job;
 mod order;
 pub mod picture;
 mod produce;
+mod shards;
 mod source;
 mod store;
 mod stored;
@@ -18,7 +19,10 @@ pub use hysteresis::{Hysteresis, hysteresis};
 pub use job::{Header, Job, Order, Ready};
 pub use order::Request;
 pub use picture::{Shear, Show, View, Zoom};
-pub use produce::{Beginning, Produced, Written, produce, produce_in_memory};
+pub use produce::{
+    Beginning, Produced, Written, produce, produce_in_memory, produce_share, rows_of,
+};
+pub use shards::{merge, shard_journal, small_share};
 pub use source::{Class, InMemory, Rows, Source};
 pub use store::{Begun, Found, Store, check_size, journal_of};
 pub use stored::{Stored, Subject};

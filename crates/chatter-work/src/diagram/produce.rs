@@ -8,7 +8,7 @@ use super::{View, table};
 use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::{
-    Ending, Executor, Record, Row, Standing, Sweep, Threads, run as compute,
+    Ending, Executor, Record, Row, Share, Standing, Sweep, Threads, run_share as compute,
 };
 use chatter::analysis::map::Map as _;
 use chatter::analysis::return_map::ReturnMap;
@@ -52,14 +52,33 @@ pub fn produce(
     threads: Threads,
     observer: &dyn Observer,
 ) -> Result<Produced, Refusal> {
+    produce_share(order, Share::WHOLE, beginning, threads, observer)
+}
+
+/// Computes what is missing of a share of the diagram.
+///
+/// # Errors
+/// As for [`produce`].
+pub fn produce_share(
+    order: &Order,
+    share: Share,
+    beginning: Beginning,
+    threads: Threads,
+    observer: &dyn Observer,
+) -> Result<Produced, Refusal> {
     let ready = order.job.prepare(&order.model_text)?;
     check(order, &ready.sweep)?;
-    let (mut store, standing) = open(order, beginning, &ready, observer)?;
+    let work = Work {
+        map: &ready.map,
+        sweep: &ready.sweep,
+        share,
+    };
+    let (mut store, standing) = open(order, beginning, &ready, share, observer)?;
     let keep = &mut |row: Row| {
         let kept = store.append(&row);
         kept.map_err(|error| Refusal::Output(error.to_string()))
     };
-    let ending = fill(&ready.map, &ready.sweep, &standing, threads, keep, observer)?;
+    let ending = fill(&work, &standing, threads, keep, observer)?;
     let complete = ending == Ending::Complete;
     Ok(Produced {
         ready,
@@ -96,7 +115,12 @@ pub fn produce_in_memory(
         rows.push(row);
         Ok(())
     };
-    let ending = fill(&ready.map, &ready.sweep, &standing, threads, keep, observer)?;
+    let work = Work {
+        map: &ready.map,
+        sweep: &ready.sweep,
+        share: Share::WHOLE,
+    };
+    let ending = fill(&work, &standing, threads, keep, observer)?;
     rows.sort_unstable_by_key(|row| row.row);
     Ok((ready, rows, ending == Ending::Complete))
 }
@@ -161,6 +185,7 @@ fn open(
     order: &Order,
     beginning: Beginning,
     ready: &Ready,
+    share: Share,
     observer: &dyn Observer,
 ) -> Result<(Store, Standing), Refusal> {
     let sweep = &ready.sweep;
@@ -176,8 +201,8 @@ fn open(
     observer.remark(&format!(
         "going on from `{}`: {} of {} orbits are done",
         path.display(),
-        standing.rows(),
-        sweep.rows()
+        standing.rows_of(sweep, share),
+        rows_of(sweep, share)
     ));
     Ok((store, standing))
 }
@@ -201,31 +226,46 @@ fn same(order: &Order, begun: Begun) -> Result<Begun, Refusal> {
     .help("finish it with --resume, delete it, or write this diagram to another file"))
 }
 
+/// How many rows there are in a share of a sweep.
+pub fn rows_of(sweep: &Sweep, share: Share) -> u64 {
+    let pieces = share.pieces(sweep.pieces());
+    pieces.map(|piece| sweep.piece_rows(piece)).sum()
+}
+
+/// What is computed.
+struct Work<'a> {
+    map: &'a ReturnMap,
+    sweep: &'a Sweep,
+    share: Share,
+}
+
 /// Computes what is missing; `keep` takes each row as it is done.
 fn fill(
-    map: &ReturnMap,
-    sweep: &Sweep,
+    work: &Work,
     standing: &Standing,
     threads: Threads,
     keep: &mut (dyn FnMut(Row) -> Result<(), Refusal> + Send),
     observer: &dyn Observer,
 ) -> Result<Ending, Refusal> {
     let began = Instant::now();
+    let &Work { map, sweep, share } = work;
+    let rows = rows_of(sweep, share);
     let spec = sweep.spec();
     let returns = (spec.transient as f64 + spec.keep as f64) * spec.every as f64;
     let mut broken = None;
     let executor: &dyn Executor = &threads;
-    let mut done = standing.rows();
+    let begun = standing.rows_of(sweep, share);
+    let mut done = begun;
     let stop = observer.stop();
-    let ending = compute(map, sweep, standing, executor, stop, &mut |row| {
+    let ending = compute(map, sweep, share, standing, executor, stop, &mut |row| {
         if let Err(refusal) = keep(row) {
             broken = Some(refusal);
             return ControlFlow::Break(());
         }
         done += 1;
-        observer.progress(done as f64 / sweep.rows() as f64, &|| {
-            let rate = (done - standing.rows()) as f64 * returns / began.elapsed().as_secs_f64();
-            format!("{done} of {} orbits, {rate:.0} returns/s", sweep.rows())
+        observer.progress(done as f64 / rows as f64, &|| {
+            let rate = (done - begun) as f64 * returns / began.elapsed().as_secs_f64();
+            format!("{done} of {rows} orbits, {rate:.0} returns/s")
         });
         ControlFlow::Continue(())
     });

@@ -8,6 +8,7 @@ mod event;
 mod orbit;
 mod quantity;
 mod section;
+mod share;
 mod sweep;
 
 pub use assignment::Assignment;
@@ -18,4 +19,5 @@ pub use event::StopOption;
 pub use orbit::{AtOption, ObserveOption, ShearOption, StartOption};
 pub use quantity::{Quantity, Window};
 pub use section::SectionOption;
+pub use share::ShareOption;
 pub use sweep::{SpanOption, SweepOption};

@@ -54,6 +54,11 @@ fn subject(name: &str) -> (String, Swept) {
 }
 
 impl SweepOption {
+    /// The parameter or state that is swept.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// What a sweep of one value sets: a parameter, or an initial value.
     pub fn assignment(&self) -> (Swept, Assignment) {
         (self.swept, Assignment::new(&self.name, &self.from.0))

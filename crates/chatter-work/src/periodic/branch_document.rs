@@ -29,12 +29,15 @@ pub fn document(subject: &Subject, branches: &[Branch], kind: Option<SpecialKind
 }
 
 fn impacts(point: &Point) -> Json {
-    point.impacts.map_or(Json::Null, |count| Json::Integer(count as i64))
+    point
+        .impacts
+        .map_or(Json::Null, |count| Json::Integer(count as i64))
 }
 
 fn one(subject: &Subject, branch: &Branch) -> Object {
     let points = &branch.points;
-    let column = |value: &dyn Fn(&Point) -> Json| -> Vec<Json> { points.iter().map(value).collect() };
+    let column =
+        |value: &dyn Fn(&Point) -> Json| -> Vec<Json> { points.iter().map(value).collect() };
     let mut columns = Object::new(subject.digits);
     for (place, name) in subject.names().into_iter().enumerate() {
         columns = columns.with(name, column(&|point| Json::Number(point.parameters[place])));
@@ -43,9 +46,15 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
         .with("period", column(&|point| Json::Number(point.period)))
         .with("impacts", column(&impacts))
         .with("stable", column(&|point| Json::Bool(point.is_stable())))
-        .with("multipliers", column(&|point| Json::List(multipliers(&point.multipliers))));
+        .with(
+            "multipliers",
+            column(&|point| Json::List(multipliers(&point.multipliers))),
+        );
     for (index, state) in subject.model.states.iter().enumerate() {
-        columns = columns.with(&state.name, column(&|point| Json::Number(point.state[index])));
+        columns = columns.with(
+            &state.name,
+            column(&|point| Json::Number(point.state[index])),
+        );
     }
     columns = columns
         .with("residual", column(&|point| Json::Number(point.residual)))
@@ -53,7 +62,11 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
     let special: Vec<Json> = (branch.special.iter())
         .map(|special| special_object(subject, special))
         .collect();
-    let ends: Vec<Json> = branch.ends.iter().map(|end| Json::from(end.to_string())).collect();
+    let ends: Vec<Json> = branch
+        .ends
+        .iter()
+        .map(|end| Json::from(end.to_string()))
+        .collect();
     Object::new(subject.digits)
         .with("points", columns)
         .with("special", special)

@@ -4,6 +4,7 @@ mod branch_document;
 mod orbit_document;
 mod picture;
 mod refused;
+mod request;
 mod restored;
 mod table;
 
@@ -11,6 +12,7 @@ pub use branch_document::document as branch_document;
 pub use orbit_document::{document as orbit_document, events_of};
 pub use picture::{Vertical, first_that_changes, picture};
 pub use refused::refused;
+pub use request::{check_period, free_parameter, section};
 pub use restored::{Restored, restore};
 pub use table::write;
 

@@ -72,7 +72,9 @@ fn object(subject: &Subject, orbit: &Orbit) -> Result<Object, Refusal> {
         Some(section) => Json::from(subject.model.sections[section].name.as_str()),
         None => Json::Null,
     };
-    let impacts = orbit.impacts.map_or(Json::Null, |count| Json::Integer(count as i64));
+    let impacts = orbit
+        .impacts
+        .map_or(Json::Null, |count| Json::Integer(count as i64));
     Ok(Object::new(subject.digits)
         .number("period", orbit.period)
         .named("start", &names, &orbit.start)
@@ -118,20 +120,21 @@ fn run_of(subject: &Subject, orbit: &Orbit) -> Result<Simulation<f64>, Refusal> 
     }
     let start = model.time.map_or(0.0, |index| orbit.start[index].high());
     let until = start + orbit.period.high() * (1.0 + LATE);
-    simulate::<f64>(&model, &Spec::until(until), &mut |_| ControlFlow::Continue(())).map_err(
-        |error| {
-            let message = match &error {
-                chatter::analysis::simulate::SimulateError::Start(error) => {
-                    sentence(error, subject.model)
-                }
-                error => error.to_string(),
-            };
-            Refusal::Unfinished {
-                message,
-                help: None,
+    simulate::<f64>(&model, &Spec::until(until), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .map_err(|error| {
+        let message = match &error {
+            chatter::analysis::simulate::SimulateError::Start(error) => {
+                sentence(error, subject.model)
             }
-        },
-    )
+            error => error.to_string(),
+        };
+        Refusal::Unfinished {
+            message,
+            help: None,
+        }
+    })
 }
 
 fn event_list(subject: &Subject, events: &[Event<f64>]) -> Vec<Json> {

@@ -29,7 +29,9 @@ fn mark(kind: SpecialKind) -> (Marker, Color, &'static str) {
         SpecialKind::PeriodDoubling => (Marker::Diamond, Color::GREEN, "period doubling"),
         SpecialKind::NeimarkSacker => (Marker::Triangle, Color::PURPLE, "Neimark\u{2013}Sacker"),
         SpecialKind::BranchPoint => (Marker::Plus, Color::INK, "branch point"),
-        SpecialKind::ImpactGraze | SpecialKind::FlightGraze => (Marker::Circle, Color::BLUE, "graze"),
+        SpecialKind::ImpactGraze | SpecialKind::FlightGraze => {
+            (Marker::Circle, Color::BLUE, "graze")
+        }
         SpecialKind::ChatterBorder => (Marker::Square, Color::ORANGE, "chatter border"),
         SpecialKind::Touch => (Marker::Cross, Color::GREY, "touch"),
     }
@@ -54,7 +56,12 @@ pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Fi
         Vertical::State(index) => point.state[index],
         Vertical::Period => point.period,
     };
-    let name = subject.names().last().copied().unwrap_or_default().to_owned();
+    let name = subject
+        .names()
+        .last()
+        .copied()
+        .unwrap_or_default()
+        .to_owned();
     let y = match vertical {
         Vertical::State(index) => axis(subject.model, &subject.model.states[index].name),
         Vertical::Period => Axis::new("period"),
@@ -63,7 +70,10 @@ pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Fi
     let mut told = [false; 2];
     for branch in branches {
         for (stable, run) in runs(&branch.points) {
-            let (x, y) = run.iter().map(|point| (parameter(point), value(point))).unzip();
+            let (x, y) = run
+                .iter()
+                .map(|point| (parameter(point), value(point)))
+                .unzip();
             let line = Line::new(x, y);
             let line = if stable {
                 line.color(Color::BLUE).width(STABLE)
@@ -89,7 +99,13 @@ pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Fi
             .map(|special| (parameter(&special.point), value(&special.point)))
             .unzip();
         let (marker, color, label) = known;
-        panel.add(Markers::new(x, y).marker(marker).color(color).size(MARK).label(label));
+        panel.add(
+            Markers::new(x, y)
+                .marker(marker)
+                .color(color)
+                .size(MARK)
+                .label(label),
+        );
     }
     Figure::from(panel).width(WIDTH).height(HEIGHT)
 }

@@ -34,13 +34,22 @@ pub fn restore(model: &Model, path: &Path, index: usize) -> Result<Restored, Ref
     let number = |name: &str| -> Result<f64, Refusal> {
         let values = file.floats(name).map_err(Refusal::input)?;
         values.get(place).copied().ok_or_else(|| {
-            Refusal::input(format!("`{}` is damaged: `{name}` is too short", path.display()))
+            Refusal::input(format!(
+                "`{}` is damaged: `{name}` is too short",
+                path.display()
+            ))
         })
     };
     let named = |kind: &&SpecialKind| kind.name() == kinds[place];
-    let kind = (SpecialKind::ALL.iter().find(named)).copied().ok_or_else(|| {
-        Refusal::input(format!("`{}` has a point of unknown kind `{}`", path.display(), kinds[place]))
-    })?;
+    let kind = (SpecialKind::ALL.iter().find(named))
+        .copied()
+        .ok_or_else(|| {
+            Refusal::input(format!(
+                "`{}` has a point of unknown kind `{}`",
+                path.display(),
+                kinds[place]
+            ))
+        })?;
     let states: Result<Vec<f64>, Refusal> = (model.states.iter())
         .map(|state| number(&format!("special_{}", state.name)))
         .collect();

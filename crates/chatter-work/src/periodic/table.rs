@@ -18,7 +18,12 @@ pub fn write(subject: &Subject, branches: &[Branch], path: &Path) -> Result<Vec<
         .flat_map(|(index, branch)| branch.points.iter().map(move |point| (index as i64, point)))
         .collect();
     let specials: Vec<_> = (branches.iter().enumerate())
-        .flat_map(|(index, branch)| branch.special.iter().map(move |special| (index as i64, special)))
+        .flat_map(|(index, branch)| {
+            branch
+                .special
+                .iter()
+                .map(move |special| (index as i64, special))
+        })
         .collect();
     let special_points: Vec<(i64, &Point)> = (specials.iter())
         .map(|(index, special)| (*index, &special.point))
@@ -26,7 +31,10 @@ pub fn write(subject: &Subject, branches: &[Branch], path: &Path) -> Result<Vec<
     // All columns of an NPZ file are in one place.
     let together = path.extension().is_some_and(|extension| extension == "npz");
     let prefix = if together { "special_" } else { "" };
-    let kinds: Vec<&str> = specials.iter().map(|(_, special)| special.kind.name()).collect();
+    let kinds: Vec<&str> = specials
+        .iter()
+        .map(|(_, special)| special.kind.name())
+        .collect();
     let special = columns(subject, Table::new("special"), prefix, &special_points)
         .column(format!("{prefix}kind"), kinds)
         .column(
@@ -61,19 +69,35 @@ fn columns(subject: &Subject, table: Table, prefix: &str, points: &[(i64, &Point
         )
         .column(
             name("stable"),
-            points.iter().map(|(_, point)| i64::from(point.is_stable())).collect::<Vec<i64>>(),
+            points
+                .iter()
+                .map(|(_, point)| i64::from(point.is_stable()))
+                .collect::<Vec<i64>>(),
         );
     for (index, state) in subject.model.states.iter().enumerate() {
         table = table.column(name(&state.name), numbers(&|point| point.state[index]));
     }
-    let most = points.iter().map(|(_, point)| point.multipliers.len()).max().unwrap_or(0);
+    let most = points
+        .iter()
+        .map(|(_, point)| point.multipliers.len())
+        .max()
+        .unwrap_or(0);
     for k in 0..most {
         let part = |point: &Point, imaginary: bool| {
-            point.multipliers.get(k).map_or(f64::NAN, |m| if imaginary { m.im } else { m.re })
+            point
+                .multipliers
+                .get(k)
+                .map_or(f64::NAN, |m| if imaginary { m.im } else { m.re })
         };
         table = table
-            .column(name(&format!("multiplier{}_re", k + 1)), numbers(&|point| part(point, false)))
-            .column(name(&format!("multiplier{}_im", k + 1)), numbers(&|point| part(point, true)));
+            .column(
+                name(&format!("multiplier{}_re", k + 1)),
+                numbers(&|point| part(point, false)),
+            )
+            .column(
+                name(&format!("multiplier{}_im", k + 1)),
+                numbers(&|point| part(point, true)),
+            );
     }
     table.column(name("error"), numbers(&|point| point.correction))
 }

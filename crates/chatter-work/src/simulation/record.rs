@@ -54,6 +54,11 @@ impl<R: Real> Record<R> {
         self.events.len()
     }
 
+    /// Whether nothing has happened.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// Takes note of an event.
     pub fn event(&mut self, event: &Event<R>) -> Result<(), FileError> {
         let (mut flag, mut other, mut impacts, mut error) = (false, 0, 0, 0.0);

@@ -53,7 +53,6 @@ pub(crate) struct Leg {
     /// The field at a point.
     field: Tape,
     graph: Graph,
-    coordinates: usize,
     time: Option<usize>,
 }
 
@@ -217,7 +216,6 @@ impl System {
             },
             field: at_point,
             graph: graph.clone(),
-            coordinates,
             time: self.model().time,
         })
     }
@@ -295,6 +293,9 @@ impl Edge {
     }
 }
 
+/// A trajectory and the parameters that it is at.
+type Placed<R> = Option<(Vec<R>, Trajectory<R>)>;
+
 /// Scratch space of a leg, and where it was flown last.
 #[derive(Clone, Debug)]
 pub(crate) struct Flyer<R: Real> {
@@ -302,8 +303,8 @@ pub(crate) struct Flyer<R: Real> {
     watching: Option<Workspace<R>>,
     expansion: Expansion<R>,
     /// At these parameters.
-    trajectory: Option<(Vec<R>, Trajectory<R>)>,
-    watcher: Option<(Vec<R>, Trajectory<R>)>,
+    trajectory: Placed<R>,
+    watcher: Placed<R>,
 }
 
 /// Steps without an end: the leg grows beyond all bounds.
@@ -483,19 +484,11 @@ pub(crate) struct Follower<R: Real> {
     expansion: Expansion<R>,
 }
 
-/// How a stretch went.
-#[derive(Clone, Debug)]
-pub(crate) struct Followed<R> {
-    pub landing: Landing<R>,
-    /// Impacts that were integrated one by one.
-    pub impacts: usize,
-}
-
 /// Why a stretch has no end like the one it was compiled for.
 #[derive(Clone, Debug)]
 pub(crate) enum Astray {
     /// Something else ended it.
-    Other(Option<GuardKind>),
+    Otherwise,
     /// It cannot be followed.
     Failed(FlowError),
 }
@@ -525,7 +518,7 @@ impl Stretch {
         parameters: &[R],
         x: &[R],
         longest: R,
-    ) -> Result<Followed<R>, Astray> {
+    ) -> Result<Landing<R>, Astray> {
         let system = &self.system;
         let all = parameters;
         // A trajectory finds the pieces of lookups by itself.
@@ -544,7 +537,6 @@ impl Stretch {
         };
         trajectory.set_horizon_parts(two_sum(clock, longest));
         let mut accumulations = 0;
-        let mut impacts = 0;
         for _ in 0..MOST_EVENTS {
             let mut told = None;
             for _ in 0..MOST_STEPS {
@@ -556,16 +548,14 @@ impl Stretch {
             match told {
                 Some(Occurrence::Horizon) => {
                     if self.ends_at.is_some() {
-                        return Err(Astray::Other(None));
+                        return Err(Astray::Otherwise);
                     }
                     let end = trajectory.state();
-                    let landing = (self.edge).landing(&mut follower.expansion, all, longest, end);
-                    return Ok(Followed { landing, impacts });
+                    return Ok((self.edge).landing(&mut follower.expansion, all, longest, end));
                 }
                 Some(Occurrence::Accumulation { .. } | Occurrence::Cascade { .. }) => {
                     accumulations += 1
                 }
-                Some(Occurrence::Impact { .. }) => impacts += 1,
                 _ => {}
             }
             let Some(guard) = trajectory.ended_by() else {
@@ -575,11 +565,10 @@ impl Stretch {
                 let duration = trajectory.time() - clock;
                 let dense = work.dense();
                 let end: Vec<R> = (0..start.len()).map(|i| dense.state(i, R::ONE)).collect();
-                let landing = (self.edge).landing(&mut follower.expansion, all, duration, &end);
-                return Ok(Followed { landing, impacts });
+                return Ok((self.edge).landing(&mut follower.expansion, all, duration, &end));
             }
         }
-        Err(Astray::Other(None))
+        Err(Astray::Otherwise)
     }
 
     /// Takes a state that an impact has just left to where the gap is zero: off it by what the solution of the
@@ -630,7 +619,7 @@ fn with_identity<R: Real>(x: &[R], columns: usize) -> Vec<R> {
 /// Puts a trajectory at a state, anew where the parameters have changed.
 fn place<R: Real>(
     system: &System,
-    (kept, work): (&mut Option<(Vec<R>, Trajectory<R>)>, &mut Workspace<R>),
+    (kept, work): (&mut Placed<R>, &mut Workspace<R>),
     parameters: &[R],
     clock: R,
     state: &[R],

@@ -2,8 +2,8 @@
 
 use crate::diagram::Request;
 use crate::options::{
-    Assignment, AtOption, Count, FigureFile, Initial, ObserveOption, Quantity, ShearOption,
-    SpanOption, StartOption, SweepOption, TableFile, ThreadCount,
+    Assignment, AtOption, Count, FigureFile, Initial, ObserveOption, Quantity, ShareOption,
+    ShearOption, SpanOption, StartOption, SweepOption, TableFile, ThreadCount,
 };
 use chatter::analysis::diagram::Record;
 use clap::{Args, ValueEnum};
@@ -24,6 +24,8 @@ EXAMPLES
   chatter diagram pressure_relief_valve --at q=0.0203 --observe y2 --json
   chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:400 --sweep r=0.7:0.9:300 --observe y2 \\
       --out map.npz --plot map.png
+  chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:400 --sweep r=0.7:0.9:300 --observe y2 \\
+      --out map.npz --shard 3/32          # on each of 32 machines its own; then chatter merge map.*.journal --out map.npz
 
 TABLE
   For each parameter value (and start): what is swept, outcome (periodic, chaotic, quasiperiodic, unsettled,
@@ -182,6 +184,10 @@ pub struct Arguments {
         allow_hyphen_values = true
     )]
     pub shear: Option<ShearOption>,
+
+    /// Compute one of several shares only, into a journal of its own beside --out, for `chatter merge`
+    #[arg(long, value_name = "NUMBER/COUNT", requires = "out", conflicts_with_all = ["resume", "json"])]
+    pub shard: Option<ShareOption>,
 
     /// How many threads compute [default: as many as the machine runs at once]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]

@@ -7,12 +7,13 @@ pub use arguments::Arguments;
 
 use crate::diagram::{Beginning, Begun, Stored, journal_of, table};
 use crate::failure::{self, Failure};
-use crate::options::ThreadCount;
+use crate::options::{ShareOption, ThreadCount};
 use crate::terminal::{self, Console};
 use chatter::analysis::diagram::Threads;
 use chatter_files::Format;
 use chatter_work::source::Source;
-use produce::{produce, produce_document};
+pub use produce::produce;
+use produce::{produce_document, produce_shard};
 use std::io::Read;
 use std::path::Path;
 
@@ -22,6 +23,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Some(target) = &arguments.resume else {
         let source = Source::named(arguments.model.as_deref().unwrap_or_default())?;
         let order = arguments.request().order(source)?;
+        if let (Some(ShareOption(share)), Some(out)) = (arguments.shard, &order.out) {
+            return produce_shard(&order, out, share, threads);
+        }
         return match order.target().map(journal_of) {
             Some(journal) => produce(&order, Beginning::At(journal), threads, json),
             None if json => produce_document(&order, threads),
@@ -39,7 +43,12 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 }
 
 fn threads(arguments: &Arguments) -> Threads {
-    match arguments.threads {
+    threads_of(arguments.threads)
+}
+
+/// So many, else all of the machine.
+pub fn threads_of(count: Option<ThreadCount>) -> Threads {
+    match count {
         Some(ThreadCount(count)) => Threads::new(count),
         None => Threads::available(),
     }

@@ -3,11 +3,15 @@
 use crate::accounts::diagram::account;
 use crate::diagram::document::{self, Subject};
 use crate::diagram::tally::Tally;
-use crate::diagram::{self, Beginning, Order, picture, produce_in_memory};
+use crate::diagram::{
+    self, Beginning, Order, picture, produce_in_memory, produce_share, rows_of, shard_journal,
+    small_share,
+};
 use crate::failure::{self, Failure};
 use crate::terminal::{self, Console, Style, Waiting};
-use chatter::analysis::diagram::{Outcome, Threads};
+use chatter::analysis::diagram::{Outcome, Share, Threads};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Computes what is missing, then writes everything.
 pub fn produce(
@@ -67,6 +71,43 @@ pub fn produce(
     if written.slanted {
         text += picture::SLANTED;
     }
+    terminal::print(&text).map_err(Failure::Output)?;
+    Ok(failure::SUCCESS)
+}
+
+/// Computes a share of a diagram, into a journal of its own.
+pub fn produce_shard(
+    order: &Order,
+    out: &Path,
+    share: Share,
+    threads: Threads,
+) -> Result<u8, Failure> {
+    let journal = shard_journal(out, share);
+    let beginning = Beginning::At(journal.clone());
+    terminal::catch_interrupts();
+    let console = Console::new();
+    let produced = produce_share(order, share, beginning, threads, &console);
+    drop(console);
+    let produced = produced?;
+    let sweep = &produced.ready.sweep;
+    if let Some(remark) = small_share(sweep, share) {
+        terminal::warn(&remark);
+    }
+    let (done, rows): (u64, u64) = (
+        produced.store.counts().values().sum(),
+        rows_of(sweep, share),
+    );
+    let journal = journal.display();
+    if !produced.complete {
+        terminal::remark(&format!(
+            "stopped with {done} of {rows} orbits done in `{journal}`; the same command goes on"
+        ));
+        return Ok(failure::INTERRUPTED);
+    }
+    let text = format!(
+        "share {share} is done: {rows} of {} orbits in `{journal}`\n",
+        sweep.rows()
+    );
     terminal::print(&text).map_err(Failure::Output)?;
     Ok(failure::SUCCESS)
 }

@@ -123,7 +123,11 @@ impl Station {
     ///
     /// # Errors
     /// There is none nearby.
-    pub fn ahead(&self, problem: &mut dyn Problem<f64>, step: f64) -> Result<(Self, usize), NewtonError> {
+    pub fn ahead(
+        &self,
+        problem: &mut dyn Problem<f64>,
+        step: f64,
+    ) -> Result<(Self, usize), NewtonError> {
         let scales = problem.scales().to_vec();
         let size = self.at.len();
         let guess: Vec<f64> = (self.at.iter().zip(&self.tangent))

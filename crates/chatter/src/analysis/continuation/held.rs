@@ -122,8 +122,9 @@ impl<R: Real> Singular<R> {
         let v = factors.solve(&right);
         let w = factors.solve_transposed(&right);
         // A displacement along v by a small part of the size of whatever it displaces most.
-        let reach = (v[..size].iter().zip(problem.scales()))
-            .fold(0.0_f64, |most, (x, scale)| most.max(x.abs().to_f64() / scale));
+        let reach = (v[..size].iter().zip(problem.scales())).fold(0.0_f64, |most, (x, scale)| {
+            most.max(x.abs().to_f64() / scale)
+        });
         let part = libm::cbrt(R::ROUNDOFF);
         let mut displacement = R::splat(part / reach.max(f64::MIN_POSITIVE));
         let mut slopes = None;
@@ -141,7 +142,7 @@ impl<R: Real> Singular<R> {
                 slopes = Some(pair);
                 break;
             }
-            displacement = displacement * R::splat(0.1);
+            displacement *= R::splat(0.1);
         }
         let Some((up, down)) = slopes else {
             return Err(Left::because("no neighbourhood of the point has equations"));

@@ -63,11 +63,25 @@ pub fn locate(
         }
         if sign(here) == sign(low.1) {
             low = (at, here);
-            weights = (here, if latest < 0.0 { 0.5 * weights.1 } else { weights.1 });
+            weights = (
+                here,
+                if latest < 0.0 {
+                    0.5 * weights.1
+                } else {
+                    weights.1
+                },
+            );
             latest = -1.0;
         } else {
             high = (at, here);
-            weights = (if latest > 0.0 { 0.5 * weights.0 } else { weights.0 }, here);
+            weights = (
+                if latest > 0.0 {
+                    0.5 * weights.0
+                } else {
+                    weights.0
+                },
+                here,
+            );
             latest = 1.0;
         }
     }

@@ -99,7 +99,9 @@ pub fn newton<R: Real>(
         let mut right = linearised.residual;
         let residual = (right.iter()).fold(0.0_f64, |most, x| most.max(x.abs().to_f64()));
         for (i, condition) in conditions.iter().enumerate() {
-            bordered.row_mut(equations + i).copy_from_slice(&condition.row);
+            bordered
+                .row_mut(equations + i)
+                .copy_from_slice(&condition.row);
             right.push(dot(&condition.row, &at) - condition.value);
         }
         let factors = bordered.factored().ok_or(NewtonError::Singular)?;
@@ -107,8 +109,9 @@ pub fn newton<R: Real>(
         if !step.iter().all(|x| x.is_finite()) {
             return Err(NewtonError::Singular);
         }
-        let correction = (step.iter().zip(problem.scales()))
-            .fold(0.0_f64, |most, (x, scale)| most.max(x.abs().to_f64() / scale));
+        let correction = (step.iter().zip(problem.scales())).fold(0.0_f64, |most, (x, scale)| {
+            most.max(x.abs().to_f64() / scale)
+        });
         if correction > LEAP {
             return Err(NewtonError::Stalled { correction, steps });
         }

@@ -71,7 +71,11 @@ fn feigenbaums_number_of_the_logistic_map() {
     let mut found = vec![doubling(1, 2.5)];
     assert!((found[0] - 3.0).abs() < 1e-14, "{}", found[0]);
     found.push(doubling(2, 3.2));
-    assert!((found[1] - (1.0 + 6.0_f64.sqrt())).abs() < 1e-13, "{}", found[1]);
+    assert!(
+        (found[1] - (1.0 + 6.0_f64.sqrt())).abs() < 1e-13,
+        "{}",
+        found[1]
+    );
     for n in 2..9 {
         // Where the next cycle is surely stable.
         let (a, b) = (found[n - 2], found[n - 1]);
@@ -96,7 +100,11 @@ fn folds_and_doublings_of_henons_map() {
     for (sign, factor) in [(1.0, -0.25), (-1.0, 0.75)] {
         let exact = |b: f64| factor * (1.0 - b) * (1.0 - b);
         let b = 0.3;
-        let x = if sign > 0.0 { 2.0 / (1.0 - b) } else { 2.0 / (3.0 * (1.0 - b)) };
+        let x = if sign > 0.0 {
+            2.0 / (1.0 - b)
+        } else {
+            2.0 / (3.0 * (1.0 - b))
+        };
         let start = [x + 0.02, b * x, exact(b) + 0.01, b];
         let singular = Singular::near(&mut orbit, &start, sign).unwrap();
         let mut held = Held::singular(&mut orbit, singular);
@@ -127,7 +135,9 @@ fn a_curve_is_the_same_both_ways() {
     };
     let mut single = MapOrbit::new(&fixed, 1, (&[1.0, 1.0], &[1.0]));
     let _ = &mut orbit;
-    let station = Station::near(&mut single, &[0.8, 0.24, 0.5], 2).unwrap().reversed();
+    let station = Station::near(&mut single, &[0.8, 0.24, 0.5], 2)
+        .unwrap()
+        .reversed();
     let mut curve = Curve::new(station.clone(), Settings::default());
     let mut least = f64::INFINITY;
     for _ in 0..80 {

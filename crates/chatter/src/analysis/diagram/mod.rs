@@ -28,6 +28,7 @@ mod range;
 mod row;
 mod run;
 mod same_orbit;
+mod share;
 mod spec;
 mod standing;
 mod sweep;
@@ -36,14 +37,15 @@ mod tail;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use random::Generator;
 pub use attractors::{Attractors, Collector};
 pub use error::DiagramError;
 pub use executor::{Executor, Threads};
 pub use observable::Observable;
+pub(crate) use random::Generator;
 pub use range::{Range, Spacing, Swept, initial_name};
 pub use row::{Outcome, Row, RowError, Started};
-pub use run::{Ending, run};
+pub use run::{Ending, run, run_share};
+pub use share::Share;
 pub use spec::{Bounds, Exponent, Observed, Record, Spec, Start};
 pub use standing::Standing;
 pub use sweep::Sweep;

@@ -4,6 +4,7 @@ use super::column::{Column, Need};
 use super::executor::Executor;
 use super::observable::Scratch;
 use super::row::{Row, Started};
+use super::share::Share;
 use super::standing::{Begun, Carried, Standing};
 use super::sweep::Sweep;
 use crate::analysis::map::{Arrival, Carry, Command, Map, NoReturn, Origin, Start};
@@ -44,13 +45,27 @@ pub fn run(
     stop: &AtomicBool,
     sink: &mut (dyn FnMut(Row) -> ControlFlow<()> + Send),
 ) -> Ending {
+    run_share(map, sweep, Share::WHOLE, standing, executor, stop, sink)
+}
+
+/// Like [`run`], for the pieces of a share alone: the same rows to the bit.
+pub fn run_share(
+    map: &dyn Map,
+    sweep: &Sweep,
+    share: Share,
+    standing: &Standing,
+    executor: &dyn Executor,
+    stop: &AtomicBool,
+    sink: &mut (dyn FnMut(Row) -> ControlFlow<()> + Send),
+) -> Ending {
     let supply = Supply {
         sweep,
+        share,
         standing,
         next: AtomicU64::new(0),
     };
     let workers = executor.workers().max(1) as u64;
-    let open = sweep.pieces() - standing.finished(sweep);
+    let open = share.count(sweep.pieces()) - standing.finished(sweep, share);
     let row_numbers = sweep.spec().keep.saturating_mul(sweep.row_width());
     let in_memory = (MEMORY / workers / row_numbers.max(1)).clamp(1, IN_FLIGHT);
     let shared = Shared {
@@ -73,6 +88,7 @@ pub fn run(
 /// Hands out the pieces that are not done, each once.
 struct Supply<'a> {
     sweep: &'a Sweep,
+    share: Share,
     standing: &'a Standing,
     next: AtomicU64,
 }
@@ -80,10 +96,8 @@ struct Supply<'a> {
 impl Supply<'_> {
     fn take(&self) -> Option<Piece> {
         loop {
-            let piece = self.next.fetch_add(1, Ordering::Relaxed);
-            if piece >= self.sweep.pieces() {
-                return None;
-            }
+            let index = self.next.fetch_add(1, Ordering::Relaxed);
+            let piece = self.share.piece(index, self.sweep.pieces())?;
             let rows = self.sweep.piece_rows(piece);
             let Begun { done, latest } = self.standing.begun(piece);
             if done < rows {

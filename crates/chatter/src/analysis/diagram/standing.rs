@@ -1,6 +1,7 @@
 //! What is there of a sweep that was broken off.
 
 use super::row::Row;
+use super::share::Share;
 use super::sweep::Sweep;
 use std::collections::BTreeMap;
 
@@ -63,10 +64,21 @@ impl Standing {
         self.begun.get(&piece).cloned().unwrap_or_default()
     }
 
-    /// How many pieces are done.
-    pub(super) fn finished(&self, sweep: &Sweep) -> u64 {
-        let done = |(piece, begun): &(&u64, &Begun)| begun.done >= sweep.piece_rows(**piece);
-        self.begun.iter().filter(done).count() as u64
+    /// How many rows of a piece are there.
+    pub fn done(&self, piece: u64) -> u64 {
+        self.begun.get(&piece).map_or(0, |begun| begun.done)
+    }
+
+    /// How many pieces of a share are done.
+    pub(super) fn finished(&self, sweep: &Sweep, share: Share) -> u64 {
+        let done = |piece: &u64| self.begun(*piece).done >= sweep.piece_rows(*piece);
+        share.pieces(sweep.pieces()).filter(done).count() as u64
+    }
+
+    /// How many rows of a share are there.
+    pub fn rows_of(&self, sweep: &Sweep, share: Share) -> u64 {
+        let pieces = share.pieces(sweep.pieces());
+        pieces.map(|piece| self.done(piece)).sum()
     }
 
     /// How many rows are there.

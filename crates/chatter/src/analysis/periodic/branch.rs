@@ -12,7 +12,7 @@ use crate::analysis::continuation::{
     newton,
 };
 use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, LegKind, Least};
+use crate::flow::leg::{Jump, Least, LegKind};
 use crate::numerics::Complex;
 use core::ops::ControlFlow;
 use std::sync::Arc;
@@ -116,8 +116,6 @@ pub struct Special {
 pub(crate) struct Seed {
     pub shooting: Shooting<f64>,
     pub at: Vec<f64>,
-    /// The step whose event grazes.
-    pub grazing: Option<usize>,
 }
 
 /// How an end of a branch came about.
@@ -300,9 +298,7 @@ pub(crate) fn broken_at(shooting: &mut Shooting<f64>, at: &[f64], grazing: Optio
     let graze = |broken: &Broken| match (grazing, broken) {
         (Some(index), Broken::Event(step)) => *step == index,
         // The touch itself, seen from either side of it.
-        (Some(index), Broken::Inner(step, _)) => {
-            *step == index || *step == index + 1
-        }
+        (Some(index), Broken::Inner(step, _)) => *step == index || *step == index + 1,
         _ => false,
     };
     broken(shooting, &least).iter().any(|broken| !graze(broken))
@@ -342,7 +338,9 @@ impl Shooting<f64> {
         let linearised = self.evaluate(at).map_err(NewtonError::Left)?;
         let mut bordered = crate::numerics::Matrix::zeros(size, size);
         for i in 0..size - 1 {
-            bordered.row_mut(i).copy_from_slice(linearised.jacobian.row(i));
+            bordered
+                .row_mut(i)
+                .copy_from_slice(linearised.jacobian.row(i));
         }
         bordered.row_mut(size - 1).copy_from_slice(row);
         let factors = bordered.factored().ok_or(NewtonError::Singular)?;
@@ -458,14 +456,15 @@ pub(crate) fn follow(
     let mut sides = Vec::new();
     let mut begin = shooting.clone();
     let last = at.len() - 1;
-    let station = Station::near(&mut begin, at, last).map_err(|error| {
-        PeriodicError::NoConvergence {
+    let station =
+        Station::near(&mut begin, at, last).map_err(|error| PeriodicError::NoConvergence {
             how: error.to_string(),
-        }
-    })?;
-    begin.evaluate(&station.at).map_err(|left| PeriodicError::NoConvergence {
-        how: left.to_string(),
-    })?;
+        })?;
+    begin
+        .evaluate(&station.at)
+        .map_err(|left| PeriodicError::NoConvergence {
+            how: left.to_string(),
+        })?;
     let first = point(&begin, &station);
     for forward in [false, true] {
         let start = if forward {
@@ -583,7 +582,13 @@ impl Walker {
                     if self.shooting.steps.iter().any(Step::is_stretch)
                         && matches!(error, NewtonError::Left(_))
                     {
-                        self.note(SpecialKind::ChatterBorder, &here, (&curve.station.at, None), 1e-13, 0.0);
+                        self.note(
+                            SpecialKind::ChatterBorder,
+                            &here,
+                            &curve.station.at,
+                            1e-13,
+                            0.0,
+                        );
                         break End::ChatterBorder;
                     }
                     break End::Lost(error.to_string());
@@ -603,7 +608,10 @@ impl Walker {
                         if self.leaves(&here) {
                             break End::Range;
                         }
-                        if here.impacts.is_some_and(|impacts| impacts > self.limits.impacts) {
+                        if here
+                            .impacts
+                            .is_some_and(|impacts| impacts > self.limits.impacts)
+                        {
                             break End::Impacts(self.limits.impacts);
                         }
                         continue;
@@ -618,7 +626,7 @@ impl Walker {
             let there = point(&self.shooting, &next);
             let ended = self.leaves(&there);
             let step = if ended {
-                match self.to_edge(&curve.station, step, &there) {
+                match self.edge(&curve.station, step, &there) {
                     Some((station, edge)) => {
                         self.between(&curve.station, &station, edge, (&here, &there));
                         self.settle(&station);
@@ -689,27 +697,27 @@ impl Walker {
 
     fn leaves(&self, point: &Point) -> bool {
         let (low, high) = self.limits.range;
-        point.parameters.last().is_some_and(|&p| p < low || p > high)
+        point
+            .parameters
+            .last()
+            .is_some_and(|&p| p < low || p > high)
     }
 
     /// The station at the edge of the range.
-    fn to_edge(&mut self, from: &Station, step: f64, there: &Point) -> Option<(Station, f64)> {
+    fn edge(&mut self, from: &Station, step: f64, there: &Point) -> Option<(Station, f64)> {
         let (low, high) = self.limits.range;
-        let edge = if *there.parameters.last()? < low { low } else { high };
+        let edge = if *there.parameters.last()? < low {
+            low
+        } else {
+            high
+        };
         let ends = (from.parameter() - edge, there.parameters.last()? - edge);
         locate(&mut self.shooting, from, step, ends, &mut |_, station| {
             Some(station.parameter() - edge)
         })
     }
 
-    fn note(
-        &mut self,
-        kind: SpecialKind,
-        point: &Point,
-        (at, grazing): (&[f64], Option<usize>),
-        error: f64,
-        residual: f64,
-    ) {
+    fn note(&mut self, kind: SpecialKind, point: &Point, at: &[f64], error: f64, residual: f64) {
         self.special.push(Special {
             kind,
             point: point.clone(),
@@ -720,13 +728,18 @@ impl Walker {
             seed: Some(Seed {
                 shooting: self.shooting.clone(),
                 at: at.to_vec(),
-                grazing,
             }),
         });
     }
 
     /// Special points between two stations with the same sequence of events.
-    fn between(&mut self, from: &Station, to: &Station, step: f64, (here, there): (&Point, &Point)) {
+    fn between(
+        &mut self,
+        from: &Station,
+        to: &Station,
+        step: f64,
+        (here, there): (&Point, &Point),
+    ) {
         let size = from.at.len();
         let (before, after) = (from.tangent[size - 1], to.tangent[size - 1]);
         let mut kinds = Vec::new();
@@ -779,7 +792,8 @@ impl Walker {
                     let size = doubling_value(m)?.abs();
                     Some(tests(m).0 * size)
                 };
-                let (Some(a), Some(b)) = (value(&here.multipliers), value(&there.multipliers)) else {
+                let (Some(a), Some(b)) = (value(&here.multipliers), value(&there.multipliers))
+                else {
                     return;
                 };
                 locate(&mut self.shooting, from, step, (a, b), &mut |_, station| {
@@ -819,7 +833,12 @@ impl Walker {
                 let scale = held.scales()[last];
                 let moved = (found.at[last] - rough).abs();
                 // Nearer than where the sign changed, or something else was found.
-                if moved <= 1e-3 * (from.parameter() - there.parameters.last().copied().unwrap_or(rough)).abs().max(1e-9 * scale) {
+                if moved
+                    <= 1e-3
+                        * (from.parameter() - there.parameters.last().copied().unwrap_or(rough))
+                            .abs()
+                            .max(1e-9 * scale)
+                {
                     refined.at = found.at;
                     error = error.max(NOISE * found.correction * scale);
                     residual = found.residual;
@@ -836,7 +855,7 @@ impl Walker {
         }
         here.correction = refined.correction;
         let at = refined.at.clone();
-        self.note(kind, &here, (&at, None), error, residual);
+        self.note(kind, &here, &at, error, residual);
     }
 
     /// A point where branches meet. The equations are singular there, so it is found from stations around it: the
@@ -905,7 +924,13 @@ impl Walker {
                 let residual = interpolated(&places, &values, root).abs();
                 let noise = NOISE * f64::EPSILON * station.parameter().abs();
                 let at = station.at.clone();
-                self.note(SpecialKind::BranchPoint, &here, (&at, None), error.max(noise), residual);
+                self.note(
+                    SpecialKind::BranchPoint,
+                    &here,
+                    &at,
+                    error.max(noise),
+                    residual,
+                );
             }
         }
     }
@@ -930,14 +955,22 @@ impl Walker {
                 Some(broken.value(&reader, &least).unwrap_or(1.0))
             };
             let start = value(&from).unwrap_or(1.0);
-            let start = if start > 0.0 { start } else { f64::MIN_POSITIVE };
+            let start = if start > 0.0 {
+                start
+            } else {
+                f64::MIN_POSITIVE
+            };
             let Ok((far, _)) = from.ahead(&mut self.shooting, step) else {
                 continue;
             };
             let end = value(&far).unwrap_or(-1.0);
-            let found = locate(&mut self.shooting, &from, step, (start, end), &mut |_, station| {
-                value(station)
-            });
+            let found = locate(
+                &mut self.shooting,
+                &from,
+                step,
+                (start, end),
+                &mut |_, station| value(station),
+            );
             if let Some((station, at)) = found
                 && first.as_ref().is_none_or(|(.., known)| at < *known)
             {
@@ -1001,7 +1034,13 @@ impl Walker {
             .ok_or("the touch is lost")?
             .clone();
         if !matches!(guard, GuardKind::Gap(_)) {
-            self.note(SpecialKind::Touch, there, (&station.at, None), 1e-12, touching.value.abs());
+            self.note(
+                SpecialKind::Touch,
+                there,
+                &station.at,
+                1e-12,
+                touching.value.abs(),
+            );
             return Err("a guard is touched that no event follows".to_owned());
         }
         let (mut longer, guess) = (self.shooting.with_event(&station.at, index, &touching))
@@ -1010,7 +1049,9 @@ impl Walker {
         let found = newton(&mut held, &guess, &[]).map_err(|error| told(&error))?;
         let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
         let (_, gradient) = (longer.monitor(index, &found.at)).map_err(|left| told(&left))?;
-        let mut tangent = longer.tangent(&found.at, &gradient).map_err(|error| told(&error))?;
+        let mut tangent = longer
+            .tangent(&found.at, &gradient)
+            .map_err(|error| told(&error))?;
         // The impact's rate is to grow: against the gap.
         if crate::numerics::dot(&gradient, &tangent) > 0.0 {
             tangent.iter_mut().for_each(|x| *x = -*x);
@@ -1030,7 +1071,7 @@ impl Walker {
         self.note(
             SpecialKind::FlightGraze,
             &point,
-            (&found.at, Some(index)),
+            &found.at,
             error.max(NOISE * f64::EPSILON * next.parameter().abs()),
             found.residual,
         );
@@ -1054,12 +1095,12 @@ impl Walker {
             SpecialKind::Touch
         };
         let error = error.max(NOISE * f64::EPSILON * station.parameter().abs());
-        self.note(kind, &at_graze, (&found.at, Some(index)), error, found.residual);
+        self.note(kind, &at_graze, &found.at, error, found.residual);
         if !is_impact {
             return Err("an event that is no impact is only touched".to_owned());
         }
-        let (mut shorter, guess) = (self.shooting.without_event(&found.at, index))
-            .map_err(|error| told(&error))?;
+        let (mut shorter, guess) =
+            (self.shooting.without_event(&found.at, index)).map_err(|error| told(&error))?;
         let last = guess.len() - 1;
         let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
         shorter.evaluate(&next.at).map_err(|left| told(&left))?;

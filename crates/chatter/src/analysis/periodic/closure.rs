@@ -183,8 +183,8 @@ impl Closure {
             rest[turn.state] -= count * turn.period;
             counts.push(count as i64);
         }
-        let distance = (rest.iter().zip(sizes))
-            .fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size));
+        let distance =
+            (rest.iter().zip(sizes)).fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size));
         Difference {
             distance,
             turns: counts,

@@ -67,10 +67,9 @@ impl fmt::Display for PeriodicError {
                 out,
                 "the equations depend on time, and their period is not known"
             ),
-            Self::BadPeriod { value } => write!(
-                out,
-                "the period is {value}: expected a positive number"
-            ),
+            Self::BadPeriod { value } => {
+                write!(out, "the period is {value}: expected a positive number")
+            }
             Self::OtherPeriod { value, own } => write!(
                 out,
                 "the period is given as {value}, but the equations repeat after {own}"
@@ -87,7 +86,10 @@ impl fmt::Display for PeriodicError {
             Self::NoConvergence { how } => {
                 write!(out, "no periodic orbit was found: {how}")
             }
-            Self::Unfollowed { what } => write!(out, "the orbit goes through {what}, which is not followed yet"),
+            Self::Unfollowed { what } => write!(
+                out,
+                "the orbit goes through {what}, which is not followed yet"
+            ),
             Self::Interrupted => write!(out, "broken off"),
         }
     }

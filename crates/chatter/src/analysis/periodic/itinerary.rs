@@ -115,7 +115,11 @@ pub(crate) fn read(system: &System, instants: &[Instant]) -> Result<Vec<Step>, P
                 open = Some((begin, accumulations + more, told));
                 continue;
             };
-            steps.push(stretch(&instants[begin], instant, (accumulations, last, told)));
+            steps.push(stretch(
+                &instants[begin],
+                instant,
+                (accumulations, last, told),
+            ));
             from = index;
             continue;
         }

@@ -51,7 +51,11 @@ pub struct Spec {
     pub patience: Patience,
 }
 
-fn workshop(model: &Model, spec: &Spec, (free, sizes): (&[usize], &[f64])) -> Result<Arc<Workshop>, PeriodicError> {
+fn workshop(
+    model: &Model,
+    spec: &Spec,
+    (free, sizes): (&[usize], &[f64]),
+) -> Result<Arc<Workshop>, PeriodicError> {
     let mut model = model.clone();
     let given = match &spec.period {
         Some(text) => {
@@ -68,7 +72,10 @@ fn workshop(model: &Model, spec: &Spec, (free, sizes): (&[usize], &[f64])) -> Re
     let closure = Closure::new(&model, free, given)?;
     let sections = &model.sections;
     let plain = |index: &usize| sections.get(*index).is_some_and(|s| s.reset.is_none());
-    let section = spec.section.or_else(|| (0..sections.len()).find(plain)).filter(plain);
+    let section = spec
+        .section
+        .or_else(|| (0..sections.len()).find(plain))
+        .filter(plain);
     let workshop = Workshop::new(&model, (free, sizes), closure, section)?;
     Ok(Arc::new(workshop))
 }

@@ -107,7 +107,9 @@ fn approach(shooting: &mut Shooting<f64>, start: &[f64]) -> Result<Vec<f64>, New
         let mut bordered = crate::numerics::Matrix::zeros(size, size);
         let equations = linearised.residual.len();
         for i in 0..equations {
-            bordered.row_mut(i).copy_from_slice(linearised.jacobian.row(i));
+            bordered
+                .row_mut(i)
+                .copy_from_slice(linearised.jacobian.row(i));
         }
         for k in 0..free {
             bordered[(equations + k, size - free + k)] = 1.0;
@@ -182,7 +184,9 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let parameters = workshop.parameters(&at[at.len() - free..]);
     let turns = workshop.closure.turns::<f64>(&parameters)?;
     let infinite = shooting.steps.iter().any(Step::is_stretch);
-    let impacts = (shooting.steps.iter()).filter(|step| step.impact().is_some()).count();
+    let impacts = (shooting.steps.iter())
+        .filter(|step| step.impact().is_some())
+        .count();
     Ok(Orbit {
         period: fine.period(),
         start: cleaned(fine.node(&found.at, 0), &shooting.state_sizes()),
@@ -213,7 +217,13 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
 fn cleaned(state: &[DoubleDouble], sizes: &[f64]) -> Vec<DoubleDouble> {
     let rounding = 64.0 * <DoubleDouble as Scalar>::ROUNDOFF;
     (state.iter().zip(sizes))
-        .map(|(&x, size)| if x.to_f64().abs() <= rounding * size { DoubleDouble::ZERO } else { x })
+        .map(|(&x, size)| {
+            if x.to_f64().abs() <= rounding * size {
+                DoubleDouble::ZERO
+            } else {
+                x
+            }
+        })
         .collect()
 }
 
@@ -241,12 +251,22 @@ fn margins(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<Vec<Margin>, Peri
         let landing = &shooting.latest[index];
         for least in &least[index] {
             if !least.at_end {
-                note(MarginKind::Least, least.guard, time + least.time, least.value);
+                note(
+                    MarginKind::Least,
+                    least.guard,
+                    time + least.time,
+                    least.value,
+                );
             }
         }
         time += landing.duration;
         if let Some(contact) = step.impact() {
-            note(MarginKind::ImpactRate, GuardKind::Gap(contact), time, -landing.surface_rate);
+            note(
+                MarginKind::ImpactRate,
+                GuardKind::Gap(contact),
+                time,
+                -landing.surface_rate,
+            );
         }
         let released = match step.passage {
             Passage::Leg(kind) => kind.ends_at,
@@ -255,7 +275,12 @@ fn margins(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<Vec<Margin>, Peri
         };
         if let Some(GuardKind::Reaction(contact)) = released {
             // Minus the reaction is the acceleration that it keeps from being.
-            note(MarginKind::ReleaseJerk, GuardKind::Reaction(contact), time, -landing.surface_rate);
+            note(
+                MarginKind::ReleaseJerk,
+                GuardKind::Reaction(contact),
+                time,
+                -landing.surface_rate,
+            );
         }
     }
     Ok(found)

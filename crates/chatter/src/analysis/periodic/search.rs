@@ -78,9 +78,10 @@ pub(crate) fn search(
             for turn in &turns {
                 point[turn.state] = generator.between(0.0, turn.period);
             }
-            let open = model.contacts.iter().all(|contact| {
-                model.graph.evaluate(contact.gap, &point, &parameters) >= 0.0
-            });
+            let open = model
+                .contacts
+                .iter()
+                .all(|contact| model.graph.evaluate(contact.gap, &point, &parameters) >= 0.0);
             if open {
                 break;
             }
@@ -96,8 +97,7 @@ pub(crate) fn search(
         }
     }
     found.sort_by(|a, b| {
-        (a.1.period.to_f64().total_cmp(&b.1.period.to_f64()))
-            .then(a.1.impacts.cmp(&b.1.impacts))
+        (a.1.period.to_f64().total_cmp(&b.1.period.to_f64())).then(a.1.impacts.cmp(&b.1.impacts))
     });
     Ok(found.into_iter().map(|(_, orbit)| orbit).collect())
 }
@@ -119,7 +119,11 @@ fn add(workshop: &Workshop, found: &mut Vec<(usize, Orbit)>, (periods, mut orbit
         let count = other.shooting.steps.len();
         (0..count).any(|index| {
             let node = other.shooting.node(&other.at, index);
-            workshop.closure.difference(&turns, (node, &start), &sizes).distance < SAME
+            workshop
+                .closure
+                .difference(&turns, (node, &start), &sizes)
+                .distance
+                < SAME
         })
     });
     if !known {
@@ -131,7 +135,11 @@ fn add(workshop: &Workshop, found: &mut Vec<(usize, Orbit)>, (periods, mut orbit
             is_longer
                 && (0..orbit.shooting.steps.len()).any(|index| {
                     let own = orbit.shooting.node(&orbit.at, index);
-                    workshop.closure.difference(&turns, (own, node), &sizes).distance < SAME
+                    workshop
+                        .closure
+                        .difference(&turns, (own, node), &sizes)
+                        .distance
+                        < SAME
                 })
         };
         found.retain(|(_, other)| !start_of_new(other));
@@ -154,7 +162,10 @@ fn extent(
     let mut quiet = |_: f64| ControlFlow::Continue(());
     for k in 1..=64 * 12 {
         let until = clock + step * f64::from(k);
-        if tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet).is_err() {
+        if tracer
+            .follow((until, usize::MAX / 2), &mut instants, &mut quiet)
+            .is_err()
+        {
             break;
         }
         instants.clear();

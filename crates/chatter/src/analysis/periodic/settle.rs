@@ -95,8 +95,11 @@ fn sizes(instants: &[Instant], turns: &[Turn<f64>]) -> Vec<f64> {
 /// The instant that tells returns best: the latest crossing of the section, if there is any, else the latest release, else the fastest impact of late, else the latest of all.
 fn landmark(instants: &[Instant], section: Option<usize>) -> Option<usize> {
     let late = instants.len() / 2;
-    let crossed = section
-        .and_then(|section| instants.iter().rposition(|instant| instant.crosses(section)));
+    let crossed = section.and_then(|section| {
+        instants
+            .iter()
+            .rposition(|instant| instant.crosses(section))
+    });
     if crossed.is_some() {
         return crossed;
     }
@@ -204,7 +207,9 @@ pub(crate) fn settle(
                     total += instants.len() - before;
                     let quiet = instants.last().map_or(start, |instant| instant.time);
                     let all = tracer.trajectory.time() - start;
-                    if instants.len() - before < CHUNK && tracer.trajectory.time() - quiet > 0.5 * all {
+                    if instants.len() - before < CHUNK
+                        && tracer.trajectory.time() - quiet > 0.5 * all
+                    {
                         return Err(PeriodicError::Equilibrium { time: quiet });
                     }
                 }
@@ -269,11 +274,17 @@ fn timed(
         sizes[turn.state] = turn.period;
     }
     let largest = sizes.iter().fold(1e-300_f64, |most, x| most.max(*x));
-    sizes.iter_mut().filter(|size| **size == 0.0).for_each(|size| *size = largest);
+    sizes
+        .iter_mut()
+        .filter(|size| **size == 0.0)
+        .for_each(|size| *size = largest);
     let mut candidates = earlier.iter().rev().take(LONGEST).enumerate();
     candidates.find_map(|(periods, state)| {
         let difference = (workshop.closure).difference(turns, (state, last), &sizes);
-        let period = turns.iter().zip(&difference.turns).find(|(_, count)| **count != 0)?;
+        let period = turns
+            .iter()
+            .zip(&difference.turns)
+            .find(|(_, count)| **count != 0)?;
         let _ = periods;
         (difference.distance <= near).then(|| Cycle {
             steps: vec![Step {

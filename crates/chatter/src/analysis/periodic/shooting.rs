@@ -12,7 +12,9 @@ use super::closure::{Closure, Turn};
 use super::error::PeriodicError;
 use super::itinerary::{Passage, Step, held};
 use crate::analysis::continuation::{Left, Linearised, Problem, Wrap};
-use crate::flow::leg::{Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch, StretchKind};
+use crate::flow::leg::{
+    Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch, StretchKind,
+};
 use crate::flow::{Settings, System};
 use crate::model::Model;
 use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues};
@@ -172,9 +174,13 @@ impl<R: Real> Shooting<R> {
         for step in &self.steps {
             for ((size, x), state) in sizes.iter_mut().zip(&step.start).zip(&model.states) {
                 // A position is zero at all its impacts, yet has a size: that of how far it moves.
-                let rate = model.graph.evaluate(state.derivative, &step.start, &parameters);
+                let rate = model
+                    .graph
+                    .evaluate(state.derivative, &step.start, &parameters);
                 let moves = (rate * step.duration).abs();
-                *size = size.max(x.abs()).max(if moves.is_finite() { moves } else { 0.0 });
+                *size = size
+                    .max(x.abs())
+                    .max(if moves.is_finite() { moves } else { 0.0 });
             }
         }
         for turn in self.workshop.closure.turns(&parameters).iter().flatten() {
@@ -214,7 +220,11 @@ impl<R: Real> Shooting<R> {
     /// Adds the turns of a period to the phases of all nodes.
     pub(crate) fn turn_on(&self, nodes: &mut [f64], at: &[R]) {
         let parameters = self.workshop.parameters::<f64>(
-            &self.free(at).iter().map(|p| p.to_f64()).collect::<Vec<f64>>(),
+            &self
+                .free(at)
+                .iter()
+                .map(|p| p.to_f64())
+                .collect::<Vec<f64>>(),
         );
         let Ok(turns) = self.workshop.closure.turns(&parameters) else {
             return;
@@ -295,12 +305,22 @@ impl<R: Real> Shooting<R> {
         let system = &self.workshop.system;
         let graph = &system.model().graph;
         for (index, &piece) in step.pieces.iter().enumerate() {
-            all.extend(system.corners().slots_of::<R>(graph, index, piece).unwrap_or_default());
+            all.extend(
+                system
+                    .corners()
+                    .slots_of::<R>(graph, index, piece)
+                    .unwrap_or_default(),
+            );
         }
         all
     }
 
-    fn land(&mut self, at: &[R], turns: &[Turn<R>], parameters: &[R]) -> Result<Vec<Landing<R>>, Left> {
+    fn land(
+        &mut self,
+        at: &[R],
+        turns: &[Turn<R>],
+        parameters: &[R],
+    ) -> Result<Vec<Landing<R>>, Left> {
         let n = self.workshop.model.states.len();
         let mut landings = Vec::with_capacity(self.steps.len());
         for index in 0..self.steps.len() {
@@ -315,9 +335,11 @@ impl<R: Real> Shooting<R> {
                         // Whole periods of the first phase that turns.
                         _ => (turns.iter().zip(&self.counts))
                             .find(|(_, count)| **count != 0)
-                            .map_or(R::ZERO, |(turn, &count)| turn.period * R::splat(count as f64)),
+                            .map_or(R::ZERO, |(turn, &count)| {
+                                turn.period * R::splat(count as f64)
+                            }),
                     };
-                    if !(duration > R::ZERO) {
+                    if duration <= R::ZERO || !duration.is_finite() {
                         return Err(Left::because(format_args!(
                             "the time between events {index} and {} vanishes",
                             index + 1
@@ -331,9 +353,9 @@ impl<R: Real> Shooting<R> {
                     let followed = stretch.follow(follower, &all, x, longest);
                     let followed = followed.map_err(|astray| match astray {
                         Astray::Failed(error) => Left::because(error),
-                        Astray::Other(_) => Left::because("chatter is not complete"),
+                        Astray::Otherwise => Left::because("chatter is not complete"),
                     })?;
-                    followed.landing
+                    followed
                 }
             };
             landings.push(landing);
@@ -406,7 +428,11 @@ impl<R: Real> Shooting<R> {
 
     /// The phase that turns by itself, where no time does.
     fn clock(&self) -> Option<usize> {
-        let turns = self.workshop.closure.turns::<f64>(&self.workshop.parameters(&[])).ok()?;
+        let turns = self
+            .workshop
+            .closure
+            .turns::<f64>(&self.workshop.parameters(&[]))
+            .ok()?;
         (turns.iter().zip(&self.counts))
             .find(|(_, count)| **count != 0)
             .map(|(turn, _)| turn.state)
@@ -454,7 +480,10 @@ impl Shooting<f64> {
             };
             let duration = match self.steps[index].passage {
                 Passage::Leg(_) => at[place + n],
-                _ => self.latest.get(index).map_or(self.steps[index].duration, |l| l.duration),
+                _ => self
+                    .latest
+                    .get(index)
+                    .map_or(self.steps[index].duration, |l| l.duration),
             };
             let flyer = &mut self.flyers[*flyer].1;
             found.push(leg.least(flyer, &all, x, duration).map_err(Left::because)?);
@@ -525,7 +554,11 @@ impl<R: Real> Problem<R> for Shooting<R> {
                 residual[row] = at[next + i] - landing.image[i];
                 jacobian[(row, next + i)] += R::ONE;
                 for k in 0..n + free {
-                    let column = if k < n { place + k } else { unknowns - free + k - n };
+                    let column = if k < n {
+                        place + k
+                    } else {
+                        unknowns - free + k - n
+                    };
                     let mut slope = landing.image_slopes[(i, k)];
                     if !is_leg && !timed {
                         let late = landing.surface_slopes[k] / landing.surface_rate;
@@ -538,8 +571,10 @@ impl<R: Real> Problem<R> for Shooting<R> {
                 }
                 if timed {
                     // The duration follows the period.
-                    if let Some((turn, &times)) =
-                        turns.iter().zip(&self.counts).find(|(_, count)| **count != 0)
+                    if let Some((turn, &times)) = turns
+                        .iter()
+                        .zip(&self.counts)
+                        .find(|(_, count)| **count != 0)
                     {
                         for (k, &slope) in turn.slopes.iter().enumerate() {
                             jacobian[(row, unknowns - free + k)] -=
@@ -548,7 +583,10 @@ impl<R: Real> Problem<R> for Shooting<R> {
                     }
                 }
                 if is_last {
-                    let turning = turns.iter().zip(&self.counts).find(|(turn, _)| turn.state == i);
+                    let turning = turns
+                        .iter()
+                        .zip(&self.counts)
+                        .find(|(turn, _)| turn.state == i);
                     if let Some((turn, &times)) = turning {
                         let times = R::splat(times as f64);
                         residual[row] += turn.period * times;
@@ -563,7 +601,11 @@ impl<R: Real> Problem<R> for Shooting<R> {
         let last = row - n;
         // A timed orbit of a system with time has no equation for when it starts: it starts there.
         let all_timed = (self.steps.iter()).all(|step| matches!(step.passage, Passage::Timed(_)));
-        let clock = workshop.closure.time.or_else(|| self.clock()).filter(|_| all_timed);
+        let clock = workshop
+            .closure
+            .time
+            .or_else(|| self.clock())
+            .filter(|_| all_timed);
         if let Some(i) = clock {
             jacobian.row_mut(last + i).fill(R::ZERO);
             jacobian[(last + i, self.places[0] + i)] = R::ONE;
@@ -602,9 +644,7 @@ impl<R: Real> Problem<R> for Shooting<R> {
         let place = self.places[index];
         let landing = &self.latest[index];
         let mut gradient = vec![R::ZERO; at.len()];
-        for k in 0..n {
-            gradient[place + k] = landing.rate_slopes[k];
-        }
+        gradient[place..place + n].copy_from_slice(&landing.rate_slopes[..n]);
         for k in 0..free {
             gradient[at.len() - free + k] = landing.rate_slopes[n + k];
         }

@@ -50,11 +50,7 @@ fn failed(error: impl core::fmt::Display) -> PeriodicError {
 }
 
 /// The cycle of an orbit that goes through a state.
-fn reread(
-    workshop: &Workshop,
-    free: &[f64],
-    known: &Known,
-) -> Result<Cycle, PeriodicError> {
+fn reread(workshop: &Workshop, free: &[f64], known: &Known) -> Result<Cycle, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
     let state = &known.state;
@@ -97,17 +93,22 @@ fn begin(workshop: &Arc<Workshop>, free: &[f64], known: &Known) -> Result<Begun,
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     let mut at = shooting.guess(free);
     let mut grazing = None;
-    if matches!(known.kind, SpecialKind::FlightGraze | SpecialKind::ImpactGraze) {
+    if matches!(
+        known.kind,
+        SpecialKind::FlightGraze | SpecialKind::ImpactGraze
+    ) {
         shooting.evaluate(&at).map_err(failed)?;
         let rates: Vec<f64> = (shooting.steps.iter().zip(&shooting.latest))
             .map(|(step, landing)| {
-                step.impact().map_or(f64::INFINITY, |_| landing.surface_rate.abs())
+                step.impact()
+                    .map_or(f64::INFINITY, |_| landing.surface_rate.abs())
             })
             .collect();
         let finite = rates.iter().filter(|rate| rate.is_finite());
         let fastest = finite.fold(0.0_f64, |most, rate| most.max(*rate));
         let slowest = (0..rates.len()).min_by(|&a, &b| rates[a].total_cmp(&rates[b]));
-        grazing = slowest.filter(|&index| rates[index] < SLOWEST * fastest && index + 1 < rates.len());
+        grazing =
+            slowest.filter(|&index| rates[index] < SLOWEST * fastest && index + 1 < rates.len());
         if grazing.is_none() {
             // The gap that is nearly zero.
             let least = shooting.least(&at).map_err(failed)?;
@@ -257,8 +258,19 @@ fn side(
                 (point(reader, &next), breaks)
             };
             if breaks {
-                return (points, End::Lost("the sequence of events changes".to_owned()));
+                return (
+                    points,
+                    End::Lost("the sequence of events changes".to_owned()),
+                );
             }
+            // Told of the orbit without the impact that grazes.
+            let told = match kind.1 {
+                Some(_) => Point {
+                    impacts: told.impacts.map(|count| count.saturating_sub(1)),
+                    ..told
+                },
+                None => told,
+            };
             let on = observer(&told);
             points.push(told);
             if beyond {

@@ -66,13 +66,21 @@ pub(crate) fn survey(
                     continue;
                 };
                 let fits = orbit.impacts.is_none() == wants_infinite
-                    && orbit.impacts.is_none_or(|impacts| impacts <= limits.impacts);
+                    && orbit
+                        .impacts
+                        .is_none_or(|impacts| impacts <= limits.impacts);
                 if !fits {
                     continue;
                 }
                 if !is_known(&branches, beyond, orbit.impacts) {
                     hops += 1;
-                    branches.push(follow(workshop, &orbit.shooting, &orbit.at, limits, &mut watch)?);
+                    branches.push(follow(
+                        workshop,
+                        &orbit.shooting,
+                        &orbit.at,
+                        limits,
+                        &mut watch,
+                    )?);
                 }
                 break;
             }

@@ -121,7 +121,10 @@ impl<'s> Tracer<'s> {
                     mode,
                     pieces,
                     guard,
-                    told: told.into_iter().filter(|t| *t != Occurrence::Horizon).collect(),
+                    told: told
+                        .into_iter()
+                        .filter(|t| *t != Occurrence::Horizon)
+                        .collect(),
                     state: Vec::new(),
                     closed: Closed::NONE,
                     mode_after: 0,

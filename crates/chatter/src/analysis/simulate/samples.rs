@@ -173,10 +173,7 @@ impl<R: Real> Sampler<R> {
             Sampling::Every(_) | Sampling::At(_) => {
                 let (reached, low) = trajectory.time_parts();
                 let before = core::mem::replace(&mut self.reached, (reached, low));
-                loop {
-                    let Some(due) = self.due() else {
-                        break;
-                    };
+                while let Some(due) = self.due() {
                     let time = R::from_double_double(due);
                     if time > reached {
                         break;

@@ -118,7 +118,7 @@ impl<R: Real> Trajectory<R> {
     ) {
         if let Some((ratio, longer)) = self.fall_by_rise(system, contact) {
             impact[5] *= ratio;
-            self.flight_time = self.flight_time * longer;
+            self.flight_time *= longer;
         }
     }
 }

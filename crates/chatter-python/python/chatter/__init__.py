@@ -1,0 +1,33 @@
+"""Mechanical systems with impacts: trajectories through flights, impacts, chatter, contact and release.
+
+    import chatter as ch
+    valve = ch.Model.shipped("pressure_relief_valve").with_values(q=0.0195)
+    run = valve.simulate(40, stop="accumulation:seat=10")
+    run.t, run.y, run["y1"], run.events["release"].time
+
+Units are those of the model. Results are frozen and can be pickled. pandas, xarray and matplotlib are imported only where
+they are asked for.
+"""
+
+from chatter._border import Border, Borders
+from chatter._builder import (
+    Expr, ModelBuilder, abs_, acos, asin, atan, atan2, clamp, cos, cosh, exp, expr, floor, if_, log, max_, min_, mod, pi,
+    sign, sin, sinh, sqrt, step, tan, tanh, time,
+)
+from chatter._chatter import __version__
+from chatter._diagram import Diagram, Orbit, merge, resume
+from chatter._errors import (
+    ChatterError, ChatterWarning, InputError, ModelError, ModelIssue, OutputError, RunError, UnfinishedError,
+)
+from chatter._model import Model, shipped_models
+from chatter._periodic import Branch, PeriodicOrbit, branches
+from chatter._run import ContactPhases, Events, Run
+from chatter._universal import Universal
+
+__all__ = [
+    "Border", "Borders", "Branch", "ChatterError", "ChatterWarning", "ContactPhases", "Diagram", "Events", "Expr", "InputError",
+    "Model", "ModelBuilder", "ModelError", "ModelIssue", "Orbit", "OutputError", "PeriodicOrbit", "Run", "RunError", "UnfinishedError",
+    "Universal", "__version__", "abs_", "acos", "asin", "atan", "atan2", "branches", "clamp", "cos", "cosh", "exp", "expr", "floor",
+    "if_", "log", "max_", "merge", "min_", "mod", "pi", "resume", "shipped_models", "sign", "sin", "sinh", "sqrt", "step", "tan",
+    "tanh", "time",
+]

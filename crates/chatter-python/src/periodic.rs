@@ -1,0 +1,161 @@
+//! Periodic orbits and their branches, as documents.
+
+use crate::errors::{raised, unreadable};
+use crate::interruptible::interruptible;
+use crate::model::Core;
+use chatter::analysis::periodic::{
+    Beside, BranchSpec, End, Limits, Point, Search, Spec, all, branches as follow, settled,
+};
+use chatter::model::Model;
+use chatter_work::numbers::Digits;
+use chatter_work::options::{Precision, Quantity};
+use chatter_work::periodic::{
+    Subject, branch_document, check_period, free_parameter, orbit_document, refused,
+    section as find,
+};
+use chatter_work::{Observer, Refusal};
+use pyo3::prelude::*;
+use std::str::FromStr;
+use std::sync::Arc;
+
+/// Limits of a branch, as on the command line.
+const IMPACTS: u64 = 80;
+const POINTS: usize = 20_000;
+const STEP: f64 = 0.01;
+
+fn specification(
+    model: &mut Model,
+    period: Option<String>,
+    section: Option<&str>,
+) -> Result<Spec, Refusal> {
+    model.check_defined()?;
+    check_period(model, period.as_deref())?;
+    Ok(Spec {
+        section: find(model, section)?,
+        period,
+        ..Spec::default()
+    })
+}
+
+fn subject<'a>(core: &'a (Arc<Model>, String), free: Vec<usize>, digits: Digits) -> Subject<'a> {
+    Subject {
+        model: &core.0,
+        source: &core.1,
+        text: "",
+        free,
+        digits,
+    }
+}
+
+fn written(document: &impl serde::Serialize) -> Result<String, Refusal> {
+    serde_json::to_string(document).map_err(|error| Refusal::Output(error.to_string()))
+}
+
+/// The document of the orbit that the motion settles to, or of all that are found from `starts` starts.
+#[pyfunction]
+#[pyo3(signature = (core, *, period=None, section=None, periods=None, starts=200, seed=0, digits=17, progress=None))]
+#[allow(clippy::too_many_arguments)]
+pub fn orbit(
+    py: Python<'_>,
+    core: &Core,
+    period: Option<String>,
+    section: Option<String>,
+    periods: Option<usize>,
+    starts: u64,
+    seed: u64,
+    digits: u32,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let digits = Precision::from_str(&digits.to_string());
+    let digits = digits.map_err(|error| unreadable("digits", error))?.0;
+    let about = (Arc::clone(&core.model), core.name.clone());
+    let found = interruptible(py, progress, move |listener| {
+        let mut model = (*about.0).clone();
+        let spec = specification(&mut model, period, section.as_deref())?;
+        let orbits = match periods {
+            None => settled(&model, &spec, &mut |_| listener.going_on()).map(|orbit| vec![orbit]),
+            Some(periods) => {
+                let what = Search {
+                    periods,
+                    starts,
+                    seed,
+                };
+                all(&model, &spec, &what, &mut |reached| {
+                    let done = reached.starts as f64 / starts as f64;
+                    listener.progress(done, &|| format!("{} orbits", reached.orbits));
+                    listener.going_on()
+                })
+            }
+        };
+        let orbits = orbits.map_err(|error| refused(&error, &model))?;
+        let subject = subject(&about, Vec::new(), digits);
+        written(&orbit_document(&subject, &orbits, periods.is_some())?)
+    })?;
+    found.map_err(raised)
+}
+
+/// The document of the branches of periodic orbits over a range of a parameter.
+#[pyfunction]
+#[pyo3(signature = (core, parameter, low, high, *, period=None, section=None, doublings=0, branch_points=0, impacts=IMPACTS,
+                    points=POINTS, step=STEP, progress=None))]
+#[allow(clippy::too_many_arguments)]
+pub fn branches(
+    py: Python<'_>,
+    core: &Core,
+    parameter: String,
+    low: String,
+    high: String,
+    period: Option<String>,
+    section: Option<String>,
+    doublings: usize,
+    branch_points: usize,
+    impacts: u64,
+    points: usize,
+    step: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    if !(step > 0.0 && step <= 1.0) {
+        return Err(unreadable(
+            "step",
+            format!("{step} is no part of the range, above 0 and at most 1"),
+        ));
+    }
+    let about = (Arc::clone(&core.model), core.name.clone());
+    let found = interruptible(py, progress, move |listener| {
+        let mut model = (*about.0).clone();
+        let spec = specification(&mut model, period, section.as_deref())?;
+        let parameter = free_parameter(&model, &parameter)?;
+        let mut end = |text: String| Quantity(text).value(&mut model, "--sweep");
+        let range = (end(low)?.high(), end(high)?.high());
+        let what = BranchSpec {
+            parameter,
+            limits: Limits {
+                range,
+                impacts,
+                points,
+                longest_step: step,
+            },
+            beside: Beside {
+                doublings,
+                branch_points,
+            },
+        };
+        let found = follow(&model, &spec, &what, &mut |point: Option<&Point>| {
+            if let Some(at) = point.and_then(|point| point.parameters.last()) {
+                let done = ((at - range.0) / (range.1 - range.0)).clamp(0.0, 1.0);
+                listener.progress(done, &|| format!("{at}"));
+            }
+            listener.going_on()
+        });
+        let found = found.map_err(|error| refused(&error, &model))?;
+        if (found.iter()).any(|branch| branch.ends.contains(&End::Interrupted)) {
+            return Err(Refusal::Interrupted);
+        }
+        written(&branch_document(
+            &subject(&about, vec![parameter], Digits::DOUBLE),
+            &found,
+            None,
+        ))
+    })?;
+    found.map_err(raised)
+}
