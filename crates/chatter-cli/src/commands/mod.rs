@@ -4,6 +4,7 @@ pub mod border;
 mod check;
 mod continuation;
 mod diagram;
+mod exponents;
 mod merge;
 mod models;
 mod orbit;
@@ -26,6 +27,7 @@ pub enum Command {
     Check(check::Arguments),
     Orbit(Box<orbit::Arguments>),
     Continue(Box<continuation::Arguments>),
+    Exponents(Box<exponents::Arguments>),
     Border(Box<border::Arguments>),
     Universal(Box<universal::Arguments>),
     Reproduce(reproduce::Arguments),
@@ -43,6 +45,7 @@ impl Command {
             Self::Check(arguments) => check::run(arguments),
             Self::Orbit(arguments) => orbit::run(arguments),
             Self::Continue(arguments) => continuation::run(arguments),
+            Self::Exponents(arguments) => exponents::run(arguments),
             Self::Border(arguments) => border::run(arguments),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Universal(arguments) => universal::run(arguments),

@@ -3,6 +3,7 @@
 pub mod border;
 pub mod continuation;
 pub mod diagram;
+pub mod exponents;
 pub mod map;
 pub mod periodic;
 pub mod return_map;

@@ -351,11 +351,10 @@ impl<R: Real> Shooting<R> {
                 Flown::Stretch(stretch, follower) => {
                     let longest = R::splat(LONGEST * step.duration);
                     let followed = stretch.follow(follower, &all, x, longest);
-                    let followed = followed.map_err(|astray| match astray {
+                    followed.map_err(|astray| match astray {
                         Astray::Failed(error) => Left::because(error),
                         Astray::Otherwise => Left::because("chatter is not complete"),
-                    })?;
-                    followed
+                    })?
                 }
             };
             landings.push(landing);

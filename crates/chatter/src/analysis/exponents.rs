@@ -1,0 +1,296 @@
+//! All Lyapunov exponents of a motion, from the derivative of its flow.
+//!
+//! Displacements are carried along by the variational equation through impacts, complete chatter, contact and release, and made
+//! orthogonal again after each interval (Benettin et al. 1980). What complete chatter or contact forgets has no exponent: it is
+//! minus infinity.
+
+use crate::analysis::periodic::PeriodicError;
+use crate::flow::{Column, Occurrence, Settings, System, Trajectory};
+use crate::model::Model;
+use core::ops::ControlFlow;
+
+/// How exponents are averaged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// Time from one orthogonalisation to the next: a period of the forcing, or about one cycle.
+    pub interval: f64,
+    /// Intervals that are passed over first.
+    pub transient: u64,
+    /// Intervals that are averaged over.
+    pub intervals: u64,
+}
+
+/// The exponents.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exponents {
+    /// In descending order; minus infinity where a direction is forgotten.
+    pub values: Vec<f64>,
+    /// Standard error of each, from averages over parts of the time.
+    pub errors: Vec<f64>,
+    /// The dimension of the attractor after Kaplan and Yorke.
+    pub dimension: f64,
+    /// The time averaged over.
+    pub time: f64,
+    /// The intervals that it consists of: fewer than asked for where the observer broke off.
+    pub intervals: u64,
+}
+
+/// A displacement that shrinks by this part, against those that it is made orthogonal to, is forgotten.
+const FORGOTTEN: f64 = 1e-11;
+/// Parts of the time whose averages are compared.
+const PARTS: usize = 16;
+/// Steps of one interval.
+const MOST_STEPS: usize = 10_000_000;
+
+/// Averages the growth of displacements along the motion from the model's initial state. The observer hears of the share that
+/// is done.
+///
+/// # Errors
+/// The model cannot be compiled, or its motion ends.
+pub fn exponents(
+    model: &Model,
+    spec: &Spec,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Exponents, PeriodicError> {
+    if !(spec.interval > 0.0 && spec.interval.is_finite()) {
+        return Err(PeriodicError::BadPeriod {
+            value: spec.interval,
+        });
+    }
+    let n = model.states.len();
+    let moving: Vec<usize> = (0..n).filter(|&i| Some(i) != model.time).collect();
+    let columns = vec![Column::State; moving.len()];
+    let system = System::with_columns(model, &columns).map_err(PeriodicError::System)?;
+    let mut work = system.workspace::<f64>(&Settings::default());
+    let parameters = model.parameter_values::<f64>(&[]);
+    let mut state = model.initial_state(&parameters);
+    let mut frame: Vec<Vec<f64>> = (moving.iter())
+        .map(|&i| {
+            let mut unit = vec![0.0; n];
+            unit[i] = 1.0;
+            unit
+        })
+        .collect();
+    let begin = model.time.map_or(0.0, |index| state[index]);
+    let start = |state: &[f64], frame: &[Vec<f64>]| -> Vec<f64> {
+        let columns = frame.iter().flatten();
+        state.iter().chain(columns).copied().collect()
+    };
+    let mut trajectory = Trajectory::start(
+        &system,
+        &mut work,
+        &parameters,
+        begin,
+        &start(&state, &frame),
+    )
+    .map_err(PeriodicError::Start)?;
+    let mut growth: Vec<Vec<f64>> = Vec::new();
+    let total = spec.transient + spec.intervals;
+    for interval in 0..total {
+        if interval % 8 == 0 && observer(interval as f64 / total as f64).is_break() {
+            break;
+        }
+        let clock = begin + spec.interval * interval as f64;
+        trajectory
+            .restart(&system, &mut work, clock, &start(&state, &frame))
+            .map_err(PeriodicError::Ended)?;
+        trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
+        let mut steps = 0;
+        loop {
+            let told = (trajectory.advance_to_horizon(&system, &mut work))
+                .map_err(PeriodicError::Ended)?;
+            steps += 1;
+            if told == Some(Occurrence::Horizon) {
+                break;
+            }
+            if steps > MOST_STEPS {
+                return Err(PeriodicError::NotSettled {
+                    time: trajectory.time(),
+                    nearest: f64::NAN,
+                });
+            }
+        }
+        let end = trajectory.state();
+        state.copy_from_slice(&end[..n]);
+        for (k, displacement) in frame.iter_mut().enumerate() {
+            displacement.copy_from_slice(&end[n * (k + 1)..n * (k + 2)]);
+        }
+        let logarithms = orthonormal(&mut frame, &moving);
+        if interval >= spec.transient {
+            growth.push(logarithms);
+        }
+    }
+    if growth.is_empty() {
+        return Err(PeriodicError::Interrupted);
+    }
+    Ok(averaged(&growth, spec.interval))
+}
+
+/// Makes displacements orthogonal, of length one; the logarithms of the lengths that they had.
+fn orthonormal(frame: &mut [Vec<f64>], moving: &[usize]) -> Vec<f64> {
+    let mut logarithms = Vec::with_capacity(frame.len());
+    for k in 0..frame.len() {
+        let (done, rest) = frame.split_at_mut(k);
+        let vector = &mut rest[0];
+        let before = length(vector);
+        // Twice is enough (Kahan).
+        for _ in 0..2 {
+            for other in done.iter() {
+                let along = crate::numerics::dot(vector, other);
+                vector
+                    .iter_mut()
+                    .zip(other)
+                    .for_each(|(x, o)| *x -= along * o);
+            }
+        }
+        let after = length(vector);
+        if after.is_finite() && after > FORGOTTEN * before.max(1.0) {
+            logarithms.push(libm::log(after));
+            vector.iter_mut().for_each(|x| *x /= after);
+            continue;
+        }
+        logarithms.push(f64::NEG_INFINITY);
+        // Any direction that is not taken.
+        for &i in moving {
+            vector.fill(0.0);
+            vector[i] = 1.0;
+            for _ in 0..2 {
+                for other in done.iter() {
+                    let along = crate::numerics::dot(vector, other);
+                    vector
+                        .iter_mut()
+                        .zip(other)
+                        .for_each(|(x, o)| *x -= along * o);
+                }
+            }
+            let rest = length(vector);
+            if rest > 0.1 / (moving.len() as f64) {
+                vector.iter_mut().for_each(|x| *x /= rest);
+                break;
+            }
+        }
+    }
+    logarithms
+}
+
+fn length(vector: &[f64]) -> f64 {
+    crate::numerics::dot(vector, vector).sqrt()
+}
+
+fn averaged(growth: &[Vec<f64>], interval: f64) -> Exponents {
+    let count = growth[0].len();
+    let mean = |rows: &[Vec<f64>], k: usize| {
+        rows.iter().map(|row| row[k]).sum::<f64>() / (rows.len() as f64 * interval)
+    };
+    let part = growth.len().div_ceil(PARTS);
+    let mut found: Vec<(f64, f64)> = (0..count)
+        .map(|k| {
+            let value = mean(growth, k);
+            let parts: Vec<f64> = growth.chunks(part).map(|rows| mean(rows, k)).collect();
+            let size = parts.len() as f64;
+            let spread: f64 = parts.iter().map(|x| (x - value) * (x - value)).sum();
+            let error = if value.is_finite() && parts.len() > 1 {
+                (spread / (size * (size - 1.0))).sqrt()
+            } else {
+                0.0
+            };
+            (value, error)
+        })
+        .collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    Exponents {
+        dimension: dimension(&found.iter().map(|(value, _)| *value).collect::<Vec<f64>>()),
+        values: found.iter().map(|(value, _)| *value).collect(),
+        errors: found.iter().map(|(_, error)| *error).collect(),
+        time: growth.len() as f64 * interval,
+        intervals: growth.len() as u64,
+    }
+}
+
+/// Kaplan and Yorke's dimension: so many exponents as have a sum that is not negative, and the share of the next.
+fn dimension(values: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for (k, &value) in values.iter().enumerate() {
+        // An exponent of zero along the flow is zero to rounding and averaging only.
+        if sum + value < 0.0 {
+            let share = if value.is_finite() { sum / -value } else { 0.0 };
+            return k as f64 + share;
+        }
+        sum += value;
+    }
+    values.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str, spec: &Spec) -> Exponents {
+        let model = Model::from_toml(text, "test").unwrap();
+        exponents(&model, spec, &mut |_| ControlFlow::Continue(())).unwrap()
+    }
+
+    #[test]
+    fn a_damped_oscillator_loses_its_damping() {
+        let spec = Spec {
+            interval: 1.0,
+            transient: 40,
+            intervals: 400,
+        };
+        let found = of(
+            "[flight]\nx = 'v'\nv = '-x - 0.2*v + cos(t)'\n[initial]\nx = 0\nv = 0\n",
+            &spec,
+        );
+        assert!(
+            (found.values.iter().sum::<f64>() + 0.2).abs() < 1e-10,
+            "{found:?}"
+        );
+        assert!(
+            found.values.iter().all(|value| (value + 0.1).abs() < 0.02),
+            "{found:?}"
+        );
+        assert_eq!(found.dimension, 0.0);
+    }
+
+    #[test]
+    fn impacts_contract_by_the_square_of_restitution() {
+        // The sum of exponents is the logarithm of what volumes shrink by: r^2 at an impact, e^-0.1 a unit of time.
+        let text = "[flight]\nx = 'v'\nv = '-x - 0.1*v + cos(2.8*t)'\n[[contact]]\ngap = '0 - x'\nimpulse = { v = -1 }\n\
+                    restitution = 0.8\n[initial]\nx = -1\nv = 0\n";
+        let period = core::f64::consts::TAU / 2.8;
+        let spec = Spec {
+            interval: period,
+            transient: 200,
+            intervals: 600,
+        };
+        let found = of(text, &spec);
+        let model = Model::from_toml(text, "test").unwrap();
+        let until = |periods: f64| {
+            let spec = crate::analysis::simulate::Spec::until(period * periods);
+            let run = crate::analysis::simulate::simulate::<f64>(&model, &spec, &mut |_| {
+                ControlFlow::Continue(())
+            });
+            run.unwrap().counts.impacts as f64
+        };
+        let impacts = (until(800.0) - until(200.0)) / (600.0 * period);
+        let expected = -0.1 + 2.0 * impacts * libm::log(0.8);
+        let sum: f64 = found.values.iter().sum();
+        assert!((sum - expected).abs() < 1e-8, "{sum} {expected}");
+    }
+
+    #[test]
+    fn complete_chatter_forgets_two_directions() {
+        let text = include_str!("../../../../models/pressure_relief_valve.toml");
+        let mut model = Model::from_toml(text, "valve").unwrap();
+        model.set_parameter("q", "0.0195").unwrap();
+        let spec = Spec {
+            interval: 3.526_655_749_659_584,
+            transient: 20,
+            intervals: 100,
+        };
+        let found = exponents(&model, &spec, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert!(found.values[0].abs() < 1e-9, "{found:?}");
+        assert_eq!(found.values[1..], [f64::NEG_INFINITY; 2]);
+        assert_eq!(found.dimension.round(), 1.0);
+    }
+}
