@@ -25,11 +25,6 @@ fn found(model: &Model) -> Orbit {
 #[test]
 fn the_valve_at_34_impacts() {
     let orbit = found(&valve(0.0203));
-    println!(
-        "{:?} {:?} {:?} {} {}",
-        orbit.impacts, orbit.period, orbit.multipliers, orbit.residual, orbit.correction
-    );
-    println!("{:?} {:?}", orbit.trivial_multiplier, orbit.margins);
     assert_eq!(orbit.impacts, Some(34));
     assert!((orbit.period.to_f64() - 3.524_824_504_277_329).abs() < 1e-12);
     assert!((orbit.multipliers[0].re + 0.611_967_017_203_215_5).abs() < 1e-11);
@@ -45,54 +40,7 @@ fn the_valve_at_34_impacts() {
 #[test]
 fn complete_chatter_forgets_two_directions() {
     let orbit = found(&valve(0.0195));
-    println!(
-        "{:?} {:?} {:?} {} {}",
-        orbit.impacts, orbit.period, orbit.multipliers, orbit.residual, orbit.correction
-    );
     assert_eq!(orbit.impacts, None);
     assert!((orbit.period.to_f64() - 3.526_655_749_659_584).abs() < 1e-12);
     assert!(orbit.multipliers.iter().all(|m| m.modulus() == 0.0));
-}
-
-#[test]
-fn the_cascade_of_the_valve() {
-    let model = valve(0.0203);
-    let spec = BranchSpec {
-        parameter: model.parameter_index("q").unwrap(),
-        limits: Limits {
-            range: (0.0202, 0.0204),
-            impacts: 39,
-            points: 3000,
-            longest_step: 0.02,
-        },
-        beside: Beside::default(),
-    };
-    let start = std::time::Instant::now();
-    let mut count = 0;
-    let found = branches(&model, &Spec::default(), &spec, &mut |_| {
-        count += 1;
-        ControlFlow::Continue(())
-    })
-    .unwrap();
-    for found in &found {
-        println!(
-            "{} points {:?} in {:?} calls {count}",
-            found.points.len(),
-            found.ends,
-            start.elapsed()
-        );
-        for s in &found.special {
-            println!(
-                "{:?} {:?} {:?} err {:.1e} res {:.1e} {:?} {:?} @{}",
-                s.kind,
-                s.point.impacts,
-                s.point.parameters,
-                s.error,
-                s.residual,
-                s.persists,
-                s.point.multipliers,
-                s.place
-            );
-        }
-    }
 }

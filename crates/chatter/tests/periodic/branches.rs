@@ -1,0 +1,236 @@
+//! Branches and their special points against reference values in quadruple precision, and against each other.
+
+use super::{GRAZES, model, nearest, over, value, with};
+use chatter::analysis::periodic::{End, Known, Limits, Spec, SpecialKind, special_curve};
+use std::ops::ControlFlow;
+
+const TWO_SIDED: &str = r#"
+[parameters]
+omega = 2.6
+sigma = 0.2
+zeta = 0.05
+r = 0.7
+[flight]
+x = "v"
+v = "-x - 2*zeta*v + cos(omega*t)"
+[[contact]]
+name = "right"
+gap = "sigma - x"
+impulse = { v = -1 }
+restitution = "r"
+[[contact]]
+name = "left"
+gap = "sigma + x"
+impulse = { v = 1 }
+restitution = "r"
+[initial]
+x = 0
+v = 0
+"#;
+
+const TWO_MASSES: &str = r#"
+[parameters]
+omega = 1.35
+[flight]
+x1 = "v1"
+x2 = "v2"
+v1 = "-(x1 - x2) - 0.04*(v1 - v2) + cos(omega*t)"
+v2 = "((x1 - x2) + 0.04*(v1 - v2) - x2 - 0.04*v2)/2"
+[[contact]]
+gap = "-x1"
+impulse = { v1 = -1 }
+restitution = 0.8
+[initial]
+x1 = -1
+v1 = 0
+x2 = 0
+v2 = 0
+"#;
+
+#[test]
+fn arcs_of_the_valve_from_graze_to_graze() {
+    let found = over(
+        &model("pressure_relief_valve", &[("q", "0.020185")]),
+        "q",
+        (0.02018, 0.02026),
+        (60, 0.02),
+    );
+    let one = |kinds: &[SpecialKind], at: f64, impacts: u64| {
+        let special = nearest(&found, kinds, at);
+        assert_eq!(special.point.impacts, Some(impacts), "{special:?}");
+        let off = (value(&special) - at).abs();
+        assert!(
+            off < 2e-14 && off < 4.0 * special.error,
+            "{off:e} {:e}",
+            special.error
+        );
+        special
+    };
+    let graze = one(&GRAZES, 0.020_248_774_288_446_609, 36);
+    assert!((graze.point.multipliers[0].re - 3.049_416_692_656_386).abs() < 1e-9);
+    assert!((graze.point.period - 3.525_214_451_454_273).abs() < 1e-12);
+    assert_eq!(graze.persists, Some(false));
+    one(
+        &[SpecialKind::PeriodDoubling],
+        0.020_187_230_871_066_755,
+        37,
+    );
+    one(&[SpecialKind::Fold], 0.020_182_579_910_832_31, 37);
+    let graze = one(&GRAZES, 0.020_209_433_153_759_982, 37);
+    assert!((graze.point.multipliers[0].re - 2.912_921_220_219_534).abs() < 1e-9);
+}
+
+#[test]
+fn a_branch_with_complete_chatter_ends_at_the_border() {
+    let found = over(
+        &model("pressure_relief_valve", &[("q", "0.02")]),
+        "q",
+        (0.0199, 0.0201),
+        (52, 0.05),
+    );
+    let border = nearest(&found, &[SpecialKind::ChatterBorder], 0.02005);
+    assert!(
+        (value(&border) - 0.020_056_005_689_312_284).abs() < 1e-13,
+        "{}",
+        value(&border)
+    );
+    assert!(
+        found
+            .iter()
+            .any(|branch| branch.ends.contains(&End::ChatterBorder))
+    );
+    // Beyond it the cascade is followed, too.
+    let most = found
+        .iter()
+        .flat_map(|branch| &branch.points)
+        .filter_map(|point| point.impacts);
+    assert!(most.max() > Some(50));
+}
+
+#[test]
+fn pitchfork_and_graze_of_an_oscillator_between_two_stops() {
+    let found = over(&with(TWO_SIDED, &[]), "omega", (1.9, 3.0), (60, 0.01));
+    let pitchfork = nearest(&found[..1], &[SpecialKind::BranchPoint], 2.5);
+    assert!((value(&pitchfork) - 2.542_111_080_123_326_5).abs() < 1e-11);
+    let graze = nearest(&found[1..], &GRAZES, 2.04);
+    assert!((value(&graze) - 2.041_451_695_925_872_9).abs() < 1e-13);
+    let m = graze.point.multipliers[0];
+    assert!((m.re + 0.230_067_738_457_173_8).abs() + (m.im - 0.351_512_136_229_696_2).abs() < 1e-9);
+}
+
+#[test]
+fn tori_of_two_masses() {
+    let found = over(&with(TWO_MASSES, &[]), "omega", (1.15, 1.4), (60, 0.01));
+    for at in [1.212_416_918_341_172_3, 1.263_087_195_029_196_6] {
+        let special = nearest(&found, &[SpecialKind::NeimarkSacker], at);
+        assert!((value(&special) - at).abs() < 1e-12, "{}", value(&special));
+        assert_eq!(special.point.impacts, Some(1));
+    }
+}
+
+#[test]
+fn special_points_do_not_depend_on_steps_or_starts() {
+    let range = (0.607, 0.609);
+    let of = |omega: &str, step: f64| {
+        let model = model("impact_oscillator", &[("omega", omega), ("r", "0.5")]);
+        over(&model, "omega", range, (11, step))
+    };
+    for found in [of("0.6081", 0.01), of("0.6081", 0.05), of("0.6088", 0.02)] {
+        for (kinds, at, impacts) in [
+            (&GRAZES[..], 0.608_193_037_535_510_8, 9),
+            (&[SpecialKind::Fold][..], 0.608_257_537_739_327_9, 10),
+            (&GRAZES[..], 0.607_701_126_906_327_9, 10),
+        ] {
+            let special = nearest(&found, kinds, at);
+            assert!(
+                (value(&special) - at).abs() < 3e-14,
+                "{} {at}",
+                value(&special)
+            );
+            assert_eq!(special.point.impacts, Some(impacts));
+        }
+    }
+}
+
+#[test]
+fn folds_and_grazes_in_two_parameters() {
+    let text = [("omega", "0.6081"), ("r", "0.5")];
+    let model = model("impact_oscillator", &text);
+    let found = over(&model, "omega", (0.607, 0.609), (11, 0.01));
+    let free = ["omega", "r"].map(|name| model.parameter_index(name).unwrap());
+    for (kinds, at, expected) in [
+        (
+            &GRAZES[..],
+            0.608_193_037_535_510_8,
+            0.620_793_560_659_722_9,
+        ),
+        (
+            &[SpecialKind::Fold][..],
+            0.608_257_537_739_327_9,
+            0.620_843_960_024_853_1,
+        ),
+    ] {
+        let special = nearest(&found, kinds, at);
+        let mut model = model.clone();
+        model
+            .set_parameter("omega", &format!("{:?}", value(&special)))
+            .unwrap();
+        let known = Known {
+            kind: special.kind,
+            state: special.point.state.clone(),
+            period: special.point.period,
+        };
+        let limits = Limits {
+            range: (0.49, 0.51),
+            impacts: 60,
+            points: 2000,
+            longest_step: 0.02,
+        };
+        let curve = special_curve(
+            &model,
+            &Spec::default(),
+            (free, &known),
+            &limits,
+            &mut |_| ControlFlow::Continue(()),
+        )
+        .unwrap();
+        assert_eq!(curve.ends, [End::Range, End::Range]);
+        let first = &curve.points[0].parameters;
+        assert!((first[1] - 0.49).abs() < 1e-14);
+        assert!(
+            (first[0] - expected).abs() < 1e-13,
+            "{} {expected}",
+            first[0]
+        );
+    }
+}
+
+/// From a graze on a branch is followed with one more impact, and back without it.
+#[test]
+fn there_and_back_is_the_same_branch() {
+    let model = |omega: &str| model("impact_oscillator", &[("omega", omega), ("r", "0.5")]);
+    let (a, b) = (
+        over(&model("0.6081"), "omega", (0.6075, 0.609), (11, 0.01)),
+        over(&model("0.6088"), "omega", (0.6075, 0.609), (11, 0.013)),
+    );
+    let of = |found: &[chatter::analysis::periodic::Branch]| {
+        let mut values: Vec<(u64, String, i64)> = (found[0].special.iter())
+            .map(|s| {
+                let kind = if GRAZES.contains(&s.kind) {
+                    "graze"
+                } else {
+                    s.kind.name()
+                };
+                (
+                    s.point.impacts.unwrap_or(0),
+                    kind.to_owned(),
+                    (value(s) * 1e12).round() as i64,
+                )
+            })
+            .collect();
+        values.sort();
+        values
+    };
+    assert_eq!(of(&a), of(&b));
+    assert!(a[0].special.len() >= 4);
+}

@@ -1,0 +1,169 @@
+//! Orbits against reference values in quadruple precision, and against laws.
+
+use super::{model, orbit, with};
+use chatter::analysis::periodic::{Search, Spec, all, settled};
+use chatter::numerics::Real;
+use proptest::prelude::*;
+use std::ops::ControlFlow;
+
+const VALVE4: &str = r#"
+[parameters]
+q = 0.019
+kappa = 1.25
+delta = 10
+beta = 20
+gamma = 0.3
+c = 0.004
+r = 0.6
+[flight]
+y1 = "y2"
+y2 = "-kappa*y2 - y1 - delta + y3"
+y3 = "beta*(y4 - y1*sqrt(y3))"
+y4 = "gamma*(q - y4 - c*(y3 - delta))"
+[[contact]]
+gap = "y1"
+impulse = { y2 = 1 }
+restitution = "r"
+[initial]
+y1 = 0
+y2 = 0
+y3 = 10
+y4 = 0.019
+"#;
+
+/// Of four states complete chatter leaves one multiplier beside the trivial one.
+#[test]
+fn a_valve_of_four_states_with_complete_chatter() {
+    let orbit = orbit(&with(VALVE4, &[]));
+    assert_eq!(orbit.impacts, None);
+    assert!((orbit.period.to_f64() - 3.037_206_317_708_669).abs() < 1e-11);
+    let found = orbit.multipliers[0];
+    assert!(
+        (found.re - 0.427_687_267_438_056_3).abs() < 1e-10,
+        "{found:?}"
+    );
+    assert!(orbit.multipliers[1..].iter().all(|m| m.modulus() == 0.0));
+}
+
+/// A section is no part of the motion: multipliers and period are the same wherever they are taken.
+#[test]
+fn no_section_changes_an_orbit() {
+    let plain = model("pressure_relief_valve", &[("q", "0.0218")]);
+    let of = |level: &str| {
+        let mut model = plain.clone();
+        let surface = model.parse_expression(level).unwrap();
+        model.sections[0].surface = surface;
+        all(
+            &model,
+            &Spec::default(),
+            &Search {
+                periods: 1,
+                starts: 0,
+                seed: 0,
+            },
+            &mut |_| ControlFlow::Continue(()),
+        )
+        .map(|orbits| orbits.into_iter().next())
+    };
+    let (a, b) = (of("y3 - 9.7").unwrap(), of("y3 - 9.5").unwrap());
+    if let (Some(a), Some(b)) = (a, b) {
+        assert!((a.period.to_f64() - b.period.to_f64()).abs() < 1e-12);
+        for (m, n) in a.multipliers.iter().zip(&b.multipliers) {
+            assert!((m.re - n.re).abs() + (m.im - n.im).abs() < 1e-9 * (1.0 + m.modulus()));
+        }
+    }
+}
+
+/// x' = v, v' = -x - 2 zeta v + F cos(w t) without a wall: the closed solution, and e^(-2 zeta P) for both multipliers.
+#[test]
+fn without_contact_the_multipliers_are_those_of_the_linear_system() {
+    let text = "[flight]\nx = 'v'\nv = '-x - 0.1*v + cos(1.3*t)'\n[initial]\nx = 0\nv = 0\n";
+    let found = orbit(&with(text, &[]));
+    let period = core::f64::consts::TAU / 1.3;
+    assert!((found.period.to_f64() - period).abs() < 1e-14);
+    let modulus = (-0.05 * period).exp();
+    for m in &found.multipliers {
+        assert!((m.modulus() - modulus).abs() < 1e-12, "{m:?}");
+    }
+    let denominator = (1.0 - 1.69_f64).powi(2) + (0.13_f64).powi(2);
+    let phase = 1.3 * found.start[2].to_f64();
+    let x = ((1.0 - 1.69) * phase.cos() + 0.13 * phase.sin()) / denominator;
+    assert!((found.start[0].to_f64() - x).abs() < 1e-12);
+}
+
+/// Where everything rests there is no orbit, and a period of what has none is refused.
+#[test]
+fn what_is_no_orbit_is_said() {
+    let error = settled(&model("bouncing_ball", &[]), &Spec::default(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap_err();
+    assert!(error.to_string().contains("comes to rest"), "{error}");
+    let given = Spec {
+        period: Some("2".to_owned()),
+        ..Spec::default()
+    };
+    let valve = model("pressure_relief_valve", &[]);
+    let error = settled(&valve, &given, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    assert!(
+        error.to_string().contains("do not depend on time"),
+        "{error}"
+    );
+    let oscillator = model("impact_oscillator", &[]);
+    let error = settled(&oscillator, &given, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    assert!(error.to_string().contains("repeat after"), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+    /// Liouville: the product of multipliers is what a period shrinks volumes by, e^(-c P) r^2 for each impact.
+    #[test]
+    fn volumes_shrink_as_they_must(
+        c in 0.02_f64..0.4,
+        r in 0.3_f64..0.9,
+        omega in 1.7_f64..2.6,
+        sigma in -0.2_f64..0.4,
+    ) {
+        let text = format!(
+            "[flight]\nx = 'v'\nv = '-x - {c:?}*v + cos({omega:?}*t)'\n[[contact]]\ngap = '{sigma:?} - x'\n\
+             impulse = {{ v = -1 }}\nrestitution = {r:?}\n[initial]\nx = -0.5\nv = 0\n"
+        );
+        let found = settled(&with(&text, &[]), &Spec::default(), &mut |_| ControlFlow::Continue(()));
+        if let Ok(orbit) = found
+            && let Some(impacts) = orbit.impacts
+        {
+            let product = orbit.multipliers.iter().fold((1.0, 0.0), |(re, im), m| {
+                (re * m.re - im * m.im, re * m.im + im * m.re)
+            });
+            let expected = (-c * orbit.period.to_f64()).exp() * r.powi(2 * impacts as i32);
+            prop_assert!((product.0 - expected).abs() < 1e-10, "{} {}", product.0, expected);
+            prop_assert!(orbit.residual < 1e-20);
+        }
+    }
+}
+
+/// Every orbit of one period of a linear oscillator with one impact solves a quadratic: both are found, and no more.
+#[test]
+fn all_orbits_of_one_impact_are_found() {
+    let model = model("impact_oscillator", &[("omega", "2.7"), ("r", "0.8")]);
+    let what = Search {
+        periods: 1,
+        starts: 60,
+        seed: 1,
+    };
+    let found = all(&model, &Spec::default(), &what, &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let one: Vec<_> = found
+        .iter()
+        .filter(|orbit| orbit.impacts == Some(1))
+        .collect();
+    assert!(!one.is_empty() && one.len() <= 2, "{}", one.len());
+    for orbit in &one {
+        assert!((orbit.period.to_f64() - core::f64::consts::TAU / 2.7).abs() < 1e-12);
+        let product = orbit.multipliers[0].re * orbit.multipliers[1].re
+            - orbit.multipliers[0].im * orbit.multipliers[1].im;
+        assert!((product - 0.64).abs() < 1e-11);
+    }
+}
