@@ -82,6 +82,8 @@ impl Choice {
 struct Asked {
     /// Some would leave a table.
     outside: Option<FlowError>,
+    /// The equations of some are singular here.
+    singular: Option<FlowError>,
 }
 
 /// What a candidate says of the corners that are touched.
@@ -345,7 +347,7 @@ impl<R: Real> Trajectory<R> {
                     .map(|standing| standing.corner)
                     .or(more);
                 let candidate = self.standing_sides();
-                verdicts.extend(self.verdict(system, candidate, &touched)?);
+                verdicts.extend(self.verdict(system, candidate, (&touched, &mut asked))?);
             }
             let Some(more) = more else { break verdicts };
             touched.push(more);
@@ -369,6 +371,7 @@ impl<R: Real> Trajectory<R> {
                 self.try_sides(system, now)?;
                 return Err(asked
                     .outside
+                    .or(asked.singular)
                     .unwrap_or_else(|| self.no_mode(system, touched)));
             }
             1 => 0,
@@ -569,10 +572,11 @@ impl<R: Real> Trajectory<R> {
         &self,
         system: &System,
         candidate: Candidate,
-        touched: &[Corner],
+        (touched, asked): (&[Corner], &mut Asked),
     ) -> Result<Option<Verdict<R>>, FlowError> {
         let field = self.field_here(system)?;
         if !field.iter().all(|f| f.value.is_finite()) {
+            asked.singular = self.singular_here(system);
             return Ok(None);
         }
         let mut verdict = Verdict {
@@ -598,6 +602,7 @@ impl<R: Real> Trajectory<R> {
                 let level = standing.level(orders);
                 let is_far = orders[0].value > level && (is_slid || !is_surface);
                 if !orders.iter().all(|order| order.value.is_finite()) {
+                    asked.singular = self.singular_here(system);
                     return Ok(None);
                 }
                 if is_far {
@@ -680,6 +685,17 @@ impl<R: Real> Trajectory<R> {
             }
         }
         Ok(candidate != self.standing_sides() && self.try_sides(system, &candidate)?)
+    }
+
+    /// That what must not vanish in the present mode does so.
+    fn singular_here(&self, system: &System) -> Option<FlowError> {
+        let state = &self.state[..self.coordinates];
+        let (kind, expression) = system.singular_at(self.mode, state, &self.parameters)?;
+        Some(FlowError::Singular {
+            time: self.time.to_f64(),
+            kind,
+            expression,
+        })
     }
 
     /// Whether plain evaluation takes the piece of a corner that the state is on.
