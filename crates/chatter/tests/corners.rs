@@ -967,3 +967,16 @@ fn signed_roots_end_where_they_are_zero() {
         assert!((time - sum - at).abs() < 1e-10, "{field} {time} {sum}");
     }
 }
+
+/// A ball that comes to rest where the floor is a knot, too: the contact keeps it on both.
+#[test]
+fn contacts_may_rest_on_knots() {
+    for force in ["-1 + 0.3*floor(2*y)", "-1 + 0.3*floor(2*y) - 0.2*sign(v)"] {
+        let text = format!(
+            "[flight]\ny = \"v\"\nv = \"{force}\"\n[[contact]]\ngap = \"y\"\nimpulse = {{ v = 1 }}\n\
+             restitution = 0.5\n[initial]\ny = 1\nv = 0\n"
+        );
+        let (_, end) = follow::<f64>(&read(&text), 6.0).expect("a motion");
+        assert!(end.iter().all(|x| *x == 0.0), "{force} {end:?}");
+    }
+}
