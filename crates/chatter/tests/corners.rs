@@ -933,3 +933,50 @@ fn friction_along_the_gap_delays_release() {
         }
     }
 }
+
+/// A square root with the sign of its argument has no derivative where it is zero: the run ends there, and says what is zero.
+#[test]
+fn signed_roots_end_where_they_are_zero() {
+    for (field, at) in [
+        ("-1 - sqrt(abs(h))*sign(h)", 0.0),
+        ("-sqrt(abs(h))*sign(h) - 0.25*h - 1", 0.0),
+    ] {
+        let text = format!("[flight]\nh = \"{field}\"\n[initial]\nh = 0.7\n");
+        let found = follow::<f64>(&read(&text), 10.0)
+            .err()
+            .expect("it cannot go on");
+        let FlowError::Singular {
+            time, expression, ..
+        } = found
+        else {
+            panic!("{found:?}");
+        };
+        assert_eq!(expression.trim_start_matches('-'), "h", "{field}");
+        // The time until then, by the substitution h = w^2: 2 w dw / (c + w + b w^2).
+        let b = if field.contains("0.25") { 0.25 } else { 0.0 };
+        let steps = 20_000;
+        let top = f64::sqrt(0.7);
+        let part = |w: f64| 2.0 * w / (1.0 + w + b * w * w);
+        let width = top / f64::from(steps);
+        let sum: f64 = (0..steps)
+            .map(|k| {
+                let a = f64::from(k) * width;
+                (part(a) + 4.0 * part(a + width / 2.0) + part(a + width)) * width / 6.0
+            })
+            .sum();
+        assert!((time - sum - at).abs() < 1e-10, "{field} {time} {sum}");
+    }
+}
+
+/// A ball that comes to rest where the floor is a knot, too: the contact keeps it on both.
+#[test]
+fn contacts_may_rest_on_knots() {
+    for force in ["-1 + 0.3*floor(2*y)", "-1 + 0.3*floor(2*y) - 0.2*sign(v)"] {
+        let text = format!(
+            "[flight]\ny = \"v\"\nv = \"{force}\"\n[[contact]]\ngap = \"y\"\nimpulse = {{ v = 1 }}\n\
+             restitution = 0.5\n[initial]\ny = 1\nv = 0\n"
+        );
+        let (_, end) = follow::<f64>(&read(&text), 6.0).expect("a motion");
+        assert!(end.iter().all(|x| *x == 0.0), "{force} {end:?}");
+    }
+}

@@ -662,3 +662,77 @@ proptest! {
         prop_assert!(supports.iter().enumerate().all(|(k, _)| run.closed.contains(k)));
     }
 }
+
+/// A sled on any number of feet slides and sticks like a block on one, and as friction written as a sign.
+#[test]
+fn feet_of_a_sled_share_its_friction() {
+    let drives = [
+        "0.3*sin(t)",
+        "0.25*cos(1.3*t) + 0.1*sin(0.4*t)",
+        "0.21*sin(0.7*t) - 0.2*x",
+    ];
+    for (drive, start) in drives.into_iter().zip([0.1, 0.5, -0.4]) {
+        let run = |text: &str| {
+            let model =
+                Model::from_toml(text, "sled").unwrap_or_else(|errors| panic!("{errors:?}"));
+            let run = simulate::<f64>(&model, &Spec::until(25.0), &mut |_| {
+                ControlFlow::Continue(())
+            });
+            let run = run.expect("a motion");
+            assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+            let at = |name: &str| run.state[model.state_index(name).expect("a state")];
+            let kind = |kind: EventKind| {
+                let times = run
+                    .events
+                    .iter()
+                    .filter(|e| e.kind() == kind)
+                    .map(|e| e.time);
+                times.collect::<Vec<f64>>()
+            };
+            (
+                [at("x"), at("u")],
+                kind(EventKind::Stick),
+                kind(EventKind::Slide),
+            )
+        };
+        let (by_sign, _, slides) = run(&format!(
+            "[flight]\nx = \"u\"\nu = \"{drive} - 0.2*sign(u)\"\n[initial]\nx = 0\nu = {start}\n"
+        ));
+        assert!(slides.len() > 2);
+        for feet in [
+            &[0.3][..],
+            &[-1.0, 1.0],
+            &[-1.0, 0.3, 1.0],
+            &[1.0, -0.5, -0.5, 0.2],
+        ] {
+            let mut text = format!(
+                "[flight]\ny = \"v\"\nv = -1\nx = \"u\"\nu = \"{drive}\"\nth = \"w\"\nw = 0\n"
+            );
+            // On one foot it would tip.
+            let turns = |arm: f64| if feet.len() == 1 { 0.0 } else { 3.0 * arm };
+            for (number, &arm) in feet.iter().enumerate() {
+                let _ = writeln!(
+                    text,
+                    "[[contact]]\nname = \"foot{number}\"\ngap = \"y + {arm:?}*th\"\n\
+                     impulse = {{ v = 1, w = {:?} }}\nrestitution = 0\n\
+                     friction = {{ coefficient = 0.2, along = {{ u = 1 }} }}",
+                    turns(arm)
+                );
+            }
+            text += &format!("[initial]\ny = 0\nv = 0\nx = 0\nu = {start}\nth = 0\nw = 0\n");
+            let (end, sticks, _) = run(&text);
+            for (a, b) in end.iter().zip(by_sign) {
+                assert!(
+                    (a - b).abs() < 1e-12,
+                    "{feet:?} {drive}: {end:?} {by_sign:?}"
+                );
+            }
+            for slide in &slides {
+                assert!(
+                    sticks.iter().any(|t| (t - slide).abs() < 1e-12),
+                    "{feet:?} {drive}"
+                );
+            }
+        }
+    }
+}

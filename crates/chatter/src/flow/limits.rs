@@ -103,8 +103,8 @@ fn between(graph: &mut Graph, index: usize, share: Expr) -> Vec<(GuardKind, Expr
     ]
 }
 
-/// Sticking goes on while the friction force lies within its cone. At its positive edge the contact begins to slide
-/// backwards.
+/// Sticking goes on while the friction force lies within its cone, together with that of contacts that stick beside it. At its
+/// positive edge the contact begins to slide backwards.
 fn cone(
     mechanics: &mut Mechanics,
     mode: &ModeExprs,
@@ -112,16 +112,25 @@ fn cone(
     rubs: Rubbing,
 ) -> Vec<(GuardKind, Expr)> {
     let stick = mechanics.sticks.iter().find(|s| s.contact == rubs.contact);
-    let place = closed.contacts().position(|c| c == rubs.contact);
     let force = (mode.frictions.iter()).find(|(contact, _)| *contact == rubs.contact);
-    let (Some(stick), Some(place), Some(&(_, force))) = (stick.cloned(), place, force) else {
+    let (Some(stick), Some(&(_, force))) = (stick.cloned(), force) else {
         return Vec::new();
     };
-    let room = mechanics.contacts[rubs.contact].rate_per_impulse;
+    let mut limits = Vec::new();
+    for (place, contact) in closed.contacts().enumerate() {
+        let own = mechanics.sticks.iter().find(|s| s.contact == contact);
+        let Some(own) = own.filter(|own| own.is_beside(&stick)) else {
+            continue;
+        };
+        let coefficient = own.coefficient;
+        let room = mechanics.contacts[contact].rate_per_impulse;
+        let graph = &mut mechanics.graph;
+        let normal = graph.div(mode.reactions[place], room);
+        let limit = graph.mul(coefficient, normal);
+        limits.push(graph.neg(limit));
+    }
     let graph = &mut mechanics.graph;
-    let normal = graph.div(mode.reactions[place], room);
-    let limit = graph.mul(stick.coefficient, normal);
-    let limit = graph.neg(limit);
+    let limit = graph.sum(&limits);
     vec![
         (
             GuardKind::Leave(rubs.surface, Side::Above),

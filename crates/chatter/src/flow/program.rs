@@ -387,13 +387,20 @@ impl Program {
             .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
             .collect();
         let sticks = mechanics.sticks.iter();
-        let held: Vec<Expr> = (mechanics.slides.iter().map(|slide| slide.surface))
+        let all: Vec<Expr> = (mechanics.slides.iter().map(|slide| slide.surface))
             .chain(
                 sticks
                     .filter(|stick| carrying.contains(stick.contact))
                     .map(|stick| stick.rate),
             )
             .collect();
+        // Several contacts may stick by one rate.
+        let mut held: Vec<Expr> = Vec::with_capacity(all.len());
+        for function in all {
+            if !held.contains(&function) {
+                held.push(function);
+            }
+        }
         residuals.extend(&held);
         let residuals = Tape::new(graph, dimension, &[], &residuals);
         let mut gradients = Vec::new();

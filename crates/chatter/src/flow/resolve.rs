@@ -94,6 +94,11 @@ fn first_event<R: Real>(
         let Some(p) = work.guard_series(guard.series, touching.get(index)) else {
             continue;
         };
+        // A contact may keep the state exactly on a corner that it was leaving when it closed.
+        let is_corner = matches!(guard.kind, GuardKind::Switch(_) | GuardKind::Piece(..));
+        if is_corner && p.iter().all(|&coefficient| coefficient == R::ZERO) {
+            continue;
+        }
         let width = work.scaled_step;
         let busy = touched.is_some() || work.event >= R::ZERO;
         let at_end = ends_the_run && !busy;

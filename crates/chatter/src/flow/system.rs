@@ -8,7 +8,7 @@ use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
-use crate::expressions::{Corners, Expr, Graph, Names, Sides, Surfaces, Symbol, Tape};
+use crate::expressions::{Corners, Expr, Graph, Names, Sides, Singularity, Surfaces, Symbol, Tape};
 use crate::model::{Mechanics, MechanicsError, Model, OnSides, Rubbing, Simultaneous};
 use crate::numerics::{Real, Scalar};
 use core::fmt;
@@ -285,6 +285,22 @@ impl System {
         let mode = self.modes.get(mode)?;
         let program = mode.program.as_ref()?;
         Some(program.constants(&mode.graph, parameters))
+    }
+
+    /// Of what must not vanish in a mode, what is nearest to it at a state, and its formula.
+    pub(crate) fn singular_at<R: Real>(
+        &self,
+        mode: usize,
+        state: &[R],
+        parameters: &[R],
+    ) -> Option<(Singularity, String)> {
+        let mode = self.modes.get(mode)?;
+        let program = mode.program.as_ref()?;
+        let size = |expr: Expr| mode.graph.evaluate(expr, state, parameters).abs().to_f64();
+        let known = (program.tape.singular.iter().zip(&program.vanishing))
+            .filter_map(|(singular, text)| Some((size(singular.expr?), singular.kind, text)));
+        let nearest = known.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((nearest.1, nearest.2.clone()))
     }
 
     /// Computes those of them anew that change at knots.

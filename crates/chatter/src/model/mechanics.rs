@@ -61,7 +61,8 @@ pub struct Sticking {
     pub reactions: Vec<Expr>,
     /// For each surface that is slid along the share of both fields: 1 is the one above alone, -1 the one below.
     pub(crate) shares: Vec<Expr>,
-    /// The tangential impulse a time of each closed contact that sticks, in the order of [`Mechanics::sticks`].
+    /// The tangential impulse a time of each closed contact that sticks together with those beside it, in the order of
+    /// [`Mechanics::sticks`].
     pub(crate) frictions: Vec<(usize, Expr)>,
 }
 
@@ -245,7 +246,16 @@ impl Mechanics {
         let mut held: Vec<(Expr, Vec<Expr>)> = (active.iter())
             .map(|&i| (self.contacts[i].rate, self.contacts[i].jump.clone()))
             .collect();
-        held.extend(sticks.iter().map(|stick| (stick.rate, stick.along.clone())));
+        // Of contacts that stick by one rate in one direction, as the feet of a sled, the sum of their forces is determined.
+        let leaders: Vec<usize> = (0..sticks.len())
+            .map(|k| {
+                (0..k)
+                    .find(|&i| sticks[i].is_beside(&sticks[k]))
+                    .unwrap_or(k)
+            })
+            .collect();
+        let leading = || (0..sticks.len()).filter(|&k| leaders[k] == k);
+        held.extend(leading().map(|k| (sticks[k].rate, sticks[k].along.clone())));
         let slides = self.slides.iter();
         held.extend(slides.map(|slide| (slide.surface, slide.jump.clone())));
         let mut rows: Vec<Vec<Expr>> = Vec::with_capacity(held.len());
@@ -277,9 +287,10 @@ impl Mechanics {
             }
         }
         let (reactions, rest) = solution.split_at(active.len());
-        let (stuck, shares) = rest.split_at(sticks.len());
-        let frictions = (sticks.iter().zip(stuck))
-            .map(|(stick, &force)| (stick.contact, self.graph.neg(force)))
+        let (stuck, shares) = rest.split_at(leading().count());
+        let place = |leader: usize| leading().position(|k| k == leader).unwrap_or(0);
+        let frictions = (sticks.iter().zip(&leaders))
+            .map(|(stick, &leader)| (stick.contact, self.graph.neg(stuck[place(leader)])))
             .collect();
         Ok(Sticking {
             field,

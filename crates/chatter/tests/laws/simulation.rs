@@ -35,6 +35,19 @@ impl Numbers<'_> {
     }
 }
 
+/// What bends or jumps: friction along the gap, stops, relays, square waves, tables.
+const FORCES: &[&str] = &[
+    "sign(v)",
+    "abs(y - 1)",
+    "max(v, 0)",
+    "if(mod(t, 1) < 0.5, 1, 0)",
+    "f(mod(t, 1))",
+    "step(w)",
+    "floor(2*y)",
+    "sign(y - 0.5)",
+];
+const ACTUATOR: &[&str] = &["sign(w)", "step(y - 1)", "clamp(v, -1, 1)", "sign(w - v)"];
+
 /// A mass above a floor, with forces that grow no faster than its state and that of an actuator, so that no rate is beyond
 /// a few tens; a forcing, and perhaps a ceiling.
 fn model(bytes: &[u8]) -> (String, bool) {
@@ -50,11 +63,21 @@ fn model(bytes: &[u8]) -> (String, bool) {
         .collect();
     let (r, s) = (n.restitution(), n.restitution());
     let start = n.positive();
+    let (v, w) = (n.signed(), n.signed());
+    // Terms whose form changes, of force and actuator; those without a coefficient are left out.
+    let mut jumps = |terms: &[&str]| -> String {
+        let written = terms.iter().filter_map(|term| {
+            let coefficient = n.signed();
+            (coefficient != 0.0).then(|| format!(" + {coefficient} * {term}"))
+        });
+        written.collect()
+    };
+    let force = force.join(" + ") + &jumps(FORCES);
+    let actuator = actuator.join(" + ") + &jumps(ACTUATOR);
     let mut text = format!(
-        "[flight]\ny = \"v\"\nv = \"{}\"\nw = \"{}\"\n[[contact]]\nname = \"floor\"\ngap = \"y\"\nimpulse = {{ v = 1 }}\n\
+        "[table.f]\nx = [0, 0.5, 1]\ny = [1, -1, 1]\noutside = \"hold\"\n[flight]\ny = \"v\"\nv = \"{}\"\nw = \"{}\"\n[[contact]]\nname = \"floor\"\ngap = \"y\"\nimpulse = {{ v = 1 }}\n\
          restitution = {r}\n",
-        force.join(" + "),
-        actuator.join(" + ")
+        force, actuator
     );
     if has_ceiling {
         text += &format!(
@@ -62,9 +85,7 @@ fn model(bytes: &[u8]) -> (String, bool) {
         );
     }
     text += &format!(
-        "[section.up]\nsurface = \"v\"\ndirection = \"rising\"\n[initial]\ny = {start}\nv = {}\nw = {}\n",
-        n.signed(),
-        n.signed()
+        "[section.up]\nsurface = \"v\"\ndirection = \"rising\"\n[initial]\ny = {start}\nv = {v}\nw = {w}\n"
     );
     (text, has_ceiling)
 }

@@ -32,7 +32,8 @@ struct Standing<R> {
     corner: Corner,
     surface: WithTerms<R>,
     guards: Vec<(GuardKind, [WithTerms<R>; STANDING_ORDERS])>,
-    /// How long an instant is: nothing for surfaces, where a sequence of crossings may become as fast as that.
+    /// How long an instant is: nothing for surfaces but that which is met now, since a sequence of crossings may become as fast
+    /// as that.
     instant: R,
 }
 
@@ -81,6 +82,8 @@ impl Choice {
 struct Asked {
     /// Some would leave a table.
     outside: Option<FlowError>,
+    /// The equations of some are singular here.
+    singular: Option<FlowError>,
 }
 
 /// What a candidate says of the corners that are touched.
@@ -90,7 +93,7 @@ struct Verdict<R> {
     roots: Vec<(GuardKind, u8)>,
     /// Nothing moves it off a corner.
     is_balanced: bool,
-    /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them.
+    /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them; and they stick, if they can.
     opens_there: bool,
     /// On corners that nothing moves it off it is where plain evaluation says.
     is_plain: bool,
@@ -180,6 +183,10 @@ impl<R: Real> Trajectory<R> {
             return Ok(Vec::new());
         };
         let start = (&self.state[..], &self.low[..]);
+        let is_met = |corner: Corner| {
+            let expr = |corner: Corner| system.corner_expr(corner);
+            self.met.is_some_and(|met| expr(corner) == expr(met))
+        };
         let standing = |(tapes, constants): (&super::StandingTapes, &[Vec<R>; 3])| {
             let values = with_terms(&tapes.values, &constants[0], start);
             let guards = (tapes.guards.iter().zip(values[1..].chunks(STANDING_ORDERS)))
@@ -193,9 +200,10 @@ impl<R: Real> Trajectory<R> {
                 corner: tapes.corner,
                 surface: values[0],
                 guards,
-                instant: match tapes.corner {
-                    Corner::Surface(_) => R::ZERO,
-                    Corner::Lookup(_) => self.negligible() * R::splat(INSTANT_ROUNDOFFS),
+                instant: if matches!(tapes.corner, Corner::Lookup(_)) || is_met(tapes.corner) {
+                    self.negligible() * R::splat(INSTANT_ROUNDOFFS)
+                } else {
+                    R::ZERO
                 },
             }
         };
@@ -224,11 +232,13 @@ impl<R: Real> Trajectory<R> {
             let standings = self.standings(system)?;
             // What a corner that was met takes along by a jump is a rounding error beyond, or not, until it is chosen.
             let is_first = met.is_some_and(|met| !chosen.contains(&met));
+            // Friction of several contacts may oppose one rate: their surfaces are met together.
+            let is_met = |corner: Corner| {
+                met.is_some_and(|met| system.corner_expr(corner) == system.corner_expr(met))
+            };
             let beyond = (standings.iter())
                 .filter(|_| !is_first)
-                .filter(|standing| {
-                    Some(standing.corner) != met && !chosen.contains(&standing.corner)
-                })
+                .filter(|standing| !is_met(standing.corner) && !chosen.contains(&standing.corner))
                 .find_map(|standing| self.beyond(system, standing));
             if let Some(candidate) = beyond {
                 self.try_sides(system, &candidate)?;
@@ -236,7 +246,7 @@ impl<R: Real> Trajectory<R> {
             }
             let touched: Vec<Corner> = (standings.iter())
                 .filter(|standing| !chosen.contains(&standing.corner))
-                .filter(|standing| Some(standing.corner) == met || self.is_touched(standing))
+                .filter(|standing| is_met(standing.corner) || self.is_touched(standing))
                 .map(|standing| standing.corner)
                 .collect();
             if touched.is_empty() {
@@ -337,7 +347,7 @@ impl<R: Real> Trajectory<R> {
                     .map(|standing| standing.corner)
                     .or(more);
                 let candidate = self.standing_sides();
-                verdicts.extend(self.verdict(system, candidate, &touched)?);
+                verdicts.extend(self.verdict(system, candidate, (&touched, &mut asked))?);
             }
             let Some(more) = more else { break verdicts };
             touched.push(more);
@@ -361,6 +371,7 @@ impl<R: Real> Trajectory<R> {
                 self.try_sides(system, now)?;
                 return Err(asked
                     .outside
+                    .or(asked.singular)
                     .unwrap_or_else(|| self.no_mode(system, touched)));
             }
             1 => 0,
@@ -387,7 +398,8 @@ impl<R: Real> Trajectory<R> {
         for (kind, roots) in verdict.roots {
             self.touch(system, kind, roots);
         }
-        Ok(())
+        // A rounding error beside what is slid along from here on would be a side.
+        self.stay_on_surfaces(system)
     }
 
     /// All combinations of what may become of corners that are touched, those within others first: what a corner is a
@@ -411,7 +423,21 @@ impl<R: Real> Trajectory<R> {
             }
             candidates = wider;
         }
+        candidates.retain(|candidate| self.slide_alike(system, candidate.sides));
         Ok(candidates)
+    }
+
+    /// Whether contacts that carry and rub by one rate slide one way, or stick all.
+    fn slide_alike(&self, system: &System, sides: Sides) -> bool {
+        let carrying = self.grip().carrying();
+        let rubbing = (system.rubbing().iter()).filter(|rubs| carrying.contains(rubs.contact));
+        let rate = |surface: usize| system.corner_expr(Corner::Surface(surface));
+        rubbing.clone().all(|one| {
+            rubbing.clone().all(|other| {
+                rate(one.surface) != rate(other.surface)
+                    || sides.get(one.surface) == sides.get(other.surface)
+            })
+        })
     }
 
     /// As [`try_sides`](Self::try_sides); a piece beyond the end of a table is none, and noted.
@@ -459,7 +485,7 @@ impl<R: Real> Trajectory<R> {
         (base, asked): (&Candidate, &mut Asked),
     ) -> Result<bool, FlowError> {
         if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
-            return Ok(self.closed.contains(rubs.contact));
+            return Ok(self.grip().carrying().contains(rubs.contact));
         }
         let mut fields = Vec::with_capacity(2);
         for side in [Side::Above, Side::Below] {
@@ -546,10 +572,11 @@ impl<R: Real> Trajectory<R> {
         &self,
         system: &System,
         candidate: Candidate,
-        touched: &[Corner],
+        (touched, asked): (&[Corner], &mut Asked),
     ) -> Result<Option<Verdict<R>>, FlowError> {
         let field = self.field_here(system)?;
         if !field.iter().all(|f| f.value.is_finite()) {
+            asked.singular = self.singular_here(system);
             return Ok(None);
         }
         let mut verdict = Verdict {
@@ -575,6 +602,7 @@ impl<R: Real> Trajectory<R> {
                 let level = standing.level(orders);
                 let is_far = orders[0].value > level && (is_slid || !is_surface);
                 if !orders.iter().all(|order| order.value.is_finite()) {
+                    asked.singular = self.singular_here(system);
                     return Ok(None);
                 }
                 if is_far {
@@ -633,8 +661,9 @@ impl<R: Real> Trajectory<R> {
         let Corner::Surface(index) = corner else {
             return Ok(true);
         };
-        if system.rubbing().iter().any(|r| r.surface == index) {
-            return Ok(true);
+        if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
+            // What does not slide, held by another contact, sticks as well.
+            return Ok(!self.grip().carrying().contains(rubs.contact));
         }
         let side = self.side_of_opening(system, corner, self.closed)?;
         Ok(side.is_none_or(|side| self.regime.get(index) == side))
@@ -656,6 +685,17 @@ impl<R: Real> Trajectory<R> {
             }
         }
         Ok(candidate != self.standing_sides() && self.try_sides(system, &candidate)?)
+    }
+
+    /// That what must not vanish in the present mode does so.
+    fn singular_here(&self, system: &System) -> Option<FlowError> {
+        let state = &self.state[..self.coordinates];
+        let (kind, expression) = system.singular_at(self.mode, state, &self.parameters)?;
+        Some(FlowError::Singular {
+            time: self.time.to_f64(),
+            kind,
+            expression,
+        })
     }
 
     /// Whether plain evaluation takes the piece of a corner that the state is on.
@@ -736,6 +776,7 @@ impl<R: Real> Trajectory<R> {
             self.corner_shifts(system, corner)?
         };
         self.shift_columns(system, work, &shifts, R::ONE)?;
+        self.met = Some(corner);
         self.settle_corners(system, Some(corner))?;
         self.shift_columns(system, work, &shifts, -R::ONE)?;
         if system.gaps_have_corners() {

@@ -18,6 +18,7 @@ mod tops;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
+use super::limits::Corner;
 use super::occurrence::Occurrence;
 use super::program::{
     Closed, Grip, GuardKind, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes,
@@ -79,6 +80,8 @@ pub struct Trajectory<R> {
     /// Its rounding remainder.
     horizon_low: R,
     tracker: ChatterTracker<R>,
+    /// The corner that ended the latest step.
+    met: Option<Corner>,
     /// Surfaces that are crossed at the top of each flight of a sequence of impacts.
     tops: Tops,
     /// How many impacts the sequence has so far: each slower than the one before, at one contact.
@@ -422,6 +425,7 @@ impl<R: Real> Trajectory<R> {
         result: &StepResult<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.advance_time(result.step);
+        self.met = None;
         let undisturbed = match result.event {
             Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
             None => true,

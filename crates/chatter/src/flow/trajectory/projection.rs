@@ -1,6 +1,7 @@
 //! Keeps the state on the contacts that hold it: rounding errors of the field would move it off them, slowly.
 
 use super::Trajectory;
+use crate::expressions::{Expansion, Tape};
 use crate::flow::error::FlowError;
 use crate::flow::program::Closed;
 use crate::flow::step::Workspace;
@@ -36,7 +37,7 @@ impl<R: Real> Trajectory<R> {
         if residuals.iter().all(|&value| value == R::ZERO) {
             return Ok(());
         }
-        self.stay_on_surfaces(system, work)?;
+        self.stay_on_surfaces(system)?;
         if self.closed == Closed::NONE {
             return Ok(());
         }
@@ -46,11 +47,7 @@ impl<R: Real> Trajectory<R> {
 
     /// Puts the state back onto the surfaces that it slides along, and rates of sliding that stick to zero: by the least
     /// displacement.
-    fn stay_on_surfaces(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-    ) -> Result<(), FlowError> {
+    pub(super) fn stay_on_surfaces(&mut self, system: &System) -> Result<(), FlowError> {
         let first = 2 * self.grip().carrying().contacts().count();
         for _ in 0..CORRECTIONS {
             let program = self.program(system)?;
@@ -58,11 +55,13 @@ impl<R: Real> Trajectory<R> {
                 return Ok(());
             };
             let start = (&self.state[..], &self.low[..]);
-            let mut values = vec![R::ZERO; program.residuals.outputs.len()];
-            work.values_at(&program.residuals, &constants.residuals, start, &mut values);
-            let mut gradients = vec![R::ZERO; program.held_gradients.outputs.len()];
-            let own = &constants.held_gradients;
-            work.values_at(&program.held_gradients, own, start, &mut gradients);
+            let at = |tape: &Tape, constants: &[R]| {
+                let mut values = vec![R::ZERO; tape.outputs.len()];
+                Expansion::new(&[tape]).evaluate(tape, constants, start.0, start.1, &mut values);
+                values
+            };
+            let values = at(&program.residuals, &constants.residuals);
+            let gradients = at(&program.held_gradients, &constants.held_gradients);
             for (value, gradient) in values[first..]
                 .iter()
                 .zip(gradients.chunks(self.coordinates))

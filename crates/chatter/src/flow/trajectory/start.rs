@@ -62,6 +62,7 @@ impl<R: Real> Trajectory<R> {
             horizon: R::splat(FOREVER),
             horizon_low: R::ZERO,
             tracker: ChatterTracker::new(work.tail),
+            met: None,
             tops: Tops::NONE,
             sequence: 0,
             latest_impact: None,
@@ -204,6 +205,7 @@ impl<R: Real> Trajectory<R> {
         self.flight_time = R::splat(FOREVER);
         self.set_horizon(R::splat(FOREVER));
         self.tracker.restart();
+        self.met = None;
         self.tops = Tops::NONE;
         self.sequence = 0;
         self.latest_impact = None;

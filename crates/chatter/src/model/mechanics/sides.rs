@@ -25,6 +25,13 @@ pub(crate) struct Stick {
     pub coefficient: Expr,
 }
 
+impl Stick {
+    /// Whether friction holds the same rate in the same direction.
+    pub(crate) fn is_beside(&self, other: &Self) -> bool {
+        self.rate == other.rate && self.along == other.along
+    }
+}
+
 /// A contact with friction, and the number of the surface that is its rate of sliding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Rubbing {
