@@ -1,6 +1,7 @@
 """Orbit diagrams against the command, themselves, and maps that are known."""
 
 import os
+import signal
 import subprocess
 import sys
 
@@ -140,3 +141,25 @@ def test_shares_come_to_the_file_of_one_process(valve, tmp_path):
     with pytest.raises(ch.InputError, match="another sweep"):
         other = valve.diagram_shard(1, 3, out=tmp_path / "other.npz", **{**asked, "q": (0.0201, 0.0206, 25)})
         ch.merge([journals[0], other], tmp_path / "both.npz")
+
+
+def test_a_cluster_comes_to_the_file_of_one_process_though_a_worker_is_killed(valve, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    asked = dict(q=(0.0201, 0.0206, 96), **dict(ASKED, transient=200))
+    valve.diagram(out=tmp_path / "one.npz", **asked)
+    killed = []
+
+    def kill_one(*_):
+        if not killed:
+            killed.append(cluster.workers[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        found = valve.diagram(out=tmp_path / "many.npz", client=client, shards=6, progress=kill_one, **asked)
+    assert killed
+    assert (tmp_path / "many.npz").read_bytes() == (tmp_path / "one.npz").read_bytes()
+    assert np.array_equal(found["y2"], ch.resume(tmp_path / "one.npz")["y2"])
+    assert sorted(os.listdir(tmp_path)) == ["many.npz", "one.npz"]
