@@ -123,6 +123,16 @@ def test_maps_and_initial_values_are_swept():
     assert log.plot().get_xlabel() and d.plot().collections
 
 
+def test_a_sheared_picture_is_level(diagram):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    (line,) = diagram.plot(shear="auto").lines
+    assert abs(np.polyfit(line.get_xdata(), line.get_ydata(), 1)[0]) < 1e-9
+    (line,) = diagram.plot(shear=2.0).lines
+    np.testing.assert_allclose(np.diff(diagram["y2"] - line.get_ydata()), 2 * np.diff(line.get_xdata()), atol=1e-12)
+
+
 def test_what_is_set_gives_way_to_what_is_swept(valve):
     d = valve.with_values(q=0.03, r="0.8").diagram(q=(0.0201, 0.0206, 24), **ASKED)
     assert d.specification["set"] == [["r", "0.8"]]
