@@ -34,6 +34,6 @@ print("impacts a period in windows of period one:", np.unique(diagram["impacts_p
 first = diagram.orbit(int(np.argmax(periodic)))
 print(first, first.model.simulate(stop="section:closing=3").counts)
 
-axes = diagram.plot()
+axes = diagram.plot(shear="auto")
 axes.axvline(border.value, color="tab:red", linewidth=0.8)
 axes.figure.savefig("valve_study.png", dpi=150)

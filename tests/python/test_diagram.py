@@ -1,6 +1,7 @@
 """Orbit diagrams against the command, themselves, and maps that are known."""
 
 import os
+import signal
 import subprocess
 import sys
 
@@ -122,6 +123,16 @@ def test_maps_and_initial_values_are_swept():
     assert log.plot().get_xlabel() and d.plot().collections
 
 
+def test_a_sheared_picture_is_level(diagram):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    (line,) = diagram.plot(shear="auto").lines
+    assert abs(np.polyfit(line.get_xdata(), line.get_ydata(), 1)[0]) < 1e-9
+    (line,) = diagram.plot(shear=2.0).lines
+    np.testing.assert_allclose(np.diff(diagram["y2"] - line.get_ydata()), 2 * np.diff(line.get_xdata()), atol=1e-12)
+
+
 def test_what_is_set_gives_way_to_what_is_swept(valve):
     d = valve.with_values(q=0.03, r="0.8").diagram(q=(0.0201, 0.0206, 24), **ASKED)
     assert d.specification["set"] == [["r", "0.8"]]
@@ -137,6 +148,29 @@ def test_shares_come_to_the_file_of_one_process(valve, tmp_path):
         merged = ch.merge(journals, tmp_path / "parts.npz")
     assert (tmp_path / "parts.npz").read_bytes() == whole.read_bytes()
     assert np.array_equal(merged["y2"], ch.resume(whole)["y2"])
-    with pytest.raises(ch.InputError, match="another sweep"):
+    with pytest.warns(ch.ChatterWarning, match="pieces"):
         other = valve.diagram_shard(1, 3, out=tmp_path / "other.npz", **{**asked, "q": (0.0201, 0.0206, 25)})
+    with pytest.raises(ch.InputError, match="another sweep"):
         ch.merge([journals[0], other], tmp_path / "both.npz")
+
+
+def test_a_cluster_comes_to_the_file_of_one_process_though_a_worker_is_killed(valve, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    asked = dict(q=(0.0201, 0.0206, 96), **dict(ASKED, transient=200))
+    valve.diagram(out=tmp_path / "one.npz", **asked)
+    killed = []
+
+    def kill_one(*_):
+        if not killed:
+            killed.append(cluster.workers[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        found = valve.diagram(out=tmp_path / "many.npz", client=client, shards=6, progress=kill_one, **asked)
+    assert killed
+    assert (tmp_path / "many.npz").read_bytes() == (tmp_path / "one.npz").read_bytes()
+    assert np.array_equal(found["y2"], ch.resume(tmp_path / "one.npz")["y2"])
+    assert sorted(os.listdir(tmp_path)) == ["many.npz", "one.npz"]

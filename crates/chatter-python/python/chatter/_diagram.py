@@ -161,8 +161,13 @@ class Diagram(Frozen):
         table: Dataset = xarray.Dataset(data).set_coords(list(self.swept))
         return table
 
-    def plot(self, observed: str | None = None, ax: Axes | None = None, **style: Any) -> Axes:
-        """Draws samples over what is swept, or periods over two that are swept; gives the axes."""
+    def plot(
+        self, observed: str | None = None, ax: Axes | None = None, *, shear: float | str | None = None, **style: Any
+    ) -> Axes:
+        """Draws samples over what is swept, or periods over two that are swept; gives the axes.
+
+        shear: this multiple of the parameter is subtracted; with "auto" the one that makes the diagram level.
+        """
         if ax is None:
             import matplotlib.pyplot as plt
 
@@ -182,8 +187,15 @@ class Diagram(Frozen):
             raise InputError("the diagram has no samples to be drawn: it was computed with record=\"classes\"")
         observed = self.observed[0] if observed is None else observed
         look = {"linestyle": "none", "marker": ",", "color": "k", "alpha": 0.5, "rasterized": True}
-        ax.plot(self[names[0]][self["column"]], self[observed], **{**look, **style})
-        ax.set_ylabel(labelled(observed, labels.get(observed)))
+        x, y = self[names[0]][self["column"]], self[observed]
+        label = labelled(observed, labels.get(observed))
+        if shear is not None:
+            origin = x.mean()
+            slope = np.polyfit(x - origin, y, 1)[0] if isinstance(shear, str) else shear
+            y = y - slope * (x - origin)
+            label = f"{label}, sheared by {slope:.4g}"
+        ax.plot(x, y, **{**look, **style})
+        ax.set_ylabel(label)
         return ax
 
     def __reduce__(self) -> tuple[Any, ...]:

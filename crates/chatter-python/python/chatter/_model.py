@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chatter import _border, _chatter, _diagram, _periodic, _run
+from chatter import _border, _chatter, _diagram, _periodic, _run, _shared
 from chatter._border import Border, Borders
 from chatter._diagram import Diagram
+from chatter._errors import InputError
 from chatter._frozen import Frozen
 from chatter._periodic import PeriodicOrbit
 from chatter._progress import Progress, shown
@@ -170,6 +171,8 @@ class Model(Frozen):
         sweep: Mapping[str, Sequence[Any]] | None = None,
         out: str | os.PathLike[str] | None = None,
         journal: str | os.PathLike[str] | None = None,
+        client: Any = None,
+        shards: int | None = None,
         progress: bool | Progress = False,
         **swept: Sequence[Any],
     ) -> Diagram:
@@ -189,14 +192,23 @@ class Model(Frozen):
         record: "samples", or "classes" without samples (for two sweeps).
         out: the NPZ or CSV file that `chatter diagram --out` writes, to the bit; what is done stands in out + ".journal" until then.
         journal: a file that keeps what is done. `chatter.resume` goes on with it; it stays when all is done.
+        client: a `dask.distributed.Client`: its workers compute `shards` shares (two for each thread of theirs) into journals
+            beside `out`, which has to stand on a file system that they share. A worker that is lost costs little: its share goes
+            on elsewhere. The file is the same to the bit.
         progress: True for a bar, or a function of the part done and a message.
 
         Ctrl-C raises KeyboardInterrupt within a fraction of a second; with `out` or `journal` nothing is lost.
         """
         options = dict(locals())
-        for name in ("self", "observe", "sweep", "swept", "journal", "progress"):
+        for name in ("self", "observe", "sweep", "swept", "journal", "progress", "client", "shards"):
             del options[name]
         sweeps = {**(sweep or {}), **swept}
+        if client is not None:
+            if out is None or journal is not None:
+                raise InputError("a client needs `out`, beside which shares are kept, and no `journal`")
+            options["out"] = os.path.abspath(out)
+            with shown(progress) as hears:
+                return _shared.diagram(self, client, shards, {**options, "observe": observe, "sweep": sweeps}, hears)
         with shown(progress) as hears:
             found = _diagram.compute(self._core, _asked(**options), observe, sweeps, journal, None, hears)
         assert found is not None
@@ -211,8 +223,7 @@ class Model(Frozen):
         broken off goes on, one that is done does nothing.
         """
         out = os.fspath(out)
-        names = _OPTIONS & asked.keys()
-        sweeps = {**asked.pop("sweep", {}), **{name: asked.pop(name) for name in asked.keys() - names}}
+        sweeps = {**(asked.pop("sweep", None) or {}), **{name: asked.pop(name) for name in asked.keys() - _OPTIONS}}
         with shown(progress) as hears:
             _diagram.compute(self._core, _asked(out=out, **asked), observe, sweeps, None, (number, of), hears)
         return _diagram.shard_journal(out, number, of)

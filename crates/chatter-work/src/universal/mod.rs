@@ -3,13 +3,21 @@
 pub mod atlas;
 pub mod branches;
 mod document;
+mod figure;
+mod found;
 mod job;
+mod orbits;
 pub mod picture;
+mod request;
 pub mod table;
 mod windows;
 
 pub use document::document;
+pub use figure::figure;
+pub use found::Atlas;
 pub use job::UniversalJob;
+pub use orbits::compute;
+pub use request::{Request, refused};
 pub use windows::{Window, window_list, window_rows, window_table};
 
 use crate::numbers::Digits;

@@ -25,7 +25,8 @@ EXAMPLES
   chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:400 --sweep r=0.7:0.9:300 --observe y2 \\
       --out map.npz --plot map.png
   chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:400 --sweep r=0.7:0.9:300 --observe y2 \\
-      --out map.npz --shard 3/32          # on each of 32 machines its own; then chatter merge map.*.journal --out map.npz
+      --out map.npz --shard 3/32                       # on each of 32 machines another share, and in the end:
+  chatter merge map.*.journal --out map.npz
 
 TABLE
   For each parameter value (and start): what is swept, outcome (periodic, chaotic, quasiperiodic, unsettled,

@@ -1,6 +1,7 @@
 //! The options of `chatter universal`.
 
 use crate::options::{Counts, Decimal, FigureFile, Periods, Precision, SweepOption, TableFile};
+use crate::universal::Request;
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -125,6 +126,28 @@ pub struct Arguments {
     /// Print one JSON document instead of text
     #[arg(long)]
     pub json: bool,
+}
+
+impl Arguments {
+    /// What is asked of the map.
+    pub fn request(&self) -> Request {
+        Request {
+            restitution: self.restitution,
+            slope: self.slope,
+            mu: self.mu,
+            at: self.at.clone(),
+            windows: self.windows,
+            periods: self.periods.clone(),
+            basins: self.basins,
+            scaling: self.scaling,
+            chaos: self.chaos,
+            sweep: self.sweep.clone(),
+            transient: self.transient,
+            keep: self.keep,
+            lyapunov: self.lyapunov,
+            cobweb: self.cobweb.map(|CobwebOption(mu)| mu),
+        }
+    }
 }
 
 /// `mu=VALUE`.

@@ -1,9 +1,9 @@
 //! The atlas, as far as it was asked for.
 
-use super::{Arguments, refused};
-use crate::failure::Failure;
-use crate::universal::Window;
-use crate::universal::atlas::{self, Sheet};
+use super::atlas::{self, Sheet};
+use super::request::{Request, refused};
+use super::windows::Window;
+use crate::refusal::Refusal;
 use chatter::analysis::universal::{PeriodicWindow, Scaling, Universal, UniversalError};
 use chatter::numerics::{DoubleDouble, Real};
 
@@ -24,41 +24,44 @@ pub struct Atlas {
 
 impl Atlas {
     /// Computes it.
-    pub fn new(arguments: &Arguments) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// The restitution, the slope or the laps are none.
+    pub fn new(request: &Request) -> Result<Self, Refusal> {
         let mut atlas = Self::default();
-        let Some(laps) = arguments.windows else {
+        let Some(laps) = request.windows else {
             return Ok(atlas);
         };
-        let slope: DoubleDouble = arguments.slope.get();
-        let universal = Universal::new(arguments.restitution.get()).map_err(refused)?;
+        let slope: DoubleDouble = request.slope.get();
+        let universal = Universal::new(request.restitution.get()).map_err(refused)?;
         let windows = Window::list(&universal, slope, laps).map_err(refused)?;
         let range = || laps.first..=laps.last;
-        if arguments.periods.is_some() || arguments.basins {
-            let periods = arguments.periods.clone().map_or(1..=1, |periods| periods.0);
+        if request.periods.is_some() || request.basins {
+            let periods = request.periods.clone().map_or(1..=1, |periods| periods.0);
             let found = universal
                 .periodic_windows(slope, range(), periods)
                 .map_err(refused)?;
             atlas.undecided = found.undecided;
             atlas.periodic = found.windows;
         }
-        if arguments.periods.is_some() {
+        if request.periods.is_some() {
             atlas.sheets.push(atlas::periodic(&atlas.periodic));
         }
-        if arguments.basins {
-            let double = Universal::<f64>::new(arguments.restitution.to_f64()).map_err(refused)?;
-            let slope = arguments.slope.to_f64();
+        if request.basins {
+            let double = Universal::<f64>::new(request.restitution.to_f64()).map_err(refused)?;
+            let slope = request.slope.to_f64();
             let basins: Result<Vec<_>, UniversalError> = (atlas.periodic.iter())
                 .map(|window| Ok((window.clone(), window.basin(&double, slope)?)))
                 .collect();
             atlas.sheets.push(atlas::basins(&basins.map_err(refused)?));
         }
-        if arguments.scaling {
+        if request.scaling {
             atlas.scaling = Some(universal.scaling(slope).map_err(refused)?);
             atlas
                 .sheets
                 .push(atlas::ratios(&windows, slope.to_f64() > 0.0));
         }
-        if arguments.chaos {
+        if request.chaos {
             let chaos = universal.chaos(slope, range()).map_err(refused)?;
             atlas.sheets.push(atlas::chaos(&chaos));
         }

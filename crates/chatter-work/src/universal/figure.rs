@@ -1,10 +1,9 @@
-//! The figure that `--plot` asks for.
+//! The figure that is asked for.
 
-use super::arguments::CobwebOption;
-use super::{Arguments, refused};
+use super::request::{Request, refused};
+use super::{Findings, branches, picture};
 use crate::diagram::Store;
-use crate::failure::Failure;
-use crate::universal::{Findings, branches, picture};
+use crate::refusal::Refusal;
 use chatter::analysis::universal::{Universal, UniversalMap};
 use chatter::numerics::Real;
 use chatter_figures::{Figure, Sharing};
@@ -18,17 +17,20 @@ const EXPONENT_HEIGHT: f64 = 1.0;
 const PERIOD_HEIGHT: f64 = 0.1;
 
 /// Orbit diagram, cobweb or Upsilon, whichever was asked for.
+///
+/// # Errors
+/// The samples cannot be read, or the map is none.
 pub fn figure<R: Real>(
-    arguments: &Arguments,
+    request: &Request,
     findings: &Findings<R>,
     samples: Option<&mut Store>,
     universal: &Universal<f64>,
     map: &UniversalMap<f64>,
-) -> Result<Figure, Failure> {
+) -> Result<Figure, Refusal> {
     let made = format!("Made by chatter {}.", env!("CARGO_PKG_VERSION"));
-    let about = format!("r = {}", arguments.restitution.to_f64());
+    let about = format!("r = {}", request.restitution.to_f64());
     let map_about = format!("{about}, K = {}", map.slope());
-    if let Some(CobwebOption(mu)) = arguments.cobweb {
+    if let Some(mu) = request.cobweb {
         let map =
             UniversalMap::new(universal.clone(), map.slope(), mu.to_f64()).map_err(refused)?;
         let caption = format!(
@@ -51,11 +53,11 @@ pub fn figure<R: Real>(
     let mut caption = format!(
         "Orbits of z -> Upsilon(K z + mu), {map_about}: {} iterates after {} for each of {} values, the last one carried \
          on.",
-        arguments.keep, arguments.transient, range.count
+        request.keep, request.transient, range.count
     );
     let mut orbits = picture::orbit_panel(sweep, samples)?;
     let mut below = Vec::new();
-    if let (Some(laps), "mu") = (arguments.windows, range.parameter.as_str()) {
+    if let (Some(laps), "mu") = (request.windows, range.parameter.as_str()) {
         let shown = (range.from, range.to);
         branches::fixed_point_layers(&mut orbits, map, laps, shown).map_err(refused)?;
         caption += " Curves: the fixed points, whatever these orbits have settled to.";
@@ -64,7 +66,7 @@ pub fn figure<R: Real>(
             caption += " Outlines: intervals in which an orbit of that period is stable.";
         }
     }
-    if arguments.lyapunov {
+    if request.lyapunov {
         below.push((picture::exponent_panel(sweep, rows), EXPONENT_HEIGHT));
     }
     let mut figure = Figure::from(orbits).width(WIDE);
