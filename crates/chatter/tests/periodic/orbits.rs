@@ -36,7 +36,8 @@ y4 = 0.019
 fn a_valve_of_four_states_with_complete_chatter() {
     let orbit = orbit(&with(VALVE4, &[]));
     assert_eq!(orbit.impacts, None);
-    assert!((orbit.period.to_f64() - 3.037_206_317_708_669).abs() < 1e-11);
+    // The matrix exponential of the linear field in contact, from where chatter ends to the release.
+    assert!((orbit.period.to_f64() - 3.037_206_317_799_137).abs() < 1e-12);
     let found = orbit.multipliers[0];
     assert!(
         (found.re - 0.427_687_267_438_056_3).abs() < 1e-10,
@@ -48,29 +49,16 @@ fn a_valve_of_four_states_with_complete_chatter() {
 /// A section is no part of the motion: multipliers and period are the same wherever they are taken.
 #[test]
 fn no_section_changes_an_orbit() {
-    let plain = model("pressure_relief_valve", &[("q", "0.0218")]);
     let of = |level: &str| {
-        let mut model = plain.clone();
-        let surface = model.parse_expression(level).unwrap();
-        model.sections[0].surface = surface;
-        all(
-            &model,
-            &Spec::default(),
-            &Search {
-                periods: 1,
-                starts: 0,
-                seed: 0,
-            },
-            &mut |_| ControlFlow::Continue(()),
-        )
-        .map(|orbits| orbits.into_iter().next())
+        let mut model = model("pressure_relief_valve", &[("q", "0.0203")]);
+        model.sections[0].surface = model.parse_expression(level).unwrap();
+        orbit(&model)
     };
-    let (a, b) = (of("y3 - 9.7").unwrap(), of("y3 - 9.5").unwrap());
-    if let (Some(a), Some(b)) = (a, b) {
-        assert!((a.period.to_f64() - b.period.to_f64()).abs() < 1e-12);
-        for (m, n) in a.multipliers.iter().zip(&b.multipliers) {
-            assert!((m.re - n.re).abs() + (m.im - n.im).abs() < 1e-9 * (1.0 + m.modulus()));
-        }
+    let (a, b) = (of("y3 - 9.7"), of("y3 - 9.5"));
+    assert!(a.start != b.start);
+    assert!((a.period.to_f64() - b.period.to_f64()).abs() < 1e-14);
+    for (m, n) in a.multipliers.iter().zip(&b.multipliers) {
+        assert!((m.re - n.re).abs() + (m.im - n.im).abs() < 1e-12);
     }
 }
 

@@ -184,8 +184,8 @@ struct Side {
 
 /// This part of a step before a graze.
 const NOT_QUITE: f64 = 1e-5;
-/// A curve is this near to its chords, in parts of their length.
-const NEAR_CHORD: f64 = 0.2;
+/// Two orbits at one parameter that are this near, against their size, are one.
+const SAME_ORBIT: f64 = 1e-8;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
 /// A graze that leads back to itself this often is no way on.
@@ -538,27 +538,6 @@ fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
     shooting.steps.iter().map(|step| step.passage).collect()
 }
 
-/// Whether a curve comes back to a point between two of its stations: they are much nearer to each other than a turn.
-fn passes(from: &Station, to: &Station, origin: &Station, scales: &[f64]) -> bool {
-    let difference = |a: &[f64], b: &[f64]| -> Vec<f64> {
-        (a.iter().zip(b).zip(scales))
-            .map(|((a, b), scale)| (a - b) / scale)
-            .collect()
-    };
-    let dot = crate::numerics::dot::<f64>;
-    let chord = difference(&to.at, &from.at);
-    let length = dot(&chord, &chord);
-    let way = difference(&origin.at, &from.at);
-    let along = dot(&way, &chord) / length;
-    if !(0.0..1.0).contains(&along) {
-        return false;
-    }
-    let off: f64 = (way.iter().zip(&chord))
-        .map(|(way, chord)| (way - along * chord) * (way - along * chord))
-        .sum();
-    off < NEAR_CHORD * NEAR_CHORD * length
-}
-
 impl Walker {
     fn walk(mut self, start: Station, observer: &mut dyn FnMut(&Point) -> ControlFlow<()>) -> Side {
         let mut curve = Curve::new(start, settings(&self.limits));
@@ -620,7 +599,7 @@ impl Walker {
                 }
             }
             made += 1;
-            if made > 3 && self.returns(&curve.station, &next, &origin) {
+            if made > 3 && self.returns((&curve.station, &next), step, &origin) {
                 break End::Closed;
             }
             let there = point(&self.shooting, &next);
@@ -667,25 +646,30 @@ impl Walker {
 
     /// Whether the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events.
     fn returns(
-        &self,
-        from: &Station,
-        to: &Station,
+        &mut self,
+        (from, to): (&Station, &Station),
+        step: f64,
         (origin, kinds): &(Station, Vec<Passage>),
     ) -> bool {
-        let (a, b) = (from.parameter(), to.parameter());
-        let between = a.min(b) <= origin.parameter() && origin.parameter() <= a.max(b);
         let own = passages(&self.shooting);
-        if !between || own.len() != kinds.len() {
+        let target = origin.parameter();
+        let ends = (from.parameter() - target, to.parameter() - target);
+        if ends.0 * ends.1 > 0.0 || own.len() != kinds.len() {
             return false;
         }
+        let found = locate(&mut self.shooting, from, step, ends, &mut |_, station| {
+            Some(station.parameter() - target)
+        });
+        let Some((here, _)) = found else {
+            return false;
+        };
+        let scales = self.shooting.scales();
         (0..own.len()).any(|by| {
             let same = (0..own.len()).all(|k| own[(k + by) % own.len()] == kinds[k]);
             same && {
-                let turned = |station: &Station| Station {
-                    at: self.shooting.rotated(&station.at, by),
-                    ..station.clone()
-                };
-                passes(&turned(from), &turned(to), origin, self.shooting.scales())
+                let turned = self.shooting.rotated(&here.at, by);
+                (turned.iter().zip(&origin.at).zip(scales))
+                    .all(|((a, b), scale)| (a - b).abs() <= SAME_ORBIT * scale)
             }
         })
     }

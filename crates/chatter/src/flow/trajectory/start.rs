@@ -21,7 +21,12 @@ const FIRST_UNIT: f64 = 0.125;
 
 /// Whether a gap says that the state is inside an obstacle.
 pub(super) fn is_inside<R: Real>(gap: &WithTerms<R>) -> bool {
-    gap.value < -gap.level().max(R::splat(PENETRATION * gap.terms))
+    gap.value < -slack(gap)
+}
+
+/// How far from zero a gap may be that is touched.
+pub(super) fn slack<R: Real>(gap: &WithTerms<R>) -> R {
+    gap.level().max(R::splat(PENETRATION * gap.terms))
 }
 
 impl<R: Real> Trajectory<R> {
