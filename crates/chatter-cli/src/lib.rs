@@ -24,6 +24,8 @@ EXAMPLES
   chatter simulate my_model.toml --json
   chatter check my_model.toml
   chatter diagram pressure_relief_valve --sweep q=0.0201:0.0235:4000 --section closing --observe y2 --plot fig5.png
+  chatter orbit pressure_relief_valve --set q=0.0203
+  chatter continue pressure_relief_valve --sweep q=0.0195:0.0235 --plot branch.pdf
   chatter border pressure_relief_valve --parameter q --near 0.02
   chatter universal --restitution 0.8
 

@@ -10,6 +10,8 @@ mod documents;
 mod files;
 #[cfg(unix)]
 mod guards;
+#[cfg(unix)]
+mod periodic;
 mod shards;
 mod sweeps;
 mod theory;

@@ -259,16 +259,16 @@ impl Edge {
 
     fn landing<R: Real>(
         &self,
-        expansion: &mut Expansion<R>,
+        (expansion, known): (&mut Expansion<R>, &mut Known<R>),
         parameters: &[R],
         duration: R,
         end: &[R],
     ) -> Landing<R> {
-        let constants = self.tape.constants(&self.graph, parameters);
+        let constants = known.constants(&self.tape, &self.graph, parameters);
         let n = self.coordinates;
         let mut values = vec![R::ZERO; self.tape.outputs.len()];
         let low = vec![R::ZERO; end.len()];
-        expansion.evaluate(&self.tape, &constants, end, &low, &mut values);
+        expansion.evaluate(&self.tape, constants, end, &low, &mut values);
         let mut image_slopes = Matrix::zeros(n, self.columns);
         let mut surface_slopes = Vec::with_capacity(self.columns);
         let mut rate_slopes = Vec::with_capacity(self.columns);
@@ -293,6 +293,30 @@ impl Edge {
     }
 }
 
+/// The constants of a tape at the parameters that it was evaluated at last.
+#[derive(Clone, Debug)]
+struct Known<R> {
+    parameters: Vec<R>,
+    constants: Vec<R>,
+}
+
+impl<R: Real> Known<R> {
+    fn new() -> Self {
+        Self {
+            parameters: Vec::new(),
+            constants: Vec::new(),
+        }
+    }
+
+    fn constants(&mut self, tape: &Tape, graph: &Graph, parameters: &[R]) -> &[R] {
+        if self.parameters != parameters || self.constants.is_empty() {
+            self.parameters = parameters.to_vec();
+            self.constants = tape.constants(graph, parameters);
+        }
+        &self.constants
+    }
+}
+
 /// A trajectory and the parameters that it is at.
 type Placed<R> = Option<(Vec<R>, Trajectory<R>)>;
 
@@ -302,6 +326,8 @@ pub(crate) struct Flyer<R: Real> {
     work: Workspace<R>,
     watching: Option<Workspace<R>>,
     expansion: Expansion<R>,
+    at_edge: Known<R>,
+    at_watch: Known<R>,
     /// At these parameters.
     trajectory: Placed<R>,
     watcher: Placed<R>,
@@ -316,6 +342,8 @@ impl Leg {
             work: self.flow.workspace(settings),
             watching: (self.watch.system.as_ref()).map(|system| system.workspace(settings)),
             expansion: Expansion::new(&[&self.edge.tape, &self.field, &self.watch.values]),
+            at_edge: Known::new(),
+            at_watch: Known::new(),
             trajectory: None,
             watcher: None,
         }
@@ -364,7 +392,8 @@ impl Leg {
                     break;
                 }
                 let edge = &self.edge;
-                return Ok(edge.landing(&mut flyer.expansion, parameters, duration, end));
+                let scratch = (&mut flyer.expansion, &mut flyer.at_edge);
+                return Ok(edge.landing(scratch, parameters, duration, end));
             }
         }
         Err(left_domain(clock, x))
@@ -391,7 +420,9 @@ impl Leg {
             return Err(left_domain(clock, x));
         };
         trajectory.set_horizon_parts(two_sum(clock, duration));
-        let constants = self.watch.values.constants(&self.watch.graph, parameters);
+        let constants = (flyer.at_watch)
+            .constants(&self.watch.values, &self.watch.graph, parameters)
+            .to_vec();
         let mut values = vec![0.0; self.watch.guards.len()];
         let low = vec![0.0; x.len()];
         let mut found = Vec::new();
@@ -482,6 +513,7 @@ impl System {
 pub(crate) struct Follower<R: Real> {
     work: Workspace<R>,
     expansion: Expansion<R>,
+    at_edge: Known<R>,
 }
 
 /// Why a stretch has no end like the one it was compiled for.
@@ -507,6 +539,7 @@ impl Stretch {
         Follower {
             work: self.system.workspace(settings),
             expansion: Expansion::new(&[&self.edge.tape]),
+            at_edge: Known::new(),
         }
     }
 
@@ -551,7 +584,12 @@ impl Stretch {
                         return Err(Astray::Otherwise);
                     }
                     let end = trajectory.state();
-                    return Ok((self.edge).landing(&mut follower.expansion, all, longest, end));
+                    return Ok((self.edge).landing(
+                        (&mut follower.expansion, &mut follower.at_edge),
+                        all,
+                        longest,
+                        end,
+                    ));
                 }
                 Some(Occurrence::Accumulation { .. } | Occurrence::Cascade { .. }) => {
                     accumulations += 1
@@ -565,7 +603,12 @@ impl Stretch {
                 let duration = trajectory.time() - clock;
                 let dense = work.dense();
                 let end: Vec<R> = (0..start.len()).map(|i| dense.state(i, R::ONE)).collect();
-                return Ok((self.edge).landing(&mut follower.expansion, all, duration, &end));
+                return Ok((self.edge).landing(
+                    (&mut follower.expansion, &mut follower.at_edge),
+                    all,
+                    duration,
+                    &end,
+                ));
             }
         }
         Err(Astray::Otherwise)

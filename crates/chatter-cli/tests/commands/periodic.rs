@@ -1,0 +1,165 @@
+//! Periodic orbits, branches and exponents, as programs read them and as users mistype them.
+
+use crate::common::{Folder, chatter, document, fails, number, succeeds};
+use serde_json::Value;
+
+const VALVE: &str = "pressure_relief_valve";
+
+fn close(value: &Value, expected: f64, tolerance: f64) {
+    let value = number(value);
+    assert!((value - expected).abs() <= tolerance, "{value} {expected}");
+}
+
+#[test]
+fn an_orbit_has_its_members() {
+    let told = document(&["orbit", VALVE, "--set", "q=0.0203", "--json"]);
+    let orbit = &told["orbit"];
+    close(&orbit["period"], 3.524_824_504_277_329, 1e-14);
+    assert_eq!(
+        (&orbit["impacts"], &orbit["stable"]),
+        (&34.into(), &true.into())
+    );
+    close(&orbit["section"]["y1"], 0.027_229_278_685_215_647, 1e-15);
+    close(
+        &orbit["multipliers"][0]["re"],
+        -0.611_967_017_203_215_5,
+        1e-13,
+    );
+    close(&orbit["multipliers"][1]["re"], -4.763_932_297_86e-9, 1e-18);
+    close(&orbit["trivial_multiplier"], 1.0, 1e-10);
+    let events = orbit["events"].as_array().unwrap();
+    let impacts = events.iter().filter(|event| event["kind"] == "impact");
+    assert_eq!(impacts.count(), 34);
+    let slowest = (orbit["margins"].as_array().unwrap().iter())
+        .find(|margin| margin["kind"] == "impact_rate")
+        .unwrap();
+    assert_eq!(slowest["where"], "seat");
+    close(&slowest["value"], 4.313_257_121_57e-6, 1e-14);
+    let long = document(&[
+        "orbit", VALVE, "--set", "q=0.0195", "--digits", "30", "--json",
+    ]);
+    assert_eq!(long["orbit"]["impacts"], Value::Null);
+    let digits = long["orbit"]["period_digits"].as_str().unwrap();
+    assert!(digits.starts_with("3.52665574965958417903026"), "{digits}");
+}
+
+#[test]
+fn all_orbits_are_a_list() {
+    let line = "orbit impact_oscillator --set omega=2.7 --all 1 --starts 30 --json";
+    let told = document(&line.split(' ').collect::<Vec<_>>());
+    let orbits = told["orbits"].as_array().unwrap();
+    assert!(!orbits.is_empty());
+    for orbit in orbits {
+        close(&orbit["period"], core::f64::consts::TAU / 2.7, 1e-12);
+        assert_eq!(orbit["trivial_multiplier"], Value::Null);
+    }
+}
+
+#[test]
+fn branches_go_to_table_and_picture_and_special_points_on() {
+    let folder = Folder::new("branches");
+    let line = "continue impact_oscillator --set r=0.5 --set omega=0.6081 --sweep omega=0.6078:0.609 --impacts 11 --out b.npz \
+                --plot b.svg --json";
+    let told: Value = serde_json::from_str(&folder.succeeds("", line)).unwrap();
+    let branch = &told["branches"][0];
+    let special = branch["special"].as_array().unwrap();
+    let place = special.iter().position(|s| s["kind"] == "fold").unwrap();
+    close(&special[place]["value"], 0.608_257_537_739_327_9, 1e-13);
+    let count = branch["points"]["omega"].as_array().unwrap().len();
+    for column in ["period", "impacts", "stable", "multipliers", "x", "v"] {
+        assert_eq!(
+            branch["points"][column].as_array().unwrap().len(),
+            count,
+            "{column}"
+        );
+    }
+    assert!(
+        String::from_utf8(folder.bytes("b.svg"))
+            .unwrap()
+            .contains("fold")
+    );
+    let line = format!(
+        "continue impact_oscillator --set r=0.5 --from b.npz:{} --free omega,r --sweep r=0.495:0.505 --json",
+        place + 1
+    );
+    let curve: Value = serde_json::from_str(&folder.succeeds("", &line)).unwrap();
+    assert_eq!(curve["branches"][0]["kind"], "fold");
+    for (line, expected) in [
+        (
+            "continue impact_oscillator --from b.npz:99 --free omega,r --sweep r=0.4:0.6",
+            "and no 99",
+        ),
+        (
+            "continue impact_oscillator --from b.npz:1 --free omega,sigma --sweep r=0.4:0.6",
+            "--free omega,sigma",
+        ),
+        (
+            "continue impact_oscillator --from no.npz:1 --free omega,r --sweep r=0.4:0.6",
+            "no.npz",
+        ),
+    ] {
+        let said = folder.fails("", line);
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+}
+
+#[test]
+fn exponents_sum_to_what_volumes_shrink_by() {
+    let line = "exponents impact_oscillator --set omega=2.8 --set zeta=0.05 --set r=1 --intervals 300 --json";
+    let told = document(&line.split(' ').collect::<Vec<_>>());
+    let sum: f64 = told["exponents"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(number)
+        .sum();
+    assert!((sum + 0.1).abs() < 1e-8, "{sum}");
+    assert!(succeeds(&["exponents", VALVE, "--intervals", "20"]).contains("dimension"));
+}
+
+#[test]
+fn wrong_questions_are_told_what_is_wrong() {
+    for (line, expected) in [
+        (
+            "orbit pressure_relief_valve --period 2",
+            "do not depend on time",
+        ),
+        ("orbit impact_oscillator --period 3", "repeat after 20.94"),
+        ("orbit impact_oscillator --period x", "depends on the state"),
+        (
+            "orbit pressure_relief_valve --section closng",
+            "did you mean `closing`?",
+        ),
+        ("orbit bouncing_ball --section top", "no section `top`"),
+        ("orbit impact_oscillator --all 1000", "from 1 to 64"),
+        (
+            "continue pressure_relief_valve --sweep kapa=1:2",
+            "did you mean `kappa`?",
+        ),
+        (
+            "continue pressure_relief_valve --sweep y1=1:2",
+            "is a state",
+        ),
+        (
+            "continue pressure_relief_valve --sweep q=0.02",
+            "expected NAME=LOW:HIGH",
+        ),
+        (
+            "continue pressure_relief_valve --sweep q=0.02:0.021 --step 2",
+            "at most 1",
+        ),
+        (
+            "continue pressure_relief_valve --sweep q=0.02:0.021 --from b.npz:1",
+            "--free",
+        ),
+        ("exponents pressure_relief_valve --interval 0", "positive"),
+        ("exponents pressure_relief_valve --intervals 0", "intervals"),
+    ] {
+        let said = fails(&line.split(' ').collect::<Vec<_>>());
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+    // An answer of its own kind: there is no orbit.
+    let output = chatter(&["orbit", "bouncing_ball"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("comes to rest"));
+}
