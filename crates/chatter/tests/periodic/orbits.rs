@@ -79,6 +79,15 @@ fn without_contact_the_multipliers_are_those_of_the_linear_system() {
     assert!((found.start[0].to_f64() - x).abs() < 1e-12);
 }
 
+/// Den Hartog's amplitude, and one period of the forcing however the section lies to the switch.
+#[test]
+fn dry_friction_turns_at_den_hartogs_amplitude() {
+    let found = orbit(&model("forced_coulomb_oscillator", &[]));
+    assert!((found.period.to_f64() - core::f64::consts::TAU / 0.6).abs() < 1e-13);
+    assert!((found.start[0].to_f64().abs() - 1.535_601_809_280_87).abs() < 1e-12);
+    assert!(found.is_stable());
+}
+
 /// Where everything rests there is no orbit, and a period of what has none is refused.
 #[test]
 fn what_is_no_orbit_is_said() {

@@ -57,6 +57,9 @@ impl Step {
     }
 }
 
+/// Times that differ by less than this part are one.
+const SAME_INSTANT: f64 = 8.0 * f64::EPSILON;
+
 /// What one instant by itself is: its guard, and the jump there. None where it is more than one event.
 fn single(system: &System, instant: &Instant) -> Option<LegKind> {
     let guard = instant.guard?;
@@ -125,13 +128,21 @@ pub(crate) fn read(system: &System, instants: &[Instant]) -> Result<Vec<Step>, P
         }
         if let Some(kind) = kind {
             let before = &instants[from];
+            let duration = instant.time - before.time;
+            if duration <= SAME_INSTANT * instant.time.abs()
+                && (kind.jump == Jump::None || gives_jump(&mut steps, kind.jump))
+            {
+                // Two names for one event, as where a surface is met and held: no motion lies between them.
+                from = index;
+                continue;
+            }
             steps.push(Step {
                 passage: Passage::Leg(kind),
                 pieces: instant.pieces.clone(),
                 told: instant.told.clone(),
                 closed: instant.closed,
                 start: before.state.clone(),
-                duration: instant.time - before.time,
+                duration,
             });
             from = index;
             continue;
@@ -162,6 +173,17 @@ pub(crate) fn read(system: &System, instants: &[Instant]) -> Result<Vec<Step>, P
         });
     }
     Ok(steps)
+}
+
+/// Lets the event before, which changes nothing by itself, make a jump; whether it can.
+fn gives_jump(steps: &mut [Step], jump: Jump) -> bool {
+    match steps.last_mut().map(|step| &mut step.passage) {
+        Some(Passage::Leg(kind)) if kind.jump == Jump::None => {
+            kind.jump = jump;
+            true
+        }
+        _ => false,
+    }
 }
 
 fn stretch(

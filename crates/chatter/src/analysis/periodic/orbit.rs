@@ -166,7 +166,40 @@ pub(crate) fn close(
     let rows = conditions(free.len(), &near);
     let found = newton(&mut shooting, &near, &rows).map_err(|error| failed(&error))?;
     shooting.adopt(&found.at);
-    finish(shooting, found.at)
+    match shorter(&shooting, &found.at)? {
+        Some(cycle) => close(workshop, cycle, free),
+        None => finish(shooting, found.at),
+    }
+}
+
+/// Two nodes of one orbit that are this near, against their size, are one: the orbit was gone around more than once.
+const SAME_NODE: f64 = 1e-7;
+
+/// The part of a cycle that comes back to its first node, where it does so before its end.
+fn shorter(shooting: &Shooting<f64>, at: &[f64]) -> Result<Option<Cycle>, PeriodicError> {
+    let workshop = &shooting.workshop;
+    let parameters = workshop.parameters(shooting.free(at));
+    let turns = workshop.closure.turns(&parameters)?;
+    let sizes = shooting.state_sizes();
+    let steps = &shooting.steps;
+    let count = steps.len();
+    let arrives = |index: usize| steps[(index + count - 1) % count].passage;
+    for index in 1..count {
+        if arrives(index) != arrives(0) || steps[index].passage != steps[0].passage {
+            continue;
+        }
+        let nodes = (shooting.node(at, 0), shooting.node(at, index));
+        let difference = workshop.closure.difference(&turns, nodes, &sizes);
+        let goes_on = turns.is_empty() || difference.turns.iter().any(|turns| *turns != 0);
+        if difference.distance < SAME_NODE && goes_on {
+            return Ok(Some(Cycle {
+                steps: shooting.current_steps(at)[..index].to_vec(),
+                counts: difference.turns,
+                distance: difference.distance,
+            }));
+        }
+    }
+    Ok(None)
 }
 
 /// An orbit whose equations are solved in doubles, told in longer numbers.

@@ -2,10 +2,12 @@
 
 use super::branch::is_broken;
 use super::error::PeriodicError;
+use super::itinerary::{Passage, Step};
 use super::orbit::{Orbit, close};
 use super::settle::{Patience, loops, settle};
 use super::shooting::Workshop;
 use crate::analysis::diagram::Generator;
+use crate::flow::GuardKind;
 use crate::numerics::Real;
 use core::ops::ControlFlow;
 use std::sync::Arc;
@@ -59,7 +61,23 @@ pub(crate) fn search(
     if let Ok(cycle) = settle(workshop, &[], state, patience, &mut quiet)
         && let Ok(orbit) = close(workshop, cycle, &[])
     {
-        add(workshop, &mut found, (1, orbit));
+        let laps = match (
+            workshop.closure.forcing(model, &parameters),
+            workshop.section,
+        ) {
+            (Some(period), _) => (orbit.period.to_f64() / period).round() as usize,
+            (None, Some(section)) => {
+                let crosses = |step: &&Step| match step.passage {
+                    Passage::Leg(kind) => kind.ends_at == Some(GuardKind::Section(section)),
+                    _ => false,
+                };
+                orbit.shooting.steps.iter().filter(crosses).count()
+            }
+            (None, None) => 1,
+        };
+        if laps <= search.periods {
+            add(workshop, &mut found, (laps, orbit));
+        }
     }
     for start in 0..search.starts {
         let told = Searched {

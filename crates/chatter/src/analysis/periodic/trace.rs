@@ -115,7 +115,22 @@ impl<'s> Tracer<'s> {
                 told,
                 None | Some(Occurrence::Horizon | Occurrence::Section { .. })
             );
-            if counts(guard) || matches!(told, Some(Occurrence::Accumulation { .. })) {
+            let time = self.trajectory.time();
+            let looks = |guard: Option<GuardKind>| match guard {
+                Some(GuardKind::Section(index)) => !self.system.is_event(index),
+                _ => false,
+            };
+            // A section that is crossed with an event is no event of its own: which comes first is chance.
+            let with_event = looks(guard) && instants.last().is_some_and(|last| last.time == time);
+            if with_event {
+                steps = 0;
+            } else if counts(guard) || matches!(told, Some(Occurrence::Accumulation { .. })) {
+                if instants
+                    .last()
+                    .is_some_and(|last| last.time == time && looks(last.guard))
+                {
+                    instants.pop();
+                }
                 instants.push(Instant {
                     time: self.trajectory.time(),
                     mode,
