@@ -2,7 +2,7 @@
 //!
 //! A leg of a periodic orbit flies for a given time tau from a state x, be it through a wall; that it ends on the surface g = 0 of
 //! its event is an equation of whoever solves for the orbit, not a decision of the flow. So it stays regular where the
-//! event grazes (MATH.md 10):
+//! event grazes (docs/periodic.md):
 //!
 //! ```text
 //! e = phi_tau(x, p)      g(e, p) = 0      image R(e, p): the state after the event

@@ -1,7 +1,7 @@
 //! A branch of periodic orbits over a parameter, through grazes from one sequence of events to the next.
 //!
 //! Where a flight grazes, the orbit gains an impact: the leg is cut at its least gap, and the equations of the longer
-//! sequence hold there with an impact of rate zero, which grows from then on (MATH.md 10). Where an impact's rate falls to zero it
+//! sequence hold there with an impact of rate zero, which grows from then on (docs/periodic.md). Where an impact's rate falls to zero it
 //! is taken out again. Neither is a decision of the flow, so neither depends on a tolerance.
 
 use super::error::PeriodicError;

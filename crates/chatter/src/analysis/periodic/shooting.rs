@@ -1,6 +1,6 @@
 //! The equations of a periodic orbit: nodes after chosen events, and the times between them.
 //!
-//! For each leg from node x_k, of duration tau_k, to the surface g_k with the map R_k there (MATH.md 10)
+//! For each leg from node x_k, of duration tau_k, to the surface g_k with the map R_k there (docs/periodic.md)
 //!
 //! ```text
 //! g_k(phi_tau_k(x_k)) = 0,        x_(k+1) - R_k(phi_tau_k(x_k)) = 0,        x_N = x_0 + turns
