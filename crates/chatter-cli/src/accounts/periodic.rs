@@ -108,7 +108,7 @@ fn one(subject: &Subject, orbit: &Orbit) -> Result<String, Failure> {
     rows.push(vec![place, state.join(", ")]);
     let mut kinds: Vec<(&str, usize)> = Vec::new();
     for event in &events {
-        let name = event.kind().name();
+        let name = event.kind.name();
         match kinds.iter_mut().find(|(known, _)| *known == name) {
             Some((_, count)) => *count += 1,
             None => kinds.push((name, 1)),

@@ -3,7 +3,8 @@
 use super::{Record, Subject};
 use crate::columns::Column;
 use crate::refusal::Refusal;
-use chatter::analysis::simulate::{EventDetail, Samples};
+use chatter::analysis::simulate::Samples;
+use chatter::flow::Occurrence;
 use chatter::numerics::Real;
 
 /// Times and states.
@@ -66,11 +67,11 @@ pub fn events<R: Real>(subject: &Subject, record: &Record<R>) -> Result<Events, 
         for (values, value) in states.iter_mut().zip(&event.state) {
             values.push(*value);
         }
-        kinds.push(event.kind().name());
+        kinds.push(event.kind.name());
         places.push(subject.place(&event.detail).to_owned());
         let (mut rates, mut count, mut off, mut stays) = ([f64::NAN; 2], 0, f64::NAN, 0);
         match event.detail {
-            EventDetail::Impact {
+            Occurrence::Impact {
                 rate_before,
                 rate_after,
                 closes,
@@ -80,9 +81,9 @@ pub fn events<R: Real>(subject: &Subject, record: &Record<R>) -> Result<Events, 
                 count = 1;
                 stays = i64::from(closes);
             }
-            EventDetail::Graze { rate, .. } => rates = [rate.to_f64(); 2],
-            EventDetail::Accumulation { impacts, error, .. }
-            | EventDetail::Cascade { impacts, error, .. } => {
+            Occurrence::Graze { rate, .. } => rates = [rate.to_f64(); 2],
+            Occurrence::Accumulation { impacts, error, .. }
+            | Occurrence::Cascade { impacts, error, .. } => {
                 count = impacts as i64;
                 off = error;
             }

@@ -5,9 +5,8 @@ use crate::json::Json;
 use crate::named::Named;
 use crate::numbers::significant;
 use crate::simulation::side_name;
-use chatter::analysis::simulate::{
-    Event, EventDetail, EventKind, Outcome, Simulation, Verification,
-};
+use chatter::analysis::simulate::{Event, Outcome, Simulation, Verification};
+use chatter::flow::Occurrence;
 use chatter::numerics::Real;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
@@ -264,7 +263,7 @@ impl<'a> Writer<'a> {
         let time = self.value(event.time);
         let place = Some(self.subject.place(&event.detail));
         let mut object = EventObject {
-            kind: event.kind().name(),
+            kind: event.kind.name(),
             time: time.number,
             time_digits: time.digits,
             contact: place,
@@ -277,8 +276,9 @@ impl<'a> Writer<'a> {
             (object.rate_before, object.rate_before_digits) = (Some(before.number), before.digits);
             (object.rate_after, object.rate_after_digits) = (Some(after.number), after.digits);
         };
+        object.side = event.detail.side().map(side_name);
         match event.detail {
-            EventDetail::Impact {
+            Occurrence::Impact {
                 rate_before,
                 rate_after,
                 closes,
@@ -287,27 +287,21 @@ impl<'a> Writer<'a> {
                 rates(rate_before, rate_after);
                 object.closes = Some(closes);
             }
-            EventDetail::Graze { rate, .. } => rates(rate, rate),
-            EventDetail::Ambiguity { other, .. } => {
+            Occurrence::Graze { rate, .. } => rates(rate, rate),
+            Occurrence::Ambiguity { other, .. } => {
                 object.other = Some(&self.subject.model.contacts[other].name);
             }
-            EventDetail::Accumulation { impacts, error, .. }
-            | EventDetail::Cascade { impacts, error, .. } => {
+            Occurrence::Accumulation { impacts, error, .. }
+            | Occurrence::Cascade { impacts, error, .. } => {
                 object.impacts = Some(impacts);
                 object.error = Some(error);
             }
-            EventDetail::Section { .. } => {
-                object.section = object.contact.take();
+            Occurrence::Section { .. } => object.section = object.contact.take(),
+            Occurrence::Reset { .. } => object.event = object.contact.take(),
+            Occurrence::Switch { .. } | Occurrence::Slide { .. } | Occurrence::Leave { .. } => {
+                object.surface = object.contact.take();
             }
-            EventDetail::Corner { kind, side, .. } => {
-                match kind {
-                    EventKind::Reset => object.event = object.contact.take(),
-                    EventKind::Stick | EventKind::Slip => {}
-                    _ => object.surface = object.contact.take(),
-                }
-                object.side = side.map(side_name);
-            }
-            EventDetail::Release { .. } => {}
+            _ => {}
         }
         object
     }

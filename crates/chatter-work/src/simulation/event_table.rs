@@ -2,7 +2,8 @@
 
 use super::table::{low, provenance, text, text_names, time_name};
 use super::{Noted, Record, Subject};
-use chatter::analysis::simulate::{EventDetail, Simulation};
+use chatter::analysis::simulate::Simulation;
+use chatter::flow::Occurrence;
 use chatter::numerics::Real;
 use chatter_files::tables::{Cell, CsvWriter, NpzWriter, Table};
 use chatter_files::{Error, Format};
@@ -26,18 +27,18 @@ enum Column<'a, R> {
 fn columns<'a, R: Real>(subject: &'a Subject) -> Vec<Column<'a, R>> {
     let rate = |of: fn(R, R) -> R| {
         move |noted: &Noted<R>| match noted.event.detail {
-            EventDetail::Impact {
+            Occurrence::Impact {
                 rate_before,
                 rate_after,
                 ..
             } => of(rate_before, rate_after),
-            EventDetail::Graze { rate, .. } => rate,
+            Occurrence::Graze { rate, .. } => rate,
             _ => R::splat(f64::NAN),
         }
     };
     let mut columns: Vec<Column<'a, R>> = vec![
         Column::Number(time_name(subject), Box::new(|noted| noted.event.time)),
-        Column::Text("kind", Box::new(|noted| noted.event.kind().name())),
+        Column::Text("kind", Box::new(|noted| noted.event.kind.name())),
         Column::Text(
             "place",
             Box::new(|noted| subject.place(&noted.event.detail)),
@@ -54,14 +55,14 @@ fn columns<'a, R: Real>(subject: &'a Subject) -> Vec<Column<'a, R>> {
         Column::Number("rate_before", Box::new(rate(|before, _| before))),
         Column::Number("rate_after", Box::new(rate(|_, after| after))),
         Column::Count("impacts", |noted| match noted.event.detail {
-            EventDetail::Impact { .. } => 1,
-            EventDetail::Accumulation { impacts, .. } | EventDetail::Cascade { impacts, .. } => {
+            Occurrence::Impact { .. } => 1,
+            Occurrence::Accumulation { impacts, .. } | Occurrence::Cascade { impacts, .. } => {
                 impacts as i64
             }
             _ => 0,
         }),
         Column::Double("error", |noted| match noted.event.detail {
-            EventDetail::Accumulation { error, .. } | EventDetail::Cascade { error, .. } => error,
+            Occurrence::Accumulation { error, .. } | Occurrence::Cascade { error, .. } => error,
             _ => f64::NAN,
         }),
     ]);

@@ -22,9 +22,9 @@ pub use sentence::sentence;
 
 use crate::data_files::DataFiles;
 use crate::numbers::Digits;
-use chatter::analysis::simulate::{EventDetail, EventKind, Spec};
+use chatter::analysis::simulate::Spec;
 use chatter::expressions::Side;
-use chatter::flow::{Closed, Held};
+use chatter::flow::{Closed, Held, Occurrence, Place};
 use chatter::model::Model;
 use chatter::numerics::Real;
 
@@ -82,15 +82,12 @@ impl Subject<'_> {
     }
 
     /// Name of the contact, section or surface of an event.
-    pub fn place<R: Real>(&self, detail: &EventDetail<R>) -> &str {
-        match detail {
-            EventDetail::Section { section } => &self.model.sections[*section].name,
-            EventDetail::Corner { kind, place, .. } => match kind {
-                EventKind::Reset => &self.model.sections[*place].name,
-                EventKind::Stick | EventKind::Slip => &self.model.contacts[*place].name,
-                _ => &self.model.surfaces[*place],
-            },
-            _ => &self.model.contacts[detail.place()].name,
+    pub fn place<R: Real>(&self, detail: &Occurrence<R>) -> &str {
+        match detail.place() {
+            Some(Place::Contact(index)) => &self.model.contacts[index].name,
+            Some(Place::Surface(index)) => &self.model.surfaces[index],
+            Some(Place::Section(index)) => &self.model.sections[index].name,
+            None => "",
         }
     }
 }

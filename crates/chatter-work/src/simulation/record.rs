@@ -1,7 +1,8 @@
 //! What happened on a run, written down as it happens: in flat memory, and read as often as it has to be told.
 
-use chatter::analysis::simulate::{ContactPhase, Event, EventDetail, EventKind};
+use chatter::analysis::simulate::{ContactPhase, Event};
 use chatter::expressions::Side;
+use chatter::flow::{EventKind, Occurrence, Place};
 use chatter::numerics::{DoubleDouble, Real};
 use chatter_files::FileError;
 use chatter_files::record_log::{RecordLog, Records};
@@ -65,41 +66,41 @@ impl<R: Real> Record<R> {
         let mut rates = [R::ZERO; 2];
         let mut since = R::splat(f64::NAN);
         match event.detail {
-            EventDetail::Impact {
+            Occurrence::Impact {
                 rate_before,
                 rate_after,
                 closes,
                 ..
             } => (rates, flag) = ([rate_before, rate_after], closes),
-            EventDetail::Graze { rate, .. } => rates = [rate, rate],
-            EventDetail::Accumulation {
+            Occurrence::Graze { rate, .. } => rates = [rate, rate],
+            Occurrence::Accumulation {
                 impacts: count,
                 error: size,
                 ..
             }
-            | EventDetail::Cascade {
+            | Occurrence::Cascade {
                 impacts: count,
                 error: size,
                 ..
             } => (impacts, error) = (count, size),
-            EventDetail::Ambiguity { other: place, .. } => other = place,
-            EventDetail::Release { contact } => {
+            Occurrence::Ambiguity { other: place, .. } => other = place,
+            Occurrence::Release { contact } => {
                 let ended = self.ended[contact].filter(|phase| phase.end == Some(event.time));
                 if let Some(phase) = ended {
                     (since, flag) = (phase.start, true);
                 }
             }
-            EventDetail::Corner { side, .. } => {
+            _ => {
                 let known = |side| SIDES.iter().position(|&known| known == side);
-                other = side.and_then(known).map_or(0, |place| place + 1);
+                other = (event.detail.side().and_then(known)).map_or(0, |place| place + 1);
             }
-            EventDetail::Section { .. } => {}
         }
-        let kind = EventKind::ALL.iter().position(|&kind| kind == event.kind());
+        let kind = EventKind::ALL.iter().position(|&kind| kind == event.kind);
         self.bytes.clear();
         self.bytes.push(kind.unwrap_or(0) as u8);
         self.bytes.push(u8::from(flag));
-        for place in [event.detail.place(), other] {
+        let place = event.detail.place().map_or(0, Place::index);
+        for place in [place, other] {
             self.bytes.extend_from_slice(&(place as u32).to_le_bytes());
         }
         self.bytes.extend_from_slice(&impacts.to_le_bytes());
@@ -204,41 +205,51 @@ fn read_event<R: Real>(bytes: &[u8], dimension: usize) -> Noted<R> {
     let error = f64::from_le_bytes(bytes.take());
     let [time, rate_before, rate_after, since] = [(); 4].map(|()| bytes.number());
     let (contact, flag) = (place, flag != 0);
-    let detail = match EventKind::ALL[usize::from(kind)] {
-        EventKind::Impact => EventDetail::Impact {
+    let side = SIDES[other.saturating_sub(1).min(SIDES.len() - 1)];
+    let kind = EventKind::ALL[usize::from(kind)];
+    let detail = match kind {
+        EventKind::Impact => Occurrence::Impact {
             contact,
             rate_before,
             rate_after,
             closes: flag,
         },
-        EventKind::Accumulation => EventDetail::Accumulation {
+        EventKind::Accumulation => Occurrence::Accumulation {
             contact,
             impacts,
             error,
         },
-        EventKind::Release => EventDetail::Release { contact },
-        EventKind::Graze => EventDetail::Graze {
+        EventKind::Release => Occurrence::Release { contact },
+        EventKind::Graze => Occurrence::Graze {
             contact,
             rate: rate_before,
         },
-        EventKind::Section => EventDetail::Section { section: place },
-        EventKind::Cascade => EventDetail::Cascade {
+        EventKind::Section => Occurrence::Section { section: place },
+        EventKind::Cascade => Occurrence::Cascade {
             contact,
             impacts,
             error,
         },
-        EventKind::Ambiguity => EventDetail::Ambiguity { contact, other },
-        kind => EventDetail::Corner {
-            kind,
-            place,
-            side: other.checked_sub(1).map(|other| SIDES[other]),
+        EventKind::Ambiguity => Occurrence::Ambiguity { contact, other },
+        EventKind::Switch => Occurrence::Switch {
+            surface: place,
+            side,
         },
+        EventKind::Slide => Occurrence::Slide { surface: place },
+        EventKind::Leave => Occurrence::Leave {
+            surface: place,
+            side,
+        },
+        EventKind::Stick => Occurrence::Stick { contact },
+        EventKind::Slip => Occurrence::Slip { contact, side },
+        EventKind::Reset => Occurrence::Reset { section: place },
     };
-    let is_release = matches!(detail, EventDetail::Release { .. });
+    let is_release = matches!(detail, Occurrence::Release { .. });
     Noted {
         event: Event {
             time,
             state: (0..dimension).map(|_| bytes.number()).collect(),
+            kind,
             detail,
         },
         closed_since: (is_release && flag).then_some(since),
@@ -266,37 +277,43 @@ mod tests {
     }
 
     fn comes_back<R: Real>(number: impl Fn(u32) -> R) {
-        let details = |k: u32| -> EventDetail<R> {
+        let details = |k: u32| -> Occurrence<R> {
             let contact = k as usize % 3;
             match k % 8 {
-                0 => EventDetail::Impact {
+                0 => Occurrence::Impact {
                     contact,
                     rate_before: -number(k),
                     rate_after: number(k + 1),
                     closes: k.is_multiple_of(2),
                 },
-                1 => EventDetail::Accumulation {
+                1 => Occurrence::Accumulation {
                     contact,
                     impacts: u64::MAX - u64::from(k),
                     error: 1e-14,
                 },
-                2 => EventDetail::Release { contact },
-                3 => EventDetail::Graze {
+                2 => Occurrence::Release { contact },
+                3 => Occurrence::Graze {
                     contact,
                     rate: number(k),
                 },
-                4 => EventDetail::Section { section: 127 },
-                5 => EventDetail::Cascade {
+                4 => Occurrence::Section { section: 127 },
+                5 => Occurrence::Cascade {
                     contact,
                     impacts: 7,
                     error: f64::MIN_POSITIVE,
                 },
-                6 => EventDetail::Corner {
-                    kind: [EventKind::Slide, EventKind::Reset][contact % 2],
-                    place: 5,
-                    side: [None, Some(Side::Above), Some(Side::Sliding)][contact],
-                },
-                _ => EventDetail::Ambiguity { contact, other: 2 },
+                6 => [
+                    Occurrence::Slide { surface: 5 },
+                    Occurrence::Leave {
+                        surface: 5,
+                        side: Side::Above,
+                    },
+                    Occurrence::Slip {
+                        contact: 5,
+                        side: Side::Below,
+                    },
+                ][contact],
+                _ => Occurrence::Ambiguity { contact, other: 2 },
             }
         };
         let mut record = Record::new(&std::env::temp_dir(), 3, 3);
@@ -304,6 +321,7 @@ mod tests {
             .map(|k| Event {
                 time: number(k),
                 state: vec![number(k + 2), -number(k + 3), R::splat(f64::INFINITY)],
+                kind: details(k).kind().expect("an event"),
                 detail: details(k),
             })
             .collect();

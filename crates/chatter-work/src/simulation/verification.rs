@@ -4,7 +4,8 @@ use super::{Record, Subject};
 use crate::named::Named;
 use crate::numbers::{concise, significant};
 use crate::refusal::Refusal;
-use chatter::analysis::simulate::{EventDetail, Simulation, Verification, digits};
+use chatter::analysis::simulate::{Simulation, Verification, digits};
+use chatter::flow::{EventKind, Occurrence};
 use serde::Serialize;
 
 /// Digits of a difference.
@@ -40,10 +41,10 @@ struct Next<'a> {
     place: &'a str,
 }
 
-fn next<'a>(subject: &'a Subject, event: Option<(f64, EventDetail<f64>)>) -> Option<Next<'a>> {
+fn next<'a>(subject: &'a Subject, event: Option<(f64, Occurrence<f64>)>) -> Option<Next<'a>> {
     event.map(|(time, detail)| Next {
         time,
-        kind: detail.kind().name(),
+        kind: detail.kind().map_or("", EventKind::name),
         place: subject.place(&detail),
     })
 }

@@ -36,7 +36,7 @@ mod variation;
 pub use dense::Dense;
 pub use error::FlowError;
 pub use fleet::{Next, run_fleet};
-pub use occurrence::Occurrence;
+pub use occurrence::{EventKind, Occurrence, Place};
 pub use program::{Closed, GuardKind, Held};
 pub use step::Workspace;
 pub use system::{Settings, System, SystemError};

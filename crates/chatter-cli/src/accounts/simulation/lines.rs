@@ -4,8 +4,8 @@ use super::ends::Ends;
 use super::{MOST_LINES, Teller, counted};
 use crate::numbers::significant;
 use crate::simulation::{Noted, side_name};
-use chatter::analysis::simulate::{Event, EventDetail};
-use chatter::flow::Closed;
+use chatter::analysis::simulate::Event;
+use chatter::flow::{Closed, Occurrence};
 use chatter::numerics::Real;
 use chatter_files::FileError;
 
@@ -178,7 +178,7 @@ impl<R: Real> Teller<'_, R> {
     fn event_line(&self, noted: &Noted<R>) -> Line<R> {
         let event = &noted.event;
         let detail = match event.detail {
-            EventDetail::Impact {
+            Occurrence::Impact {
                 rate_before,
                 rate_after,
                 closes,
@@ -188,33 +188,33 @@ impl<R: Real> Teller<'_, R> {
                 let closing = if closes { ", closes" } else { "" };
                 format!("rate {before} -> {after}{closing}")
             }
-            EventDetail::Accumulation { impacts, error, .. } => format!(
+            Occurrence::Accumulation { impacts, error, .. } => format!(
                 "after {}, local error {}",
                 counted(impacts, "impact"),
                 significant(error, ERROR_DIGITS)
             ),
-            EventDetail::Release { .. } => match noted.closed_since {
+            Occurrence::Release { .. } => match noted.closed_since {
                 Some(since) => format!("after {} in contact", self.detail(event.time - since)),
                 None => String::new(),
             },
-            EventDetail::Graze { rate, .. } => format!("rate {}", self.detail(rate)),
-            EventDetail::Section { .. } => String::new(),
-            EventDetail::Corner { side, .. } => {
-                side.map_or_else(String::new, |side| format!("to {}", side_name(side)))
-            }
-            EventDetail::Cascade { impacts, error, .. } => format!(
+            Occurrence::Graze { rate, .. } => format!("rate {}", self.detail(rate)),
+            Occurrence::Cascade { impacts, error, .. } => format!(
                 "{} at one instant converge, rates known to {} of the greatest",
                 counted(impacts, "collision"),
                 significant(error, ERROR_DIGITS)
             ),
-            EventDetail::Ambiguity { other, .. } => format!(
+            Occurrence::Ambiguity { other, .. } => format!(
                 "closes together with {}: which goes first changes the result",
                 self.subject.model.contacts[other].name
             ),
+            _ => {
+                let side = event.detail.side().map(side_name);
+                side.map_or_else(String::new, |side| format!("to {side}"))
+            }
         };
         Line {
             time: event.time,
-            what: event.kind().name().to_owned(),
+            what: event.kind.name().to_owned(),
             place: self.subject.place(&event.detail).to_owned(),
             detail,
         }
@@ -222,16 +222,16 @@ impl<R: Real> Teller<'_, R> {
 }
 
 fn is_impact<R>(event: &Event<R>) -> bool {
-    matches!(event.detail, EventDetail::Impact { .. })
+    matches!(event.detail, Occurrence::Impact { .. })
 }
 
 fn is_section<R>(event: &Event<R>) -> bool {
-    matches!(event.detail, EventDetail::Section { .. })
+    matches!(event.detail, Occurrence::Section { .. })
 }
 
 fn rate_before<R: Real>(event: &Event<R>) -> Option<R> {
     match event.detail {
-        EventDetail::Impact { rate_before, .. } => Some(rate_before),
+        Occurrence::Impact { rate_before, .. } => Some(rate_before),
         _ => None,
     }
 }
@@ -239,7 +239,7 @@ fn rate_before<R: Real>(event: &Event<R>) -> Option<R> {
 /// Whether `next` is the next impact of the sequence that `impact` belongs to.
 fn continues<R: Real>(impact: &Event<R>, next: &Event<R>) -> bool {
     let place = |event: &Event<R>| match event.detail {
-        EventDetail::Impact { contact, .. } => Some(contact),
+        Occurrence::Impact { contact, .. } => Some(contact),
         _ => None,
     };
     match (rate_before(impact), rate_before(next)) {

@@ -93,7 +93,7 @@ impl Shown {
         for noted in record.events() {
             let event = noted?.event;
             let time = event.time.to_f64();
-            match event.kind() {
+            match event.kind {
                 _ if !(from..=to).contains(&time) => {}
                 EventKind::Impact => impacts.push(time),
                 EventKind::Accumulation => accumulations.push((time, doubles(&event.state))),
@@ -133,7 +133,7 @@ fn first_readable<R: Real>(simulation: &Simulation<R>, record: &Record<R>) -> Re
     };
     for noted in record.events() {
         let event = noted?.event;
-        if event.kind() == EventKind::Impact {
+        if event.kind == EventKind::Impact {
             latest(&mut impacts, MOST_IMPACTS, event.time);
         }
     }

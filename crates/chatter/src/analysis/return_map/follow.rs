@@ -303,8 +303,8 @@ impl<'m, 'v> Follower<'m, 'v> {
             }
             Occurrence::Horizon => return self.on_time(orbit, trajectory),
             ref corner => {
-                if let Some((kind, place, _)) = EventKind::of_corner(corner)
-                    && self.map.look.sees(kind, place)
+                if let (Some(kind), Some(place)) = (corner.kind(), corner.place())
+                    && self.map.look.sees(kind, place.index())
                 {
                     return self.returned(orbit, trajectory);
                 }

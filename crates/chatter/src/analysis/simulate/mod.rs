@@ -45,12 +45,13 @@ mod verify;
 #[cfg(test)]
 mod tests;
 
+pub use crate::flow::EventKind;
 pub use fastest_rate::FastestRate;
 pub use place::UnknownPlace;
-pub use result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
+pub use result::{ContactPhase, Counts, Event, Outcome, Simulation};
 pub use samples::Samples;
 pub use sink::Sink;
-pub use spec::{EventKind, EventTarget, Sampling, Spec, SpecError, Stop};
+pub use spec::{EventTarget, Sampling, Spec, SpecError, Stop};
 pub use tolerance::WrongTolerance;
 pub(crate) use tolerance::check_tolerance;
 pub use verify::{EndError, Parting, Verification, digits};

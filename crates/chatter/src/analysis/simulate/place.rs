@@ -1,7 +1,7 @@
 //! Contacts and sections by their names: where events of a kind happen.
 
-use super::spec::EventKind;
 use crate::expressions::nearest;
+use crate::flow::EventKind;
 use crate::model::Model;
 use core::fmt;
 

@@ -1,10 +1,10 @@
 //! Takes note of a trajectory while it moves.
 
-use super::result::{ContactPhase, Counts, Event, EventDetail, Outcome, Simulation};
+use super::result::{ContactPhase, Counts, Event, Outcome, Simulation};
 use super::samples::Sampler;
 use super::sink::Sink;
-use super::spec::{EventKind, Sampling};
-use crate::flow::{Closed, Dense, Held, Occurrence, System, Trajectory, Workspace};
+use super::spec::Sampling;
+use crate::flow::{Closed, Dense, EventKind, Held, Occurrence, System, Trajectory, Workspace};
 use crate::numerics::Real;
 use core::ops::ControlFlow;
 
@@ -115,87 +115,39 @@ impl<R: Real> Recorder<R> {
     /// Notes what happened.
     pub(super) fn event(
         &mut self,
-        occurrence: Occurrence<R>,
+        detail: Occurrence<R>,
         trajectory: &Trajectory<R>,
         sink: &mut dyn Sink<R>,
     ) -> ControlFlow<()> {
-        let detail = match occurrence {
-            Occurrence::Impact {
-                contact,
-                rate_before,
-                rate_after,
-            } => {
+        let Some(kind) = detail.kind() else {
+            self.latest = None;
+            return ControlFlow::Continue(());
+        };
+        match kind {
+            EventKind::Impact => {
                 self.counts.impacts += 1;
                 self.in_flight = false;
-                EventDetail::Impact {
-                    contact,
-                    rate_before,
-                    rate_after,
-                    closes: rate_after <= R::ZERO && trajectory.closed().contains(contact),
-                }
             }
-            Occurrence::Accumulation {
-                contact,
-                impacts,
-                error,
-            } => {
-                self.counts.accumulations += 1;
-                EventDetail::Accumulation {
-                    contact,
-                    impacts,
-                    error,
-                }
-            }
-            Occurrence::Release { contact } => {
-                self.counts.releases += 1;
-                EventDetail::Release { contact }
-            }
-            Occurrence::Graze { contact, rate } => {
-                self.counts.grazes += 1;
-                EventDetail::Graze { contact, rate }
-            }
-            Occurrence::Section { section } => {
-                self.counts.sections += 1;
-                EventDetail::Section { section }
-            }
-            Occurrence::Cascade {
-                contact,
-                impacts,
-                error,
-            } => EventDetail::Cascade {
-                contact,
-                impacts,
-                error,
-            },
-            Occurrence::Ambiguity { contact, other } => {
-                self.counts.ambiguities += 1;
-                EventDetail::Ambiguity { contact, other }
-            }
-            Occurrence::Switch { .. }
-            | Occurrence::Slide { .. }
-            | Occurrence::Leave { .. }
-            | Occurrence::Stick { .. }
-            | Occurrence::Slip { .. }
-            | Occurrence::Reset { .. } => {
-                let Some((kind, place, side)) = EventKind::of_corner(&occurrence) else {
-                    self.latest = None;
-                    return ControlFlow::Continue(());
-                };
-                self.counts.switches += 1;
-                EventDetail::Corner { kind, place, side }
-            }
-            // The impact before it says so already.
-            Occurrence::Capture { .. } | Occurrence::Horizon => {
-                self.latest = None;
-                return ControlFlow::Continue(());
-            }
-        };
+            EventKind::Accumulation => self.counts.accumulations += 1,
+            EventKind::Release => self.counts.releases += 1,
+            EventKind::Graze => self.counts.grazes += 1,
+            EventKind::Section => self.counts.sections += 1,
+            EventKind::Ambiguity => self.counts.ambiguities += 1,
+            EventKind::Cascade => {}
+            EventKind::Switch
+            | EventKind::Slide
+            | EventKind::Leave
+            | EventKind::Stick
+            | EventKind::Slip
+            | EventKind::Reset => self.counts.switches += 1,
+        }
         for sampler in &mut self.samplers {
             sampler.event(trajectory);
         }
         let event = self.latest.insert(Event {
             time: trajectory.time(),
             state: trajectory.state().to_vec(),
+            kind,
             detail,
         });
         sink.event(event)

@@ -3,8 +3,7 @@
 use super::place::UnknownPlace;
 use super::result::Event;
 use super::tolerance::{WrongTolerance, check_tolerance};
-use crate::expressions::Side;
-use crate::flow::Occurrence;
+use crate::flow::{EventKind, Place};
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real};
 use core::fmt;
@@ -136,97 +135,6 @@ impl fmt::Display for Ordinal {
     }
 }
 
-/// A kind of event.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EventKind {
-    /// A collision.
-    Impact,
-    /// The end of a complete chatter sequence.
-    Accumulation,
-    /// The end of a contact phase.
-    Release,
-    /// A touch without impact.
-    Graze,
-    /// A section was crossed.
-    Section,
-    /// Collisions of several contacts at one instant without a last one.
-    Cascade,
-    /// Impacts of several contacts at one instant whose order matters.
-    Ambiguity,
-    /// A surface was crossed where the field changes its form.
-    Switch,
-    /// A surface is slid along from here on.
-    Slide,
-    /// Sliding along a surface ended.
-    Leave,
-    /// Friction holds a contact.
-    Stick,
-    /// A contact that stuck begins to slide.
-    Slip,
-    /// An event changed the state.
-    Reset,
-}
-
-impl EventKind {
-    /// All kinds.
-    pub const ALL: [Self; 13] = [
-        Self::Impact,
-        Self::Accumulation,
-        Self::Release,
-        Self::Graze,
-        Self::Section,
-        Self::Cascade,
-        Self::Ambiguity,
-        Self::Switch,
-        Self::Slide,
-        Self::Leave,
-        Self::Stick,
-        Self::Slip,
-        Self::Reset,
-    ];
-
-    /// The kind of event at a corner of the equations, where, and the side that the trajectory is on then.
-    pub(crate) fn of_corner<R>(told: &Occurrence<R>) -> Option<(Self, usize, Option<Side>)> {
-        let kind = match told {
-            Occurrence::Switch { .. } => Self::Switch,
-            Occurrence::Slide { .. } => Self::Slide,
-            Occurrence::Leave { .. } => Self::Leave,
-            Occurrence::Stick { .. } => Self::Stick,
-            Occurrence::Slip { .. } => Self::Slip,
-            Occurrence::Reset { .. } => Self::Reset,
-            _ => return None,
-        };
-        let (place, side) = told.corner()?;
-        Some((kind, place, side))
-    }
-
-    /// Its name in results.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Impact => "impact",
-            Self::Accumulation => "accumulation",
-            Self::Release => "release",
-            Self::Graze => "graze",
-            Self::Section => "section",
-            Self::Cascade => "cascade",
-            Self::Ambiguity => "ambiguity",
-            Self::Switch => "switch",
-            Self::Slide => "slide",
-            Self::Leave => "leave",
-            Self::Stick => "stick",
-            Self::Slip => "slip",
-            Self::Reset => "reset",
-        }
-    }
-}
-
-impl fmt::Display for EventKind {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(self.name())
-    }
-}
-
 /// At which times the state is kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -322,10 +230,9 @@ impl Targets {
     /// The target that this event completes.
     pub(super) fn reached_by<R: Real>(&mut self, event: Option<&Event<R>>) -> Option<EventTarget> {
         let event = event?;
-        let kind = event.kind();
-        let place = event.detail.place();
+        let place = event.detail.place().map(Place::index);
         for open in &mut self.0 {
-            if open.target.kind == kind && open.place.is_none_or(|wanted| wanted == place) {
+            if open.target.kind == event.kind && (open.place.is_none() || open.place == place) {
                 open.left -= 1;
                 if open.left == 0 {
                     return Some(open.target.clone());

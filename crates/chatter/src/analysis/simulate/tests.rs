@@ -68,14 +68,14 @@ fn target(kind: EventKind, at: Option<&str>, count: u64) -> Stop {
 fn accumulations<R: Real>(simulation: &Simulation<R>) -> Vec<&Event<R>> {
     let events = simulation.events.iter();
     events
-        .filter(|event| event.kind() == EventKind::Accumulation)
+        .filter(|event| event.kind == EventKind::Accumulation)
         .collect()
 }
 
 fn impact_times<R: Real>(simulation: &Simulation<R>) -> Vec<R> {
     let events = simulation.events.iter();
     events
-        .filter(|event| event.kind() == EventKind::Impact)
+        .filter(|event| event.kind == EventKind::Impact)
         .map(|event| event.time)
         .collect()
 }
@@ -104,7 +104,7 @@ fn the_ball_comes_to_rest_when_the_formula_says() {
             error < 1e-14 * exact.high(),
             "g {g}, r {r}: off by {error:e}"
         );
-        let EventDetail::Accumulation {
+        let Occurrence::Accumulation {
             error: estimate, ..
         } = end.detail
         else {
@@ -230,7 +230,7 @@ fn periodic_orbits_of_the_impact_oscillator_return() {
         spec.impacts = 1;
         let simulation = run::<DoubleDouble>(&oscillator, &spec);
         let impact = &simulation.events[0];
-        let EventDetail::Impact { rate_before, .. } = impact.detail else {
+        let Occurrence::Impact { rate_before, .. } = impact.detail else {
             panic!("an impact, not {impact:?}")
         };
         let late = (impact.time - start - period).high();
@@ -265,7 +265,7 @@ t = 0.0759521649382
     spec.impacts = 1;
     let simulation = run::<f64>(&model(text, &[]), &spec);
     let impact = &simulation.events[0];
-    let EventDetail::Impact {
+    let Occurrence::Impact {
         rate_before,
         rate_after,
         ..
@@ -321,8 +321,8 @@ fn the_valve_agrees_with_thirty_digits() {
     assert!(off(end.time, exact.time) < 1e-13 * end.time);
     assert!(off(end.state[2], exact.state[2]) < 1e-13 * end.state[2]);
     for (a, b) in double.events.iter().zip(&wide.events) {
-        if a.kind() == EventKind::Impact {
-            assert_eq!(b.kind(), EventKind::Impact);
+        if a.kind == EventKind::Impact {
+            assert_eq!(b.kind, EventKind::Impact);
             assert!(off(a.time, b.time) < 1e-12);
             assert!(
                 a.state
@@ -340,7 +340,7 @@ fn phases_counts_and_events_tell_the_same() {
     let simulation = run::<f64>(&valve, &Spec::until(40.0));
     let counts = simulation.counts;
     let events = |kind| {
-        let of_kind = simulation.events.iter().filter(|e| e.kind() == kind);
+        let of_kind = simulation.events.iter().filter(|e| e.kind == kind);
         of_kind.count() as u64
     };
     assert_eq!(counts.impacts, events(EventKind::Impact));
@@ -411,7 +411,7 @@ fn samples_are_where_they_should_be() {
     );
     let details: Vec<_> = simulation.events.iter().map(|e| e.detail).collect();
     assert!(
-        matches!(details[..], [EventDetail::Impact { closes: true, .. }]),
+        matches!(details[..], [Occurrence::Impact { closes: true, .. }]),
         "{details:?}"
     );
 }

@@ -4,11 +4,12 @@
 //! motion soon is all there is. The twin starts from the model as it is written, so that the difference of the two has
 //! everything in it: rounding of the parameters, steps, events, completed sequences, and the growth of all these.
 
-use super::result::{ContactPhase, Event, EventDetail, Outcome, Simulation};
+use super::result::{ContactPhase, Event, Outcome, Simulation};
 use super::samples::Samples;
 use super::sink::Sink;
 use super::spec::Spec;
 use super::{Progress, SimulateError, simulate_into};
+use crate::flow::Occurrence;
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real, Scalar};
 use core::iter::Peekable;
@@ -44,9 +45,9 @@ pub struct Parting {
     /// How many events the runs have in common.
     pub after: usize,
     /// What the run does next, and when; none where it ends.
-    pub run: Option<(f64, EventDetail<f64>)>,
+    pub run: Option<(f64, Occurrence<f64>)>,
     /// What its twin does.
-    pub twin: Option<(f64, EventDetail<f64>)>,
+    pub twin: Option<(f64, Occurrence<f64>)>,
 }
 
 impl Verification {
@@ -220,13 +221,13 @@ fn differences(state: &[f64], exact: &[DoubleDouble]) -> Vec<f64> {
     pairs.map(|(&value, &exact)| off(value, exact)).collect()
 }
 
-fn told<R: Real>(event: &Event<R>) -> (f64, EventDetail<f64>) {
+fn told<R: Real>(event: &Event<R>) -> (f64, Occurrence<f64>) {
     (event.time.to_f64(), event.detail.to_f64())
 }
 
 /// Whether two events are of one kind at one place.
 fn same<R: Real, S: Real>(a: &Event<R>, b: &Event<S>) -> bool {
-    a.kind() == b.kind() && a.detail.place() == b.detail.place()
+    a.kind == b.kind && a.detail.place() == b.detail.place()
 }
 
 /// Whether the first is the end of a sequence that the second still belongs to.
@@ -234,7 +235,7 @@ fn completes<R: Real, S: Real>(end: Option<&Event<R>>, impact: Option<&Event<S>>
     let (Some(end), Some(impact)) = (end, impact) else {
         return false;
     };
-    matches!(end.detail, EventDetail::Accumulation { .. })
-        && matches!(impact.detail, EventDetail::Impact { .. })
+    matches!(end.detail, Occurrence::Accumulation { .. })
+        && matches!(impact.detail, Occurrence::Impact { .. })
         && end.detail.place() == impact.detail.place()
 }

@@ -35,6 +35,8 @@ fn sums_are_flattened_and_like_terms_merged_where_the_first_stood() {
     check("2*(x + y) - 2*x", "2*y");
     check("2*(x + y) + x", "2*(x + y) + x");
     check("1 - (1 - x)", "x");
+    check("0.73*0.3*x - 0.219*x", "0");
+    check("x + 0.1 + 0.2 - 0.3", "x");
     check("(x + 1)*1e300*1e300", "1e300*1e300*(x + 1)");
 }
 

@@ -10,6 +10,7 @@
 
 use super::Trajectory;
 use super::cascade::Cascade;
+use super::corners::Candidate;
 use super::sequence::BURST;
 use crate::flow::error::FlowError;
 use crate::flow::occurrence::Occurrence;
@@ -40,6 +41,8 @@ pub(super) struct Collisions<R> {
     touching: Closed,
     /// How many there were so far.
     count: u64,
+    /// On which sides of the corners the state was before them.
+    sides: Candidate,
     /// The greatest rate that each contact of the system has had at this instant, in earlier collisions, too: from what a
     /// squeezed body has lost, nothing is told apart any more.
     greatest: Vec<R>,
@@ -66,6 +69,7 @@ impl<R: Real> Trajectory<R> {
         self.collisions = Some(Collisions {
             touching,
             count: 0,
+            sides: self.standing_sides(),
             greatest: self.greatest_rates(system),
             shifts,
         });
@@ -115,6 +119,7 @@ impl<R: Real> Trajectory<R> {
                 (impulses, made)
             };
             let done = count + made;
+            self.follow_jump(system)?;
             let touch = self.touch_values(system)?;
             let Some(collisions) = &mut self.collisions else {
                 return Ok(None);
@@ -127,11 +132,13 @@ impl<R: Real> Trajectory<R> {
                 self.end_collisions(system, work, &touch)?;
             }
             if count < TOLD {
+                let closed = self.closed;
                 let mut told = (impulses.into_iter()).map(|(contact, rate_before, rate_after)| {
                     Occurrence::Impact {
                         contact,
                         rate_before,
                         rate_after,
+                        closes: rate_after <= R::ZERO && closed.contains(contact),
                     }
                 });
                 let first = told.next();
@@ -258,7 +265,10 @@ impl<R: Real> Trajectory<R> {
             self.leave_gap(system, contact, 1);
         }
         self.flight_time = R::splat(FOREVER);
-        self.settle_corners(system, None)?;
+        if resting == Closed::NONE {
+            self.put_right(system, None)?;
+        }
+        self.tell_changes_since(system, &collisions.sides);
         if resting != Closed::NONE {
             self.bring_to_rest(system, work, resting)?;
         }
@@ -397,6 +407,18 @@ impl<R: Real> Trajectory<R> {
         } else {
             Err(self.left_domain())
         }
+    }
+
+    /// How jumps of these contacts change their rates.
+    pub(super) fn coupling(
+        &self,
+        system: &System,
+        contacts: &[usize],
+    ) -> Result<Vec<Vec<R>>, FlowError> {
+        let (touches, constants) = self.touches(system)?;
+        Ok(touches
+            .at(constants, &self.state, &self.low)
+            .block(contacts))
     }
 
     /// What says of all contacts at once, on the sides where the state is, with its constants.

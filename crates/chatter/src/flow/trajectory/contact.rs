@@ -35,7 +35,7 @@ impl<R: Real> Trajectory<R> {
         self.latest_impact = None;
         self.flight_time = R::splat(FOREVER);
         let all = Closed(self.closed.0 | resting.0);
-        let before = self.closed;
+        let (before, sides) = (self.closed, self.standing_sides());
         let mut members = all.contacts();
         if let (Some(contact), None) = (members.next(), members.next()) {
             self.settle_one(system, work, contact)?;
@@ -44,7 +44,8 @@ impl<R: Real> Trajectory<R> {
         }
         let captured = self.closed.contacts().filter(|&c| !before.contains(c));
         (self.pending).extend(captured.map(|contact| Occurrence::Capture { contact }));
-        self.settle_corners(system, None)?;
+        self.put_right(system, None)?;
+        self.tell_changes_since(system, &sides);
         Ok(())
     }
 
@@ -60,10 +61,13 @@ impl<R: Real> Trajectory<R> {
         // Columns stay as they are if the contact lifts off at once: nothing holds it.
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
-        self.settle_corners(system, None)?;
+        self.put_right(system, None)?;
         let [_, _, mut acceleration, _] = self.local(system, contact)?;
         if acceleration.value.abs() <= acceleration.level()
-            && self.hold_by_contact(system, contact)?
+            && self.hold_by_contacts(
+                system,
+                (Closed::NONE.with(contact), Closed::NONE.with(contact)),
+            )?
         {
             [_, _, acceleration, _] = self.local(system, contact)?;
         }
@@ -81,7 +85,10 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
-    /// Several contacts at rest, by complementarity of their forces and accelerations.
+    /// Several contacts at rest: which of them stay closed, with the sides of the corners that the state lies on.
+    ///
+    /// Dry friction resists what opens, up to its limit: so it is taken first. Where contacts do not open as was taken, because
+    /// what slides is held by more than them, the corners are put right as if no contact held the state.
     fn settle_all(
         &mut self,
         system: &System,
@@ -89,28 +96,78 @@ impl<R: Real> Trajectory<R> {
         all: Closed,
     ) -> Result<(), FlowError> {
         self.project(system, all)?;
-        let touch = self.touch_values(system)?;
-        let contacts: Vec<usize> = all.contacts().collect();
-        let free: Vec<R> = (contacts.iter())
-            .map(|&i| touch.acceleration[i].value)
-            .collect();
-        let block = touch.block(&contacts);
-        // A force is told from zero by all that it balances.
-        let terms = |&i: &usize| touch.acceleration[i].level();
-        let level = contacts.iter().map(terms).fold(R::ZERO, R::max);
-        let levels = vec![level; contacts.len()];
-        let Some(found) = complementary(&block, &free, &levels) else {
-            return Err(self.dependent(&contacts));
-        };
-        let mut held = Closed::NONE;
-        let mut undecided = Vec::new();
-        for (k, &contact) in contacts.iter().enumerate() {
-            if found.p[k] > level {
-                held = held.with(contact);
-            } else if found.w[k] <= level {
-                undecided.push(contact);
+        if system.corners().is_empty() {
+            return self.settle_together(system, work, all);
+        }
+        let (before, sides) = (self.clone(), self.standing_sides());
+        self.resist_opening(system, all)?;
+        let settled = self.settle_together(system, work, all);
+        if settled.is_ok()
+            && self.put_right(system, None).is_ok()
+            && self.opens_apart(system, all)?
+        {
+            return Ok(());
+        }
+        *self = before;
+        self.enter(system, Closed::NONE)?;
+        if self.put_right(system, None).is_err() {
+            self.try_sides(system, &sides)?;
+        }
+        self.settle_together(system, work, all)
+    }
+
+    /// Whether contacts at rest that have opened move apart.
+    fn opens_apart(&self, system: &System, all: Closed) -> Result<bool, FlowError> {
+        for contact in Closed(all.0 & !self.closed.0).contacts() {
+            let [_, _, acceleration, jerk] = self.local(system, contact)?;
+            let first = if acceleration.value.abs() > acceleration.level() {
+                acceleration.value
+            } else {
+                jerk.value
+            };
+            if first <= R::ZERO {
+                return Ok(false);
             }
         }
+        Ok(true)
+    }
+
+    /// By complementarity of the contacts' forces and accelerations, on the sides that hold now and on those that contacts
+    /// take over.
+    fn settle_together(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        all: Closed,
+    ) -> Result<(), FlowError> {
+        let contacts: Vec<usize> = all.contacts().collect();
+        let (block, found, level, held, undecided) = loop {
+            let touch = self.touch_values(system)?;
+            let free: Vec<R> = (contacts.iter())
+                .map(|&i| touch.acceleration[i].value)
+                .collect();
+            let block = touch.block(&contacts);
+            // A force is told from zero by all that it balances.
+            let terms = |&i: &usize| touch.acceleration[i].level();
+            let level = contacts.iter().map(terms).fold(R::ZERO, R::max);
+            let levels = vec![level; contacts.len()];
+            let Some(found) = complementary(&block, &free, &levels) else {
+                return Err(self.dependent(&contacts));
+            };
+            let (mut held, mut undecided) = (Closed::NONE, Closed::NONE);
+            for (k, &contact) in contacts.iter().enumerate() {
+                if found.p[k] > level {
+                    held = held.with(contact);
+                } else if found.w[k] <= level {
+                    undecided = undecided.with(contact);
+                }
+            }
+            // What keeps them at rest without a force may be dry friction.
+            if undecided == Closed::NONE || !self.hold_by_contacts(system, (all, undecided))? {
+                break (block, found, level, held, undecided);
+            }
+        };
+        let undecided: Vec<usize> = undecided.contacts().collect();
         self.enter(system, held)?;
         for (k, &contact) in contacts.iter().enumerate() {
             if !held.contains(contact) && found.w[k] > level {

@@ -15,6 +15,7 @@ use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::touching::Touching;
+use crate::numerics::linear::solve;
 use crate::numerics::{Real, WithTerms};
 
 /// So many modes are asked at a corner of several surfaces, not more.
@@ -39,20 +40,23 @@ struct Standing<R> {
 
 impl<R: Real> Standing<R> {
     /// The values of a guard that cannot be told from zero: by their terms, or because an instant later or earlier they are.
+    ///
+    /// Beyond a corner an expression of its other side may have no rate, as a root of what is negative there: the maximum is
+    /// then its second argument.
     fn level(&self, orders: &[WithTerms<R>; STANDING_ORDERS]) -> R {
-        orders[0].level().max(orders[1].value.abs() * self.instant)
+        (orders[1].value.abs() * self.instant).max(orders[0].level())
     }
 
     /// The same for what is zero, or looked up, at the corner: the guards of pieces have its rate.
     fn surface_level(&self) -> R {
         let rate = (self.guards.first()).map_or(R::ZERO, |(_, orders)| orders[1].value.abs());
-        self.surface.level().max(rate * self.instant)
+        (rate * self.instant).max(self.surface.level())
     }
 }
 
 /// Sides and pieces that may hold.
 #[derive(Clone, Debug, PartialEq)]
-struct Candidate {
+pub(super) struct Candidate {
     sides: Sides,
     pieces: Vec<i64>,
 }
@@ -159,7 +163,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Sides and pieces as they are now.
-    fn standing_sides(&self) -> Candidate {
+    pub(super) fn standing_sides(&self) -> Candidate {
         Candidate {
             sides: self.regime,
             pieces: self.pieces.clone(),
@@ -167,7 +171,11 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Enters the mode of these sides, the same contacts closed; whether there is one.
-    fn try_sides(&mut self, system: &System, candidate: &Candidate) -> Result<bool, FlowError> {
+    pub(super) fn try_sides(
+        &mut self,
+        system: &System,
+        candidate: &Candidate,
+    ) -> Result<bool, FlowError> {
         self.take_sides(system, candidate)?;
         let mode = system.meet(self.grip(), self.regime);
         if system.program(mode).is_none() {
@@ -222,10 +230,33 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         met: Option<Corner>,
     ) -> Result<bool, FlowError> {
-        if system.corners().is_empty() {
-            return Ok(false);
-        }
         let before = self.standing_sides();
+        self.put_right(system, met)?;
+        Ok(self.tell_changes_since(system, &before))
+    }
+
+    /// After a jump: goes over to the sides that the state is clearly on. What it lies on is left as it is.
+    pub(super) fn follow_jump(&mut self, system: &System) -> Result<(), FlowError> {
+        let count = system.corners().surfaces.len() + system.corners().lookups.len();
+        for _ in 0..count {
+            let standings = self.standings(system)?;
+            let Some(candidate) = standings.iter().find_map(|s| self.beyond(system, s)) else {
+                break;
+            };
+            self.try_sides(system, &candidate)?;
+        }
+        Ok(())
+    }
+
+    /// As [`settle_corners`](Self::settle_corners), telling nothing.
+    pub(super) fn put_right(
+        &mut self,
+        system: &System,
+        met: Option<Corner>,
+    ) -> Result<(), FlowError> {
+        if system.corners().is_empty() {
+            return Ok(());
+        }
         let count = system.corners().surfaces.len() + system.corners().lookups.len();
         let mut chosen: Vec<Corner> = Vec::new();
         for _ in 0..4 * count + 4 {
@@ -265,11 +296,16 @@ impl<R: Real> Trajectory<R> {
             self.choose_sides(system, (&touched, met))?;
             chosen.extend(touched);
         }
-        let changed = before != self.standing_sides();
+        Ok(())
+    }
+
+    /// Tells of corners that are not as they were; whether there are any.
+    pub(super) fn tell_changes_since(&mut self, system: &System, before: &Candidate) -> bool {
+        let changed = *before != self.standing_sides();
         if changed {
             self.tell_changes(system, before.sides);
         }
-        Ok(changed)
+        changed
     }
 
     /// The sides without a contradiction: the state is clearly beyond the corner.
@@ -629,12 +665,13 @@ impl<R: Real> Trajectory<R> {
         Ok(Some(verdict))
     }
 
-    /// What a closed contact that opens does to a surface: the side that it leaves to; none where it does nothing.
+    /// What contacts at rest do to a surface as one of `opening` opens while the others stay closed: the side that it leaves
+    /// to; none where they do nothing.
     fn side_of_opening(
         &self,
         system: &System,
         corner: Corner,
-        contacts: Closed,
+        (resting, opening): (Closed, Closed),
     ) -> Result<Option<Side>, FlowError> {
         let program = self.program(system)?;
         let found = (program.standings.iter()).position(|tapes| tapes.corner == corner);
@@ -644,10 +681,21 @@ impl<R: Real> Trajectory<R> {
         let start = (&self.state[..], &self.low[..]);
         let tape = &program.standings[place].lifts;
         let lifts = with_terms(tape, &constants.standings[place][2], start);
-        let mut moved = contacts.contacts().map(|contact| lifts[contact]);
-        let clear = moved.find(|lift| lift.value.abs() > lift.level());
+        let contacts: Vec<usize> = resting.contacts().collect();
+        let level =
+            (contacts.iter()).fold(R::ZERO, |level, &contact| level.max(lifts[contact].level()));
+        let by_jump: Vec<R> = contacts.iter().map(|&k| lifts[k].value).collect();
+        // A jump at one contact changes the rates of others, too: what makes one rate larger and leaves the others.
+        let coupling = self.coupling(system, &contacts)?;
+        let column = |k: usize| coupling.iter().map(|row| row[k]).collect();
+        let columns: Vec<Vec<R>> = (0..contacts.len()).map(column).collect();
+        let by_rate = solve(&columns, &by_jump).unwrap_or(by_jump);
+        let mut moved = (contacts.iter().zip(by_rate))
+            .filter(|&(&contact, _)| opening.contains(contact))
+            .map(|(_, lift)| lift);
+        let clear = moved.find(|lift| lift.abs() > level);
         Ok(clear.map(|lift| {
-            if lift.value > R::ZERO {
+            if lift > R::ZERO {
                 Side::Above
             } else {
                 Side::Below
@@ -665,21 +713,45 @@ impl<R: Real> Trajectory<R> {
             // What does not slide, held by another contact, sticks as well.
             return Ok(!self.grip().carrying().contains(rubs.contact));
         }
-        let side = self.side_of_opening(system, corner, self.closed)?;
+        let side = self.side_of_opening(system, corner, (self.closed, self.closed))?;
         Ok(side.is_none_or(|side| self.regime.get(index) == side))
     }
 
-    /// Takes what holds a contact that is at rest by sliding on surfaces to the side that it would leave to: the contact holds it
-    /// from now on. Whether there was any.
-    pub(super) fn hold_by_contact(
+    /// Takes each surface that the state lies on to the side that it leaves to where contacts at rest open: dry friction
+    /// resists that.
+    pub(super) fn resist_opening(
         &mut self,
         system: &System,
-        contact: usize,
+        resting: Closed,
+    ) -> Result<(), FlowError> {
+        let mut candidate = self.standing_sides();
+        for standing in self.standings(system)? {
+            let Corner::Surface(index) = standing.corner else {
+                continue;
+            };
+            let is_rub = system.rubbing().iter().any(|rubs| rubs.surface == index);
+            if is_rub || standing.surface.value.abs() > standing.surface_level() {
+                continue;
+            }
+            let side = self.side_of_opening(system, standing.corner, (resting, resting))?;
+            if let Some(side) = side {
+                candidate.sides = candidate.sides.with(index, side);
+            }
+        }
+        self.try_sides(system, &candidate)?;
+        Ok(())
+    }
+
+    /// Takes what holds contacts at rest by sliding on surfaces to the side that these would leave to, the others at rest
+    /// staying closed: contacts hold it from now on. Whether there was any.
+    pub(super) fn hold_by_contacts(
+        &mut self,
+        system: &System,
+        (resting, held): (Closed, Closed),
     ) -> Result<bool, FlowError> {
         let mut candidate = self.standing_sides();
         for surface in self.held(system).surfaces {
-            let contacts = Closed::NONE.with(contact);
-            let side = self.side_of_opening(system, Corner::Surface(surface), contacts)?;
+            let side = self.side_of_opening(system, Corner::Surface(surface), (resting, held))?;
             if let Some(side) = side {
                 candidate.sides = candidate.sides.with(surface, side);
             }

@@ -76,15 +76,16 @@ impl<R: Real> Trajectory<R> {
         // What the impulse leaves of a plastic impact's rate is rounding.
         let is_plastic = restitution == R::ZERO;
         let rate_after = if is_plastic { R::ZERO } else { rate_after };
-        let occurrence = Occurrence::Impact {
+        let told = |closes| Occurrence::Impact {
             contact,
             rate_before,
             rate_after,
+            closes,
         };
         let rebounds = rate_after > R::ZERO;
         if !rebounds {
             self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
-            return Ok(Some(occurrence));
+            return Ok(Some(told(self.closed.contains(contact))));
         }
         self.burst += 1;
         let negligible = self.negligible();
@@ -93,7 +94,7 @@ impl<R: Real> Trajectory<R> {
             let ends = self.end_burst(system, work)?
                 || (self.burst >= BURST && self.end_squeeze(system, work)?);
             if ends {
-                return Ok(Some(occurrence));
+                return Ok(Some(told(false)));
             }
             if self.burst > LONGEST_BURST {
                 return Err(FlowError::ImpactsWithoutEnd {
@@ -136,7 +137,7 @@ impl<R: Real> Trajectory<R> {
             };
             self.completion = Some((contact, end));
         }
-        Ok(Some(occurrence))
+        Ok(Some(told(false)))
     }
 
     /// Whether a rate is so small that it is worth asking what terms it is the sum of.

@@ -74,7 +74,7 @@ fn the_error_of_an_accumulation_covers_the_tolerance() {
         spec.tolerance = tolerance;
         let simulation = run::<f64>(&valve, &spec);
         let event = accumulations(&simulation)[0];
-        let EventDetail::Accumulation { error, .. } = event.detail else {
+        let Occurrence::Accumulation { error, .. } = event.detail else {
             panic!("{event:?}")
         };
         let miss = (DoubleDouble::from(event.time) - exact).abs().to_f64();

@@ -224,31 +224,31 @@ fn a_loose_tolerance_is_quick() {
     for (name, text) in [
         (
             "ball",
-            include_str!("../../../../models/bouncing_ball.toml"),
+            include_str!("../../../../../models/bouncing_ball.toml"),
         ),
         (
             "table",
-            include_str!("../../../../models/bouncing_ball_on_table.toml"),
+            include_str!("../../../../../models/bouncing_ball_on_table.toml"),
         ),
         (
             "follower",
-            include_str!("../../../../models/cam_follower.toml"),
+            include_str!("../../../../../models/cam_follower.toml"),
         ),
         (
             "oscillator",
-            include_str!("../../../../models/impact_oscillator.toml"),
+            include_str!("../../../../../models/impact_oscillator.toml"),
         ),
         (
             "stops",
-            include_str!("../../../../models/impact_oscillator_two_sided.toml"),
+            include_str!("../../../../../models/impact_oscillator_two_sided.toml"),
         ),
         (
             "linear",
-            include_str!("../../../../models/linear_impacting_system.toml"),
+            include_str!("../../../../../models/linear_impacting_system.toml"),
         ),
         (
             "valve",
-            include_str!("../../../../models/pressure_relief_valve.toml"),
+            include_str!("../../../../../models/pressure_relief_valve.toml"),
         ),
     ] {
         let model = model(text);

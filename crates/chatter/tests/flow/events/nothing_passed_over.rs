@@ -4,7 +4,7 @@
 use chatter::flow::{FlowError, Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;
 
-const BALL: &str = include_str!("../../../../models/bouncing_ball.toml");
+const BALL: &str = include_str!("../../../../../models/bouncing_ball.toml");
 
 /// What happens until a time, with the time of each event.
 fn events(text: &str, until: f64) -> (Vec<(f64, Occurrence<f64>)>, Vec<f64>) {

@@ -1,8 +1,9 @@
 //! Several contacts: laws that hold whatever the masses, restitutions and starts.
 
 use chatter::analysis::simulate::{
-    Event, EventDetail, EventKind, Outcome, Sampling, Simulation, Spec, Stop, simulate,
+    Event, EventKind, Outcome, Sampling, Simulation, Spec, Stop, simulate,
 };
+use chatter::flow::Occurrence;
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 use proptest::prelude::*;
@@ -208,7 +209,7 @@ fn a_mass_that_rests_on_another_stops_with_it() {
     assert!(
         run.events
             .iter()
-            .any(|event| event.kind() == EventKind::Cascade)
+            .any(|event| event.kind == EventKind::Cascade)
     );
 }
 
@@ -276,7 +277,7 @@ fn simultaneous_impacts_whose_order_matters_are_told() {
     };
     let oblique = run(&wedge(0.5));
     assert_eq!(oblique.counts.ambiguities, 1);
-    let EventDetail::Ambiguity { contact, other } = oblique.events[0].detail else {
+    let Occurrence::Ambiguity { contact, other } = oblique.events[0].detail else {
         panic!("{:?}", oblique.events[0]);
     };
     assert_ne!(contact, other);
@@ -327,7 +328,7 @@ fn an_impulse_may_have_any_length() {
         .expect("a legal start");
         assert_eq!(run.counts.accumulations, 0, "{scale}");
         let sticks = |event: &Event<f64>| match event.detail {
-            EventDetail::Impact { rate_after, .. } => rate_after == 0.0,
+            Occurrence::Impact { rate_after, .. } => rate_after == 0.0,
             _ => true,
         };
         assert!(
@@ -601,7 +602,7 @@ fn a_beam_lies_on_three_supports_as_on_two() {
                 ControlFlow::Continue(())
             });
             let run = run.expect("a motion");
-            let release = run.events.iter().find(|e| e.kind() == EventKind::Release);
+            let release = run.events.iter().find(|e| e.kind == EventKind::Release);
             (release.map(|e| e.time), run)
         };
         let (tips, two) = run(&[-1.0, 0.8]);
@@ -622,7 +623,7 @@ fn a_beam_lies_on_three_supports_as_on_two() {
             assert_eq!(outcome.0, outcome.1, "{supports:?} {place}");
             // Until it falls on others: a redundant support that opens and closes again may rebound.
             let falls = (run.events.iter().chain(&two.events))
-                .filter(|e| e.kind() == EventKind::Impact)
+                .filter(|e| e.kind == EventKind::Impact)
                 .map(|e| e.time)
                 .fold(12.0, f64::min);
             if falls == 12.0 {
@@ -682,11 +683,7 @@ fn feet_of_a_sled_share_its_friction() {
             assert_eq!(run.outcome, Outcome::Horizon, "{text}");
             let at = |name: &str| run.state[model.state_index(name).expect("a state")];
             let kind = |kind: EventKind| {
-                let times = run
-                    .events
-                    .iter()
-                    .filter(|e| e.kind() == kind)
-                    .map(|e| e.time);
+                let times = run.events.iter().filter(|e| e.kind == kind).map(|e| e.time);
                 times.collect::<Vec<f64>>()
             };
             (

@@ -1,0 +1,8 @@
+//! What closes, stays closed and opens.
+
+mod after_release;
+mod chatter_limits;
+mod grazes;
+mod nested_chatter;
+mod several_contacts;
+mod several_releases;

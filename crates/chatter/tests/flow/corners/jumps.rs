@@ -1,0 +1,242 @@
+//! Impacts take the state across corners: what then holds is what holds on the other side.
+
+use chatter::analysis::simulate::{Event, Outcome, Simulation, Spec, simulate};
+use chatter::flow::Occurrence;
+use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
+use std::ops::ControlFlow;
+
+fn run<R: Real>(text: &str, until: f64) -> Simulation<R> {
+    let model = Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"));
+    simulate::<R>(&model, &Spec::until(until), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .expect("a legal start")
+}
+
+/// v' = -1 - a sqrt(|v| + c) sign(v): the expression of each side has no value on the other one. With s = sqrt(v + c) a rise
+/// from v to rest takes the integral of 2 s/(1 + a s).
+#[test]
+fn a_root_has_a_value_on_its_own_side_only() {
+    fn check<R: Real>(a: f64, c: f64, tolerance: f64) {
+        let text = format!(
+            r#"
+            [flight]
+            x = "v"
+            v = "-1 - {a}*sqrt(abs(v) + {c})*sign(v)"
+            [[contact]]
+            name = "ground"
+            gap = "x"
+            impulse = {{ v = 1 }}
+            restitution = 0.85
+            [initial]
+            x = 1
+            v = 0
+            "#
+        );
+        let run = run::<R>(&text, 6.0);
+        assert_eq!(run.outcome, Outcome::Horizon);
+        let rise = |v: f64| {
+            let part = |s: f64| 2.0 / a * s - 2.0 / (a * a) * (a * s).ln_1p();
+            part((v + c).sqrt()) - part(c.sqrt())
+        };
+        let mut rises = 0;
+        for pair in run.events.windows(3) {
+            let [impact, upwards, top] = pair else {
+                continue;
+            };
+            let Occurrence::Impact { rate_after, .. } = impact.detail else {
+                continue;
+            };
+            assert!(matches!(upwards.detail, Occurrence::Switch { .. }));
+            if matches!(top.detail, Occurrence::Switch { .. }) {
+                let took = (top.time - impact.time).to_f64();
+                assert!((took - rise(rate_after.to_f64())).abs() < tolerance);
+                rises += 1;
+            }
+        }
+        assert!(rises > 2, "{rises}");
+    }
+    for (a, c) in [(0.36, 0.01), (1.3, 0.002), (0.1, 0.4)] {
+        check::<f64>(a, c, 1e-13);
+        check::<DoubleDouble>(a, c, 1e-14);
+    }
+}
+
+/// Collisions of one instant: each has the restitution of the rate that it begins with.
+#[test]
+fn a_restitution_follows_the_rate_through_a_cascade() {
+    for (fast, slow, between) in [(0.2, 0.8, 0.5), (0.7, 0.1, 0.5), (0.3, 0.9, 0.8)] {
+        let text = format!(
+            r#"
+            [flight]
+            x = "v"
+            v = "0"
+            u = "w"
+            w = "0"
+            [[contact]]
+            name = "wall"
+            gap = "x"
+            impulse = {{ v = 1 }}
+            restitution = "if(v < -1, {fast}, {slow})"
+            [[contact]]
+            name = "pair"
+            gap = "u - x"
+            impulse = {{ w = 1, v = -1 }}
+            restitution = {between}
+            [initial]
+            x = 1
+            v = -2
+            u = 1
+            w = -2
+            "#
+        );
+        let run = run::<f64>(&text, 1.5);
+        let (mut v, mut w) = (-2.0_f64, -2.0_f64);
+        let mut expected = Vec::new();
+        while v < -1e-12 || w - v < -1e-12 {
+            if v < w - v {
+                expected.push(("wall", v));
+                v *= if v < -1.0 { -fast } else { -slow };
+            } else {
+                expected.push(("pair", w - v));
+                let (mean, half) = (0.5 * (v + w), -0.5 * between * (w - v));
+                (v, w) = (mean - half, mean + half);
+            }
+        }
+        let impacts: Vec<&Event<f64>> = (run.events.iter())
+            .filter(|event| matches!(event.detail, Occurrence::Impact { .. }))
+            .collect();
+        assert_eq!(impacts.len(), expected.len());
+        for (impact, (_, rate)) in impacts.iter().zip(&expected) {
+            let Occurrence::Impact { rate_before, .. } = impact.detail else {
+                continue;
+            };
+            assert!((rate_before - rate).abs() < 1e-14);
+        }
+        assert!((run.state[1] - v).abs() < 1e-14 && (run.state[3] - w).abs() < 1e-14);
+    }
+}
+
+/// A mass with dry friction and another one that rests on it: the force on both never overcomes friction after they have come
+/// to rest, so neither opens, though constants such as 0.73*0.3 are rounded.
+#[test]
+fn friction_holds_what_rests_on_it() {
+    let text = r#"
+        [flight]
+        x = "v"
+        v = "-0.65 - 0.71*x - 0.62*sign(v) - 0.87*abs(x - 0.76) + 1.41*cos(0.61*t)"
+        u = "w"
+        w = "-1.14 - 0.56*u + 0.73*abs(u - 0.3) + 0.56*cos(1.69*t) - 0.32*(u - x)"
+        [[contact]]
+        name = "ground"
+        gap = "x"
+        impulse = { v = 1 }
+        restitution = 0.3
+        [[contact]]
+        name = "pair"
+        gap = "u - x"
+        impulse = { w = 1, v = -1 }
+        restitution = 0
+        [initial]
+        x = 0.32
+        v = 0.32
+        u = 1.75
+        w = -0.7
+    "#;
+    fn check<R: Real>(text: &str) {
+        let run = run::<R>(text, 25.0);
+        assert_eq!(run.outcome, Outcome::Horizon);
+        assert_eq!(run.counts.releases, 0);
+        assert!(run.state[..4].iter().all(|x| x.to_f64().abs() < 1e-14));
+    }
+    check::<f64>(text);
+    check::<DoubleDouble>(text);
+}
+
+/// Two masses on each other with dry friction each, at rest: the upper one lifts off once the force on it is larger than its
+/// friction, both once all forces are larger than all friction, in whatever order the contacts are written.
+#[test]
+fn what_rests_opens_once_friction_is_overcome() {
+    let ground =
+        "[[contact]]\nname = \"ground\"\ngap = \"x\"\nimpulse = { v = 1 }\nrestitution = 0.3\n";
+    let pair = "[[contact]]\nname = \"pair\"\ngap = \"u - x\"\nimpulse = { w = 1, v = -1 }\nrestitution = 0\n";
+    let mut opened = [0; 2];
+    for (f, g) in [(0.62, 0.3), (0.1, 1.2), (0.5, 0.5)] {
+        for (rise, other_rise) in [(0.3, 0.1), (0.1, 0.4), (0.7, 0.6), (0.02, 0.5)] {
+            for (weight, other_weight) in [(0.4, 0.9), (1.3, 0.2)] {
+                for contacts in [[ground, pair], [pair, ground]] {
+                    let text = format!(
+                        r#"
+                        [flight]
+                        x = "v"
+                        v = "{rise}*t - {weight} - {f}*sign(v)"
+                        u = "w"
+                        w = "{other_rise}*t - {other_weight} - {g}*sign(w)"
+                        {}{}[initial]
+                        x = 0
+                        v = 0
+                        u = 0
+                        w = 0
+                        "#,
+                        contacts[0], contacts[1]
+                    );
+                    let upper = (g + other_weight) / other_rise;
+                    let both = (f + g + weight + other_weight) / (rise + other_rise);
+                    let (name, time) = if upper < both {
+                        ("pair", upper)
+                    } else {
+                        ("ground", both)
+                    };
+                    let index = contacts.iter().position(|text| text.contains(name));
+                    let run = run::<f64>(&text, time + 0.1);
+                    let first = (run.events.iter())
+                        .find(|event| matches!(event.detail, Occurrence::Release { .. }))
+                        .unwrap_or_else(|| panic!("{text}"));
+                    assert_eq!(first.detail.place().map(|place| place.index()), index);
+                    assert!((first.time - time).abs() < 1e-13 * time, "{text}");
+                    opened[usize::from(name == "pair")] += 1;
+                }
+            }
+        }
+    }
+    assert!(opened.iter().all(|&count| count > 4), "{opened:?}");
+}
+
+/// A plastic stack that falls with dry friction: it comes to rest whatever the forces are that friction balances.
+#[test]
+fn stacks_held_by_friction_come_to_rest() {
+    for lower in [-0.3, 0.05, 0.218] {
+        for upper in [-0.898, -0.2, 0.3] {
+            for restitution in [0.0, 0.5] {
+                let text = format!(
+                    r#"
+                    [flight]
+                    x = "v"
+                    v = "if(t < 3, -1, {lower}) - 0.12*sign(v)"
+                    u = "w"
+                    w = "if(t < 3, -2, {upper}) - 1.23*sign(w)"
+                    [[contact]]
+                    name = "ground"
+                    gap = "x"
+                    impulse = {{ v = 1 }}
+                    restitution = {restitution}
+                    [[contact]]
+                    name = "pair"
+                    gap = "u - x"
+                    impulse = {{ w = 1, v = -1 }}
+                    restitution = 0
+                    [initial]
+                    x = 0.4
+                    v = 0
+                    u = 1
+                    w = 0
+                    "#
+                );
+                let run = run::<f64>(&text, 5.0);
+                assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+                assert!(run.state[..4].iter().all(|x| x.abs() < 1e-13), "{text}");
+            }
+        }
+    }
+}

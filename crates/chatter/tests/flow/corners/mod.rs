@@ -1,0 +1,5 @@
+//! Equations that change their form: surfaces, sliding, tables.
+
+mod jumps;
+mod piecewise;
+mod tables;
