@@ -33,7 +33,7 @@ are followed, each to the first chatter that ends there. Near its parameter valu
 z -> Upsilon(K z + mu), mu = M (p - p*); `chatter universal` has more on that map. Windows are predicted from it, and
 found in the model by Newton's method on its return map.
 
---plot and --out follow the orbits of the model and the predicted ones over the windows. The table has origin (simulated,
+--plot and --out follow the model's orbits and the predicted ones over the windows. The table has origin (simulated,
 predicted), the parameter, the states after the first impact, and straightened, the coordinate less that for z = 0.
 
 JSON
