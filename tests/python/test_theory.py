@@ -1,6 +1,7 @@
 """The universal function and border orbits against their laws."""
 
 import json
+import pickle
 import subprocess
 import sys
 from decimal import Decimal
@@ -96,3 +97,32 @@ def test_a_branch_holds_the_orbits_of_its_parameter():
     assert run.counts["impacts"] == branch["impacts"][k] or branch["impacts"][k] == -1
     for kind, found in branch.special.items():
         assert all(0.0203 <= one["value"] <= 0.0204 for one in found), kind
+
+
+def test_exponents_are_the_logarithms_of_the_multipliers_of_a_stable_orbit():
+    valve = ch.Model.shipped("pressure_relief_valve")
+    orbit = valve.orbit(q=0.0203)
+    at = orbit.model.with_values(orbit.start)
+    found = at.exponents(interval=orbit.period, transient=60, intervals=40)
+    along, across = 0.0, np.log(abs(orbit.multipliers[0])) / orbit.period
+    np.testing.assert_allclose(found.values[:2], [along, across], atol=1e-6)
+    assert found.intervals == 40 and found.time == pytest.approx(40 * orbit.period)
+    assert pickle.loads(pickle.dumps(found)).values.tolist() == found.values.tolist()
+    with pytest.raises(ch.InputError, match="interval"):
+        valve.exponents(interval=-1)
+
+
+def test_special_points_can_be_followed_in_two_parameters():
+    valve = ch.Model.shipped("pressure_relief_valve")
+    branch = valve.orbit(q=0.0203).follow("q", to=0.0204)
+    special = branch.special["period_doubling"][0]
+    curve = special.follow("q", "kappa", low=1.249, high=1.251)
+    assert len(curve) > 3 and np.all((curve["kappa"] >= 1.249 - 1e-12) & (curve["kappa"] <= 1.251 + 1e-12))
+    # A multiplier is -1 all along, and the point itself lies on the curve.
+    assert max(np.abs(multipliers + 1).min() for multipliers in curve.points["multipliers"]) < 1e-6
+    order = np.argsort(curve["kappa"])
+    assert np.interp(1.25, curve["kappa"][order], curve["q"][order]) == pytest.approx(special["value"], rel=1e-6)
+    assert pickle.loads(pickle.dumps(curve))["q"].tolist() == curve["q"].tolist()
+    assert pickle.loads(pickle.dumps(branch)).special["period_doubling"][0]["value"] == special["value"]
+    with pytest.raises(ch.InputError, match="two parameters"):
+        special.follow("q", "q")

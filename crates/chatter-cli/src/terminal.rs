@@ -299,14 +299,19 @@ impl Progress {
         }
     }
 
-    /// Shows that this part of the work is done.
-    pub fn show(&mut self, done: f64, message: impl FnOnce() -> String) {
+    /// Whether it is time to show something, or something else.
+    fn is_due(&self) -> bool {
         let waiting = if self.bar.is_none() {
             QUIET_FOR
         } else {
             BETWEEN_FRAMES
         };
-        if !self.wanted || self.shown.elapsed() < waiting {
+        self.wanted && self.shown.elapsed() >= waiting
+    }
+
+    /// Shows that this part of the work is done.
+    pub fn show(&mut self, done: f64, message: impl FnOnce() -> String) {
+        if !self.is_due() {
             return;
         }
         self.shown = Instant::now();
@@ -340,24 +345,38 @@ impl Progress {
 
 /// Hears for the user: shows progress until it is dropped, tells remarks, stops at Ctrl-C.
 pub struct Console {
-    progress: Mutex<Option<Progress>>,
+    shown: Mutex<Shown>,
+}
+
+/// What a console shows: that something goes on, until it is known how far it is.
+#[derive(Default)]
+struct Shown {
+    waiting: Option<Waiting>,
+    progress: Option<Progress>,
 }
 
 impl Console {
     /// Shows nothing yet.
     pub fn new() -> Self {
         Self {
-            progress: Mutex::new(Some(Progress::new())),
+            shown: Mutex::new(Shown {
+                waiting: Some(Waiting::new("beginning")),
+                progress: Some(Progress::new()),
+            }),
         }
     }
 }
 
 impl Observer for Console {
     fn progress(&self, done: f64, message: &dyn Fn() -> String) {
-        if let Ok(mut progress) = self.progress.lock()
-            && let Some(progress) = &mut *progress
-        {
-            progress.show(done, message);
+        if let Ok(mut shown) = self.shown.lock() {
+            let Shown { waiting, progress } = &mut *shown;
+            if let Some(progress) = progress
+                && progress.is_due()
+            {
+                drop(waiting.take());
+                progress.show(done, message);
+            }
         }
     }
 
@@ -373,10 +392,11 @@ impl Observer for Console {
 impl Drop for Console {
     /// What is printed next finds the line empty.
     fn drop(&mut self) {
-        if let Ok(progress) = self.progress.get_mut()
-            && let Some(progress) = progress.take()
-        {
-            progress.finish();
+        if let Ok(shown) = self.shown.get_mut() {
+            drop(shown.waiting.take());
+            if let Some(progress) = shown.progress.take() {
+                progress.finish();
+            }
         }
     }
 }

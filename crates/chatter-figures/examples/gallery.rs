@@ -112,8 +112,7 @@ fn portrait() -> Figure {
             Axis::new("velocity $\\dot{x}$").unit("mm/s"),
         )
         .with(Rule::vertical(0.5).label("stop $x = \\sigma$"))
-        .with(Line::new(xs, vs).width(0.6).label("attractor"))
-        .with(Note::new(0.5, 0.3, "impact").anchor(Anchor::LowerRight)),
+        .with(Line::new(xs, vs).width(0.6).label("attractor")),
     )
 }
 

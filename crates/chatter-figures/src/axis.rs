@@ -1,7 +1,7 @@
 //! Axes: label, unit, scale and range, and the way from a number to a place on the page.
 
 use super::figure_error::{AxisSide, FigureError};
-use super::ticks::{self, Ticks};
+use super::ticks::{self, Notation, Numbers, Ticks};
 
 /// How numbers are laid out along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -67,6 +67,8 @@ pub struct Axis {
     pub range: Range,
     /// Which way they grow.
     pub direction: Direction,
+    /// Whether there are others than whole ones.
+    pub numbers: Numbers,
 }
 
 impl Axis {
@@ -105,6 +107,12 @@ impl Axis {
     /// Growing to the left or downwards.
     pub fn reversed(mut self) -> Self {
         self.direction = Direction::Reversed;
+        self
+    }
+
+    /// Of whole numbers.
+    pub fn whole(mut self) -> Self {
+        self.numbers = Numbers::Whole;
         self
     }
 
@@ -159,6 +167,8 @@ impl Axis {
         Ok(Limits {
             scale: self.scale,
             direction: self.direction,
+            numbers: self.numbers,
+            centre: None,
             low,
             high,
         })
@@ -231,19 +241,25 @@ impl Extent {
 pub(super) struct Limits {
     pub(super) scale: Scale,
     pub(super) direction: Direction,
+    numbers: Numbers,
+    /// What stands in the middle, each side of it having a unit of its own.
+    pub(super) centre: Option<f64>,
     pub(super) low: f64,
     pub(super) high: f64,
 }
 
 impl Limits {
-    pub(super) fn ticks(&self, most: usize) -> Ticks {
+    pub(super) fn ticks(&self, most: usize, notation: Notation) -> Ticks {
         match self.scale {
-            Scale::Linear => ticks::linear(self.low, self.high, most),
+            Scale::Linear if let Some(centre) = self.centre => {
+                ticks::two_sided(self.low, centre, self.high, most)
+            }
+            Scale::Linear => ticks::linear(self.low, self.high, most, self.numbers, notation),
             Scale::Logarithmic => {
                 let least = f64::MIN_POSITIVE;
                 let low = self.scale.backward(self.low).clamp(least, f64::MAX);
                 let high = self.scale.backward(self.high).clamp(least, f64::MAX);
-                ticks::logarithmic(low, high, most)
+                ticks::logarithmic(low, high, most, notation)
             }
         }
     }
@@ -280,14 +296,24 @@ impl Placed {
     pub(super) fn at_linear(&self, u: f64) -> f64 {
         let (low, high) = (self.limits.low, self.limits.high);
         // Halves, since the range of two huge numbers may overflow.
-        let t = (0.5 * u - 0.5 * low) / (0.5 * high - 0.5 * low);
+        let part = |low: f64, high: f64| (0.5 * u - 0.5 * low) / (0.5 * high - 0.5 * low);
+        let t = match self.limits.centre {
+            None => part(low, high),
+            Some(centre) if u < centre => 0.5 * part(low, centre),
+            Some(centre) => 0.5 + 0.5 * part(centre, high),
+        };
         self.start + t * (self.end - self.start)
     }
 
     /// The linear coordinate at a place.
     pub(super) fn linear_at(&self, place: f64) -> f64 {
         let t = (place - self.start) / (self.end - self.start);
-        self.limits.low + t * (self.limits.high - self.limits.low)
+        let (low, high) = (self.limits.low, self.limits.high);
+        match self.limits.centre {
+            None => low + t * (high - low),
+            Some(centre) if t < 0.5 => low + 2.0 * t * (centre - low),
+            Some(centre) => centre + (2.0 * t - 1.0) * (high - centre),
+        }
     }
 }
 
@@ -334,7 +360,10 @@ mod tests {
                 assert!(
                     limits.low < limits.high && limits.low.is_finite() && limits.high.is_finite()
                 );
-                assert!(!limits.ticks(5).major.is_empty(), "{data:?}");
+                assert!(
+                    !limits.ticks(5, Notation::Plain).major.is_empty(),
+                    "{data:?}"
+                );
                 let placed = limits.place(0.0, 100.0);
                 let middle = placed.at_linear(0.5 * limits.low + 0.5 * limits.high);
                 assert!((middle - 50.0).abs() < 1.0, "{middle}");

@@ -68,7 +68,8 @@ pub const PALETTE: [Color; 6] = [
 pub enum Colormap {
     /// Dark blue over green to pale yellow, of evenly rising lightness.
     Sequential,
-    /// Blue below the centre, white at it, vermilion above.
+    /// Blue below the centre, white at it, vermilion above. Where numbers lie on both sides, each has a unit of its own:
+    /// exponents of chaos are small beside those of periodic orbits.
     Diverging {
         /// The value that is drawn white.
         centre: f64,
@@ -89,10 +90,26 @@ impl Colormap {
     pub(super) fn place(self, value: f64, low: f64, high: f64) -> f64 {
         match self {
             Colormap::Sequential => (value - low) / (high - low),
+            Colormap::Diverging { centre } if low < centre && centre < high => {
+                let side = if value < centre {
+                    centre - low
+                } else {
+                    high - centre
+                };
+                0.5 + 0.5 * (value - centre) / side
+            }
             Colormap::Diverging { centre } => {
                 let reach = (high - centre).abs().max((low - centre).abs());
                 0.5 + 0.5 * (value - centre) / reach
             }
+        }
+    }
+
+    /// What stands in the middle of the scale from `low` to `high`, if its sides have units of their own.
+    pub(super) fn centre(self, low: f64, high: f64) -> Option<f64> {
+        match self {
+            Colormap::Diverging { centre } if low < centre && centre < high => Some(centre),
+            _ => None,
         }
     }
 }
@@ -173,7 +190,10 @@ mod tests {
     fn the_diverging_scale_is_palest_at_its_centre() {
         let map = Colormap::Diverging { centre: 0.0 };
         let at = |x| luminance(map.color(map.place(x, -1.0, 3.0)));
-        assert!(at(0.0) > 245.0 && at(-3.0) < 120.0 && at(3.0) < 130.0);
-        assert!(at(-1.0) > at(-2.0) && at(1.0) > at(2.0));
+        assert!(at(0.0) > 245.0 && at(-1.0) < 120.0 && at(3.0) < 130.0);
+        assert!(at(-0.5) > at(-1.0) && at(1.0) > at(2.0));
+        // On one side only there is one unit.
+        let one_sided = |x| luminance(map.color(map.place(x, 1.0, 4.0)));
+        assert!(one_sided(1.0) > one_sided(2.0) && one_sided(4.0) < 130.0);
     }
 }

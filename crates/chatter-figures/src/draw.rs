@@ -4,13 +4,14 @@ use super::axis::Placed;
 use super::color::Color;
 use super::density::Density;
 use super::figure_error::FigureError;
-use super::layer::{Anchor, Layer, Line, Marker, Note, Orientation};
+use super::layer::{Layer, Line, Marker, Orientation};
 use super::layout::{
     AxisText, BAR, BAR_GAP, Frame, LABEL_GAP, MINOR_TICK, Plan, ROW_GAP, SPINE, TICK, TICK_GAP,
     TICK_TEXT,
 };
 use super::legend::{self, Legend, Occupancy};
 use super::map::{CategoryMap, Grid, HeatMap};
+use super::png::Resolution;
 use super::scene::{Image, Path, Primitive, Rect, Segment, Stroke};
 use super::simplify;
 use super::text::{Align, SetText, line_extent};
@@ -136,10 +137,6 @@ pub(super) fn panel(
                     });
                 }
             }
-            Layer::Note(n) => {
-                flush(&mut inside, &mut over, frame);
-                over.extend(note(n, frame)?);
-            }
             Layer::HeatMap(m) => inside.push(heat_map(m, plan, frame, per_point)),
             Layer::CategoryMap(m) => inside.push(category_map(m, frame, per_point)),
         }
@@ -213,51 +210,6 @@ fn rule(at: f64, orientation: Orientation, frame: &Frame) -> Option<Path> {
     })
 }
 
-/// The text on a ground that dims what is behind it; nothing if its point is not in the panel.
-fn note(n: &Note, frame: &Frame) -> Result<Vec<Primitive>, FigureError> {
-    let (x, y) = (frame.x.at(n.x), frame.y.at(n.y));
-    let text = SetText::new(&n.text, TICK_TEXT)?;
-    if !frame.inner.grown(CLIP_MARGIN).contains(x, y) {
-        return Ok(Vec::new());
-    }
-    const OFF: f64 = 2.5;
-    let (dx, align) = match n.anchor {
-        Anchor::LowerLeft | Anchor::UpperLeft => (OFF, Align::Start),
-        Anchor::LowerRight | Anchor::UpperRight => (-OFF, Align::End),
-        Anchor::Below | Anchor::Above | Anchor::Centre => (0.0, Align::Middle),
-    };
-    let (above, _) = line_extent(TICK_TEXT);
-    let dy = match n.anchor {
-        Anchor::LowerLeft | Anchor::LowerRight | Anchor::Below => -OFF - text.below,
-        Anchor::UpperLeft | Anchor::UpperRight | Anchor::Above => OFF + text.above,
-        Anchor::Centre => 0.5 * above,
-    };
-    // Kept inside the frame, whatever its length.
-    let width = text.width;
-    let start = x + dx
-        - match align {
-            Align::Start => 0.0,
-            Align::Middle => 0.5 * width,
-            Align::End => width,
-        };
-    let start = start
-        .min(frame.inner.right - 1.5 - width)
-        .max(frame.inner.left + 1.5);
-    let base = (y + dy).clamp(
-        frame.inner.top + 1.5 + text.above,
-        frame.inner.bottom - 1.5 - text.below,
-    );
-    let ground = Rect::new(start, base - text.above, start + width, base + text.below).grown(1.0);
-    Ok(vec![
-        Primitive::Path {
-            path: ground.path(),
-            fill: Some(Color::WHITE.opacity(0.75)),
-            stroke: None,
-        },
-        text.level(start, base, Align::Start, n.color),
-    ])
-}
-
 /// Linear coordinates of the ends of a placed axis on the page.
 fn window(axis: &Placed, from: f64, to: f64) -> (f64, f64) {
     (axis.linear_at(from), axis.linear_at(to))
@@ -265,6 +217,8 @@ fn window(axis: &Placed, from: f64, to: f64) -> (f64, f64) {
 
 fn density(d: &Density, frame: &Frame, color: Color, per_point: f64) -> Primitive {
     let i = &frame.inner;
+    // Finer pixels would only hold fewer points.
+    let per_point = per_point.min(Resolution::PRINT.pixels_per_point());
     let (width, height) = pixels(i, per_point);
     let (x, y) = (
         window(&frame.x, i.left, i.right),
@@ -621,11 +575,6 @@ pub(super) fn occupancy(plan: &Plan, frame: &Frame) -> Result<Occupancy, FigureE
             Layer::Rule(r) => {
                 if let Some(path) = rule(r.at, r.orientation, frame) {
                     taken.take_path(&path);
-                }
-            }
-            Layer::Note(n) => {
-                if let Some(Primitive::Path { path, .. }) = note(n, frame)?.first() {
-                    taken.take_path(path);
                 }
             }
             Layer::HeatMap(_) | Layer::CategoryMap(_) => {

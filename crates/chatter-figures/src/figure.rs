@@ -4,10 +4,11 @@ use std::path::Path;
 
 use super::axis::{Extent, Range};
 use super::draw;
-use super::figure_error::{AxisSide, FigureError};
+use super::figure_error::FigureError;
 use super::layer::Layer;
 use super::layout::{self, Page, Plan};
 use super::legend::{self, Legend};
+use super::map::HeatMap;
 use super::panel::Panel;
 use super::png::Resolution;
 use super::scene::Scene;
@@ -160,9 +161,18 @@ impl Figure {
         Ok(svg::document(&self.scene(Resolution::EMBEDDED)?))
     }
 
-    /// The figure as SVG to stand inside a page of HTML, with pictures in the given resolution.
-    pub fn inline_svg(&self, pictures: Resolution) -> Result<String, FigureError> {
-        Ok(svg::element(&self.scene(pictures)?, ""))
+    /// The figure as SVG to stand inside a page of HTML, with pictures in the given resolution. Nothing else in the page
+    /// may have a name that begins with `name`.
+    pub fn inline_svg(&self, pictures: Resolution, name: &str) -> Result<String, FigureError> {
+        Ok(svg::element(&self.scene(pictures)?, "", name))
+    }
+
+    /// Whether there is more in it than can be seen at once: densities of points.
+    pub(crate) fn has_density(&self) -> bool {
+        let layers = self.panels.iter().flat_map(|panel| &panel.layers);
+        layers
+            .into_iter()
+            .any(|layer| matches!(layer, Layer::Density(_)))
     }
 
     /// The figure as PDF.
@@ -276,9 +286,7 @@ impl Figure {
                 Layer::HeatMap(m) => Some(m),
                 _ => None,
             });
-            let bar = heat
-                .map(|m| m.axis.limits(AxisSide::Color, m.extent()))
-                .transpose()?;
+            let bar = heat.map(HeatMap::limits).transpose()?;
             let colors = panel.colors();
             let entries = legend::entries(panel, &colors)?;
             let (x, y) = panel.limits(x_axis, extents[k])?;

@@ -52,7 +52,7 @@ pub(super) enum Spacing {
     Operator,
 }
 
-const GREEK: [(&str, char); 38] = [
+pub(super) const GREEK: [(&str, char); 38] = [
     ("alpha", 'α'),
     ("beta", 'β'),
     ("gamma", 'γ'),
@@ -93,7 +93,7 @@ const GREEK: [(&str, char); 38] = [
     ("Psi", 'Ψ'),
 ];
 
-const SYMBOLS: [(&str, char); 16] = [
+pub(super) const SYMBOLS: [(&str, char); 16] = [
     ("Omega", 'Ω'),
     ("infty", '∞'),
     ("partial", '∂'),
@@ -112,7 +112,7 @@ const SYMBOLS: [(&str, char); 16] = [
     ("hbar", 'ħ'),
 ];
 
-const RELATIONS: [(&str, char); 14] = [
+pub(super) const RELATIONS: [(&str, char); 14] = [
     ("le", '≤'),
     ("leq", '≤'),
     ("ge", '≥'),
@@ -129,7 +129,7 @@ const RELATIONS: [(&str, char); 14] = [
     ("mapsto", '→'),
 ];
 
-const OPERATORS: [(&str, char); 5] = [
+pub(super) const OPERATORS: [(&str, char); 5] = [
     ("times", '×'),
     ("cdot", '·'),
     ("pm", '±'),
@@ -137,7 +137,7 @@ const OPERATORS: [(&str, char); 5] = [
     ("cap", '∩'),
 ];
 
-const ACCENTS: [(&str, char); 6] = [
+pub(super) const ACCENTS: [(&str, char); 6] = [
     ("dot", '˙'),
     ("ddot", '¨'),
     ("bar", '¯'),
@@ -146,7 +146,7 @@ const ACCENTS: [(&str, char); 6] = [
     ("overline", '¯'),
 ];
 
-const FUNCTIONS: [&str; 16] = [
+pub(super) const FUNCTIONS: [&str; 16] = [
     "log", "ln", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh", "arcsin", "arccos", "arctan",
     "min", "max", "lim", "sgn",
 ];

@@ -1,4 +1,4 @@
-//! What a panel shows: curves, markers, bands, reference lines and notes.
+//! What a panel shows: curves, markers, bands, reference lines.
 
 use super::color::Color;
 use super::density::Density;
@@ -18,8 +18,6 @@ pub enum Layer {
     Spans(Spans),
     /// A straight line across the panel.
     Rule(Rule),
-    /// Text at a point.
-    Note(Note),
     /// Numbers as colours.
     HeatMap(HeatMap),
     /// Categories as colours.
@@ -276,61 +274,6 @@ impl Rule {
     }
 }
 
-/// Which part of a note is at its point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Anchor {
-    /// The note is to the upper right of its point.
-    #[default]
-    LowerLeft,
-    /// The note is to the upper left of its point.
-    LowerRight,
-    /// The note is to the lower right of its point.
-    UpperLeft,
-    /// The note is to the lower left of its point.
-    UpperRight,
-    /// The note is centred above its point.
-    Below,
-    /// The note is centred below its point.
-    Above,
-    /// The note is centred on its point.
-    Centre,
-}
-
-/// Text at a point. It does not enter an automatic range.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Note {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) text: String,
-    pub(super) anchor: Anchor,
-    pub(super) color: Color,
-}
-
-impl Note {
-    /// A label at a point.
-    pub fn new(x: f64, y: f64, text: impl Into<String>) -> Self {
-        Note {
-            x,
-            y,
-            text: text.into(),
-            anchor: Anchor::default(),
-            color: Color::INK,
-        }
-    }
-
-    /// With this part of it at the point.
-    pub fn anchor(mut self, anchor: Anchor) -> Self {
-        self.anchor = anchor;
-        self
-    }
-
-    /// In this colour.
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = color;
-        self
-    }
-}
-
 macro_rules! into_layer {
     ($($kind:ident),*) => {
         $(impl From<$kind> for Layer {
@@ -341,13 +284,4 @@ macro_rules! into_layer {
     };
 }
 
-into_layer!(
-    Line,
-    Markers,
-    Density,
-    Spans,
-    Rule,
-    Note,
-    HeatMap,
-    CategoryMap
-);
+into_layer!(Line, Markers, Density, Spans, Rule, HeatMap, CategoryMap);

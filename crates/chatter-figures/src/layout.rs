@@ -7,7 +7,7 @@ use super::legend::{self, Entry, Legend};
 use super::panel::Panel;
 use super::scene::Rect;
 use super::text::{SetText, line_extent};
-use super::ticks::Ticks;
+use super::ticks::{Notation, Ticks};
 
 /// Sizes of text and lengths, in points.
 pub(super) const TICK_TEXT: f64 = 7.0;
@@ -173,11 +173,12 @@ fn fitting(
     length: f64,
     spacing: f64,
     label: &str,
+    notation: Notation,
     room: impl Fn(&SetText) -> f64,
 ) -> Result<AxisText, FigureError> {
     let mut most = ((length / spacing) as usize).clamp(1, 8);
     loop {
-        let text = AxisText::new(limits.ticks(most), label, length)?;
+        let text = AxisText::new(limits.ticks(most, notation), label, length)?;
         let placed = limits.place(0.0, length);
         let places: Vec<f64> = text.ticks.major.iter().map(|t| placed.at(t.at)).collect();
         let clear = (1..places.len()).all(|k| {
@@ -236,17 +237,32 @@ fn measure(plan: &Plan, width: f64, height: f64, left: f64) -> Result<Measured, 
     } else {
         String::new()
     };
-    let mut x_text = fitting(&plan.x, width, X_SPACING, &x_label, |n| n.width + 9.0)?;
-    if !plan.x_numbers {
-        x_text.numbers.clear();
-        x_text.notation = None;
-    }
     let level = |n: &SetText| n.height() + 3.0;
-    let y_text = fitting(&plan.y, height, Y_SPACING, &panel.y.full_label(), level)?;
-    let bar_text = match &plan.bar {
-        Some(limits) => Some(fitting(limits, height, Y_SPACING, &plan.bar_label, level)?),
-        None => None,
-    };
+    let texts =
+        |notation: Notation| -> Result<(AxisText, AxisText, Option<AxisText>), FigureError> {
+            let mut x = fitting(&plan.x, width, X_SPACING, &x_label, notation, |n| {
+                n.width + 9.0
+            })?;
+            if !plan.x_numbers {
+                x.numbers.clear();
+                x.ticks.powers = false;
+                x.notation = None;
+            }
+            let label = panel.y.full_label();
+            let y = fitting(&plan.y, height, Y_SPACING, &label, notation, level)?;
+            let bar = plan
+                .bar
+                .as_ref()
+                .map(|limits| fitting(limits, height, Y_SPACING, &plan.bar_label, notation, level));
+            Ok((x, y, bar.transpose()?))
+        };
+    let mut set = texts(Notation::Plain)?;
+    let (x, y, bar) = &set;
+    if x.ticks.powers || y.ticks.powers || bar.as_ref().is_some_and(|bar| bar.ticks.powers) {
+        // One notation a panel.
+        set = texts(Notation::Powers)?;
+    }
+    let (x_text, y_text, bar_text) = set;
     let title = panel
         .title
         .as_deref()

@@ -102,7 +102,7 @@ pub(super) fn entries(panel: &Panel, colors: &[Color]) -> Result<Vec<Entry>, Fig
                 .categories
                 .iter()
                 .try_for_each(|c| push(Sample::Swatch(c.color), &c.name))?,
-            Layer::Note(_) | Layer::HeatMap(_) => {}
+            Layer::HeatMap(_) => {}
         }
     }
     if entries

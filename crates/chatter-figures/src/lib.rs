@@ -3,7 +3,7 @@
 //! # Figures
 //!
 //! A [`Figure`] is a grid of [`Panel`]s, each two axes and layers: curves, markers, densities of
-//! millions of points, bands, reference lines, notes, maps over two parameters. It is 86 mm wide unless told otherwise.
+//! millions of points, bands, reference lines, maps over two parameters. It is 86 mm wide unless told otherwise.
 //! Ranges, ticks, margins and the place of the legend follow from the data. Labels know a subset of TeX's mathematics.
 //! One scene of drawing primitives feeds the writers of SVG, PDF and PNG; equal figures give equal bytes.
 //!
@@ -69,14 +69,15 @@ mod ticks;
 
 pub use axis::{Axis, Direction, Range, Scale};
 pub use color::{Color, Colormap, PALETTE};
-pub use density::{Compression, Density, Normalisation};
+pub use density::{Density, Grain, Normalisation};
 pub use error::Error;
 pub use figure::{Figure, Letters, Sharing};
 pub use figure_error::{AxisSide, FigureError};
 pub use label::{LabelError, variable};
-pub use layer::{Anchor, Dash, Layer, Line, Marker, Markers, Note, Orientation, Rule, Spans};
+pub use layer::{Dash, Layer, Line, Marker, Markers, Orientation, Rule, Spans};
 pub use legend::Legend;
 pub use map::{Category, CategoryMap, HeatMap};
 pub use panel::Panel;
 pub use png::Resolution;
 pub use scene::{Glyph, GlyphRun, Image, Path, Primitive, Rect, Scene, Segment, Stroke, Turn};
+pub use ticks::Numbers;

@@ -1,6 +1,6 @@
 //! Maps over two parameters: a colour for each cell, from a number or from a category.
 
-use super::axis::{Axis, Extent, Scale};
+use super::axis::{Axis, Extent, Limits, Scale};
 use super::color::{Color, Colormap};
 use super::figure_error::{AxisSide, FigureError};
 
@@ -48,6 +48,9 @@ pub(super) struct Grid {
     pub(super) y: Vec<f64>,
 }
 
+/// A side of a two-sided scale is at least so large, as a part of both.
+const LEAST_SIDE: f64 = 0.01;
+
 impl HeatMap {
     /// Cells with their middles at `x` and `y` (both increasing), their numbers row after row: the cell at `x[i]`,
     /// `y[j]` is `values[j * x.len() + i]`. Numbers that are not finite leave their cell empty.
@@ -72,12 +75,21 @@ impl HeatMap {
         self
     }
 
-    pub(super) fn extent(&self) -> Extent {
+    /// What the colour bar shows.
+    pub(super) fn limits(&self) -> Result<Limits, FigureError> {
         let mut extent = Extent::NOWHERE;
         for &v in &self.values {
             extent.add(self.axis.scale.forward(v));
         }
-        extent
+        let mut limits = self.axis.limits(AxisSide::Color, extent)?;
+        limits.centre = self.colormap.centre(limits.low, limits.high);
+        if let Some(centre) = limits.centre {
+            // What is next to nothing beside the other side is not blown up.
+            let least = LEAST_SIDE * (limits.high - limits.low);
+            limits.low = limits.low.min(centre - least);
+            limits.high = limits.high.max(centre + least);
+        }
+        Ok(limits)
     }
 }
 

@@ -102,7 +102,7 @@ impl Panel {
                         }
                     }
                 }
-                Layer::Spans(_) | Layer::Rule(_) | Layer::Note(_) => {}
+                Layer::Spans(_) | Layer::Rule(_) => {}
             }
         }
         Ok(())
@@ -163,7 +163,6 @@ impl Panel {
                 Layer::Density(d) => d.color.unwrap_or_else(&mut turn),
                 Layer::Spans(s) => s.color,
                 Layer::Rule(r) => r.color,
-                Layer::Note(n) => n.color,
                 Layer::HeatMap(_) | Layer::CategoryMap(_) => Color::INK,
             })
             .collect()

@@ -1,12 +1,13 @@
 //! Scene to PDF: vectors, embedded fonts with their characters, pictures with opacity as soft masks.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use pdf_writer::types::{
     CidFontType, FontFlags, LineCapStyle, LineJoinStyle, SystemInfo, UnicodeCmap,
 };
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Ref, Str, TextStr};
+use subsetter::GlyphRemapper;
 
 use super::color::Color;
 use super::fonts::{CAP_HEIGHT, DESCENT, FACES, Face};
@@ -22,6 +23,7 @@ pub(super) fn document(scene: &Scene) -> Vec<u8> {
         images: Vec::new(),
         symbols: Vec::new(),
         opacities: BTreeSet::new(),
+        glyphs: FACES.map(|_| GlyphRemapper::new()),
     };
     writer.write(scene);
     writer.pdf.finish()
@@ -36,6 +38,8 @@ struct Writer {
     symbols: Vec<Ref>,
     /// Opacities used, of 255.
     opacities: BTreeSet<u8>,
+    /// For each face the glyphs that are shown: only these are embedded, under new numbers.
+    glyphs: [GlyphRemapper; 2],
 }
 
 impl Writer {
@@ -46,18 +50,21 @@ impl Writer {
 
     fn write(&mut self, scene: &Scene) {
         let [catalog, pages, page, contents, info] = std::array::from_fn(|_| self.reference());
-        let faces: BTreeSet<Face> = scene
-            .all()
-            .filter_map(|item| match item {
-                Primitive::Text(run) => Some(run.glyphs.iter().map(|g| g.face)),
-                _ => None,
-            })
-            .flatten()
-            .collect();
+        let mut shown: [BTreeMap<u16, char>; 2] = Default::default();
+        let runs = scene.all().filter_map(|item| match item {
+            Primitive::Text(run) => Some(&run.glyphs),
+            _ => None,
+        });
+        for glyph in runs.flatten() {
+            let new = self.glyphs[glyph.face as usize].remap(glyph.id);
+            shown[glyph.face as usize]
+                .entry(new)
+                .or_insert(glyph.character);
+        }
         let fonts: Vec<(Face, Ref)> = FACES
             .into_iter()
-            .filter(|f| faces.contains(f))
-            .map(|f| (f, self.font(f, scene)))
+            .filter(|&face| !shown[face as usize].is_empty())
+            .map(|face| (face, self.font(face, &shown[face as usize])))
             .collect();
 
         // Points downwards, as in the scene.
@@ -282,14 +289,15 @@ impl Writer {
             };
             self.content
                 .set_text_matrix(matrix.map(|v| rounded(v) as f32));
-            self.content.show(Str(&g.id.to_be_bytes()));
+            let id = self.glyphs[g.face as usize].remap(g.id);
+            self.content.show(Str(&id.to_be_bytes()));
         }
         self.content.end_text();
         self.content.restore_state();
     }
 
-    /// Embeds a font whole, glyphs by number, with the characters that the scene shows by them.
-    fn font(&mut self, face: Face, scene: &Scene) -> Ref {
+    /// Embeds what is shown of a font, glyphs by number, with the characters that they show.
+    fn font(&mut self, face: Face, shown: &BTreeMap<u16, char>) -> Ref {
         let [font, cid, descriptor, file, unicode] = std::array::from_fn(|_| self.reference());
         let system = SystemInfo {
             registry: Str(b"Adobe"),
@@ -303,7 +311,7 @@ impl Writer {
             .encoding_predefined(Name(b"Identity-H"))
             .descendant_font(cid)
             .to_unicode(unicode);
-        let glyphs = face.parsed().number_of_glyphs();
+        let glyphs = &self.glyphs[face as usize];
         let mut object = self.pdf.cid_font(cid);
         object
             .subtype(CidFontType::Type2)
@@ -311,9 +319,12 @@ impl Writer {
             .system_info(system)
             .font_descriptor(descriptor)
             .cid_to_gid_map_predefined(Name(b"Identity"));
-        object
-            .widths()
-            .consecutive(0, (0..glyphs).map(|g| (1000.0 * face.advance(g)) as f32));
+        object.widths().consecutive(
+            0,
+            glyphs
+                .remapped_gids()
+                .map(|g| (1000.0 * face.advance(g)) as f32),
+        );
         object.finish();
         let parsed = face.parsed();
         let per_mille = |v: i16| (1000.0 * f64::from(v) / face.units()) as f32;
@@ -338,29 +349,16 @@ impl Writer {
             .cap_height((1000.0 * CAP_HEIGHT) as f32)
             .stem_v(80.0)
             .font_file2(file);
-        let data = compress_to_vec_zlib(face.data(), LEVEL);
+        let subset = subsetter::subset(face.data(), 0, &self.glyphs[face as usize])
+            .expect("the embedded font is whole");
+        let data = compress_to_vec_zlib(&subset, LEVEL);
         self.pdf
             .stream(file, &data)
             .filter(Filter::FlateDecode)
-            .pair(Name(b"Length1"), face.data().len() as i32);
-        let mut shown = BTreeSet::new();
-        for item in scene.all() {
-            if let Primitive::Text(run) = item {
-                shown.extend(
-                    run.glyphs
-                        .iter()
-                        .filter(|g| g.face == face)
-                        .map(|g| (g.id, g.character)),
-                );
-            }
-        }
+            .pair(Name(b"Length1"), subset.len() as i32);
         let mut map = UnicodeCmap::new(Name(b"Chatter"), system);
-        let mut last = None;
-        for (id, character) in shown {
-            if last != Some(id) {
-                map.pair(id, character);
-                last = Some(id);
-            }
+        for (&id, &character) in shown {
+            map.pair(id, character);
         }
         let map = compress_to_vec_zlib(&map.finish(), LEVEL);
         self.pdf.stream(unicode, &map).filter(Filter::FlateDecode);

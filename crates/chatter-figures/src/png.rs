@@ -1,5 +1,8 @@
 //! Scene to PNG, and pictures to PNG for embedding.
 
+use std::collections::HashMap;
+
+use super::color::Color;
 use super::figure_error::FigureError;
 use super::raster;
 use super::scene::{Image, Scene};
@@ -45,6 +48,8 @@ pub(super) const LEVEL: u8 = 7;
 /// Bytes per pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Channels {
+    /// A place in a palette.
+    Indexed = 1,
     Rgb = 3,
     Rgba = 4,
 }
@@ -68,8 +73,17 @@ pub(super) fn document(scene: &Scene, resolution: Resolution) -> Result<Vec<u8>,
     Ok(file)
 }
 
-/// A picture as a PNG file with opacity.
+/// A picture as a PNG file with opacity; with a palette, if that has room for its colours.
 pub(super) fn encode_image(image: &Image) -> Vec<u8> {
+    if let Some((palette, places)) = indexed(image) {
+        let mut file = start(image.width, image.height, Channels::Indexed);
+        let colors: Vec<u8> = palette.iter().flat_map(|c| [c.r, c.g, c.b]).collect();
+        let opacities: Vec<u8> = palette.iter().map(|c| c.a).collect();
+        chunk(&mut file, b"PLTE", &colors);
+        chunk(&mut file, b"tRNS", &opacities);
+        finish(&mut file, &places, image.width, Channels::Indexed);
+        return file;
+    }
     let bytes: Vec<u8> = image
         .pixels
         .iter()
@@ -80,10 +94,32 @@ pub(super) fn encode_image(image: &Image) -> Vec<u8> {
     file
 }
 
+/// The colours of a picture, in order of first mention, and the place of each pixel's among them; none if there are more
+/// than a byte can count.
+fn indexed(image: &Image) -> Option<(Vec<Color>, Vec<u8>)> {
+    let mut palette = Vec::new();
+    let mut known = HashMap::new();
+    let mut places = Vec::with_capacity(image.pixels.len());
+    let mut last = None;
+    for &color in &image.pixels {
+        let place = match last {
+            Some((same, place)) if same == color => place,
+            _ => *known.entry(color).or_insert_with(|| {
+                palette.push(color);
+                palette.len() - 1
+            }),
+        };
+        last = Some((color, place));
+        places.push(u8::try_from(place).ok()?);
+    }
+    (!palette.is_empty()).then_some((palette, places))
+}
+
 fn start(width: usize, height: usize, channels: Channels) -> Vec<u8> {
     let mut file = b"\x89PNG\r\n\x1a\n".to_vec();
     let mut header = [(width as u32).to_be_bytes(), (height as u32).to_be_bytes()].concat();
     let kind = match channels {
+        Channels::Indexed => 3,
         Channels::Rgb => 2,
         Channels::Rgba => 6,
     };

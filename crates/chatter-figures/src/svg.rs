@@ -1,23 +1,34 @@
-//! Scene to SVG: text as outlines, so that it looks the same wherever it is shown; its words are kept for readers of
-//! screens.
+//! Scene to SVG: text as text, to be searched, edited and read aloud, each character at its place, so that figures look
+//! alike in every font that has the widths of the embedded one. Arial and Helvetica have them.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
 use super::color::Color;
+use super::fonts::Face;
 use super::png;
-use super::scene::{GlyphRun, Image, Path, Primitive, Scene, Segment, Stroke, Turn};
+use super::scene::{Glyph, GlyphRun, Image, Path, Primitive, Scene, Segment, Stroke, Turn};
 
 /// The whole document.
 pub(super) fn document(scene: &Scene) -> String {
     let prolog = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-    prolog.to_owned() + &element(scene, " xmlns=\"http://www.w3.org/2000/svg\"")
+    prolog.to_owned() + &element(scene, " xmlns=\"http://www.w3.org/2000/svg\"", "chatter")
 }
 
-/// The element alone, with this text among its attributes. Inside HTML it needs no name space.
-pub(super) fn element(scene: &Scene, attributes: &str) -> String {
+/// Fonts of equal widths, where they are called so.
+const FONTS: &str = "Liberation Sans, Arimo, Arial, Helvetica, sans-serif";
+
+/// The element alone, with this text among its attributes. Inside HTML it needs no name space; whatever it refers to has
+/// a name that begins with `name`, which is to be the element's own in the page.
+pub(super) fn element(scene: &Scene, attributes: &str, name: &str) -> String {
     let mut body = String::new();
-    let mut definitions = Definitions::default();
+    let mut definitions = Definitions {
+        name: name.to_owned(),
+        ..Definitions::default()
+    };
     for item in &scene.items {
         draw(item, &mut body, &mut definitions);
     }
@@ -26,7 +37,8 @@ pub(super) fn element(scene: &Scene, attributes: &str) -> String {
     let mut out = String::with_capacity(body.len() + 4096);
     let _ = writeln!(
         out,
-        "<svg{attributes} width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {w} {h}\">",
+        "<svg{attributes} width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {w} {h}\" \
+         font-family=\"{FONTS}\">",
         mm(scene.width),
         mm(scene.height)
     );
@@ -43,25 +55,21 @@ pub(super) fn element(scene: &Scene, attributes: &str) -> String {
     out
 }
 
-/// Things drawn several times or referred to, under names made from their content: equal names mean equal things, even
-/// when several figures stand in one page.
+/// Things drawn several times or referred to, under names made from their content.
 #[derive(Default)]
 struct Definitions {
-    glyphs: BTreeSet<(super::fonts::Face, u16)>,
+    /// With what names begin.
+    name: String,
     shapes: BTreeMap<String, String>,
     clips: BTreeMap<String, String>,
 }
 
 impl Definitions {
     fn write(&self, out: &mut String) {
-        if self.glyphs.is_empty() && self.shapes.is_empty() && self.clips.is_empty() {
+        if self.shapes.is_empty() && self.clips.is_empty() {
             return;
         }
         out.push_str("<defs>\n");
-        for &(face, id) in &self.glyphs {
-            let path = path_data(&face.outline(id));
-            let _ = writeln!(out, "<path id=\"{}\" d=\"{path}\"/>", glyph_name(face, id));
-        }
         for (name, path) in &self.shapes {
             let _ = writeln!(out, "<path id=\"{name}\" d=\"{path}\"/>");
         }
@@ -73,18 +81,11 @@ impl Definitions {
         }
         out.push_str("</defs>\n");
     }
-}
 
-fn glyph_name(face: super::fonts::Face, id: u16) -> String {
-    let letter = match face {
-        super::fonts::Face::Regular => 'r',
-        super::fonts::Face::Italic => 'i',
-    };
-    format!("chatter-{letter}{id}")
-}
-
-fn content_name(kind: char, content: &str) -> String {
-    format!("chatter-{kind}{:08x}", crc32fast::hash(content.as_bytes()))
+    fn content_name(&self, kind: char, content: &str) -> String {
+        let hash = crc32fast::hash(content.as_bytes());
+        format!("{}-{kind}{hash:08x}", self.name)
+    }
 }
 
 fn draw(item: &Primitive, out: &mut String, definitions: &mut Definitions) {
@@ -107,7 +108,7 @@ fn draw(item: &Primitive, out: &mut String, definitions: &mut Definitions) {
                 return;
             }
             let data = path_data(shape);
-            let name = content_name('s', &data);
+            let name = definitions.content_name('s', &data);
             out.push_str("<g");
             paint(fill, stroke, out);
             out.push_str(">\n");
@@ -123,10 +124,10 @@ fn draw(item: &Primitive, out: &mut String, definitions: &mut Definitions) {
             definitions.shapes.insert(name, data);
         }
         Primitive::Image(image) => draw_image(image, out),
-        Primitive::Text(run) => draw_text(run, out, definitions),
+        Primitive::Text(run) => draw_text(run, out),
         Primitive::Clip { rect, items } => {
             let data = path_data(&rect.path());
-            let name = content_name('c', &data);
+            let name = definitions.content_name('c', &data);
             let _ = writeln!(out, "<g clip-path=\"url(#{name})\">");
             items.iter().for_each(|item| draw(item, out, definitions));
             out.push_str("</g>\n");
@@ -145,42 +146,43 @@ fn draw_image(image: &Image, out: &mut String) {
         number(r.top),
         number(r.width()),
         number(r.height()),
-        base64(&png::encode_image(image))
+        STANDARD.encode(png::encode_image(image))
     );
 }
 
-fn draw_text(run: &GlyphRun, out: &mut String, definitions: &mut Definitions) {
-    let _ = write!(
-        out,
-        "<g role=\"img\" aria-label=\"{}\"",
-        escaped(&run.source)
-    );
-    paint(&Some(run.color), &None, out);
+fn draw_text(run: &GlyphRun, out: &mut String) {
     let turn = match run.turn {
         Turn::None => "",
         Turn::Left => " rotate(-90)",
     };
-    let _ = writeln!(
+    out.push_str("<text xml:space=\"preserve\"");
+    paint(&Some(run.color), &None, out);
+    let _ = write!(
         out,
         " transform=\"translate({} {}){turn}\">",
         number(run.x),
         number(run.y)
     );
-    for g in &run.glyphs {
-        if g.face.ink(g.id).is_none() {
-            continue;
-        }
-        let scale = g.size / g.face.units();
-        let _ = writeln!(
+    let together =
+        |a: &Glyph, b: &Glyph| a.face == b.face && a.size == b.size && number(a.y) == number(b.y);
+    for glyphs in run.glyphs.chunk_by(together) {
+        let first = &glyphs[0];
+        let places: Vec<String> = glyphs.iter().map(|g| number(g.x)).collect();
+        let style = match first.face {
+            Face::Regular => "",
+            Face::Italic => " font-style=\"italic\"",
+        };
+        let text: String = glyphs.iter().map(|g| g.character).collect();
+        let _ = write!(
             out,
-            "<use href=\"#{}\" transform=\"translate({} {}) scale({scale:.6})\"/>",
-            glyph_name(g.face, g.id),
-            number(g.x),
-            number(g.y)
+            "<tspan x=\"{}\" y=\"{}\" font-size=\"{}\"{style}>{}</tspan>",
+            places.join(" "),
+            number(first.y),
+            number(first.size),
+            escaped(&text)
         );
-        definitions.glyphs.insert((g.face, g.id));
     }
-    out.push_str("</g>\n");
+    out.push_str("</text>\n");
 }
 
 fn paint(fill: &Option<Color>, stroke: &Option<Stroke>, out: &mut String) {
@@ -272,40 +274,9 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// Base 64 (RFC 4648).
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let byte = |k: usize| u32::from(group.get(k).copied().unwrap_or(0));
-        let bits = (byte(0) << 16) | (byte(1) << 8) | byte(2);
-        for k in 0..4 {
-            if k <= group.len() {
-                out.push(char::from(DIGITS[((bits >> (18 - 6 * k)) & 63) as usize]));
-            } else {
-                out.push('=');
-            }
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base_64_of_the_standard() {
-        for (plain, coded) in [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foobar", "Zm9vYmFy"),
-        ] {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-    }
 
     #[test]
     fn numbers_are_short() {

@@ -16,6 +16,38 @@ pub(super) struct Ticks {
     pub(super) minor: Vec<f64>,
     /// What each label is to be multiplied by and added to, as a label for the end of the axis.
     pub(super) notation: Option<String>,
+    /// Whether that is a power of ten.
+    pub(super) powers: bool,
+}
+
+/// Which numbers there are along an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Numbers {
+    /// All.
+    #[default]
+    Real,
+    /// Whole ones, such as periods: no tick stands between them.
+    Whole,
+}
+
+/// How numbers are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Notation {
+    /// Plainly, unless that takes many figures.
+    #[default]
+    Plain,
+    /// As in a panel in which another axis has a power of ten: with one, too, unless they are near one.
+    Powers,
+}
+
+impl Notation {
+    /// Decades of the largest number that are written plainly.
+    fn plain_decades(self) -> core::ops::RangeInclusive<i32> {
+        match self {
+            Notation::Plain => LEAST_PLAIN_DECADE..=LARGEST_PLAIN_DECADE,
+            Notation::Powers => -1..=2,
+        }
+    }
 }
 
 /// Most significant figures that labels show without an offset.
@@ -78,8 +110,12 @@ impl Step {
     }
 
     /// Into how many parts minor ticks divide it.
-    fn parts(self) -> i64 {
-        if self.mantissa == 2 { 4 } else { 5 }
+    fn parts(self, numbers: Numbers) -> i64 {
+        match (numbers, self.exponent, self.mantissa) {
+            (Numbers::Whole, ..=0, whole) => whole,
+            (.., 2) => 4,
+            _ => 5,
+        }
     }
 }
 
@@ -88,23 +124,44 @@ fn decimal(n: i128, exponent: i32) -> f64 {
     format!("{n}e{exponent}").parse().expect("a decimal number")
 }
 
-/// Ticks of a linear axis from `low` to `high` (`low < high`, both finite) at multiples of 1, 2 or 5 times a power of
-/// ten: at most `most + 1` of them (`most >= 1`), but never fewer than two.
-pub(super) fn linear(low: f64, high: f64, most: usize) -> Ticks {
+/// A step that divides `low` to `high` into `most` parts at most, but never into fewer than one unless there are fewer
+/// whole numbers; and the first and the last multiple of it.
+fn division(low: f64, high: f64, most: usize, numbers: Numbers) -> (Step, i64, i64) {
+    const UNIT: Step = Step {
+        mantissa: 1,
+        exponent: 0,
+    };
     let raw = (high / most as f64) - (low / most as f64);
+    let whole = numbers == Numbers::Whole;
     let mut step = Step::at_least(raw);
+    if whole && step.exponent < 0 {
+        step = UNIT;
+    }
     let (mut first, mut last) = step.within(low, high);
-    while last <= first {
+    while last <= first && !(whole && step == UNIT) {
         step = step.finer();
         (first, last) = step.within(low, high);
     }
-    let size = step.times(1);
+    (step, first, last)
+}
+
+/// Ticks of a linear axis from `low` to `high` (`low < high`, both finite) at multiples of 1, 2 or 5 times a power of
+/// ten: at most `most + 1` of them (`most >= 1`), but never fewer than two, unless there are fewer whole numbers on an
+/// axis of such.
+pub(super) fn linear(
+    low: f64,
+    high: f64,
+    most: usize,
+    numbers: Numbers,
+    notation: Notation,
+) -> Ticks {
+    let (step, first, last) = division(low, high, most, numbers);
     let multiples: Vec<i64> = (first..=last).collect();
-    let numbers: Vec<i128> = multiples
+    let written: Vec<i128> = multiples
         .iter()
         .map(|&n| i128::from(n) * i128::from(step.mantissa))
         .collect();
-    let (labels, notation) = write_numbers(&numbers, step.exponent);
+    let (labels, shared) = write_numbers(&written, step.exponent, notation);
     let major = multiples
         .iter()
         .zip(labels)
@@ -113,22 +170,72 @@ pub(super) fn linear(low: f64, high: f64, most: usize) -> Ticks {
             label,
         })
         .collect();
-    let parts = step.parts();
-    let fine = size / parts as f64;
-    let minor = ((first - 1) * parts..=(last + 1) * parts)
-        .filter(|n| n % parts != 0)
-        .map(|n| n as f64 * fine)
-        .filter(|&x| x >= low && x <= high)
-        .collect();
+    let (notation, powers) = shared.map_or((None, false), |shared| (Some(shared.0), shared.1));
     Ticks {
         major,
-        minor,
+        minor: between(step, (first, last), (low, high), numbers),
         notation,
+        powers,
     }
 }
 
-/// Labels of the numbers `n · 10^exponent`, and the notation they share.
-fn write_numbers(numbers: &[i128], exponent: i32) -> (Vec<String>, Option<String>) {
+/// Minor ticks.
+fn between(
+    step: Step,
+    (first, last): (i64, i64),
+    (low, high): (f64, f64),
+    numbers: Numbers,
+) -> Vec<f64> {
+    let parts = step.parts(numbers);
+    let fine = step.times(1) / parts as f64;
+    ((first - 1) * parts..=(last + 1) * parts)
+        .filter(|n| n % parts != 0)
+        .map(|n| n as f64 * fine)
+        .filter(|&x| x >= low && x <= high)
+        .collect()
+}
+
+/// Ticks of a scale of which each side of `centre` has a unit of its own (`low < centre < high`): each number is written
+/// in full.
+pub(super) fn two_sided(low: f64, centre: f64, high: f64, most: usize) -> Ticks {
+    let mut ticks = Ticks::default();
+    for (from, to) in [(low, centre), (centre, high)] {
+        let (step, first, last) = division(from, to, most.div_ceil(2), Numbers::Real);
+        for n in first..=last {
+            let at = step.times(n).clamp(from, to);
+            if ticks.major.last().is_none_or(|tick: &Tick| tick.at < at) {
+                let digits = i128::from(n) * i128::from(step.mantissa);
+                let label = alone(digits, step.exponent);
+                ticks.major.push(Tick { at, label });
+            }
+        }
+        ticks
+            .minor
+            .extend(between(step, (first, last), (from, to), Numbers::Real));
+    }
+    ticks
+}
+
+/// A number written without regard to others.
+fn alone(n: i128, exponent: i32) -> String {
+    let decade = digits(n) as i32 - 1 + exponent;
+    match n == 0 || (LEAST_PLAIN_DECADE..=LARGEST_PLAIN_DECADE).contains(&decade) {
+        true if n == 0 => "0".to_owned(),
+        true => plain(n, exponent),
+        false => format!(
+            "${}{}$",
+            if n < 0 { "\u{2212}" } else { "" },
+            scientific_or_plain(n.abs(), exponent)
+        ),
+    }
+}
+
+/// Labels of the numbers `n · 10^exponent`, and the notation they share, and whether there is a power of ten in it.
+fn write_numbers(
+    numbers: &[i128],
+    exponent: i32,
+    notation: Notation,
+) -> (Vec<String>, Option<(String, bool)>) {
     let largest = numbers.iter().map(|n| n.abs()).max().unwrap_or(0);
     let (first, last) = (
         numbers.first().copied().unwrap_or(0),
@@ -146,17 +253,18 @@ fn write_numbers(numbers: &[i128], exponent: i32) -> (Vec<String>, Option<String
             Some(factor) => format!("$\\times{} {sign} {}$", power_of_ten(factor), size),
             None => format!("${sign}\\,{size}$"),
         };
-        return (labels, Some(text));
+        return (labels, Some((text, factor.is_some())));
     }
     let decade = figures as i32 - 1 + exponent;
-    if largest == 0 || (LEAST_PLAIN_DECADE..=LARGEST_PLAIN_DECADE).contains(&decade) {
+    if largest == 0 || notation.plain_decades().contains(&decade) {
         return (numbers.iter().map(|&n| plain(n, exponent)).collect(), None);
     }
     let labels = numbers
         .iter()
         .map(|&n| plain(n, exponent - decade))
         .collect();
-    (labels, Some(format!("$\\times{}$", power_of_ten(decade))))
+    let text = format!("$\\times{}$", power_of_ten(decade));
+    (labels, Some((text, true)))
 }
 
 /// The roundest number among those from `first` to `last`, or one below with as many figures more as they spread over.
@@ -247,7 +355,7 @@ const DECADES_WITH_MINOR: i32 = 10;
 
 /// Ticks of a logarithmic axis from `low` to `high` (`0 < low < high`): at most `most + 1` powers of ten; within less
 /// than two decades 1, 2 and 5 times them, and round numbers within still less.
-pub(super) fn logarithmic(low: f64, high: f64, most: usize) -> Ticks {
+pub(super) fn logarithmic(low: f64, high: f64, most: usize, notation: Notation) -> Ticks {
     let slack = 1e-9;
     let (log_low, log_high) = (libm::log10(low) - slack, libm::log10(high) + slack);
     let (first, last) = (libm::ceil(log_low) as i32, libm::floor(log_high) as i32);
@@ -287,7 +395,7 @@ pub(super) fn logarithmic(low: f64, high: f64, most: usize) -> Ticks {
         return Ticks {
             major,
             minor,
-            notation: None,
+            ..Ticks::default()
         };
     }
     let few: Vec<(i128, i32)> = subdivisions(&[1, 2, 5]).collect();
@@ -309,16 +417,24 @@ pub(super) fn logarithmic(low: f64, high: f64, most: usize) -> Ticks {
         return Ticks {
             major,
             minor,
-            notation: None,
+            ..Ticks::default()
         };
     }
-    linear(low, high, most)
+    linear(low, high, most, Numbers::Real, notation)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    fn linear(low: f64, high: f64, most: usize) -> Ticks {
+        super::linear(low, high, most, Numbers::Real, Notation::Plain)
+    }
+
+    fn logarithmic(low: f64, high: f64, most: usize) -> Ticks {
+        super::logarithmic(low, high, most, Notation::Plain)
+    }
 
     fn labels(t: &Ticks) -> Vec<&str> {
         t.major.iter().map(|t| t.label.as_str()).collect()
@@ -367,6 +483,42 @@ mod tests {
         assert_eq!(
             linear(0.0, 3e7, 3).notation.as_deref(),
             Some("$\\times10^{7}$")
+        );
+    }
+
+    #[test]
+    fn beside_a_power_of_ten_small_numbers_have_one_too() {
+        let powers = |low, high| super::linear(low, high, 4, Numbers::Real, Notation::Powers);
+        let t = powers(0.0, 0.004);
+        assert_eq!(labels(&t), ["0", "1", "2", "3", "4"]);
+        assert_eq!(t.notation.as_deref(), Some("$\\times10^{-3}$"));
+        assert!(t.powers);
+        let t = powers(0.0, 0.8);
+        assert_eq!((labels(&t)[1], t.powers), ("0.2", false));
+    }
+
+    #[test]
+    fn whole_numbers_have_no_ticks_between_them() {
+        let whole =
+            |low, high, most| super::linear(low, high, most, Numbers::Whole, Notation::Plain);
+        let t = whole(0.5, 3.5, 8);
+        assert_eq!((labels(&t), t.minor.len()), (vec!["1", "2", "3"], 0));
+        assert_eq!(labels(&whole(6.7, 7.3, 5)), ["7"]);
+        let t = whole(0.0, 10.0, 5);
+        assert_eq!(labels(&t), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(t.minor, [1.0, 3.0, 5.0, 7.0, 9.0]);
+        let t = whole(0.0, 60.0, 6);
+        assert_eq!((labels(&t)[1], t.minor[0]), ("10", 2.0));
+    }
+
+    #[test]
+    fn each_side_of_a_centre_has_ticks_of_its_own() {
+        let t = two_sided(-4.0, 0.0, 0.2, 5);
+        assert_eq!(labels(&t), ["−4", "−2", "0", "0.1", "0.2"]);
+        let t = two_sided(-4.0, 0.0, 2e-7, 4);
+        assert_eq!(
+            labels(&t),
+            ["−4", "−2", "0", "$1\\times10^{-7}$", "$2\\times10^{-7}$"]
         );
     }
 

@@ -28,8 +28,7 @@ fn everything() -> Figure {
                         .dash(Dash::Dashed),
                 )
                 .with(Markers::new(sparse(&x), sparse(&y)))
-                .with(Rule::horizontal(0.0).label("<rule>"))
-                .with(Note::new(1.0, 5.0, "note")),
+                .with(Rule::horizontal(0.0).label("<rule>")),
         )
         .panel(
             Panel::new(Axis::new("$a$").logarithmic(), Axis::new("$b$")).with(HeatMap::new(
@@ -98,7 +97,6 @@ fn check_xml(text: &str) {
         }
     }
     assert!(open.is_empty() && rest.trim().is_empty());
-    assert!(!references.is_empty());
     for r in references {
         assert_eq!(ids.iter().filter(|id| **id == r).count(), 1, "{r}");
     }
@@ -122,7 +120,7 @@ fn svg_is_well_formed() {
     let svg = everything().svg().unwrap();
     check_xml(&svg);
     assert!(svg.contains("<title>Everything &amp; &lt;more&gt;</title>"));
-    assert!(svg.contains("aria-label=\"a &lt; b &amp; &quot;c&quot;\""));
+    assert!(svg.contains(">a &lt; b &amp; &quot;c&quot;</tspan>"));
 }
 
 #[test]
@@ -290,8 +288,7 @@ fn odd_data_are_drawn_or_refused_but_never_bring_it_down() {
                     .with(Line::new(vec![a, b, 1.0], vec![b, a, 2.0]).label("line"))
                     .with(Markers::new(vec![a], vec![b]))
                     .with(Spans::new(vec![(a, b)]))
-                    .with(Rule::vertical(a))
-                    .with(Note::new(a, b, "note"));
+                    .with(Rule::vertical(a));
                 let figure = Figure::from(panel);
                 check_xml(&figure.svg().unwrap());
                 figure.png(Resolution(50.0)).unwrap();

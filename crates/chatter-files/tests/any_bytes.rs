@@ -7,7 +7,7 @@ mod journal;
 mod npz;
 
 use chatter_files::journal::{Found, Journal};
-use chatter_files::tables::{Dataset, Table};
+use chatter_files::tables::{Dataset, NpzReader, Table};
 use std::path::PathBuf;
 
 /// Changed files a test; `CHATTER_ANY_BYTES` sets another number, for long runs.
@@ -155,6 +155,39 @@ fn repair_journal(bytes: &mut [u8]) {
     }
 }
 
+/// An archive of one array, compressed as `numpy.savez_compressed` does.
+fn compressed() -> Vec<u8> {
+    let mut header = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    header.extend(b"{'descr': '<f8', 'fortran_order': False, 'shape': (40,), }");
+    header.resize(127, b' ');
+    header.push(b'\n');
+    let numbers = (0..40).flat_map(|k| (f64::from(k) / 7.0).to_le_bytes());
+    let array: Vec<u8> = header.into_iter().chain(numbers).collect();
+    let packed = miniz_oxide::deflate::compress_to_vec(&array, 6);
+    let about = |bytes: &mut Vec<u8>| {
+        bytes.extend([20, 0, 0, 0, 8, 0, 0, 0, 0x21, 0]);
+        bytes.extend(crc32(&array).to_le_bytes());
+        bytes.extend((packed.len() as u32).to_le_bytes());
+        bytes.extend((array.len() as u32).to_le_bytes());
+        bytes.extend([5, 0, 0, 0]);
+    };
+    let mut file = b"PK\x03\x04".to_vec();
+    about(&mut file);
+    file.extend(b"x.npy");
+    file.extend(&packed);
+    let directory = file.len();
+    file.extend(b"PK\x01\x02\x14\x00");
+    about(&mut file);
+    file.extend([0; 14]);
+    file.extend(b"x.npy");
+    let length = file.len() - directory;
+    file.extend(b"PK\x05\x06\0\0\0\0\x01\0\x01\0");
+    file.extend((length as u32).to_le_bytes());
+    file.extend((directory as u32).to_le_bytes());
+    file.extend([0, 0]);
+    file
+}
+
 #[test]
 fn archives_of_any_bytes_are_read_or_refused() {
     let folder = Folder::new("npz");
@@ -166,12 +199,16 @@ fn archives_of_any_bytes_are_read_or_refused() {
         .column("outcome", vec!["chaotic", "", "périodique Ω"]);
     let data = Dataset::new().table(table).text("model", "y = \"v\"\n");
     data.write(&whole).unwrap();
-    let good = std::fs::read(&whole).unwrap();
+    let stored = std::fs::read(&whole).unwrap();
     let path = folder.0.join("a.npz");
-    npz::law(&path, &good);
+    std::fs::write(&path, compressed()).unwrap();
+    let numbers = NpzReader::open(&path).unwrap().floats("x").unwrap();
+    assert_eq!((numbers.len(), numbers[39]), (40, 39.0 / 7.0));
+    let seeds = [stored, compressed()];
+    seeds.iter().for_each(|good| npz::law(&path, good));
     let mut random = Random(1);
-    for _ in 0..executions() {
-        let mut bytes = good.clone();
+    for k in 0..executions() {
+        let mut bytes = seeds[(k % 2) as usize].clone();
         random.change(&mut bytes);
         if random.below(2) == 0 {
             repair_archive(&mut bytes);

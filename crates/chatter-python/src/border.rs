@@ -3,24 +3,17 @@
 use crate::errors::{raised, unreadable};
 use crate::interruptible::{Listener, interruptible};
 use crate::model::Core;
-use chatter::analysis::border::{BorderSpec, border_near, search_range};
+use chatter::analysis::border::BorderSpec;
 use chatter::analysis::universal::Argument;
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
-use chatter_work::border::{Answer, Subject, compared, document, refused};
+use chatter_work::border::{Place, Subject, document, find};
 use chatter_work::numbers::Digits;
 use chatter_work::options::{Counts, Precision, Quantity, SectionOption};
-use chatter_work::{Observer, Refusal, parallel};
+use chatter_work::{Observer, Refusal};
 use pyo3::prelude::*;
 use std::str::FromStr;
 use std::sync::Arc;
-
-/// Where borders are looked for.
-#[derive(Clone, Copy)]
-enum Place {
-    Near(f64),
-    Range(f64, f64),
-}
 
 /// What was asked, but for the digits.
 struct Question {
@@ -117,31 +110,10 @@ fn answer<R: Real + Argument<Real = R>>(
         excursions: spec.excursions,
         windows: question.windows,
     };
-    let found = match question.place {
-        Place::Near(value) => {
-            let border = border_near::<R>(model, spec, value).map_err(refused)?;
-            Answer::One {
-                compared: compared(&subject, spec, &border)?,
-                border: Box::new(border),
-            }
-        }
-        Place::Range(low, high) => {
-            let found = search_range::<R>(model, spec, (low, high), &mut |reached| {
-                listener.progress(reached.done, &|| format!("{} borders", reached.borders));
-                listener.going_on()
-            });
-            let found = found.map_err(refused)?;
-            let windows = parallel::each(&found.borders, listener.stop(), |border| {
-                compared(&subject, spec, border)
-            })?;
-            Answer::All {
-                found,
-                compared: Some(windows),
-                low,
-                high,
-            }
-        }
-    };
+    let found = find::<R>(&subject, spec, question.place, listener)?;
+    if listener.going_on().is_break() {
+        return Err(Refusal::Interrupted);
+    }
     let document = document(&subject, &found);
     serde_json::to_string(&document).map_err(|error| Refusal::Output(error.to_string()))
 }

@@ -5,6 +5,7 @@ mod arrays;
 mod border;
 mod diagram;
 mod errors;
+mod exponents;
 mod interruptible;
 mod model;
 mod periodic;
@@ -29,6 +30,8 @@ fn _chatter(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(border::border, module)?)?;
     module.add_function(wrap_pyfunction!(periodic::orbit, module)?)?;
     module.add_function(wrap_pyfunction!(periodic::branches, module)?)?;
+    module.add_function(wrap_pyfunction!(periodic::curve, module)?)?;
+    module.add_function(wrap_pyfunction!(exponents::exponents, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     Ok(())
 }

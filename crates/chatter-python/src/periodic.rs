@@ -4,7 +4,8 @@ use crate::errors::{raised, unreadable};
 use crate::interruptible::interruptible;
 use crate::model::Core;
 use chatter::analysis::periodic::{
-    Beside, BranchSpec, End, Limits, Point, Search, Spec, all, branches as follow, settled,
+    Beside, Branch, BranchSpec, End, Known, Limits, Point, Search, Spec, SpecialKind, all,
+    branches as follow, settled, special_curve,
 };
 use chatter::model::Model;
 use chatter_work::numbers::Digits;
@@ -114,27 +115,17 @@ pub fn branches(
     step: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    if !(step > 0.0 && step <= 1.0) {
-        return Err(unreadable(
-            "step",
-            format!("{step} is no part of the range, above 0 and at most 1"),
-        ));
-    }
+    check_step(step)?;
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
         let spec = specification(&mut model, period, section.as_deref())?;
         let parameter = free_parameter(&model, &parameter)?;
-        let mut end = |text: String| Quantity(text).value(&mut model, "--sweep");
-        let range = (end(low)?.high(), end(high)?.high());
+        let limits = limits(&mut model, (low, high), impacts, points, step)?;
+        let range = limits.range;
         let what = BranchSpec {
             parameter,
-            limits: Limits {
-                range,
-                impacts,
-                points,
-                longest_step: step,
-            },
+            limits,
             beside: Beside {
                 doublings,
                 branch_points,
@@ -158,4 +149,98 @@ pub fn branches(
         ))
     })?;
     found.map_err(raised)
+}
+
+/// The document of the curve of a special point in two parameters: the first, which is left free, and the second, which is
+/// followed over a range. The model is at the values of the point; `state` has all its states in order.
+#[pyfunction]
+#[pyo3(signature = (core, kind, state, orbit_period, parameters, low, high, *, period=None, section=None, impacts=IMPACTS,
+                    points=POINTS, step=STEP, progress=None))]
+#[allow(clippy::too_many_arguments)]
+pub fn curve(
+    py: Python<'_>,
+    core: &Core,
+    kind: &str,
+    state: Vec<f64>,
+    orbit_period: f64,
+    parameters: (String, String),
+    low: String,
+    high: String,
+    period: Option<String>,
+    section: Option<String>,
+    impacts: u64,
+    points: usize,
+    step: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    check_step(step)?;
+    let mut kinds = SpecialKind::ALL.into_iter();
+    let kind = kinds.find(|known| known.name() == kind);
+    let kind =
+        kind.ok_or_else(|| unreadable("kind", "no special point is called so".to_owned()))?;
+    let known = Known {
+        kind,
+        state,
+        period: orbit_period,
+    };
+    let about = (Arc::clone(&core.model), core.name.clone());
+    let found = interruptible(py, progress, move |listener| {
+        let mut model = (*about.0).clone();
+        let spec = specification(&mut model, period, section.as_deref())?;
+        let free = [
+            free_parameter(&model, &parameters.0)?,
+            free_parameter(&model, &parameters.1)?,
+        ];
+        if free[0] == free[1] {
+            let message = format!("`{}` is named twice: expected two parameters", parameters.0);
+            return Err(Refusal::input(message));
+        }
+        let limits = limits(&mut model, (low, high), impacts, points, step)?;
+        let (low, high) = limits.range;
+        let curve = special_curve(&model, &spec, (free, &known), &limits, &mut |point| {
+            let at = point.parameters.last().copied().unwrap_or(low);
+            listener.progress(((at - low) / (high - low)).clamp(0.0, 1.0), &|| {
+                format!("{at}")
+            });
+            listener.going_on()
+        });
+        let curve = curve.map_err(|error| refused(&error, &model))?;
+        if curve.ends.contains(&End::Interrupted) {
+            return Err(Refusal::Interrupted);
+        }
+        let branch = Branch {
+            points: curve.points,
+            special: Vec::new(),
+            ends: curve.ends,
+        };
+        let subject = subject(&about, free.to_vec(), Digits::DOUBLE);
+        written(&branch_document(&subject, &[branch], Some(kind)))
+    })?;
+    found.map_err(raised)
+}
+
+fn check_step(step: f64) -> PyResult<()> {
+    if step > 0.0 && step <= 1.0 {
+        return Ok(());
+    }
+    Err(unreadable(
+        "step",
+        format!("{step} is no part of the range, above 0 and at most 1"),
+    ))
+}
+
+fn limits(
+    model: &mut Model,
+    (low, high): (String, String),
+    impacts: u64,
+    points: usize,
+    longest_step: f64,
+) -> Result<Limits, Refusal> {
+    let mut end = |text: String| Quantity(text).value(model, "--sweep");
+    Ok(Limits {
+        range: (end(low)?.high(), end(high)?.high()),
+        impacts,
+        points,
+        longest_step,
+    })
 }

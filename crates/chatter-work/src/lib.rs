@@ -8,6 +8,7 @@ pub mod border;
 pub mod columns;
 pub mod data_files;
 pub mod diagram;
+pub mod exponents;
 pub mod json;
 pub mod model_tables;
 pub mod named;

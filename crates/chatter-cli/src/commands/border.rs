@@ -1,22 +1,20 @@
 //! `chatter border`: border orbits and their normal form.
 
 use crate::accounts::border::account;
-use crate::border::{Answer, Subject, compared, document, picture, refused};
+use crate::border::{Answer, Place, Subject, document, find, overlay, picture};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
     Assignment, Count, Counts, FigureFile, Loaded, ModelOptions, Precision, Quantity,
-    SectionOption, Window,
+    SectionOption, TableFile, Window,
 };
-use crate::parallel;
-use crate::terminal::{self, Console, Progress, Style, Waiting};
-use chatter::analysis::border::{BorderSpec, Borders, border_near, search_range};
+use crate::terminal::{self, Console, Style};
+use chatter::analysis::border::BorderSpec;
 use chatter::analysis::universal::Argument;
 use chatter::model::{Warning, check};
 use chatter::numerics::{DoubleDouble, Real};
 use clap::{ArgGroup, Args};
-use core::ops::ControlFlow;
-use std::time::Instant;
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -26,7 +24,7 @@ EXAMPLES
   chatter border pressure_relief_valve --parameter q --near 0.02 --section y3=10.05 --windows 20:60
   chatter border impact_oscillator --parameter sigma --range -1:1
   chatter border impact_oscillator --parameter sigma --near 0.1234 --windows 10:15 --plot cascade.png
-  chatter border cam_follower --parameter speed --near 620 --windows 3:9 --plot cam.png
+  chatter border cam_follower --parameter speed --near 620 --windows 3:9 --plot cam.png --out cam.csv
 
 A border orbit is released from contact, chatters, and its infinitely many impacts end exactly at the release point: it
 separates orbits with complete chatter from those whose chatter ends in flight. Four impacts or more, close to each
@@ -34,6 +32,9 @@ other against the way to release, are chatter; what comes before them are long f
 are followed, each to the first chatter that ends there. Near its parameter value p* the dynamics are those of
 z -> Upsilon(K z + mu), mu = M (p - p*); `chatter universal` has more on that map. Windows are predicted from it, and
 found in the model by Newton's method on its return map.
+
+--plot and --out follow the model's orbits and the predicted ones over the windows. The table has origin (simulated,
+predicted), the parameter, the states after the first impact, and straightened, the coordinate less that for z = 0.
 
 JSON
   One document: parameter, value, error, restitution, chatter_fixed_point, lambda, eta, exponent, release and
@@ -96,9 +97,13 @@ pub struct Arguments {
     #[arg(long, value_name = "FIRST:LAST", allow_hyphen_values = true)]
     windows: Option<Counts>,
 
-    /// Draw the model's orbits over these windows beside and under the predicted ones, .svg, .png or .pdf
+    /// Draw the model's orbits over these windows under the edges of the predicted ones, and these, .svg, .png or .pdf
     #[arg(long, value_name = "FILE", conflicts_with = "range")]
     plot: Option<FigureFile>,
+
+    /// Write these orbits as a table, .csv or .npz
+    #[arg(long, value_name = "FILE", conflicts_with = "range")]
+    out: Option<TableFile>,
 
     /// Digits of the numbers in the output, up to 30. Without it ten in text, all of a double in JSON
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
@@ -142,7 +147,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         (Some(near), _) => Place::Near(near.value(&mut model, "--near")?.to_f64()),
         (None, Some(range)) => {
             let (low, high) = range.ends(&mut model, "--range")?;
-            Place::Range { low, high }
+            Place::Range(low, high)
         }
         (None, None) => return Err(Failure::input("expected --near or --range")),
     };
@@ -166,109 +171,74 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         excursions: spec.excursions,
         windows: arguments.windows,
     };
-    let plot = arguments.plot.as_ref();
-    if matches!(place, Place::Range { .. }) {
-        // What was found is told.
-        terminal::catch_interrupts();
+    // What was found is told.
+    terminal::catch_interrupts();
+    let question = Question {
+        subject: &subject,
+        spec: &spec,
+        place,
+        arguments,
+    };
+    if digits.fit_double() {
+        question.answer::<f64>()
     } else {
-        terminal::end_on_interrupt();
+        question.answer::<DoubleDouble>()
     }
-    let (answer, code) = if digits.fit_double() {
-        answer::<f64>(&subject, &spec, place, plot, arguments.json)?
-    } else {
-        answer::<DoubleDouble>(&subject, &spec, place, plot, arguments.json)?
-    };
-    answer.print()?;
-    Ok(code)
 }
 
-/// Where borders are looked for.
-#[derive(Clone, Copy)]
-enum Place {
-    Near(f64),
-    Range { low: f64, high: f64 },
-}
-
-fn answer<R: Real + Argument<Real = R>>(
-    subject: &Subject,
-    spec: &BorderSpec,
+struct Question<'a> {
+    subject: &'a Subject<'a>,
+    spec: &'a BorderSpec,
     place: Place,
-    plot: Option<&FigureFile>,
-    json: bool,
-) -> Result<(terminal::Answer, u8), Failure> {
-    let mut code = failure::SUCCESS;
-    let answer = match place {
-        Place::Near(value) => {
-            let waiting = Waiting::new("looking for the border orbit");
-            let border = border_near::<R>(subject.model, spec, value).map_err(refused)?;
-            drop(waiting);
-            let waiting = Waiting::new("looking for its windows");
-            let compared = compared(subject, spec, &border)?;
-            drop(waiting);
-            if let Some(FigureFile(path)) = plot {
-                terminal::catch_interrupts();
-                picture(subject, spec, &border, &compared, &Console::new())?
-                    .write(path)
-                    .map_err(|error| Failure::Output(error.to_string()))?;
-            }
-            Answer::One {
-                border: Box::new(border),
-                compared,
-            }
-        }
-        Place::Range { low, high } => {
-            let found = search(subject, spec, (low, high))?;
-            let waiting = Waiting::new("looking for their windows");
-            let compared = match found.is_complete {
-                true => parallel::each(&found.borders, |border| compared(subject, spec, border)),
-                false => Err(Failure::Interrupted),
-            };
-            drop(waiting);
-            let compared = match compared {
-                Err(Failure::Interrupted) => {
-                    code = failure::INTERRUPTED;
-                    None
-                }
-                compared => Some(compared?),
-            };
-            Answer::All {
-                found,
-                compared,
-                low,
-                high,
-            }
-        }
-    };
-    let answer = if json {
-        terminal::Answer::Document(document(subject, &answer))
-    } else {
-        terminal::Answer::Text(account(subject, &answer, Style::of_stdout()))
-    };
-    Ok((answer, code))
+    arguments: &'a Arguments,
 }
 
-/// All borders of a range, or those found before Ctrl-C.
-fn search<R: Real + Argument<Real = R>>(
-    subject: &Subject,
-    spec: &BorderSpec,
-    range: (f64, f64),
-) -> Result<Borders<R>, Failure> {
-    let mut progress = Progress::new();
-    let began = Instant::now();
-    let found = search_range::<R>(subject.model, spec, range, &mut |reached| {
-        progress.show(reached.done, || {
-            let rate = reached.done * spec.samples as f64 / began.elapsed().as_secs_f64();
-            let borders = match reached.borders {
-                1 => "1 border".to_owned(),
-                count => format!("{count} borders"),
-            };
-            format!("{borders}, {rate:.0} parts/s")
-        });
-        match terminal::interrupted() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+impl Question<'_> {
+    fn answer<R: Real + Argument<Real = R>>(&self) -> Result<u8, Failure> {
+        let (subject, spec) = (self.subject, self.spec);
+        let answer = find::<R>(subject, spec, self.place, &Console::new())?;
+        let written = match answer.is_complete() {
+            true => self.write(&answer)?,
+            false => Vec::new(),
+        };
+        let told = match self.arguments.json {
+            true => terminal::Answer::Document(document(subject, &answer)),
+            false => {
+                let mut text = account(subject, &answer, Style::of_stdout());
+                for path in written {
+                    text += &format!("wrote {}\n", path.display());
+                }
+                terminal::Answer::Text(text)
+            }
+        };
+        told.print()?;
+        Ok(match answer.is_complete() {
+            true => failure::SUCCESS,
+            false => failure::INTERRUPTED,
+        })
+    }
+
+    /// Figure and table of the orbits.
+    fn write<R: Real>(&self, answer: &Answer<R>) -> Result<Vec<PathBuf>, Failure> {
+        let Arguments { plot, out, .. } = self.arguments;
+        let Answer::One { border, compared } = answer else {
+            return Ok(Vec::new());
+        };
+        if plot.is_none() && out.is_none() {
+            return Ok(Vec::new());
         }
-    });
-    progress.finish();
-    found.map_err(refused)
+        let windows = compared.as_deref().unwrap_or_default();
+        let overlay = overlay(self.subject, self.spec, border, windows, &Console::new())?;
+        let mut written = Vec::new();
+        if let Some(TableFile(path)) = out {
+            let table = overlay.dataset(self.subject).write(path);
+            written.extend(table.map_err(|error| Failure::Output(error.to_string()))?);
+        }
+        if let Some(FigureFile(path)) = plot {
+            let figure = picture(self.subject, &overlay).write(path);
+            figure.map_err(|error| Failure::Output(error.to_string()))?;
+            written.push(path.clone());
+        }
+        Ok(written)
+    }
 }

@@ -1,18 +1,14 @@
 //! `chatter exponents`: all Lyapunov exponents.
 
-use super::going_on;
 use crate::aligned::{Side, aligned};
 use crate::failure::{self, Failure};
-use crate::json::{Json, Object};
-use crate::numbers::{Digits, concise};
+use crate::numbers::concise;
 use crate::options::{Count, Initial, Loaded, ModelOptions, Quantity};
-use crate::terminal::{self, Progress, Style};
-use chatter::analysis::exponents::{Exponents, Spec, exponents};
+use crate::terminal::{self, Console, Style};
+use chatter::analysis::exponents::Exponents;
 use chatter::model::Model;
-use chatter::numerics::Real;
-use chatter_work::periodic::refused;
+use chatter_work::exponents::{Request, document, find};
 use clap::Args;
-use std::time::Instant;
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -54,9 +50,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Usual numbers.
-const TRANSIENT: u64 = 200;
-const INTERVALS: u64 = 2000;
+/// Digits of text.
 const DIGITS: u32 = 6;
 
 /// Runs the command.
@@ -64,40 +58,17 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let Loaded { mut model, .. } = arguments.model.load()?;
     arguments.initial.apply(&mut model)?;
     model.check_defined()?;
-    let interval = match &arguments.interval {
-        Some(interval) => interval.value(&mut model, "--interval")?.to_f64(),
-        None => forcing(&model).unwrap_or(1.0),
+    let request = Request {
+        interval: arguments.interval.clone(),
+        transient: arguments.transient,
+        intervals: arguments.intervals,
     };
-    if !(interval > 0.0 && interval.is_finite()) {
-        return Err(Failure::input(format!(
-            "--interval {interval}: expected a positive number"
-        )));
-    }
-    let spec = Spec {
-        interval,
-        transient: arguments.transient.map_or(TRANSIENT, |count| count.0),
-        intervals: arguments.intervals.map_or(INTERVALS, |count| count.0),
-    };
-    if spec.intervals == 0 {
-        return Err(Failure::input(
-            "--intervals 0: there is nothing to average over",
-        ));
-    }
+    let spec = request.spec(&mut model)?;
     terminal::catch_interrupts();
-    let mut progress = Progress::new();
-    let began = Instant::now();
-    let total = (spec.transient + spec.intervals) as f64;
-    let found = exponents(&model, &spec, &mut |done| {
-        progress.show(done, || {
-            let rate = done * total / began.elapsed().as_secs_f64();
-            format!("{rate:.0} intervals/s")
-        });
-        going_on()
-    });
-    progress.finish();
-    let found = found.map_err(|error| refused(&error, &model))?;
+    let found = find(&model, &spec, &Console::new())?;
     let answer = if arguments.json {
-        terminal::Answer::Document(document(&model, arguments, &spec, &found))
+        let source = &arguments.model.model;
+        terminal::Answer::Document(document(&model, source, &spec, &found))
     } else {
         terminal::Answer::Text(account(&model, arguments, &found))
     };
@@ -107,38 +78,6 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     } else {
         failure::SUCCESS
     })
-}
-
-/// The period of time or of a phase that turns by itself.
-fn forcing(model: &Model) -> Option<f64> {
-    let mut graph = model.graph.clone();
-    let parameters = model.parameter_values::<f64>(&[]);
-    let phases = model.phases(&mut graph);
-    phases.iter().find_map(|phase| {
-        let period = phase.period(&graph, &parameters)?;
-        let rate = model.states[phase.state].derivative;
-        let rate =
-            (!graph.depends_on_state(rate)).then(|| graph.evaluate(rate, &[], &parameters))?;
-        (rate != 0.0).then(|| (period / rate).abs())
-    })
-}
-
-fn document(model: &Model, arguments: &Arguments, spec: &Spec, found: &Exponents) -> Object {
-    let list = |values: &[f64]| -> Vec<Json> { values.iter().map(|&x| Json::Number(x)).collect() };
-    let parameters = model.parameter_values::<f64>(&[]);
-    Object::new(Digits::DOUBLE)
-        .with("exponents", list(&found.values))
-        .with("errors", list(&found.errors))
-        .with("dimension", found.dimension)
-        .with("time", found.time)
-        .with("intervals", found.intervals as i64)
-        .with("interval", spec.interval)
-        .with(
-            "model",
-            Object::new(Digits::DOUBLE).with("source", arguments.model.model.as_str()),
-        )
-        .named("parameters", &model.parameter_names(), &parameters)
-        .with("version", env!("CARGO_PKG_VERSION"))
 }
 
 fn account(model: &Model, arguments: &Arguments, found: &Exponents) -> String {

@@ -4,9 +4,10 @@ use crate::accounts::simulation::{self as account, Listing};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
-    Count, FigureFile, Initial, Loaded, ModelOptions, Precision, Quantity, StopOption, TableFile,
-    Window,
+    AxesOption, Count, FigureFile, Initial, Loaded, ModelOptions, Precision, Quantity, StopOption,
+    TableFile, Window,
 };
+use crate::simulation::picture::Axes;
 use crate::simulation::{
     Record, Request, Rows, SampleOption, Subject, document, follow, part_done, picture, refused,
     sentence, start_time, verification,
@@ -24,6 +25,7 @@ const EXAMPLES: &str = "\
 EXAMPLES
   chatter simulate pressure_relief_valve --set q=0.0195 --until 40
   chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg --out valve.npz
+  chatter simulate pressure_relief_valve --until 40 --plot valve.png --axes t,y1 --axes y1,y3
   chatter simulate bouncing_ball --set r=0.9 --json
   chatter simulate bouncing_ball --digits 30
   chatter simulate pressure_relief_valve --set q=0.0203 --until 40 --verify
@@ -115,6 +117,20 @@ pub struct Arguments {
         allow_hyphen_values = true
     )]
     window: Option<Window>,
+
+    /// A panel of the plot: Y over X, each a state, X also the time; once for each panel [default: all states over time,
+    /// and the phase portrait]
+    #[arg(long, value_name = "X,Y", requires = "plot")]
+    axes: Vec<AxesOption>,
+}
+
+impl Arguments {
+    fn axes(&self) -> Vec<Axes> {
+        self.axes
+            .iter()
+            .map(|AxesOption(axes)| axes.clone())
+            .collect()
+    }
 }
 
 /// Runs the command.
@@ -142,6 +158,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         digits,
         time_was_given: arguments.until.is_some(),
     };
+    picture::check(&subject, &arguments.axes())?;
     if digits.fit_double() {
         run_in::<f64>(arguments, &subject, window, |run| {
             verification(arguments, &subject, run)
@@ -262,7 +279,7 @@ fn run_in<R: Real>(
     let mut written: Vec<PathBuf> = path.map(Path::to_path_buf).into_iter().collect();
     let mut remarks = Vec::new();
     if let (Some(FigureFile(path)), Some(samples)) = (&arguments.plot, &drawn) {
-        let picture = picture::draw(subject, run, samples, window)?;
+        let picture = picture::draw(subject, run, samples, window, &arguments.axes())?;
         let outcome = picture.figure.write(path);
         outcome.map_err(|error| Failure::Output(error.to_string()))?;
         written.push(path.clone());

@@ -13,7 +13,7 @@ use chatter::analysis::map::Map;
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
 use chatter::analysis::universal::{Universal, UniversalMap};
 use chatter::model::Model;
-use chatter_figures::{Axis, Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
+use chatter_figures::{Axis, Color, Density, Figure, Legend, Line, Normalisation, Panel, Sharing};
 
 /// Where the paper says that the border is.
 const NEAR: f64 = 0.02;
@@ -32,6 +32,9 @@ const ENLARGED: (f64, f64) = (0.02033, 0.020_52);
 /// Values of q in either figure.
 const COLUMNS: u64 = 1500;
 const ENLARGED_COLUMNS: u64 = 1200;
+/// Rows of cells of a panel, and the width of lines in points.
+const ROWS: usize = 1200;
+const EDGE: f64 = 0.5;
 /// Returns passed over and kept for each: chaotic orbits need no more, and they cost forty impacts each.
 const TRANSIENT: u64 = 150;
 const KEPT: u64 = 200;
@@ -118,31 +121,18 @@ struct Window {
     columns: u64,
 }
 
-/// Points, their colour and their name.
-type Layer<'a> = (&'a [(f64, f64)], Color, &'a str);
-
 /// Simulated and predicted orbits over the same q, y2 sheared alike.
 fn panels(valve: &Valve, window: &Window, advance: &Advance) -> Result<[Panel; 2], Failure> {
     let (from, to) = window.range;
-    let spec = |range: Range, observe: &str| Spec {
+    let range = Range::linear("q", from, to, window.columns);
+    let spec = Spec {
         start: Start::CarryUp,
         chunk: Some(Spec::quick_chunk(window.columns)),
-        ..Spec::new(range, observe, TRANSIENT, KEPT)
+        ..Spec::new(range, "y2", TRANSIENT, KEPT)
     };
-    let range = Range::linear("q", from, to, window.columns);
-    let (simulated, rows) = sweep(&valve.map, &spec(range, "y2"), advance)?;
+    let (simulated, rows) = sweep(&valve.map, &spec, advance)?;
 
-    let exact = &valve.border.exact;
-    let (border, rate) = (valve.border.value.value, exact.unfolding_rate.value);
-    let range = Range::linear(
-        "mu",
-        rate * (from - border),
-        rate * (to - border),
-        window.columns,
-    );
-    let map = valve.exact_at(border)?;
-    let (predicted, predicted_rows) = sweep(&map, &spec(range, "z"), &|_| {})?;
-
+    let border = valve.border.value.value;
     let p = &valve.projection;
     let sheared: Vec<(f64, f64)> = samples(&simulated, &rows)
         .map(|(q, y2)| (q, y2 - p.origin[RATE] - p.by_parameter[RATE] * (q - border)))
@@ -156,50 +146,69 @@ fn panels(valve: &Valve, window: &Window, advance: &Advance) -> Result<[Panel; 2
             row.samples.iter().map(move |y2| (q, y2 - zero))
         })
         .collect();
-    let predicted: Vec<(f64, f64)> = samples(&predicted, &predicted_rows)
-        .map(|(mu, z)| (border + mu / rate, p.by_upsilon[RATE] * z))
-        .collect();
-
-    let panel = |label: &str, layers: Vec<Layer<'_>>| {
-        let all = layers.iter().flat_map(|layer| layer.0);
-        let (low, high) = all.fold(
-            (f64::INFINITY, f64::NEG_INFINITY),
-            |(low, high), &(_, y)| (low.min(y), high.max(y)),
-        );
+    let edges = edges(valve, &simulated)?;
+    let panel = |label: &str, points: &[(f64, f64)], with_edges: bool| {
+        let lines = edges.iter().filter(|_| with_edges);
+        let ends = lines
+            .clone()
+            .flat_map(|&(q, low, high)| [(q, low), (q, high)]);
+        let (low, high) = points
+            .iter()
+            .copied()
+            .chain(ends)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, y)| {
+                (low.min(y), high.max(y))
+            });
         const ROOM: f64 = 0.04;
         let y = (low - ROOM * (high - low), high + ROOM * (high - low));
         let mut panel = Panel::new(
             Axis::new("flow rate $q$").range(from, to),
             Axis::new(label).range(y.0, y.1),
         );
-        let several = layers.len() > 1;
-        for (points, color, name) in layers {
-            let mut density = Density::new((from, to), y)
-                .normalisation(Normalisation::Column)
-                .color(color)
-                .label(name);
-            points.iter().for_each(|&(x, y)| density.add(x, y));
-            panel.add(density);
+        let mut density = Density::new((from, to), y)
+            .cells(window.columns as usize, ROWS)
+            .normalisation(Normalisation::Column)
+            .color(Color::NIGHT)
+            .label("simulated");
+        density.extend(points.iter().copied());
+        panel.add(density);
+        if !with_edges {
+            return panel.legend(Legend::Hidden);
         }
-        panel.legend(if several {
-            Legend::Above
-        } else {
-            Legend::Hidden
-        })
+        let line = |of: fn(&(f64, f64, f64)) -> f64| {
+            let x = edges.iter().map(|edge| edge.0).collect();
+            Line::new(x, edges.iter().map(of).collect())
+                .color(Color::VERMILION)
+                .width(EDGE)
+        };
+        panel.add(line(|edge| edge.1).label("edges of the predicted orbits"));
+        panel.add(line(|edge| edge.2));
+        panel.legend(Legend::Above)
     };
     Ok([
-        panel(
-            "$y_2 - y_2^* - c (q - q^*)$",
-            vec![(&sheared, Color::NIGHT, "simulated")],
-        ),
-        panel(
-            "$y_2 - y_2^0(q)$",
-            vec![
-                (&straightened, Color::NIGHT, "simulated"),
-                (&predicted, Color::VERMILION, "predicted"),
-            ],
-        ),
+        panel("$y_2 - y_2^* - c (q - q^*)$", &sheared, false),
+        panel("$y_2 - y_2^0(q)$", &straightened, true),
     ])
+}
+
+/// For each q it, and the lowest and the highest of many predicted y2. Extremes of few would be chance.
+fn edges(valve: &Valve, sweep: &Sweep) -> Result<Vec<(f64, f64, f64)>, Failure> {
+    const MANY: u64 = 4000;
+    let by_upsilon = valve.projection.by_upsilon[RATE];
+    let rows: Vec<u64> = (0..sweep.rows()).collect();
+    parallel::each(&rows, |&row| {
+        let q = sweep.values(row)[0];
+        let map = valve.exact_at(q)?;
+        let mut z = 0.0;
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for step in 0..TRANSIENT + MANY {
+            z = map.step(z);
+            if step >= TRANSIENT {
+                (low, high) = (low.min(by_upsilon * z), high.max(by_upsilon * z));
+            }
+        }
+        Ok((q, low, high))
+    })
 }
 
 fn samples<'a>(sweep: &'a Sweep, rows: &'a [Row]) -> impl Iterator<Item = (f64, f64)> + 'a {
@@ -215,7 +224,7 @@ fn how(valve: &Valve, columns: u64) -> String {
         "{columns} values of $q$, {KEPT} returns to the section $y_3 = 9.7$ (falling) after {TRANSIENT} for each, the last \
          state carried on to the next value. In (a) the vertical axis is sheared, as in the paper: $c = {:.5}$ is the \
          slope of $y_2$ over $q$ where $\\Upsilon$ is zero. In (b) $y_2^0(q)$, on the orbit from release at that $q$, is \
-         subtracted, and the prediction lies over the simulation: orbits of $z \\to \\Upsilon(K z + M (q - q^*))$ with the \
+         subtracted, and the edges of the predicted orbits lie over the simulation: those of $z \\to \\Upsilon(K z + M (q - q^*))$ with the \
          exact $K = {:.6}$ and $M = {:.8}$, drawn as $y_2 = {:.5} z$. Nothing is fitted.",
         p.by_parameter[RATE],
         valve.border.exact.slope.value,

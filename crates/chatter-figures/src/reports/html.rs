@@ -9,6 +9,9 @@ use std::fmt::Write;
 /// Serif text of moderate width, tables with horizontal rules only, nothing torn apart by a page's end.
 const STYLE: &str = include_str!("style.css");
 
+/// Pictures in figures: three times as large as at first there is nothing more to be seen in them.
+const PICTURES: Resolution = Resolution(240.0);
+
 /// Sections from which a list of contents is worth its place.
 const CONTENTS_FROM: usize = 3;
 
@@ -32,7 +35,7 @@ pub(super) fn document(report: &Report) -> Result<String, ReportError> {
         );
     }
     contents(report, &mut out)?;
-    let mut section = 0;
+    let (mut section, mut pictures) = (0, 0);
     for (place, block) in report.blocks.iter().enumerate() {
         let part = Some(place);
         match block {
@@ -45,7 +48,10 @@ pub(super) fn document(report: &Report) -> Result<String, ReportError> {
                 let _ = writeln!(out, "<p>{}</p>", text(paragraph, part)?);
             }
             Block::Grid(grid) => table(grid, part, &mut out)?,
-            Block::Picture(picture) => figure(picture, part, &mut out)?,
+            Block::Picture(picture) => {
+                pictures += 1;
+                figure(picture, pictures, part, &mut out)?;
+            }
         }
     }
     if !report.colophon.is_empty() {
@@ -93,7 +99,7 @@ fn table(grid: &Grid, part: ReportPart, out: &mut String) -> Result<(), ReportEr
     };
     let _ = write!(
         out,
-        "<table>\n<caption><b>{}.</b> {}</caption>\n<thead>\n<tr>",
+        "<div class=\"wide\">\n<table>\n<caption><b>{}.</b> {}</caption>\n<thead>\n<tr>",
         text(&grid.label, part)?,
         text(&grid.caption, part)?
     );
@@ -121,19 +127,38 @@ fn table(grid: &Grid, part: ReportPart, out: &mut String) -> Result<(), ReportEr
         }
         out.push_str("</tr>\n");
     }
-    out.push_str("</tbody>\n</table>\n");
+    out.push_str("</tbody>\n</table>\n</div>\n");
     Ok(())
 }
 
-fn figure(picture: &Picture, part: ReportPart, out: &mut String) -> Result<(), ReportError> {
+/// The `number`-th figure. What is a density can be enlarged: a box is ticked by a click on the figure, and the style
+/// sheet does the rest.
+fn figure(
+    picture: &Picture,
+    number: usize,
+    part: ReportPart,
+    out: &mut String,
+) -> Result<(), ReportError> {
+    let name = format!("figure-{number}");
     let svg = picture
         .figure
-        .inline_svg(Resolution::PRINT)
+        .inline_svg(PICTURES, &name)
         .map_err(|error| ReportError::Figure { part, error })?;
+    let label = text(&picture.label, part)?;
+    let (before, after) = match picture.figure.has_density() {
+        true => (
+            format!(
+                "<input type=\"checkbox\" id=\"{name}-zoom\" aria-label=\"Enlarge {}\"/>\
+                 <label for=\"{name}-zoom\" title=\"Click to enlarge, and again to see all\">",
+                escaped(&picture.label)
+            ),
+            "</label>",
+        ),
+        false => (String::new(), ""),
+    };
     let _ = write!(
         out,
-        "<figure>\n{svg}<figcaption><b>{}.</b> {}</figcaption>\n</figure>\n",
-        text(&picture.label, part)?,
+        "<figure>\n{before}{svg}{after}<figcaption><b>{label}.</b> {}</figcaption>\n</figure>\n",
         text(&picture.caption, part)?
     );
     Ok(())
@@ -220,7 +245,35 @@ mod tests {
         }
         assert!(open.is_empty());
         assert!(page.contains("<td class=\"n\">0.020056</td>"));
-        assert!(page.contains("Chatter &amp; release at <i>q</i><sup>*</sup>"));
+        assert!(page.contains("Chatter &amp; release at <math"));
+    }
+
+    #[test]
+    fn names_are_given_once_and_what_is_referred_to_is_there() {
+        let mut report = report();
+        for block in self::report().blocks {
+            report.blocks.push(block);
+        }
+        let page = report.html().unwrap();
+        let values = |attribute: &str| -> Vec<String> {
+            let parts = page.split(attribute).skip(1);
+            parts
+                .map(|rest| rest.split(['"', ')']).next().unwrap().to_owned())
+                .collect()
+        };
+        let mut names = values(" id=\"");
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+        assert!(count >= 10);
+        for attribute in [" for=\"", "url(#", "href=\"#"] {
+            let used = values(attribute);
+            assert!(
+                !used.is_empty() && used.iter().all(|name| names.contains(name)),
+                "{attribute}"
+            );
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod csv;
 mod error;
+mod inflate;
 mod npy;
 mod npz_reader;
 mod npz_writer;

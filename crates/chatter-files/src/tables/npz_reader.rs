@@ -1,10 +1,11 @@
-//! Reads NPZ archives whose entries are stored without compression, as this crate and `numpy.savez` write them.
+//! Reads NPZ archives, stored, as this crate and `numpy.savez` write them, or compressed, as `numpy.savez_compressed` does.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::error::TableError;
+use super::inflate::{Inflated, LARGEST_RATIO};
 use super::npy::{self, ArrayInfo, Kind, PREFIX_LENGTH};
 use super::table::{Column, Values};
 use crate::crc32::Crc32;
@@ -18,10 +19,25 @@ const LONGEST_TEXT: usize = 1 << 24;
 
 struct Entry {
     info: ArrayInfo,
-    /// Where the array's header begins, and how long it is.
-    header_at: u64,
+    packed: Packed,
+    /// How long the array's header is.
     header_length: usize,
     checksum: u32,
+}
+
+/// Where the bytes of an array begin, how many there are in the file, and how they are kept.
+#[derive(Clone, Copy)]
+struct Packed {
+    at: u64,
+    length: u64,
+    packing: Packing,
+}
+
+/// The format's methods 0 and 8.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Packing {
+    Stored,
+    Deflated,
 }
 
 /// An open archive. Arrays are read when asked for, and their checksums verified.
@@ -280,7 +296,7 @@ impl Iterator for TextStream {
 struct ArrayBytes {
     path: PathBuf,
     name: String,
-    file: BufReader<File>,
+    file: Box<dyn Read + Send>,
     remaining: u64,
     sum: Crc32,
     checksum: Option<u32>,
@@ -288,14 +304,16 @@ struct ArrayBytes {
 
 impl ArrayBytes {
     fn open(reader: &NpzReader, entry: &Entry) -> Result<Self, Error> {
-        let mut source = Source::open(&reader.path)?;
-        let header = source.bytes_at(entry.header_at, entry.header_length)?;
+        let mut file = Source::open(&reader.path)?.unpacked(entry.packed)?;
+        let mut header = vec![0; entry.header_length];
+        file.read_exact(&mut header)
+            .map_err(|e| FileError::new(&reader.path, FileAction::Read, e))?;
         let mut sum = Crc32::default();
         sum.update(&header);
         Ok(ArrayBytes {
             path: reader.path.clone(),
             name: entry.info.name.clone(),
-            file: source.file,
+            file,
             remaining: (entry.info.len() * entry.info.kind.size()) as u64,
             sum,
             checksum: Some(entry.checksum),
@@ -454,34 +472,78 @@ impl Source {
             let Some(name) = name.strip_suffix(".npy") else {
                 continue;
             };
-            if method != 0 {
-                return Err(self.malformed(format!(
-                    "array `{name}` is compressed, which is not read; write it with numpy.savez, not savez_compressed"
-                )));
-            }
-            entries.push(self.array(name, offset, stored, checksum)?);
+            let packing = match method {
+                0 => Packing::Stored,
+                8 => Packing::Deflated,
+                _ => {
+                    return Err(self.malformed(format!(
+                        "array `{name}` is compressed by method {method}, which is not read"
+                    )));
+                }
+            };
+            entries.push(self.array(name, (offset, stored, packing), original, checksum)?);
         }
         Ok(entries)
+    }
+
+    /// The bytes of an array, unpacked.
+    fn unpacked(mut self, packed: Packed) -> Result<Box<dyn Read + Send>, Error> {
+        self.file
+            .seek(SeekFrom::Start(packed.at))
+            .map_err(|e| FileError::new(&self.path, FileAction::Read, e))?;
+        let bytes = self.file.take(packed.length);
+        Ok(match packed.packing {
+            Packing::Stored => Box::new(bytes),
+            Packing::Deflated => Box::new(Inflated::new(bytes)),
+        })
     }
 
     fn array(
         &mut self,
         name: &str,
-        offset: u64,
-        stored: u64,
+        (offset, stored, packing): (u64, u64, Packing),
+        original: u64,
         checksum: u32,
     ) -> Result<Entry, Error> {
         let local = self.bytes_at(offset, 30)?;
         if !local.starts_with(b"PK\x03\x04") {
             return Err(self.malformed(format!("array `{name}` is not where the directory says")));
         }
-        let header_at = offset + 30 + u16_at(&local, 26) + u16_at(&local, 28);
+        let packed = Packed {
+            at: offset + 30 + u16_at(&local, 26) + u16_at(&local, 28),
+            length: stored,
+            packing,
+        };
         let path = self.path.clone();
         let in_array = |what: String| malformed(&path, format!("array `{name}`: {what}"));
-        let prefix = self.bytes_at(header_at, PREFIX_LENGTH)?;
-        let prefix = prefix.as_slice().try_into().expect("read so many");
+        let end = packed.at.checked_add(stored);
+        if end.is_none_or(|end| end > self.length) {
+            return Err(in_array("it is cut short".to_owned()));
+        }
+        // What is claimed is compared with what there is before memory or time is spent on it.
+        let most = match packing {
+            Packing::Stored => stored,
+            Packing::Deflated => stored.saturating_mul(LARGEST_RATIO),
+        };
+        if original > most {
+            return Err(in_array(format!(
+                "{stored} bytes cannot hold the {original} that are claimed"
+            )));
+        }
+        let mut bytes = Source::open(&self.path)?.unpacked(packed)?;
+        let mut read = |into: &mut [u8]| {
+            let read = bytes.read_exact(into);
+            read.map_err(|e| in_array(e.to_string()))
+        };
+        let mut header = vec![0; PREFIX_LENGTH];
+        read(&mut header)?;
+        let prefix = header.as_slice().try_into().expect("read so many");
         let header_length = npy::header_length(prefix).map_err(&in_array)?;
-        let header = self.bytes_at(header_at, header_length)?;
+        if header_length < PREFIX_LENGTH || header_length as u64 > original {
+            return Err(in_array("its header is cut short".to_owned()));
+        }
+        header.resize(header_length, 0);
+        read(&mut header[PREFIX_LENGTH..])?;
         let (kind, shape) = npy::parse_header(&header).map_err(&in_array)?;
         let info = ArrayInfo {
             name: name.to_string(),
@@ -489,18 +551,14 @@ impl Source {
             shape,
         };
         let size = ((info.len() * kind.size()) as u64).saturating_add(header_length as u64);
-        if size != stored
-            || header_at
-                .checked_add(size)
-                .is_none_or(|end| end > self.length)
-        {
+        if size != original {
             return Err(in_array(format!(
-                "{size} bytes were expected, {stored} are stored"
+                "{size} bytes were expected, {original} are stored"
             )));
         }
         Ok(Entry {
             info,
-            header_at,
+            packed,
             header_length,
             checksum,
         })

@@ -56,18 +56,6 @@ impl NpzWriter {
         array.finish()
     }
 
-    /// Writes a two-dimensional array of so many columns, given row after row.
-    pub fn matrix<T: Element>(
-        &mut self,
-        name: &str,
-        values: &[T],
-        columns: usize,
-    ) -> Result<(), Error> {
-        let mut array = self.begin_rows(name, columns)?;
-        array.extend(values.iter().copied())?;
-        array.finish()
-    }
-
     /// Writes a one-dimensional array from an iterator, of any length, in flat memory.
     pub fn stream<T: Element>(
         &mut self,
@@ -88,23 +76,6 @@ impl NpzWriter {
 
     /// Begins a one-dimensional array whose values come piece by piece; its length need not be known.
     pub fn begin<T: Element>(&mut self, name: &str) -> Result<ArrayWriter<'_, T>, Error> {
-        self.begin_shaped(name, None)
-    }
-
-    /// Begins a two-dimensional array of so many columns, whose rows come piece by piece.
-    pub fn begin_rows<T: Element>(
-        &mut self,
-        name: &str,
-        columns: usize,
-    ) -> Result<ArrayWriter<'_, T>, Error> {
-        self.begin_shaped(name, Some(columns))
-    }
-
-    fn begin_shaped<T: Element>(
-        &mut self,
-        name: &str,
-        columns: Option<usize>,
-    ) -> Result<ArrayWriter<'_, T>, Error> {
         let offset = self.begin_entry(name)?;
         let header = npy::header(T::KIND, &[0]);
         self.put(&header)?;
@@ -113,7 +84,6 @@ impl NpzWriter {
             writer: self,
             name: name.to_string(),
             offset,
-            columns,
             count: 0,
             buffer: Vec::with_capacity(CHUNK + 8),
             sum: Crc32::default(),
@@ -271,7 +241,6 @@ pub struct ArrayWriter<'a, T: Element> {
     writer: &'a mut NpzWriter,
     name: String,
     offset: u64,
-    columns: Option<usize>,
     count: usize,
     buffer: Vec<u8>,
     sum: Crc32,
@@ -294,24 +263,10 @@ impl<T: Element> ArrayWriter<'_, T> {
         values.into_iter().try_for_each(|v| self.push(v))
     }
 
-    /// Ends the array. For rows, the number of values must be a multiple of the number of columns.
+    /// Ends the array.
     pub fn finish(mut self) -> Result<(), Error> {
         self.drain()?;
-        let shape = match self.columns {
-            None => vec![self.count],
-            Some(columns) if columns > 0 && self.count.is_multiple_of(columns) => {
-                vec![self.count / columns, columns]
-            }
-            Some(columns) => {
-                return Err(TableError::UnequalLengths {
-                    table: self.name.clone(),
-                    first: ("columns".to_string(), columns),
-                    other: ("values".to_string(), self.count),
-                }
-                .into());
-            }
-        };
-        let header = npy::header(T::KIND, &shape);
+        let header = npy::header(T::KIND, &[self.count]);
         let mut sum = Crc32::default();
         sum.update(&header);
         let data_at = self.offset + local_header(&self.name, sum).len() as u64;

@@ -12,9 +12,9 @@ pub fn law(path: &Path, bytes: &[u8]) {
     let names: Vec<String> = reader.arrays().map(|array| array.name.clone()).collect();
     for name in names {
         let info = reader.info(&name).unwrap().clone();
-        // An array is no larger than its file, whatever its header claims.
-        let most = bytes.len().max(1);
-        assert!(info.kind.size().saturating_mul(info.len()) <= bytes.len());
+        // An array is no larger than what can be compressed into its file, whatever its header claims.
+        let most = 1032 * bytes.len().max(1);
+        assert!(info.kind.size().saturating_mul(info.len()) <= most);
         match info.kind {
             Kind::Text { .. } => {
                 if let Ok(texts) = reader.texts(&name) {

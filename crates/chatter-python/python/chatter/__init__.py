@@ -20,14 +20,14 @@ from chatter._errors import (
     ChatterError, ChatterWarning, InputError, ModelError, ModelIssue, OutputError, RunError, UnfinishedError,
 )
 from chatter._model import Model, shipped_models
-from chatter._periodic import Branch, PeriodicOrbit, branches
+from chatter._periodic import Branch, Curve, Exponents, PeriodicOrbit, Special, branches
 from chatter._run import ContactPhases, Events, Run
 from chatter._universal import Universal
 
 __all__ = [
-    "Border", "Borders", "Branch", "ChatterError", "ChatterWarning", "ContactPhases", "Diagram", "Events", "Expr", "InputError",
-    "Model", "ModelBuilder", "ModelError", "ModelIssue", "Orbit", "OutputError", "PeriodicOrbit", "Run", "RunError", "UnfinishedError",
-    "Universal", "__version__", "abs_", "acos", "asin", "atan", "atan2", "branches", "clamp", "cos", "cosh", "exp", "expr", "floor",
+    "Border", "Borders", "Branch", "ChatterError", "ChatterWarning", "ContactPhases", "Curve", "Diagram", "Events", "Exponents",
+    "Expr", "InputError", "Model", "ModelBuilder", "ModelError", "ModelIssue", "Orbit", "OutputError", "PeriodicOrbit", "Run",
+    "RunError", "Special", "UnfinishedError", "Universal", "__version__", "abs_", "acos", "asin", "atan", "atan2", "branches", "clamp", "cos", "cosh", "exp", "expr", "floor",
     "if_", "log", "max_", "merge", "min_", "mod", "pi", "resume", "shipped_models", "sign", "sin", "sinh", "sqrt", "step", "tan",
     "tanh", "time",
 ]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import decimal
 import json
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from chatter._frozen import Frozen
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 
 class Border(Frozen):
@@ -30,9 +32,11 @@ class Border(Frozen):
     def __init__(self, document: Mapping[str, Any]) -> None:
         self._set(document=document, **document)
 
-    def decimal(self, name: str) -> decimal.Decimal:
+    def decimal(self, name: str) -> Decimal:
         """A number to all its digits."""
-        return decimal.Decimal(self.document.get(f"{name}_digits", repr(self.document[name])))
+        from decimal import Decimal
+
+        return Decimal(self.document.get(f"{name}_digits", repr(self.document[name])))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Border, (self.document,))

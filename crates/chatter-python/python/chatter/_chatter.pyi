@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "Core", "EVENT_KINDS", "Upsilon", "__version__", "border", "branches", "diagram", "main", "merge", "orbit", "resume",
-    "shipped", "simulate",
+    "Core", "EVENT_KINDS", "Upsilon", "__version__", "border", "branches", "curve", "diagram", "exponents", "main", "merge",
+    "orbit", "resume", "shipped", "simulate",
 ]
 __version__: str
 EVENT_KINDS: list[str]
@@ -107,6 +107,30 @@ def branches(
     impacts: int = ...,
     points: int = ...,
     step: float = ...,
+    progress: _Progress = None,
+) -> str: ...
+def curve(
+    core: Core,
+    kind: str,
+    state: Sequence[float],
+    orbit_period: float,
+    parameters: tuple[str, str],
+    low: str,
+    high: str,
+    *,
+    period: str | None = None,
+    section: str | None = None,
+    impacts: int = ...,
+    points: int = ...,
+    step: float = ...,
+    progress: _Progress = None,
+) -> str: ...
+def exponents(
+    core: Core,
+    *,
+    interval: str | None = None,
+    transient: str | None = None,
+    intervals: str | None = None,
     progress: _Progress = None,
 ) -> str: ...
 def resume(

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chatter import _chatter
 from chatter._errors import InputError
@@ -18,13 +17,14 @@ from chatter._text import labelled, text_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from numpy.typing import NDArray
     from pandas import DataFrame
     from xarray import Dataset
 
     from chatter._model import Model
     from chatter._progress import Progress
 
-Array = NDArray[Any]
+    Array = NDArray[Any]
 
 
 class Orbit(Frozen):

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from chatter import _border, _chatter, _diagram, _periodic, _run, _shared
 from chatter._border import Border, Borders
 from chatter._diagram import Diagram
 from chatter._errors import InputError
 from chatter._frozen import Frozen
-from chatter._periodic import PeriodicOrbit
+from chatter._periodic import Exponents, PeriodicOrbit
 from chatter._progress import Progress, shown
 from chatter._run import Run
 from chatter._text import text_of
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 def shipped_models() -> dict[str, str]:
@@ -313,6 +316,25 @@ class Model(Frozen):
                 self._core, periods=periods, starts=starts, seed=seed, digits=digits, progress=hears, **how
             )
         return _periodic.read_orbits(self, how, text)
+
+    def exponents(
+        self,
+        *,
+        interval: Any = None,
+        transient: int | None = None,
+        intervals: int | None = None,
+        progress: bool | Progress = False,
+    ) -> Exponents:
+        """All Lyapunov exponents of the motion from the start, with error bars, from the derivative of the flow.
+
+        interval: time from one orthogonalisation to the next; the period of the forcing, or 1.
+        transient, intervals: intervals passed over (200), and averaged over (2000).
+        """
+        with shown(progress) as hears:
+            text = _chatter.exponents(
+                self._core, interval=_maybe(interval), transient=_maybe(transient), intervals=_maybe(intervals), progress=hears
+            )
+        return Exponents(json.loads(text))
 
     def over(self, table: Any) -> list[Model]:
         """A model for each row of a table of values: a DataFrame, or a mapping of names to equally long columns."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from chatter import _chatter
 from chatter._errors import InputError
@@ -17,6 +16,7 @@ from chatter._text import labelled, text_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from numpy.typing import NDArray
     from pandas import DataFrame
 
     from chatter._model import Model
@@ -64,6 +64,142 @@ class PeriodicOrbit(Frozen):
         return f"<PeriodicOrbit of period {self.period!r}, {impacts}, {'stable' if self.stable else 'unstable'}>"
 
 
+class Special(Mapping[str, Any]):
+    """A special point of a branch: a mapping with "kind", "value" of the parameter, "error", "period", "impacts",
+    "multipliers", "state" and more, as `chatter continue --json` gives them.
+    """
+
+    def __init__(self, branch: Branch, document: Mapping[str, Any]) -> None:
+        self._branch, self._document = branch, document
+
+    def __getitem__(self, name: str) -> Any:
+        return self._document[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._document)
+
+    def __len__(self) -> int:
+        return len(self._document)
+
+    def follow(
+        self, one: str, two: str, *, low: Any = None, high: Any = None, progress: bool | Progress = False, **limits: Any
+    ) -> Curve:
+        """The curve of this point in two parameters, one of them that of the branch.
+
+        low, high: the range of the other one, over which it is followed; from half its value to twice as much without them.
+        limits: `impacts` (80) a period at most, `points` (20000), and the longest `step` in parts of the range (0.01).
+        """
+        _check(limits, {"impacts", "points", "step"})
+        branch = self._branch
+        other = {one, two} - {branch.parameter}
+        if branch.parameter not in (one, two) or len(other) != 1:
+            raise InputError(f"expected two parameters, one of them `{branch.parameter}`, that of the branch")
+        (name,) = other
+        model = branch.model.with_values({branch.parameter: self["value"]})
+        if name not in model.parameters:
+            raise InputError(f"the model has no parameter `{name}`")
+        value = model.parameters[name]
+        ends = sorted((value / 2, 2 * value)) if value else [-1.0, 1.0]
+        low, high = ends[0] if low is None else low, ends[1] if high is None else high
+        with shown(progress) as hears:
+            text = _chatter.curve(
+                model._core, self["kind"], list(self["state"].values()), self["period"], (branch.parameter, name),
+                text_of(low), text_of(high), progress=hears, **{**branch._how, **limits},
+            )  # fmt: skip
+        return Curve(model, (branch.parameter, name), json.loads(text)["branches"][0])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Special, (self._branch, self._document))
+
+    def __repr__(self) -> str:
+        return f"<{self['kind'].replace('_', ' ')} at {self._branch.parameter} = {self['value']!r}>"
+
+
+class Curve(Frozen):
+    """The curve of a special point in two parameters: n points. Indexed with a name it gives a column of shape (n,)."""
+
+    parameters: tuple[str, str]
+    """Both parameters."""
+    kind: str
+    """What the points are."""
+    points: Mapping[str, NDArray[Any]]
+    """The columns by name; "multipliers" is a list of arrays."""
+    ends: tuple[str, ...]
+    """How each end came about."""
+    model: Model
+    """The model."""
+
+    _document: Mapping[str, Any]
+
+    def __init__(self, model: Model, parameters: tuple[str, str], document: Mapping[str, Any]) -> None:
+        self._set(
+            model=model, parameters=parameters, kind=document["kind"], points=_columns(document["points"]),
+            ends=tuple(document["ends"]), _document=document,
+        )  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.points["period"])
+
+    def __getitem__(self, name: str) -> Any:
+        return self.points[name]
+
+    def to_pandas(self) -> DataFrame:
+        """A DataFrame, one point a row."""
+        import pandas
+
+        return pandas.DataFrame({name: list(values) for name, values in self.points.items()})
+
+    def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
+        """Draws the second parameter over the first; gives the axes."""
+        if ax is None:
+            import matplotlib.pyplot as plt
+
+            _, ax = plt.subplots()
+        one, two = self.parameters
+        labels = self.model._labels
+        ax.plot(self[one], self[two], **{"linewidth": 1.0, "label": self.kind.replace("_", " "), **style})
+        ax.set_xlabel(labelled(one, labels.get(one)))
+        ax.set_ylabel(labelled(two, labels.get(two)))
+        return ax
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Curve, (self.model, self.parameters, self._document))
+
+    def __repr__(self) -> str:
+        return f"<Curve of {len(self)} points of kind {self.kind} over {' and '.join(self.parameters)}>"
+
+
+class Exponents(Frozen):
+    """All Lyapunov exponents of a motion."""
+
+    values: NDArray[np.float64]
+    """The exponents, in falling order; minus infinity for a direction that chatter or contact forgets."""
+    errors: NDArray[np.float64]
+    """Their standard errors."""
+    dimension: float
+    """Kaplan and Yorke's."""
+    time: float
+    """How long was averaged."""
+    intervals: int
+    """Over how many intervals."""
+    document: Mapping[str, Any]
+    """The whole answer."""
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        values = [-np.inf if value is None else value for value in document["exponents"]]
+        errors = [np.nan if value is None else value for value in document["errors"]]
+        self._set(
+            values=frozen(values), errors=frozen(errors), dimension=document["dimension"], time=document["time"],
+            intervals=document["intervals"], document=document,
+        )  # fmt: skip
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Exponents, (self.document,))
+
+    def __repr__(self) -> str:
+        return f"<Exponents {self.values.tolist()}>"
+
+
 class Branch(Frozen):
     """A branch of periodic orbits: n of them.
 
@@ -75,31 +211,24 @@ class Branch(Frozen):
     """The parameter."""
     points: Mapping[str, NDArray[Any]]
     """The columns by name; "multipliers" is a list of arrays."""
-    special: Mapping[str, tuple[Mapping[str, Any], ...]]
+    special: Mapping[str, tuple[Special, ...]]
     """Special points by kind: "fold", "period_doubling", "neimark_sacker", "branch_point", "impact_graze", …; each has
-    "value", "error", "impacts", "multipliers", "state" and more."""
+    "value", "error", "impacts", "multipliers", "state" and more, and can be followed in two parameters."""
     ends: tuple[str, ...]
     """How each end came about."""
     model: Model
     """The model."""
 
     _document: Mapping[str, Any]
+    _how: Mapping[str, Any]
 
-    def __init__(self, model: Model, parameter: str, document: Mapping[str, Any]) -> None:
-        points: dict[str, Any] = {}
-        for name, values in document["points"].items():
-            if name == "multipliers":
-                points[name] = [_complex(one) for one in values]
-            elif name == "impacts":
-                points[name] = frozen([-1 if value is None else value for value in values])
-            else:
-                points[name] = frozen(values)
-        special: dict[str, tuple[Any, ...]] = {}
+    def __init__(self, model: Model, parameter: str, how: Mapping[str, Any], document: Mapping[str, Any]) -> None:
+        special: dict[str, tuple[Special, ...]] = {}
         for one in document["special"]:
-            special[one["kind"]] = (*special.get(one["kind"], ()), one)
+            special[one["kind"]] = (*special.get(one["kind"], ()), Special(self, one))
         self._set(
-            model=model, parameter=parameter, points=points, special=special, ends=tuple(document["ends"]),
-            _document=document,
+            model=model, parameter=parameter, points=_columns(document["points"]), special=special,
+            ends=tuple(document["ends"]), _document=document, _how=dict(how),
         )  # fmt: skip
 
     def __len__(self) -> int:
@@ -141,10 +270,28 @@ class Branch(Frozen):
         return ax
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (Branch, (self.model, self.parameter, self._document))
+        return (Branch, (self.model, self.parameter, self._how, self._document))
 
     def __repr__(self) -> str:
         return f"<Branch of {len(self)} orbits over {self.parameter}>"
+
+
+def _columns(document: Mapping[str, Any]) -> dict[str, Any]:
+    columns: dict[str, Any] = {}
+    for name, values in document.items():
+        if name == "multipliers":
+            columns[name] = [_complex(one) for one in values]
+        elif name == "impacts":
+            columns[name] = frozen([-1 if value is None else value for value in values])
+        else:
+            columns[name] = frozen(values)
+    return columns
+
+
+def _check(limits: Mapping[str, Any], known: set[str]) -> None:
+    unknown = limits.keys() - known
+    if unknown:
+        raise InputError(f"there is no option {', '.join(sorted(unknown))}")
 
 
 def _complex(values: list[Mapping[str, float]]) -> NDArray[np.complex128]:
@@ -173,12 +320,10 @@ def branches(
     limits: `doublings` and `branch_points`, how often a branch is left for another there (0), `impacts` (80) a period at most,
         `points` (20000), and the longest `step` in parts of the range (0.01).
     """
-    unknown = limits.keys() - {"doublings", "branch_points", "impacts", "points", "step"}
-    if unknown:
-        raise InputError(f"there is no option {', '.join(sorted(unknown))}")
+    _check(limits, {"doublings", "branch_points", "impacts", "points", "step"})
     with shown(progress) as hears:
         text = _chatter.branches(
             model._core, parameter, text_of(low), text_of(high), progress=hears, **{**(how or {}), **limits}
         )
     found = json.loads(text)["branches"]
-    return [Branch(model, parameter, one) for one in found]
+    return [Branch(model, parameter, how or {}, one) for one in found]

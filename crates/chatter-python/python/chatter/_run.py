@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from chatter import _chatter
 from chatter._errors import InputError, RunError
@@ -15,13 +14,14 @@ from chatter._text import labelled, text_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from numpy.typing import ArrayLike, NDArray
     from pandas import DataFrame
     from xarray import Dataset
 
     from chatter._model import Model
     from chatter._progress import Progress
 
-Floats = NDArray[np.float64]
+    Floats = NDArray[np.float64]
 
 
 class Events(Frozen):

@@ -33,7 +33,11 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
             .with("version", env!("CARGO_PKG_VERSION"))
     };
     match answer {
-        Answer::One { border, compared } => about(one(subject, border, compared)),
+        Answer::One { border, compared } => about(one(
+            subject,
+            border,
+            compared.as_deref().unwrap_or_default(),
+        )),
         Answer::All {
             found, low, high, ..
         } => {

@@ -1,12 +1,16 @@
-//! Border orbits, told as a JSON document and as a figure; with the windows of the model itself.
+//! Border orbits, told as a JSON document, a table and a figure; with the windows and orbits of the model itself.
 
 mod compared;
 mod document;
+mod find;
+mod overlay;
 mod picture;
 mod refused;
 
 pub use compared::{NAMES, compared, ends};
 pub use document::document;
+pub use find::{Place, find};
+pub use overlay::{Orbits, Overlay, overlay};
 pub use picture::picture;
 pub use refused::refused;
 
@@ -44,14 +48,14 @@ pub enum Answer<R> {
     One {
         /// The border.
         border: Box<Border<R>>,
-        /// Its windows.
-        compared: Vec<WindowComparison>,
+        /// Its windows; none where the work was stopped before they were looked for.
+        compared: Option<Vec<WindowComparison>>,
     },
     /// Those of a range.
     All {
         /// Borders, and places that are none.
         found: Borders<R>,
-        /// The windows of each border; none where Ctrl-C came before they were looked for.
+        /// The windows of each border; none where the work was stopped before they were looked for.
         compared: Option<Vec<Vec<WindowComparison>>>,
         /// Lower end of the range.
         low: f64,
@@ -61,10 +65,18 @@ pub enum Answer<R> {
 }
 
 impl<R> Answer<R> {
+    /// Whether all that was asked for was found before the work was stopped.
+    pub fn is_complete(&self) -> bool {
+        match self {
+            Self::One { compared, .. } => compared.is_some(),
+            Self::All { compared, .. } => compared.is_some(),
+        }
+    }
+
     /// Each border with its windows.
     pub fn borders(&self) -> Vec<(&Border<R>, Option<&[WindowComparison]>)> {
         match self {
-            Self::One { border, compared } => vec![(border, Some(compared))],
+            Self::One { border, compared } => vec![(border, compared.as_deref())],
             Self::All {
                 found, compared, ..
             } => {

@@ -1,100 +1,34 @@
-//! The orbits of a model near a border, beside and under those that the one-dimensional map predicts.
+//! The orbits of a model near a border, under the edges of those that the one-dimensional map predicts, and the latter by
+//! themselves.
 
 use super::Subject;
-use super::refused::refused;
+use super::overlay::{COLUMNS, Orbits, Overlay};
 use crate::diagram::picture::axis;
-use crate::observer::Observer;
-use crate::parallel;
-use crate::refusal::Refusal;
 use crate::simulation::picture::axis_of;
-use chatter::analysis::border::{
-    Border, BorderSpec, PredictedWindow, Prediction, Simulator, WindowComparison,
-};
+use chatter::analysis::border::{PredictedPoint, PredictedWindow};
 use chatter::expressions::tex_name;
 use chatter::model::Label;
-use chatter::numerics::Real;
-use chatter_figures::{Color, Density, Figure, Legend, Normalisation, Panel, Sharing};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use chatter_figures::{
+    Color, Dash, Density, Figure, Legend, Line, Normalisation, Panel, Rule, Sharing,
+};
 
-/// Values of the parameter, and rows of cells of a panel.
-const COLUMNS: usize = 500;
+/// Rows of cells of a panel.
 const CELLS: usize = 500;
-/// Passages left out and kept for each value.
-const TRANSIENT: usize = 150;
-const KEPT: usize = 100;
-/// Room beyond the outermost windows, and around the orbits.
+/// Room around the orbits.
 const ROOM: f64 = 0.04;
+/// Widths of lines, in points.
+const EDGE: f64 = 0.7;
+const EVENT: f64 = 0.5;
 /// In millimetres.
 const WIDTH: f64 = 178.0;
-const HEIGHT: f64 = 210.0;
+const HEIGHT: f64 = 160.0;
 
-type Points = Vec<(f64, f64)>;
-
-/// Simulated, predicted, and both on top of each other, over the windows of these n.
-pub fn picture<R: Real>(
-    subject: &Subject,
-    spec: &BorderSpec,
-    border: &Border<R>,
-    compared: &[WindowComparison],
-    observer: &dyn Observer,
-) -> Result<Figure, Refusal> {
+/// Simulated orbits and the edges of the predicted ones, above the predicted ones.
+pub fn picture(subject: &Subject, overlay: &Overlay) -> Figure {
     let model = subject.model;
-    let prediction = Prediction::exact(border).map_err(refused)?;
-    let simulator = Simulator::new(model, spec, border).map_err(refused)?;
-    let (first, last) = subject.laps(border);
-    // Far from the border an orbit is born at a fold or at its graze; the next lap begins where this one's graze is not.
-    let ends = |window: PredictedWindow| {
-        let begins = window.fold.unwrap_or(window.grazing);
-        let doubles = window.period_doubling.unwrap_or(window.grazing);
-        [begins, window.superstable, doubles].map(|point| point.parameter)
-    };
-    let predicted = [first, last].map(|lap| ends(prediction.window(lap)));
-    let located = compared.iter().filter(|window| {
-        let lap = window.predicted.lap;
-        lap == first || lap == last
-    });
-    let located = located.flat_map(|window| [window.located.fold, window.located.period_doubling]);
-    let all = || {
-        let located = located.clone().flatten().map(|point| point.value);
-        predicted.into_iter().flatten().chain(located)
-    };
-    let low = all().fold(f64::INFINITY, f64::min);
-    let high = all().fold(f64::NEG_INFINITY, f64::max);
-    let room = ROOM * (high - low);
-    let (low, high) = (low - room, high + room);
-    let coordinate = coordinate(border);
-
-    let value = |column: usize| low + (high - low) * column as f64 / (COLUMNS - 1) as f64;
-    let straight = |parameter: f64, state: &[f64]| {
-        let distance = parameter - prediction.border;
-        state[coordinate] - prediction.states.at(0.0, distance)[coordinate]
-    };
-    let predicted: Points = (0..COLUMNS)
-        .flat_map(|column| {
-            let parameter = value(column);
-            let passages = prediction.orbit(parameter, TRANSIENT, KEPT);
-            let y = passages
-                .into_iter()
-                .map(|passage| straight(parameter, &prediction.state(parameter, &passage)));
-            y.map(move |y| (parameter, y)).collect::<Points>()
-        })
-        .collect();
-    let simulated = each_column(observer, |column| {
-        let parameter = value(column);
-        let orbit = simulator.orbit(parameter, TRANSIENT, KEPT);
-        let passages = orbit.map_or_else(|_| Vec::new(), |orbit| orbit.passages);
-        let y = passages
-            .iter()
-            .map(|passage| straight(parameter, &passage.state));
-        y.map(|y| (parameter, y)).collect()
-    })?;
-
-    if simulated.is_empty() {
-        observer.remark(
-            "no orbit of the model stays near the border over these windows: nothing simulated is drawn",
-        );
-    }
-    let all = || simulated.iter().chain(&predicted).map(|point| point.1);
+    let (low, high) = overlay.range;
+    let ends = || overlay.edges.iter().flat_map(|edge| [edge.1, edge.2]);
+    let all = || overlay.simulated.straight.iter().copied().chain(ends());
     let bottom = all().fold(f64::INFINITY, f64::min);
     let top = all().fold(f64::NEG_INFINITY, f64::max);
     // Where all orbits end at rest there is one value only.
@@ -105,7 +39,7 @@ pub fn picture<R: Real>(
     };
     let margin = ROOM * height;
     let range = (bottom - margin, top + margin);
-    let state = &model.states[coordinate];
+    let state = &model.states[overlay.coordinate];
     // Less what does not depend on the passage before: the state of the next order in z alone.
     let observed = format!(
         "${}$ after first impact, less that for $z = 0$",
@@ -116,57 +50,57 @@ pub fn picture<R: Real>(
         unit: state.label.as_ref().and_then(|label| label.unit.clone()),
     };
     let vertical = axis_of(&state.name, Some(&label)).range(range.0, range.1);
-    let panel = |layers: &[(&Points, Color, &str)]| {
-        let mut panel = Panel::new(
-            axis(model, &spec.parameter).range(low, high),
-            vertical.clone(),
-        );
-        for (points, color, name) in layers {
-            let mut density = Density::new((low, high), range)
-                .cells(COLUMNS, CELLS)
-                .normalisation(Normalisation::Column)
-                .color(*color)
-                .label(*name);
-            points.iter().for_each(|&(x, y)| density.add(x, y));
-            panel.add(density);
-        }
-        panel.legend(Legend::Above)
+    let panel = |orbits: &Orbits, color: Color, name: &str| {
+        let horizontal = axis(model, subject.parameter).range(low, high);
+        let mut density = Density::new((low, high), range)
+            .cells(COLUMNS, CELLS)
+            .normalisation(Normalisation::Column)
+            .color(color)
+            .label(name);
+        density.extend(orbits.points());
+        Panel::new(horizontal, vertical.clone()).with(density)
     };
-    let (ours, theirs) = (
-        (&simulated, Color::NIGHT, "simulated"),
-        (&predicted, Color::VERMILION, "predicted"),
-    );
-    Ok(Figure::new()
-        .panel(panel(&[ours]))
-        .panel(panel(&[theirs]))
-        .panel(panel(&[ours, theirs]))
+    let mut simulated = panel(&overlay.simulated, Color::NIGHT, "simulated");
+    edges(&mut simulated, &overlay.edges);
+    events(&mut simulated, &overlay.windows);
+    let predicted = panel(&overlay.predicted, Color::VERMILION, "predicted");
+    Figure::new()
+        .panel(simulated.legend(Legend::Above))
+        .panel(predicted.legend(Legend::Above))
         .sharing(Sharing::Horizontal)
         .width(WIDTH)
-        .height(HEIGHT))
+        .height(HEIGHT)
 }
 
-/// The coordinate after the first impact that is no phase; else the first.
-fn coordinate<R: Real>(border: &Border<R>) -> usize {
-    let is_phase = |i: usize| border.turns.iter().any(|turn| turn.state == i);
-    let coordinates = || border.section.iter().copied();
-    coordinates()
-        .find(|&i| !is_phase(i))
-        .or_else(|| coordinates().next())
-        .unwrap_or(0)
+/// The lowest and the highest of the predicted orbits.
+fn edges(panel: &mut Panel, edges: &[(f64, f64, f64)]) {
+    let line = |of: fn(&(f64, f64, f64)) -> f64| {
+        let x = edges.iter().map(|edge| edge.0).collect();
+        let y = edges.iter().map(of).collect();
+        Line::new(x, y).color(Color::VERMILION).width(EDGE)
+    };
+    panel.add(line(|edge| edge.1).label("edges of the predicted orbits"));
+    panel.add(line(|edge| edge.2));
 }
 
-/// Points of all columns in their order, computed side by side.
-fn each_column(
-    observer: &dyn Observer,
-    points: impl Fn(usize) -> Points + Sync,
-) -> Result<Points, Refusal> {
-    let done = AtomicUsize::new(0);
-    let columns: Vec<usize> = (0..COLUMNS).collect();
-    let found = parallel::each(&columns, observer.stop(), |&column| {
-        let found = points(column);
-        let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / COLUMNS as f64;
-        observer.progress(part, &|| "orbits".to_owned());
-        Ok(found)
-    });
-    Ok(found?.concat())
+/// Where the predicted windows begin and end.
+fn events(panel: &mut Panel, windows: &[PredictedWindow]) {
+    type Part = fn(&PredictedWindow) -> Option<PredictedPoint>;
+    let kinds: [(&str, Dash, Part); 3] = [
+        ("fold", Dash::Solid, |window| window.fold),
+        ("period doubling", Dash::Dashed, |window| {
+            window.period_doubling
+        }),
+        ("graze", Dash::Dotted, |window| Some(window.grazing)),
+    ];
+    for (name, dash, part) in kinds {
+        for (place, point) in windows.iter().filter_map(part).enumerate() {
+            let rule = Rule::vertical(point.parameter).color(Color::GREEN);
+            let rule = rule.width(EVENT).dash(dash);
+            panel.add(match place {
+                0 => rule.label(format!("predicted {name}")),
+                _ => rule,
+            });
+        }
+    }
 }

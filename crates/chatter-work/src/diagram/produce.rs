@@ -169,6 +169,7 @@ fn write(order: &Order, ready: &Ready, store: &mut Store) -> Result<Written, Ref
         let words = Words {
             title: job.title(&ready.model),
             origin: &job.model,
+            parameters: &picture::parameters(&ready.model, ready.sweep.spec()),
             version: &job.version,
             axis: &|name| picture::axis(&ready.model, name),
         };

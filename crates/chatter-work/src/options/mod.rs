@@ -1,6 +1,7 @@
 //! What can be asked, each read from text in one place.
 
 mod assignment;
+mod axes;
 mod count;
 mod counts;
 mod decimal;
@@ -12,6 +13,7 @@ mod share;
 mod sweep;
 
 pub use assignment::Assignment;
+pub use axes::AxesOption;
 pub use count::{Count, Precision, ThreadCount};
 pub use counts::{Counts, Periods};
 pub use decimal::Decimal;

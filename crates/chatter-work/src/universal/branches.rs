@@ -160,7 +160,7 @@ pub fn window_panel(
     let (mu, period) = outlines;
     let panel = Panel::new(
         Axis::new("$\\mu$").range(shown.0, shown.1),
-        Axis::new("period").range(0.5, longest as f64 + 0.5),
+        Axis::new("period").whole().range(0.5, longest as f64 + 0.5),
     )
     .with(Line::new(mu, period).color(Color::BLUE).width(0.3))
     .legend(Legend::Hidden);

@@ -3,10 +3,11 @@
 use super::request::{Request, refused};
 use super::{Findings, branches, picture};
 use crate::diagram::Store;
+use crate::options::Counts;
 use crate::refusal::Refusal;
 use chatter::analysis::universal::{Universal, UniversalMap};
 use chatter::numerics::Real;
-use chatter_figures::{Figure, Sharing};
+use chatter_figures::{Axis, Figure, Panel, Sharing};
 
 /// Widths of a figure, in millimetres.
 const WIDE: f64 = 178.0;
@@ -15,8 +16,10 @@ const NARROW: f64 = 110.0;
 const ORBITS_HEIGHT: f64 = 2.0;
 const EXPONENT_HEIGHT: f64 = 1.0;
 const PERIOD_HEIGHT: f64 = 0.1;
+/// Room beside the windows of an atlas, as a part of what they span.
+const ATLAS_ROOM: f64 = 0.04;
 
-/// Orbit diagram, cobweb or Upsilon, whichever was asked for.
+/// Orbit diagram, cobweb, atlas or Upsilon, whichever was asked for.
 ///
 /// # Errors
 /// The samples cannot be read, or the map is none.
@@ -43,6 +46,9 @@ pub fn figure<R: Real>(
         return Ok(figure.title("Cobweb").caption(format!("{caption} {made}")));
     }
     let (Some((sweep, rows)), Some(samples)) = (&findings.diagram, samples) else {
+        if let Some(laps) = request.windows {
+            return atlas(findings, laps, map, &format!("{map_about}. {made}"));
+        }
         let [lap, whole] = picture::upsilon_panels(universal);
         let figure = Figure::new().panel(lap).panel(whole).columns(2).width(WIDE);
         let caption =
@@ -69,15 +75,56 @@ pub fn figure<R: Real>(
     if request.lyapunov {
         below.push((picture::exponent_panel(sweep, rows), EXPONENT_HEIGHT));
     }
-    let mut figure = Figure::from(orbits).width(WIDE);
-    if !below.is_empty() {
-        let (panels, heights): (Vec<_>, Vec<f64>) = below.into_iter().unzip();
-        let heights: Vec<f64> = core::iter::once(ORBITS_HEIGHT).chain(heights).collect();
-        figure = (panels.into_iter().fold(figure, Figure::panel))
-            .sharing(Sharing::Horizontal)
-            .row_heights(&heights);
-    }
-    Ok(figure
+    Ok(stacked(orbits, below)
         .title("Orbit diagram")
         .caption(format!("{caption} {made}")))
+}
+
+/// A panel above others of these heights.
+fn stacked(top: Panel, below: Vec<(Panel, f64)>) -> Figure {
+    let figure = Figure::from(top).width(WIDE);
+    if below.is_empty() {
+        return figure;
+    }
+    let (panels, heights): (Vec<_>, Vec<f64>) = below.into_iter().unzip();
+    let heights: Vec<f64> = core::iter::once(ORBITS_HEIGHT).chain(heights).collect();
+    (panels.into_iter().fold(figure, Figure::panel))
+        .sharing(Sharing::Horizontal)
+        .row_heights(&heights)
+}
+
+/// The fixed points on these laps over mu, and under them the windows of other orbits.
+fn atlas<R: Real>(
+    findings: &Findings<R>,
+    laps: Counts,
+    map: &UniversalMap<f64>,
+    about: &str,
+) -> Result<Figure, Refusal> {
+    let windows = findings.windows.iter().flatten();
+    let ends = windows.flat_map(|window| {
+        [
+            window.fold,
+            window.period_doubling,
+            window.superstable,
+            window.grazing,
+        ]
+    });
+    let ends = ends.flatten().map(|mu| mu.to_f64());
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mu| {
+        (low.min(mu), high.max(mu))
+    });
+    let room = ATLAS_ROOM * (high - low);
+    let shown = (low - room, high + room);
+    let mut panel = Panel::new(
+        Axis::new(picture::label("mu")).range(shown.0, shown.1),
+        Axis::new(picture::label("z")),
+    );
+    branches::fixed_point_layers(&mut panel, map, laps, shown).map_err(refused)?;
+    let below = branches::window_panel(&findings.periodic, shown);
+    let below = below.map(|(panel, longest)| (panel, PERIOD_HEIGHT * (longest as f64 + 1.0)));
+    Ok(stacked(panel, below.into_iter().collect())
+        .title("Atlas of the universal map")
+        .caption(format!(
+            "Fixed points of z -> Upsilon(K z + mu) and where they are born, double and graze, {about}"
+        )))
 }

@@ -13,6 +13,7 @@ EXAMPLES
   chatter universal --restitution 0.8 --slope 1 --windows 8:12 --periods 1:3 --basins --scaling --chaos
   chatter universal --restitution 0.8 --slope 1 --sweep mu=0:0.05:4000 --plot fig3.png
   chatter universal --restitution 0.8 --slope 1 --sweep mu=0.01:0.05:2000 --windows 0:20 --lyapunov --plot atlas.svg
+  chatter universal --restitution 0.8 --slope 1 --windows 8:12 --periods 1:3 --plot windows.svg
   chatter universal --restitution 0.8 --slope 1 --cobweb mu=0.02 --plot cobweb.svg
   chatter universal --restitution 0.8 --plot fig2.svg
 
@@ -115,7 +116,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     pub out: Option<TableFile>,
 
-    /// Draw the orbit diagram (with --windows and --periods), the cobweb, or Upsilon: .svg, .png or .pdf
+    /// Draw the orbit diagram (with --windows and --periods), the cobweb, the windows alone, or Upsilon: .svg, .png or .pdf
     #[arg(long, value_name = "FILE")]
     pub plot: Option<FigureFile>,
 

@@ -52,12 +52,10 @@ fn find<R: Real + Argument<Real = R>>(
         }
         None => None,
     };
-    let waiting = Waiting::new("finding windows");
     let values: Vec<(R, _)> = (arguments.at.iter())
         .map(|x| (x.get(), universal.at(x.get())))
         .collect();
-    let atlas = Atlas::new(&request)?;
-    drop(waiting);
+    let atlas = Atlas::new(&request, &Console::new())?;
     let waiting = Waiting::new("writing");
     let mut samples = diagram.as_mut().and_then(|found| found.3.take());
     let findings = Findings {

@@ -121,7 +121,7 @@ pub fn panel(
         }
         Show::Period => panel.with(outcomes(grid, &classes)),
         Show::Impacts => {
-            let bar = Axis::new("impacts per return").tight();
+            let bar = Axis::new("impacts per return").tight().whole();
             numbers(panel, grid, &classes, Colormap::Sequential, bar, |class| {
                 class.impacts_per_return
             })

@@ -9,12 +9,17 @@ use crate::diagram::tally::Tally;
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::{Range, Sweep};
 use chatter::expressions::tex_name;
-use chatter_figures::{Axis, Density, Legend, Normalisation, Panel, Scale};
+use chatter_figures::{Axis, Density, Grain, Legend, Normalisation, Panel, Scale};
 
-/// A density has about as many cells as samples, so that bands of chaos are neither speckled nor blurred: between these
-/// numbers, three along the horizontal axis for two along the vertical one, and at most one a parameter value.
-const FEWEST_CELLS: u64 = 900 * 600;
-const MOST_CELLS: u64 = 2400 * 1600;
+/// Cells of a density, of which there is at most one along the horizontal axis for each parameter value: finer ones are not
+/// told apart in print.
+const COLUMNS: u64 = 2048;
+const ROWS: usize = 1200;
+
+/// Fewer values than these are told apart by the eye. Their samples are shown as dots, of which so many would stand side by
+/// side and above each other: as wide as they are high.
+pub const FEW: u64 = 150;
+const DOTS: (u64, usize) = (500, 300);
 
 /// Room above and below the samples, as a part of their extent.
 const ROOM: f64 = 0.03;
@@ -28,6 +33,8 @@ pub struct Densities {
     pub panels: Vec<Panel>,
     /// Whether the samples form a narrow slanted band.
     pub slanted: bool,
+    /// How many values of the parameter are shown.
+    pub shown: u64,
 }
 
 /// Draws the samples of a diagram over one parameter. `axis` labels the swept parameter and observed quantities.
@@ -78,9 +85,7 @@ pub fn densities(
             Some(Shear::Fitted) => one.fit.slope(),
         };
     }
-    let mut count: u64 = 0;
     visible(source, &mut |_, x, sample| {
-        count += 1;
         for one in &mut shown {
             let y = one.level(x - window.low, sample);
             if y.is_finite() {
@@ -88,8 +93,11 @@ pub fn densities(
             }
         }
     })?;
-    let across = (count.clamp(FEWEST_CELLS, MOST_CELLS) as f64 / 6.0).sqrt();
-    let (columns, rows) = ((3.0 * across) as u64, (2.0 * across) as usize);
+    let (columns, rows, grain) = match window.count {
+        // An odd number of cells for each value: the dot is in the middle.
+        few @ 0..FEW => (few * ((DOTS.0 / few.max(1)) | 1), DOTS.1, Grain::Points),
+        count => (count.min(COLUMNS), ROWS, Grain::Smooth),
+    };
     let mut drawn = Vec::new();
     for one in shown {
         let extent = one.extent(view)?;
@@ -98,7 +106,8 @@ pub fn densities(
                 .normalisation(Normalisation::Column)
                 .color(layer.color)
                 .label(&layer.name)
-                .cells(window.count.min(columns) as usize, rows)
+                .grain(grain)
+                .cells(columns as usize, rows)
                 .scales(window.scale, Scale::Linear)
         });
         let densities: Vec<Density> = densities.collect();
@@ -111,18 +120,20 @@ pub fn densities(
     })?;
     let level = view.shear.is_some();
     let slanted = !level && drawn.iter().any(|(one, _)| one.fit.quality() > NARROW);
-    let panel = |(one, densities): (Shown, Vec<Density>)| {
+    let panel = |(place, (one, densities)): (usize, (Shown, Vec<Density>))| {
         let y = one.axis(axis, range, window.low).tight();
         let panel = Panel::new(window.on(axis(&range.name())), y);
-        let legend = match densities.len() {
-            1 => Legend::Hidden,
-            _ => Legend::Above,
+        // One legend for all panels.
+        let legend = match (densities.len(), place) {
+            (2.., 0) => Legend::Above,
+            _ => Legend::Hidden,
         };
         let layered = densities.into_iter().fold(panel, Panel::with);
         layered.legend(legend)
     };
     Ok(Densities {
-        panels: drawn.into_iter().map(panel).collect(),
+        panels: drawn.into_iter().enumerate().map(panel).collect(),
+        shown: window.count,
         slanted,
     })
 }

@@ -97,6 +97,8 @@ pub struct Picture {
     pub figure: Figure,
     /// Whether the samples form a narrow slanted band, of which a shear would show more.
     pub slanted: bool,
+    /// What to say where a part of the parameter's axis is shown in which only few of many values were computed.
+    pub few: Option<String>,
 }
 
 /// What to say of such a figure.
@@ -108,6 +110,8 @@ pub struct Words<'a> {
     pub title: &'a str,
     /// Where that comes from.
     pub origin: &'a str,
+    /// What is not swept, as `, q = 1, r = 2`.
+    pub parameters: &'a str,
     /// The version that computed it.
     pub version: &'a str,
     /// Labels of parameters and observed quantities.
@@ -130,9 +134,10 @@ impl Words<'_> {
             })
             .collect();
         format!(
-            "{} ({}): {}, {} samples each after {}. Made by chatter {}.",
+            "{} ({}){}: {}, {} samples each after {}. Made by chatter {}.",
             self.title,
             self.origin,
+            self.parameters,
             sweeps.join(", "),
             spec.keep,
             spec.transient,
@@ -150,7 +155,7 @@ pub fn draw(
 ) -> Result<Picture, Refusal> {
     check(sweep, view)?;
     let axis = words.axis;
-    let (figure, slanted) = match &sweep.spec().sweeps[..] {
+    let (figure, slanted, few) = match &sweep.spec().sweeps[..] {
         [range] => {
             let drawn = densities(sweep, range, axis, source, view)?;
             let mut figure = Figure::new()
@@ -160,24 +165,58 @@ pub fn draw(
             for panel in drawn.panels {
                 figure = figure.panel(panel);
             }
-            (figure, drawn.slanted)
+            (figure, drawn.slanted, few(range, drawn.shown))
         }
         [first, second, ..] => {
             let panel = cells::panel(sweep, [first, second], axis, source, view)?;
             let figure = Figure::from(panel).width(WIDTH).height(PANEL_HEIGHT * 1.1);
-            (figure, false)
+            (figure, false, None)
         }
-        [] => (Figure::new(), false),
+        [] => (Figure::new(), false, None),
     };
     Ok(Picture {
         figure: figure
-            .title(format!("Orbit diagram: {}", words.title))
+            .title(format!(
+                "Orbit diagram: {}{}",
+                words.title, words.parameters
+            ))
             .caption(words.caption(sweep.spec())),
         slanted,
+        few,
     })
 }
 
-fn check(sweep: &Sweep, view: &View) -> Result<(), Refusal> {
+/// What to say of so many values that are shown of a range.
+fn few(range: &Range, shown: u64) -> Option<String> {
+    let is_part = shown < range.count && shown < densities::FEW;
+    is_part.then(|| {
+        let values = match shown {
+            1 => "value of".to_owned(),
+            _ => format!("values of `{}` of", range.name()),
+        };
+        format!(
+            "only {shown} {values} {} that were computed lie in this window; --recompute computes as many in it",
+            range.count
+        )
+    })
+}
+
+/// The diagram over the parts of its axes that are shown, in as many values.
+pub fn zoomed(spec: &Spec, view: &View) -> Spec {
+    let mut spec = spec.clone();
+    for range in &mut spec.sweeps {
+        if let Some((from, to)) = view.zoom(&range.name()) {
+            (range.from, range.to) = (from, to);
+        }
+    }
+    spec
+}
+
+/// Checks that a view fits a diagram.
+///
+/// # Errors
+/// A name is on no axis, or what is asked for changes nothing.
+pub fn check(sweep: &Sweep, view: &View) -> Result<(), Refusal> {
     let spec = sweep.spec();
     let swept: Vec<String> = spec.sweeps.iter().map(Range::name).collect();
     let swept: Vec<&str> = swept.iter().map(String::as_str).collect();
@@ -265,7 +304,25 @@ pub fn axis(model: &Model, name: &str) -> Axis {
             axis.label = format!("initial {}", axis.label);
             axis
         }
-        None if Passage::NAMES.contains(&name) => Axis::new(name.replace('_', " ")),
+        None if Passage::NAMES.contains(&name) => {
+            let axis = Axis::new(name.replace('_', " "));
+            match name {
+                "impacts" | "accumulations" => axis.whole(),
+                _ => axis,
+            }
+        }
         None => axis_of(name, None),
     }
+}
+
+/// The parameters that are not swept, as `, q = 1, r = 2`.
+pub fn parameters(model: &Model, spec: &Spec) -> String {
+    let swept = |name: &str| {
+        let mut parameters = spec
+            .sweeps
+            .iter()
+            .filter(|range| range.swept == Swept::Parameter);
+        parameters.any(|range| range.parameter == name)
+    };
+    crate::simulation::picture::parameters(model, &|name| !swept(name))
 }

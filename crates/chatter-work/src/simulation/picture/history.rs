@@ -2,7 +2,7 @@
 
 use super::shown::Shown;
 use super::{Subject, add_curve, axis_of};
-use chatter_figures::{Axis, Color, Legend, Line, Marker, Markers, Panel, Spans};
+use chatter_figures::{Axis, Color, Legend, Line, Marker, Markers, PALETTE, Panel, Spans};
 
 /// Room below and above the curve, as a part of its extent; ticks of impacts stand in the lower one.
 const ROOM_BELOW: f64 = 0.10;
@@ -14,12 +14,18 @@ const MOST_TICKS: usize = 2000;
 const MOST_DISCS: usize = 150;
 const DISC: f64 = 3.2;
 
-/// Bands of the contacts, in order; further ones start again.
-const BANDS: [Color; 3] = [
-    Color::rgb(196, 207, 222),
-    Color::rgb(243, 205, 180),
-    Color::rgb(190, 224, 205),
-];
+/// Opacity of bands: where two contacts are closed both are seen.
+const BAND: f64 = 0.3;
+
+/// The band and the ticks of a contact: of several each has its colour.
+fn colors(contact: usize, contacts: usize) -> (Color, Color) {
+    // The first colour is the curve's.
+    let own = PALETTE[(contact + 1) % PALETTE.len()];
+    match contacts {
+        1 => (Color::rgb(196, 207, 222), Color::VERMILION),
+        _ => (own.opacity(BAND), own),
+    }
+}
 
 /// The history of state `index`.
 pub fn panel(subject: &Subject, shown: &Shown, index: usize, with_legend: bool) -> Panel {
@@ -45,18 +51,22 @@ pub fn panel(subject: &Subject, shown: &Shown, index: usize, with_legend: bool) 
         x.range(shown.from, shown.to),
         y.range(floor, high + ROOM_ABOVE * size),
     );
+    let contacts = &subject.model.contacts;
     for (contact, intervals) in shown.contact_phases.iter().enumerate() {
         if !intervals.is_empty() {
-            let name = &subject.model.contacts[contact].name;
             panel.add(
                 Spans::new(intervals.clone())
-                    .color(BANDS[contact % BANDS.len()])
-                    .label(format!("contact: {name}")),
+                    .color(colors(contact, contacts.len()).0)
+                    .label(format!("contact: {}", contacts[contact].name)),
             );
         }
     }
-    if (1..=MOST_TICKS).contains(&shown.impacts.len()) {
-        let impacts = shown.impacts.iter();
+    let count: usize = shown.impacts.iter().map(Vec::len).sum();
+    for (contact, impacts) in shown.impacts.iter().enumerate() {
+        if impacts.is_empty() || count > MOST_TICKS {
+            continue;
+        }
+        let impacts = impacts.iter();
         let x = impacts
             .clone()
             .flat_map(|&time| [time, time, f64::NAN])
@@ -64,11 +74,15 @@ pub fn panel(subject: &Subject, shown: &Shown, index: usize, with_legend: bool) 
         let y = impacts
             .flat_map(|_| [floor, floor + TICK * size, f64::NAN])
             .collect();
+        let label = match contacts.len() {
+            1 => "impact".to_owned(),
+            _ => format!("impact: {}", contacts[contact].name),
+        };
         panel.add(
             Line::new(x, y)
-                .color(Color::VERMILION)
+                .color(colors(contact, contacts.len()).1)
                 .width(0.5)
-                .label("impact"),
+                .label(label),
         );
     }
     add_curve(&mut panel, &shown.jumps, &shown.times, values);

@@ -7,7 +7,7 @@ mod shown;
 use super::{Record, Subject};
 use crate::refusal::Refusal;
 use chatter::analysis::simulate::{Samples, Sampling, Simulation};
-use chatter::model::Label;
+use chatter::model::{Label, Model};
 use chatter::numerics::{DoubleDouble, Real};
 use chatter_figures::{Axis, Color, Figure, Line, Panel, variable};
 use shown::Shown;
@@ -43,27 +43,100 @@ pub struct Picture {
     pub shortened_to: Option<f64>,
 }
 
-/// Draws the samples within `window`; without one all that can be told apart, up to the end of the run.
+/// What is drawn across and up in a panel, by name: states, or across the time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Axes {
+    /// Across.
+    pub x: String,
+    /// Up.
+    pub y: String,
+}
+
+/// What a panel shows.
+#[derive(Clone, Copy)]
+enum Shows {
+    /// A state over time.
+    History(usize),
+    /// One state against another.
+    States(usize, usize),
+    /// Gap against rate, or the first two states.
+    Portrait,
+}
+
+/// The panels wanted; the history of each state and the portrait if none are.
+fn panels(subject: &Subject, axes: &[Axes]) -> Result<Vec<Shows>, Refusal> {
+    if axes.is_empty() {
+        let histories = subject.states().map(Shows::History);
+        return Ok(histories.chain([Shows::Portrait]).collect());
+    }
+    let model = subject.model;
+    let time = model.time.map_or("t", |time| &model.states[time].name);
+    let state = |name: &str, known: &[&str]| -> Result<usize, Refusal> {
+        subject
+            .states()
+            .find(|&index| subject.state_name(index) == name)
+            .ok_or_else(|| {
+                Refusal::input(format!(
+                    "`{name}` cannot be drawn here: there is `{}`",
+                    known.join("`, `")
+                ))
+                .did_you_mean(chatter::expressions::nearest(name, known.iter().copied()))
+            })
+    };
+    let states: Vec<&str> = subject
+        .states()
+        .map(|index| subject.state_name(index))
+        .collect();
+    let across: Vec<&str> = [&[time], &states[..]].concat();
+    axes.iter()
+        .map(|Axes { x, y }| {
+            let y = state(y, &states)?;
+            match x == time {
+                true => Ok(Shows::History(y)),
+                false => Ok(Shows::States(state(x, &across)?, y)),
+            }
+        })
+        .collect()
+}
+
+/// Checks that there is what a figure is to show.
+///
+/// # Errors
+/// A name is no state's.
+pub fn check(subject: &Subject, axes: &[Axes]) -> Result<(), Refusal> {
+    panels(subject, axes).map(|_| ())
+}
+
+/// Draws the samples within `window`; without one all that can be told apart, up to the end of the run. In a panel for
+/// each of `axes`; without any the history of each state, and the portrait.
 pub fn draw<R: Real>(
     subject: &Subject,
     run: (&Simulation<R>, &Record<R>),
     samples: &Samples<R>,
     window: Option<(f64, f64)>,
+    axes: &[Axes],
 ) -> Result<Picture, Refusal> {
     let shown = Shown::new(subject, run, samples, window)?;
-    let states: Vec<usize> = subject.states().collect();
     let mut figure = Figure::new();
-    for (place, &index) in states.iter().enumerate() {
-        figure = figure.panel(history::panel(subject, &shown, index, place == 0));
-    }
-    let portrait = portrait::panel(subject, &shown);
-    let panels = states.len() + usize::from(portrait.is_some());
-    if let Some(portrait) = portrait {
-        figure = figure.panel(portrait);
+    let (mut panels, mut histories) = (0, 0);
+    for shows in self::panels(subject, axes)? {
+        let panel = match shows {
+            Shows::History(index) => {
+                histories += 1;
+                // One legend for all.
+                Some(history::panel(subject, &shown, index, histories == 1))
+            }
+            Shows::States(x, y) => Some(portrait::of(subject, &shown, (x, y))),
+            Shows::Portrait => portrait::panel(subject, &shown),
+        };
+        if let Some(panel) = panel {
+            panels += 1;
+            figure = figure.panel(panel);
+        }
     }
     figure = if panels > MOST_IN_COLUMN {
         figure.columns(2).width(WIDE)
-    } else if panels == MOST_IN_COLUMN {
+    } else if panels == MOST_IN_COLUMN && axes.is_empty() {
         let figure = figure.width(NARROW).height(COLUMN_HEIGHT);
         figure.row_heights(&[1.0, 1.0, PORTRAIT_HEIGHT])
     } else {
@@ -71,29 +144,33 @@ pub fn draw<R: Real>(
     };
     let title = subject.model.title.as_deref().unwrap_or(subject.source);
     Ok(Picture {
-        figure: figure.title(title).caption(caption(subject, title, &shown)),
+        figure: figure
+            .title(format!("{title}{}", parameters(subject.model, &|_| true)))
+            .caption(caption(subject, title, &shown)),
         shortened_to: shown.shortened.then_some(shown.from),
     })
 }
 
 fn caption(subject: &Subject, title: &str, shown: &Shown) -> String {
-    let parameters = subject.model.parameter_values::<f64>(&[]);
-    let values = subject.model.parameters.iter().zip(parameters);
-    let values: Vec<String> = values
-        .map(|(parameter, value)| format!("{} = {value}", parameter.name))
-        .collect();
-    let given = match &values[..] {
-        [] => String::new(),
-        values => format!(", {}", values.join(", ")),
-    };
     format!(
-        "{title} ({}){given}, from time {} to {}. Bands: contact; ticks: impacts; discs: accumulations of impacts. Made by \
+        "{title} ({}){}, from time {} to {}. Bands: contact; ticks: impacts; discs: accumulations of impacts. Made by \
          chatter {}.",
         subject.source,
+        parameters(subject.model, &|_| true),
         shown.from,
         shown.to,
         env!("CARGO_PKG_VERSION")
     )
+}
+
+/// The parameters whose names are wanted with their values, as `, q = 1, r = 2`.
+pub fn parameters(model: &Model, wanted: &dyn Fn(&str) -> bool) -> String {
+    let values = model.parameter_values::<f64>(&[]);
+    let known = model.parameters.iter().zip(values);
+    known
+        .filter(|(parameter, _)| wanted(&parameter.name))
+        .map(|(parameter, value)| format!(", {} = {value}", parameter.name))
+        .collect()
 }
 
 /// The axis of a quantity: what its label says, else its name.

@@ -10,14 +10,24 @@ const DISC: f64 = 3.2;
 
 /// The portrait; none where there is but one state.
 pub fn panel(subject: &Subject, shown: &Shown) -> Option<Panel> {
-    let (x, y) = of_contact(subject, shown).or_else(|| of_states(subject, shown))?;
+    let sides = of_contact(subject, shown).or_else(|| of_states(subject, shown))?;
+    Some(portrait(shown, sides))
+}
+
+/// One state against another.
+pub fn of(subject: &Subject, shown: &Shown, (x, y): (usize, usize)) -> Panel {
+    let side = |index| Side::of_state(subject, shown, index);
+    portrait(shown, (side(x), side(y)))
+}
+
+fn portrait(shown: &Shown, (x, y): (Side, Side)) -> Panel {
     let mut panel = Panel::new(x.axis, y.axis);
     add_curve(&mut panel, &shown.jumps, &x.values, &y.values);
     if !x.marks.is_empty() {
         let discs = Markers::new(x.marks, y.marks).marker(Marker::Disc);
         panel.add(discs.size(DISC).color(Color::INK));
     }
-    Some(panel.legend(Legend::Hidden))
+    panel.legend(Legend::Hidden)
 }
 
 /// One axis, what is drawn along it, and where accumulations are on it.

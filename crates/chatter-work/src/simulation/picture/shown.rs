@@ -28,8 +28,8 @@ pub struct Shown {
     pub states: Vec<Vec<f64>>,
     /// Samples before which the state jumps.
     pub jumps: Vec<usize>,
-    /// Times of impacts.
-    pub impacts: Vec<f64>,
+    /// For each contact the times of its impacts.
+    pub impacts: Vec<Vec<f64>>,
     /// Times and states of accumulations.
     pub accumulations: Vec<(f64, Vec<f64>)>,
     /// For each contact the intervals in which it is closed.
@@ -89,13 +89,14 @@ impl Shown {
         let jumps = (1..times.len())
             .filter(|&place| times[place] == times[place - 1] && differs(place))
             .collect();
-        let (mut impacts, mut accumulations) = (Vec::new(), Vec::new());
+        let mut impacts = vec![Vec::new(); subject.model.contacts.len()];
+        let mut accumulations = Vec::new();
         for noted in record.events() {
             let event = noted?.event;
             let time = event.time.to_f64();
             match event.kind {
                 _ if !(from..=to).contains(&time) => {}
-                EventKind::Impact => impacts.push(time),
+                EventKind::Impact => impacts[event.detail.place()].push(time),
                 EventKind::Accumulation => accumulations.push((time, doubles(&event.state))),
                 _ => {}
             }

@@ -62,7 +62,7 @@ pub use forcing::Turn;
 pub use leading_order::{LeadingOrder, ReleaseSection};
 pub use local::LocalCoordinate;
 pub use located::{Discrepancy, WindowComparison};
-pub use orbit::{Border, FirstImpact, border_near, leading_order_at, verdicts_in};
+pub use orbit::{Border, FirstImpact, border_near, leading_order_at, search_near, verdicts_in};
 pub use prediction::{AffineStates, ImpactCounts, PredictedPassage, Prediction, Settled};
 pub use range::{Borders, SearchProgress, borders_in, search_range};
 pub use release::ReleasePoint;

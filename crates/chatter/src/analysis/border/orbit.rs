@@ -17,6 +17,7 @@ use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real};
+use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 
 /// The state after the first impact that follows release.
@@ -121,6 +122,21 @@ pub fn border_near<R: Real>(
     spec: &BorderSpec,
     value: f64,
 ) -> Result<Border<R>, BorderError> {
+    let found = search_near(model, spec, value, &mut unwatched)?;
+    Ok(found.expect("nobody breaks off what is unwatched"))
+}
+
+/// Like [`border_near`], with a watcher that hears what part of the search is done and may break it off; nothing is found
+/// then.
+///
+/// # Errors
+/// As for [`border_near`].
+pub fn search_near<R: Real>(
+    model: &Model,
+    spec: &BorderSpec,
+    value: f64,
+    watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Option<Border<R>>, BorderError> {
     if !value.is_finite() {
         return Err(BorderError::Range {
             low: value,
@@ -137,8 +153,10 @@ pub fn border_near<R: Real>(
     let mut values: Vec<f64> = towards(low).collect();
     values.reverse();
     values.extend(towards(high).skip(1));
-    let samples = problem.scan(&values, &mut unwatched)?;
-    let changes = problem.changes(&samples.unwrap_or_default(), spec.extrapolation);
+    let Some(samples) = problem.scan(&values, watch)? else {
+        return Ok(None);
+    };
+    let changes = problem.changes(&samples, spec.extrapolation);
     let nearest = changes.nearest(value, |root, breaks| {
         if !(low..=high).contains(&root.point.value) {
             return Ok(None);
@@ -155,7 +173,7 @@ pub fn border_near<R: Real>(
         })
     })?;
     let breaks = match nearest {
-        Ok(border) => return Ok(border),
+        Ok(border) => return Ok(Some(border)),
         Err(Found { breaks, .. }) => breaks,
     };
     Err(BorderError::NoBorder { low, high, breaks })

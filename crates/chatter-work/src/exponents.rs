@@ -1,0 +1,103 @@
+//! All Lyapunov exponents of a motion: request, answer, document.
+
+use crate::json::{Json, Object};
+use crate::numbers::Digits;
+use crate::observer::Observer;
+use crate::options::{Count, Quantity};
+use crate::periodic::refused;
+use crate::refusal::Refusal;
+use chatter::analysis::exponents::{Exponents, Spec, exponents};
+use chatter::model::Model;
+use chatter::numerics::Real as _;
+use std::time::Instant;
+
+/// What is asked. What is none is as usual.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// Time from one orthogonalisation to the next; the period of the forcing, or 1.
+    pub interval: Option<Quantity>,
+    /// Intervals passed over.
+    pub transient: Option<Count>,
+    /// Intervals that are averaged over.
+    pub intervals: Option<Count>,
+}
+
+/// Usual numbers.
+const TRANSIENT: u64 = 200;
+const INTERVALS: u64 = 2000;
+
+impl Request {
+    /// The specification.
+    ///
+    /// # Errors
+    /// An interval is none, or there is nothing to average over.
+    pub fn spec(&self, model: &mut Model) -> Result<Spec, Refusal> {
+        let interval = match &self.interval {
+            Some(interval) => interval.value(model, "--interval")?.to_f64(),
+            None => forcing(model).unwrap_or(1.0),
+        };
+        if !(interval > 0.0 && interval.is_finite()) {
+            return Err(Refusal::input(format!(
+                "--interval {interval}: expected a positive number"
+            )));
+        }
+        let spec = Spec {
+            interval,
+            transient: self.transient.map_or(TRANSIENT, |count| count.0),
+            intervals: self.intervals.map_or(INTERVALS, |count| count.0),
+        };
+        if spec.intervals == 0 {
+            return Err(Refusal::input(
+                "--intervals 0: there is nothing to average over",
+            ));
+        }
+        Ok(spec)
+    }
+}
+
+/// The exponents; once the observer stops, over the intervals that are done.
+///
+/// # Errors
+/// The motion cannot be followed.
+pub fn find(model: &Model, spec: &Spec, observer: &dyn Observer) -> Result<Exponents, Refusal> {
+    let began = Instant::now();
+    let total = (spec.transient + spec.intervals) as f64;
+    let found = exponents(model, spec, &mut |done| {
+        observer.progress(done, &|| {
+            let rate = done * total / began.elapsed().as_secs_f64();
+            format!("{rate:.0} intervals/s")
+        });
+        observer.going_on()
+    });
+    found.map_err(|error| refused(&error, model))
+}
+
+/// The period of time or of a phase that turns by itself.
+fn forcing(model: &Model) -> Option<f64> {
+    let mut graph = model.graph.clone();
+    let parameters = model.parameter_values::<f64>(&[]);
+    let phases = model.phases(&mut graph);
+    phases.iter().find_map(|phase| {
+        let period = phase.period(&graph, &parameters)?;
+        let rate = model.states[phase.state].derivative;
+        let rate =
+            (!graph.depends_on_state(rate)).then(|| graph.evaluate(rate, &[], &parameters))?;
+        (rate != 0.0).then(|| (period / rate).abs())
+    })
+}
+
+/// Everything as one document.
+pub fn document(model: &Model, source: &str, spec: &Spec, found: &Exponents) -> Object {
+    let list = |values: &[f64]| -> Vec<Json> { values.iter().map(|&x| Json::Number(x)).collect() };
+    let parameters = model.parameter_values::<f64>(&[]);
+    Object::new(Digits::DOUBLE)
+        .with("exponents", list(&found.values))
+        .with("errors", list(&found.errors))
+        .with("dimension", found.dimension)
+        .with("time", found.time)
+        .with("intervals", found.intervals as i64)
+        .with("interval", spec.interval)
+        .with("model", Object::new(Digits::DOUBLE).with("source", source))
+        .named("parameters", &model.parameter_names(), &parameters)
+        .with("version", env!("CARGO_PKG_VERSION"))
+}

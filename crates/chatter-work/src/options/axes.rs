@@ -1,0 +1,21 @@
+//! `X,Y`: what is drawn across and up.
+
+use crate::simulation::picture::Axes;
+
+/// Two names.
+#[derive(Clone, Debug)]
+pub struct AxesOption(pub Axes);
+
+impl std::str::FromStr for AxesOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split(',').map(str::trim).collect::<Vec<_>>()[..] {
+            [x, y] if !x.is_empty() && !y.is_empty() => Ok(Self(Axes {
+                x: x.to_owned(),
+                y: y.to_owned(),
+            })),
+            _ => Err("expected two names, X,Y, such as t,y1 or y1,y2".to_owned()),
+        }
+    }
+}
