@@ -21,9 +21,9 @@ import { Refused, is_abort } from "./transport.js";
 const HEAD = 8;
 /** Columns of the first picture. */
 const COARSE = 64;
-/** Rows of a map's first picture, and of its last. */
+/** Cells across a map's first picture, and of its last for so many columns. */
 const COARSE_MAP = 16;
-const FINE_MAP = 128;
+const fine_map = (/** @type {number} */ columns) => Math.max(COARSE_MAP, Math.min(512, columns / 4));
 /** After a change by hand, so long nothing is asked, in milliseconds. */
 const REST = 160;
 /** A picture that takes longer is moved as it is while it is dragged. */
@@ -94,7 +94,7 @@ export class DiagramView {
 
     /** How many columns, or rows of a map, a file has. */
     size() {
-        return this.diagram.second ? FINE_MAP : this.diagram.columns;
+        return this.diagram.second ? fine_map(this.diagram.columns) : this.diagram.columns;
     }
 
     /** The sweep that a file is made of: what is seen. */
@@ -279,7 +279,7 @@ export class DiagramView {
             const last = run.first + (run.count - 1) * run.stride;
             return `${name}=${lattice.value(run.level, run.first)}:${lattice.value(run.level, last)}:${run.count}`;
         };
-        if (diagram.second) return this.plane.plan(diagram, COARSE_MAP, FINE_MAP);
+        if (diagram.second) return this.plane.plan(diagram, COARSE_MAP, this.size());
         /** @type {{ sweep: string[], run: import("./lattice.js").Run & { rows?: number } }[]} */
         const plan = [];
         const carried = diagram.start.startsWith("carry");

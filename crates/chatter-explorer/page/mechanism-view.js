@@ -162,6 +162,7 @@ export class MechanismView {
             if (at.some((value) => !Number.isFinite(value))) continue;
             if (shape.kind === "mass") mass(context, colors, shape, [px(at[0]), py(at[1])], [at[2] * scale, (at[3] ?? 0) * scale], at[4] ?? 0);
             else if (shape.kind === "disc") mass(context, colors, shape, [px(at[0]), py(at[1])], [at[2] * scale], at[3] ?? 0);
+            else if (shape.kind === "round_wall") round_wall(context, colors, [px(at[0]), py(at[1])], at[2] * scale, glowing);
             else {
                 const ends = /** @type {[number, number, number, number]} */ ([px(at[0]), py(at[1]), px(at[2]), py(at[3])]);
                 if (shape.kind === "spring") spring(context, colors, ends);
@@ -196,7 +197,7 @@ export class MechanismView {
         this.shapes().forEach((shape, index) => {
             const values = motion.drawn[index];
             if (shape.kind === "mass") reach(values[0], values[1], values[2].map((w) => w / 2), values[3].map((h) => h / 2));
-            else if (shape.kind === "disc") reach(values[0], values[1], values[2], values[2]);
+            else if (shape.kind === "disc" || shape.kind === "round_wall") reach(values[0], values[1], values[2], values[2]);
             else {
                 reach(values[0], values[1], null, null);
                 reach(values[2], values[3], null, null);
@@ -210,7 +211,7 @@ export class MechanismView {
 }
 
 /** From back to front. */
-const LAYERS = ["wall", "spring", "rod", "mass", "disc"];
+const LAYERS = ["round_wall", "wall", "spring", "rod", "mass", "disc"];
 
 /**
  * @param {CanvasRenderingContext2D} context
@@ -289,6 +290,32 @@ function wall(context, colors, [x0, y0, x1, y1], glowing) {
     context.beginPath();
     context.moveTo(x0, y0);
     context.lineTo(x1, y1);
+    context.strokeStyle = glowing ? colors.accent : colors.ink;
+    context.lineWidth = glowing ? 3 : 2;
+    context.stroke();
+}
+
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Theme} colors
+ * @param {[number, number]} centre
+ * @param {number} radius hatched outside
+ * @param {boolean} glowing
+ */
+function round_wall(context, colors, [x, y], radius, glowing) {
+    if (!(radius > 0)) return;
+    const count = Math.max(12, Math.round((2 * Math.PI * radius) / 9));
+    context.beginPath();
+    for (let k = 0; k < count; k += 1) {
+        const [one, other] = [(2 * Math.PI * k) / count, (2 * Math.PI * (k + 0.5)) / count];
+        context.moveTo(x + radius * Math.cos(one), y + radius * Math.sin(one));
+        context.lineTo(x + (radius + 7) * Math.cos(other), y + (radius + 7) * Math.sin(other));
+    }
+    context.strokeStyle = colors.jump;
+    context.lineWidth = 1;
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
     context.strokeStyle = glowing ? colors.accent : colors.ink;
     context.lineWidth = glowing ? 3 : 2;
     context.stroke();

@@ -8,7 +8,8 @@ import { tick_texts, ticks } from "./ticks.js";
 /** @typedef {import("./palette.js").Theme} Theme */
 
 const FONT = '12px system-ui, -apple-system, "Segoe UI", Roboto, sans-serif';
-const LEFT = 62;
+/** The left margin is at least so wide, and as wide as its numbers need. */
+const LEFT = 52;
 const BOTTOM = 40;
 const TOP = 10;
 const RIGHT = 14;
@@ -41,6 +42,7 @@ export class Plot {
         this.element = make("div", { class: "plot" }, this.canvas);
         this.width = 0;
         this.height = 0;
+        this.left = LEFT;
         this.scheduled = false;
         /** @type {{ x: number, y: number } | null} */
         this.at = null;
@@ -51,7 +53,8 @@ export class Plot {
     }
 
     get area() {
-        return { left: LEFT, top: TOP, width: Math.max(1, this.width - LEFT - RIGHT), height: Math.max(1, this.height - TOP - BOTTOM) };
+        const { left } = this;
+        return { left, top: TOP, width: Math.max(1, this.width - left - RIGHT), height: Math.max(1, this.height - TOP - BOTTOM) };
     }
 
     resize() {
@@ -103,11 +106,11 @@ export class Plot {
         const context = this.canvas.getContext("2d");
         if (!context || this.width === 0) return;
         const colors = theme();
-        const { left, top, width, height } = this.area;
         context.setTransform(this.ratio ?? 1, 0, 0, this.ratio ?? 1, 0, 0);
         context.clearRect(0, 0, this.width, this.height);
         context.font = FONT;
         this.axes(context, colors);
+        const { left, top, width, height } = this.area;
         context.save();
         context.beginPath();
         context.rect(left, top, width, height);
@@ -131,7 +134,6 @@ export class Plot {
      * @param {Theme} colors
      */
     axes(context, colors) {
-        const { left, top, width, height } = this.area;
         const { x0, x1, y0, y1 } = this.box;
         const of_axis = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ most, /** @type {boolean} */ logarithmic, /** @type {boolean} */ whole) => {
             let { values, step } = ticks(low, high, most);
@@ -139,8 +141,11 @@ export class Plot {
             if (logarithmic) return { values, texts: values.map((value) => (Number.isInteger(value) ? `10${[...String(value)].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("")}` : "")), factor: "" };
             return { values, ...tick_texts(values, step) };
         };
+        const of_y = of_axis(y0, y1, Math.max(2, this.area.height / 45), this.logarithmic.y, this.whole.y);
+        const widest = Math.max(...of_y.texts.map((text) => context.measureText(text).width), 0);
+        this.left = Math.max(LEFT, Math.ceil(widest) + 32);
+        const { left, top, width, height } = this.area;
         const of_x = of_axis(x0, x1, Math.max(2, width / 90), this.logarithmic.x, this.whole.x);
-        const of_y = of_axis(y0, y1, Math.max(2, height / 45), this.logarithmic.y, this.whole.y);
         context.strokeStyle = colors.grid;
         context.lineWidth = 1;
         context.beginPath();

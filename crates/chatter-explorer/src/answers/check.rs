@@ -84,6 +84,9 @@ pub fn answer(answering: &Answering, question: &CheckQuestion) -> Result<(), Ref
         let phases = model.phases(&mut graph).into_iter();
         phases.map(|phase| model.states[phase.state].name.clone()).collect()
     };
+    let shapes: Vec<Value> = (model.drawing.iter())
+        .map(|shape| json!({ "kind": shape.kind.name() }))
+        .collect();
     let title = model.title.take();
     answering.document(&json!({
         "title": title,
@@ -93,6 +96,7 @@ pub fn answer(answering: &Answering, question: &CheckQuestion) -> Result<(), Ref
         "contacts": contacts,
         "sections": sections,
         "phases": phases,
+        "drawing": { "shapes": shapes },
         "warnings": warnings,
     }))
 }

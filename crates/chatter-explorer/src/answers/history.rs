@@ -127,7 +127,7 @@ impl Told {
         let derived = Derived::new(model);
         for (name, expr) in &derived.quantities {
             names.push(name.clone());
-            columns.push(derived.along(*expr, model, samples));
+            columns.push(along(&derived.graph, *expr, model, samples));
         }
         let mut places: Vec<String> = Vec::new();
         let mut events: Vec<Vec<f64>> = vec![Vec::new(); 5 + names.len() - 1];
@@ -182,6 +182,7 @@ impl Told {
             "columns": [names.len(), events.len(), phases.len()],
             "kinds": kinds,
             "places": places,
+            "drawn": model.drawing.iter().map(|shape| shape.numbers.len()).collect::<Vec<usize>>(),
             "contacts": contacts,
             "counts": {
                 "impacts": counts.impacts,
@@ -193,6 +194,10 @@ impl Told {
         });
         columns.extend(events);
         columns.extend(phases);
+        for shape in &model.drawing {
+            let along = |expr: &Expr| along(&model.graph, *expr, model, samples);
+            columns.extend(shape.numbers.iter().map(along));
+        }
         Ok(Self { document, columns })
     }
 }
@@ -224,18 +229,19 @@ impl Derived {
             graph: mechanics.graph,
         }
     }
+}
 
-    fn along(&self, expr: Expr, model: &Model, samples: &Samples<f64>) -> Vec<f64> {
-        let parameters = model.parameter_values::<f64>(&[]);
-        let mut state = vec![0.0; samples.states.len()];
-        let values = (0..samples.len()).map(|place| {
-            for (x, values) in state.iter_mut().zip(&samples.states) {
-                *x = values[place];
-            }
-            self.graph.evaluate(expr, &state, &parameters)
-        });
-        values.collect()
-    }
+/// The values of an expression at samples.
+fn along(graph: &Graph, expr: Expr, model: &Model, samples: &Samples<f64>) -> Vec<f64> {
+    let parameters = model.parameter_values::<f64>(&[]);
+    let mut state = vec![0.0; samples.states.len()];
+    let values = (0..samples.len()).map(|place| {
+        for (x, values) in state.iter_mut().zip(&samples.states) {
+            *x = values[place];
+        }
+        graph.evaluate(expr, &state, &parameters)
+    });
+    values.collect()
 }
 
 /// The motion as a file.

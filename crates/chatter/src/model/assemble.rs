@@ -8,6 +8,7 @@ mod tables;
 
 use super::dependency::dependency_order;
 use super::draft::{Draft, Entry, Formula, Place};
+use super::drawing::Shape;
 use super::error::{ModelError, ModelErrorKind, Role};
 use super::model::{Contact, Definition, Label, Model, Parameter, Section, State};
 use super::names::TIME;
@@ -90,6 +91,14 @@ impl<'a> Assembly<'a> {
         let mut sections: Vec<Section> = (draft.sections.iter())
             .map(|section| self.section(&equations, section))
             .collect();
+        let drawing: Vec<Shape> = (draft.drawing.iter())
+            .map(|shape| Shape {
+                kind: shape.kind,
+                numbers: (shape.numbers.iter())
+                    .map(|formula| self.read(&equations, formula))
+                    .collect(),
+            })
+            .collect();
         let flight = draft
             .flight
             .as_ref()
@@ -137,6 +146,7 @@ impl<'a> Assembly<'a> {
             sections,
             definitions,
             surfaces: Vec::new(),
+            drawing,
         };
         for (definition, &used) in model.definitions.iter_mut().zip(&self.used) {
             definition.used = used;
