@@ -46,6 +46,7 @@ export async function address_of(state, shipped) {
     if (diagram.bounds) parts.set("box", diagram.bounds);
     for (const name of NUMBERS) parts.set(name, String(diagram[name]));
     if (diagram.exponent) parts.set("exponent", "yes");
+    if (diagram.slope) parts.set("slope", String(diagram.slope));
     if (state.picked !== null) parts.set("at", String(state.picked));
     parts.set("time", `${state.from}:${state.to}`);
     parts.set("portrait", state.portrait.join(","));
@@ -96,6 +97,7 @@ export async function state_of(hash) {
     }
     if (parts.has("model")) {
         found.diagram.exponent = text("exponent") === "yes";
+        found.diagram.slope = number(text("slope")) ?? 0;
         found.picked = number(text("at")) ?? null;
     }
     const time = range(text("time"));

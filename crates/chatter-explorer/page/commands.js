@@ -79,6 +79,7 @@ export class Commands {
             "--transient", String(diagram.transient), "--keep", String(diagram.keep),
             ...(diagram.exponent ? ["--exponent"] : []),
             "--out", "diagram.npz", "--plot", "diagram.svg",
+            ...(diagram.slope && !maps ? ["--shear", String(diagram.slope)] : []),
         ]);
     }
 
@@ -101,7 +102,7 @@ export class Commands {
             `transient=${diagram.transient}`, `keep=${diagram.keep}`,
             ...(diagram.exponent ? ["exponent=True"] : []),
         ];
-        return `d = ${this.python_model(false)}.diagram(${options.join(", ")}); d.plot()`;
+        return `d = ${this.python_model(false)}.diagram(${options.join(", ")}); d.plot(${diagram.slope ? `shear=${diagram.slope}` : ""})`;
     }
 
     branches() {

@@ -146,7 +146,7 @@ export class DiagramView {
         const over = choice("Parameter across", parameters, diagram.over, (name) => {
             const [from, to] = around(name);
             store.change("view", (state) => {
-                Object.assign(state.diagram, { over: name, from, to, y: null });
+                Object.assign(state.diagram, { over: name, from, to, y: null, slope: 0 });
                 if (state.diagram.second === name) state.diagram.second = "";
                 state.picked = null;
             });
@@ -164,7 +164,7 @@ export class DiagramView {
         const list = make("datalist", { id: "quantities" }, ...checked.states.filter((state) => !state.time).map((state) => make("option", { value: state.name })), make("option", { value: "impacts" }));
         const observe = make("input", {
             type: "text", list: "quantities", size: 8, ".value": diagram.observe, "aria-label": "Observed quantity, an expression", spellcheck: "false",
-            onchange: () => edit((diagram) => { diagram.observe = observe.value.trim() || diagram.observe; }, true),
+            onchange: () => edit((diagram) => { diagram.observe = observe.value.trim() || diagram.observe; diagram.slope = 0; }, true),
         });
         const start = choice("Where orbits start", [["fresh", "afresh"], ["carry", "carried up"], ["carry:down", "carried down"], ["carry:both", "carried both ways"], ["random:4", "at random"]], diagram.start, (value) => {
             if (value.startsWith("random") && !diagram.bounds) this.propose_bounds();
@@ -193,9 +193,13 @@ export class DiagramView {
                 field("exponent", make("input", { type: "checkbox", ".checked": diagram.exponent, onchange: (/** @type {Event} */ event) => edit((diagram) => { diagram.exponent = /** @type {HTMLInputElement} */ (event.target).checked; }) })),
             ),
         );
+        const level = make("button", { type: "button", title: "Draw a slanted diagram level", "aria-pressed": String(this.slope() !== 0), hidden: diagram.second !== "", onclick: () => {
+            edit((diagram) => { diagram.slope = diagram.slope ? 0 : this.fitted(); }, true);
+            this.controls();
+        } }, "Level");
         const all = make("button", { type: "button", title: "Show all (0)", onclick: () => this.reset() }, "All");
         this.toolbar.replaceChildren(
-            make("div", { class: "row" }, field("over", over), field("from", from), field("to", to), field("upwards", second), diagram.second ? "" : field("observed", observe), list, field("starts", start), diagram.start.startsWith("random") ? field("within", bounds) : "", all),
+            make("div", { class: "row" }, field("over", over), field("from", from), field("to", to), field("upwards", second), diagram.second ? "" : field("observed", observe), list, field("starts", start), diagram.start.startsWith("random") ? field("within", bounds) : "", level, all),
             more,
         );
     }
@@ -239,7 +243,7 @@ export class DiagramView {
         this.plot.box = { x0: diagram.from, x1: diagram.to, y0: y[0], y1: y[1] };
         this.plot.x_label = axis_label(diagram.over, this.store.label(diagram.over));
         const up = diagram.second || diagram.observe;
-        this.plot.y_label = axis_label(up, this.store.label(up));
+        this.plot.y_label = axis_label(up, this.store.label(up)) + (this.slope() ? `  −  ${shown(this.slope(), 4)} ${diagram.over}` : "");
         if (this.ends && document.activeElement !== this.ends[0] && document.activeElement !== this.ends[1]) {
             const step = (diagram.to - diagram.from) / 1000;
             this.ends[0].value = String(rounded(diagram.from, step));
@@ -265,11 +269,28 @@ export class DiagramView {
                 if (!row || row.samples.length === 0) continue;
                 const ends = extent(row.samples, 0);
                 if (!ends) continue;
-                low = Math.min(low, ends[0]);
-                high = Math.max(high, ends[1]);
+                low = Math.min(low, ends[0] - this.slope() * x);
+                high = Math.max(high, ends[1] - this.slope() * x);
             }
         }
         return low > high ? null : extent([low, high]);
+    }
+
+    slope() {
+        return this.diagram.second ? 0 : this.diagram.slope;
+    }
+
+    /** The slope of the line that fits what is seen best. */
+    fitted() {
+        const { from, to } = this.diagram;
+        const points = this.in_order().filter(({ x }) => x >= from && x <= to).flatMap(({ x, rows }) => {
+            const samples = rows.find((row) => row)?.samples;
+            return samples?.length ? [{ x, y: samples.reduce((sum, value) => sum + value, 0) / samples.length }] : [];
+        });
+        const mean = (/** @type {(point: { x: number, y: number }) => number} */ of) => points.reduce((sum, point) => sum + of(point), 0) / points.length;
+        const [x, y] = [mean((point) => point.x), mean((point) => point.y)];
+        const slope = mean((point) => (point.x - x) * (point.y - y)) / mean((point) => (point.x - x) ** 2);
+        return Number.isFinite(slope) ? Number(slope.toPrecision(4)) : 0;
     }
 
     /** The sweeps that are missing, the coarse ones first. */
@@ -418,7 +439,7 @@ export class DiagramView {
             if (this.stale && !moving) {
                 const passes = diagram.start === "carry:both" ? [colors.points, colors.second] : [colors.points];
                 const step = (diagram.to - diagram.from) / (2 * COARSE);
-                this.raster.draw(this.in_order(), plot.box, wide, high, Math.max(1, Math.round(ratio)), passes, step);
+                this.raster.draw(this.in_order(), plot.box, wide, high, Math.max(1, Math.round(ratio)), passes, step, this.slope());
                 this.stale = false;
             }
             this.raster.show(context, plot);
@@ -534,7 +555,7 @@ export class DiagramView {
             parts.push(`${diagram.over} = ${shown(column.x, 8)}`);
             const [row] = column.rows.filter((row) => row);
             if (row) parts.push(...this.words(row));
-            if (Number.isFinite(at.y)) parts.push(`${diagram.observe} = ${shown(at.y)}`);
+            if (Number.isFinite(at.y)) parts.push(`${diagram.observe} = ${shown(at.y + this.slope() * at.x)}`);
         }
         this.readout.textContent = parts.join("  ·  ");
     }

@@ -138,6 +138,7 @@ export class Overlay {
         const { diagram } = this.store.state;
         if (this.borders) this.draw_borders(context, plot, colors);
         if (!this.branches || diagram.second) return;
+        const { slope } = diagram;
         for (const branch of this.branches.branches) {
             const x = branch.points[diagram.over];
             const y = branch.points[diagram.observe];
@@ -150,8 +151,8 @@ export class Overlay {
                 context.beginPath();
                 for (let k = 1; k < x.length; k += 1) {
                     if (stable[k - 1] !== kind) continue;
-                    context.moveTo(plot.px(x[k - 1]), plot.py(y[k - 1]));
-                    context.lineTo(plot.px(x[k]), plot.py(y[k]));
+                    context.moveTo(plot.px(x[k - 1]), plot.py(y[k - 1] - slope * x[k - 1]));
+                    context.lineTo(plot.px(x[k]), plot.py(y[k] - slope * x[k]));
                 }
                 context.strokeStyle = kind ? colors.curve : colors.muted;
                 context.lineWidth = kind ? 2 : 1;
@@ -161,7 +162,7 @@ export class Overlay {
             context.setLineDash([]);
             for (const special of branch.special) {
                 context.beginPath();
-                context.arc(plot.px(special.value), plot.py(special.state[diagram.observe]), 4, 0, 2 * Math.PI);
+                context.arc(plot.px(special.value), plot.py(special.state[diagram.observe] - slope * special.value), 4, 0, 2 * Math.PI);
                 context.fillStyle = SPECIAL[special.kind]?.[1] ?? colors.muted;
                 context.fill();
                 context.strokeStyle = colors.surface;

@@ -28,8 +28,9 @@ export class Raster {
      * @param {number} dot height of a sample in pixels
      * @param {[number, number, number][]} colors of each pass through the values
      * @param {number} step distance of columns, where they have no neighbours
+     * @param {number} slope of the line that is drawn level
      */
-    draw(columns, box, width, height, dot, colors, step) {
+    draw(columns, box, width, height, dot, colors, step, slope) {
         const began = performance.now();
         const { canvas } = this;
         if (canvas.width !== width || canvas.height !== height) {
@@ -82,10 +83,11 @@ export class Raster {
                 if (!row) return;
                 const sum = sums[pass % sums.length];
                 const { samples } = row;
+                const top = box.y1 + slope * x;
                 weight[pass % sums.length] += samples.length;
                 this.points += samples.length;
                 for (let k = 0; k < samples.length; k += 1) {
-                    const y = Math.floor((box.y1 - samples[k]) * up);
+                    const y = Math.floor((top - samples[k]) * up);
                     for (let d = 0; d < dot; d += 1) {
                         const at = y + d;
                         if (at >= 0 && at < height) sum[at] += 1;

@@ -57,7 +57,7 @@ export function start_of(name, checked) {
         returned: observe,
         diagram: {
             over: parameter?.name ?? "", from: low, to: high, y: null, second: "", second_from: 0, second_to: 1, observe, sampling,
-            start: "fresh", bounds: "", columns: 512, transient: 300, keep: 200, exponent: false, ...own.diagram,
+            start: "fresh", bounds: "", columns: 512, transient: 300, keep: 200, exponent: false, slope: 0, ...own.diagram,
         },
     };
 }

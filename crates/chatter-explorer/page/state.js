@@ -17,6 +17,7 @@
  * @property {number} transient
  * @property {number} keep
  * @property {boolean} exponent
+ * @property {number} slope a multiple of the parameter that is subtracted, so that a slanted diagram is level
  */
 
 /**

@@ -30,6 +30,7 @@ macro_rules! page {
 pub const PAGE: &[Asset] = page! {
     "index.html": HTML,
     "icon.svg": PICTURE,
+    "page.css": CSS,
     "style.css": CSS,
     "address.js": SCRIPT,
     "commands.js": SCRIPT,
@@ -60,6 +61,7 @@ pub const PAGE: &[Asset] = page! {
     "state.js": SCRIPT,
     "ticks.js": SCRIPT,
     "transport.js": SCRIPT,
+    "widget.js": SCRIPT,
 };
 
 /// What is at this address; at the empty one the page itself.

@@ -44,7 +44,9 @@ impl fmt::Display for Rejection {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(match self {
             Self::Host => "this is not the machine that the request is meant for",
-            Self::Token => "there is nothing here; the address that `chatter explore` printed is longer",
+            Self::Token => {
+                "there is nothing here; the address that `chatter explore` printed is longer"
+            }
             Self::Origin => "the request comes from another page",
             Self::ContentType => "expected a body of type application/json",
         })
@@ -81,7 +83,10 @@ impl Guard {
         }
         // `none`: the user has typed the address.
         let from = request.header("sec-fetch-site").unwrap_or("same-origin");
-        if !matches!((request.method, from), (_, "same-origin") | (Method::Get, "none")) {
+        if !matches!(
+            (request.method, from),
+            (_, "same-origin") | (Method::Get, "none")
+        ) {
             return Err(Rejection::Origin);
         }
         let path = request.path.strip_prefix('/').unwrap_or_default();

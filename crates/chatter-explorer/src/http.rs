@@ -225,7 +225,10 @@ mod tests {
     fn requests_are_read() {
         let get = read("GET /a/b HTTP/1.1\r\nHost: here\r\nX-Y:  z \r\n\r\n").unwrap();
         assert_eq!((get.method, &*get.path), (Method::Get, "/a/b"));
-        assert_eq!((get.header("host"), get.header("x-y")), (Some("here"), Some("z")));
+        assert_eq!(
+            (get.header("host"), get.header("x-y")),
+            (Some("here"), Some("z"))
+        );
         let post = read("POST / HTTP/1.1\r\nContent-Length: 3\r\n\r\nabcdef").unwrap();
         assert_eq!((post.method, &*post.body), (Method::Post, &b"abc"[..]));
     }
@@ -235,20 +238,35 @@ mod tests {
         for (text, wrong) in [
             ("", Wrong::Gone),
             ("GET / HTTP/1.1\r\n", Wrong::Gone),
-            ("POST / HTTP/1.1\r\nContent-Length: 3\r\n\r\nab", Wrong::Gone),
+            (
+                "POST / HTTP/1.1\r\nContent-Length: 3\r\n\r\nab",
+                Wrong::Gone,
+            ),
             ("hello\r\n\r\n", Wrong::Garbage),
             ("GET / HTTP/2\r\n\r\n", Wrong::Garbage),
             ("GET x HTTP/1.1\r\n\r\n", Wrong::Garbage),
             ("GET /\u{e9} HTTP/1.1\r\n\r\n", Wrong::Garbage),
             ("GET / HTTP/1.1\r\nHost\r\n\r\n", Wrong::Garbage),
-            ("GET / HTTP/1.1\r\nHost: a\r\nhost: b\r\n\r\n", Wrong::Garbage),
+            (
+                "GET / HTTP/1.1\r\nHost: a\r\nhost: b\r\n\r\n",
+                Wrong::Garbage,
+            ),
             ("GET / HTTP/1.1\r\nHo st: a\r\n\r\n", Wrong::Garbage),
             ("GET / HTTP/1.1\r\nHost: a\nb: c\r\n\r\n", Wrong::Garbage),
             ("DELETE / HTTP/1.1\r\n\r\n", Wrong::Method),
             ("POST / HTTP/1.1\r\n\r\n", Wrong::NoLength),
-            ("POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n", Wrong::NoLength),
-            ("POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n", Wrong::Garbage),
-            ("POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n", Wrong::LargeBody),
+            (
+                "POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n",
+                Wrong::NoLength,
+            ),
+            (
+                "POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n",
+                Wrong::Garbage,
+            ),
+            (
+                "POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n",
+                Wrong::LargeBody,
+            ),
             (
                 "POST / HTTP/1.1\r\nContent-Length: 99999999999999999999999\r\n\r\n",
                 Wrong::LargeBody,

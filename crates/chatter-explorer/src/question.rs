@@ -40,7 +40,9 @@ pub struct ModelQuestion {
 
 fn assignments(pairs: &[(String, String)]) -> Vec<Assignment> {
     let pairs = pairs.iter();
-    pairs.map(|(name, text)| Assignment::new(name, text)).collect()
+    pairs
+        .map(|(name, text)| Assignment::new(name, text))
+        .collect()
 }
 
 impl ModelQuestion {
@@ -126,7 +128,9 @@ impl DiagramQuestion {
             set: others(&self.model.set),
             initial: others(&self.model.initial),
             section: self.section.clone(),
-            at: maybe::<AtOption>("at", self.at.as_deref())?.into_iter().collect(),
+            at: maybe::<AtOption>("at", self.at.as_deref())?
+                .into_iter()
+                .collect(),
             period: self.period.clone(),
             every: maybe::<Count>("every", self.every.as_deref())?,
             observe: observe.into_iter().map(|one| one.0).collect(),

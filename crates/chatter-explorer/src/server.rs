@@ -148,7 +148,9 @@ impl Place {
 
 impl Drop for Place {
     fn drop(&mut self) {
-        (self.counter)(&self.shared).0.fetch_sub(1, Ordering::Relaxed);
+        (self.counter)(&self.shared)
+            .0
+            .fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -185,7 +187,12 @@ impl Shared {
         match request.method {
             Method::Get if asked == "work" => {
                 let count = self.questions.load(Ordering::Relaxed);
-                send(stream, 200, "application/json", json!({ "questions": count }).to_string().as_bytes());
+                send(
+                    stream,
+                    200,
+                    "application/json",
+                    json!({ "questions": count }).to_string().as_bytes(),
+                );
             }
             Method::Get => match assets::find(asked) {
                 Some(asset) => send(stream, 200, asset.kind, asset.text.as_bytes()),
@@ -271,7 +278,8 @@ struct Buffered {
 }
 
 impl Line {
-    /// Sends what has waited for a moment, and notices when nobody listens any more, or the time is up.
+    /// Sends what has waited for a moment, and notices when nobody listens any more, or the time is up. Who closes its
+    /// half of the connection has hung up, too: browsers do both at once.
     fn watch(&self, mut stream: &TcpStream, until: Instant) {
         drop(stream.set_read_timeout(Some(TICK)));
         let mut surplus = [0; 64];
@@ -346,7 +354,9 @@ fn head(status: u16, kind: &str, length: Option<usize>) -> String {
         431 => "Request Header Fields Too Large",
         _ => "Service Unavailable",
     };
-    let length = length.map_or_else(String::new, |length| format!("Content-Length: {length}\r\n"));
+    let length = length.map_or_else(String::new, |length| {
+        format!("Content-Length: {length}\r\n")
+    });
     format!(
         "HTTP/1.1 {status} {reason}\r\nContent-Type: {kind}\r\n{length}Connection: close\r\nCache-Control: no-store\r\n\
          Content-Security-Policy: {POLICY}\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n\
@@ -365,5 +375,10 @@ fn send(mut stream: &TcpStream, status: u16, kind: &str, content: &[u8]) {
 fn refuse(stream: &TcpStream, status: u16, message: &str) {
     drop(stream.set_write_timeout(Some(LONGEST_WRITE)));
     let error: Value = json!({ "kind": "request", "message": message });
-    send(stream, status, "application/json", error.to_string().as_bytes());
+    send(
+        stream,
+        status,
+        "application/json",
+        error.to_string().as_bytes(),
+    );
 }

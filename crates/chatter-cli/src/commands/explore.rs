@@ -47,7 +47,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let source = Source::named(&arguments.model)?;
     let model = (source.name.clone(), source.text.clone());
     // What is wrong with it is shown on the page, where it can be mended.
-    let files = source.load().map_or_else(|_| DataFiles::new(), |loaded| loaded.data_files);
+    let files = source
+        .load()
+        .map_or_else(|_| DataFiles::new(), |loaded| loaded.data_files);
     let context = Context {
         model,
         files,

@@ -39,7 +39,9 @@ impl Found {
 
 fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Refusal> {
     let mut question_model = question.model.clone();
-    question_model.set.retain(|(name, _)| *name != question.parameter);
+    question_model
+        .set
+        .retain(|(name, _)| *name != question.parameter);
     let mut loaded = question_model.load(&answering.context.files)?;
     let model = &mut loaded.model;
     model.check_defined()?;
@@ -69,7 +71,10 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
     let mut listen = |_: Option<&_>| answering.going_on();
     let found = branches(model, &spec, &what, &mut listen);
     let branches = found.map_err(|error| refused(&error, model))?;
-    if branches.iter().any(|branch| branch.ends.contains(&End::Interrupted)) {
+    if branches
+        .iter()
+        .any(|branch| branch.ends.contains(&End::Interrupted))
+    {
         return Err(Refusal::Interrupted);
     }
     Ok(Found {
@@ -82,7 +87,11 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
 /// The branches as a document.
 pub fn answer(answering: &Answering, question: &BranchesQuestion) -> Result<(), Refusal> {
     let found = found(answering, question)?;
-    answering.document(&branch_document(&found.subject(question), &found.branches, None))
+    answering.document(&branch_document(
+        &found.subject(question),
+        &found.branches,
+        None,
+    ))
 }
 
 /// The branches as a file.

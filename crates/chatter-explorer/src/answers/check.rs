@@ -69,20 +69,29 @@ pub fn answer(answering: &Answering, question: &CheckQuestion) -> Result<(), Ref
             })
         })
         .collect();
-    let sections: Vec<Value> = (model.sections.iter().filter(|section| section.reset.is_none()))
-        .map(|section| {
-            json!({
-                "name": section.name,
-                "surface": model.formula(section.surface),
-                "direction": section.direction.name(),
-            })
+    let sections: Vec<Value> = (model
+        .sections
+        .iter()
+        .filter(|section| section.reset.is_none()))
+    .map(|section| {
+        json!({
+            "name": section.name,
+            "surface": model.formula(section.surface),
+            "direction": section.direction.name(),
         })
+    })
+    .collect();
+    let contacts: Vec<&str> = model
+        .contacts
+        .iter()
+        .map(|contact| &*contact.name)
         .collect();
-    let contacts: Vec<&str> = model.contacts.iter().map(|contact| &*contact.name).collect();
     let phases: Vec<String> = {
         let mut graph = model.graph.clone();
         let phases = model.phases(&mut graph).into_iter();
-        phases.map(|phase| model.states[phase.state].name.clone()).collect()
+        phases
+            .map(|phase| model.states[phase.state].name.clone())
+            .collect()
     };
     let shapes: Vec<Value> = (model.drawing.iter())
         .map(|shape| json!({ "kind": shape.kind.name() }))

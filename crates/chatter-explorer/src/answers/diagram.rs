@@ -4,8 +4,8 @@
 //! the first and the second parameter, the number of the outcome, the period (zero for none), impacts from sample to sample,
 //! the largest exponent, then the samples.
 
-use super::file::{Extension, stem};
 use super::Answering;
+use super::file::{Extension, stem};
 use crate::question::DiagramQuestion;
 use crate::record::Kind;
 use chatter::analysis::diagram::{Outcome, Row, Sweep};
@@ -23,7 +23,9 @@ const MOST_RUNS: usize = 256;
 /// The rows of all sweeps, one sweep after the other.
 pub fn answer(answering: &Answering, question: &DiagramQuestion) -> Result<(), Refusal> {
     if question.runs.len() > MOST_RUNS {
-        return Err(Refusal::input(format!("expected {MOST_RUNS} sweeps at most")));
+        return Err(Refusal::input(format!(
+            "expected {MOST_RUNS} sweeps at most"
+        )));
     }
     let names: Vec<&str> = Outcome::ALL.iter().map(|outcome| outcome.name()).collect();
     let mut budget = (MOST_ROWS, MOST_SAMPLES);
@@ -51,7 +53,10 @@ pub fn answer(answering: &Answering, question: &DiagramQuestion) -> Result<(), R
 /// What is left of how much may be asked.
 fn spent((rows, samples): (u64, u64), sweep: &Sweep) -> Result<(u64, u64), Refusal> {
     let spec = sweep.spec();
-    let numbers = sweep.rows().saturating_mul(spec.keep).saturating_mul(spec.observe.len() as u64);
+    let numbers = sweep
+        .rows()
+        .saturating_mul(spec.keep)
+        .saturating_mul(spec.observe.len() as u64);
     match (rows.checked_sub(sweep.rows()), samples.checked_sub(numbers)) {
         (Some(rows), Some(samples)) => Ok((rows, samples)),
         _ => Err(Refusal::input(format!(

@@ -76,7 +76,10 @@ impl Answering<'_> {
 
 /// What files of a model are called: its name as far as it can be one of a file.
 pub fn stem(name: &str, what: &str) -> String {
-    let bare = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+    let bare = Path::new(name)
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
     let fits = |character: &char| character.is_alphanumeric() || "_-".contains(*character);
     let kept: String = bare.chars().filter(fits).take(60).collect();
     match kept.is_empty() {

@@ -4,7 +4,7 @@ use super::Answering;
 use super::file::{Extension, stem};
 use crate::question::HistoryQuestion;
 use crate::record::Kind;
-use chatter::analysis::simulate::{EventKind, Outcome, Sampling, Samples, Simulation, Spec};
+use chatter::analysis::simulate::{EventKind, Outcome, Samples, Sampling, Simulation, Spec};
 use chatter::expressions::{Expr, Graph};
 use chatter::model::{Mechanics, Model};
 use chatter::numerics::DoubleDouble;
@@ -100,7 +100,9 @@ pub fn answer(answering: &Answering, question: &HistoryQuestion) -> Result<(), R
     });
     let told = Told::new(&subject, &simulation, &record, &samples, asked.window)?;
     answering.document(&told.document)?;
-    told.columns.iter().try_for_each(|column| answering.numbers(Kind::Numbers, column))
+    told.columns
+        .iter()
+        .try_for_each(|column| answering.numbers(Kind::Numbers, column))
 }
 
 /// An answer.
@@ -145,12 +147,22 @@ impl Told {
             });
             let kind = EventKind::ALL.iter().position(|kind| *kind == event.kind());
             let [before, after] = chatter_work::simulation::rates(&event);
-            let of_event = [event.time, kind.unwrap_or_default() as f64, place as f64, before, after];
+            let of_event = [
+                event.time,
+                kind.unwrap_or_default() as f64,
+                place as f64,
+                before,
+                after,
+            ];
             let states = subject.states().map(|index| event.state[index]);
             let quantities = derived.quantities.iter();
-            let values = quantities.map(|(_, expr)| derived.graph.evaluate(*expr, &event.state, &parameters));
+            let values = quantities
+                .map(|(_, expr)| derived.graph.evaluate(*expr, &event.state, &parameters));
             let all = of_event.into_iter().chain(states).chain(values);
-            events.iter_mut().zip(all).for_each(|(column, value)| column.push(value));
+            events
+                .iter_mut()
+                .zip(all)
+                .for_each(|(column, value)| column.push(value));
         }
         let mut phases = vec![Vec::new(); 3];
         for phase in record.contact_phases() {
@@ -160,10 +172,17 @@ impl Told {
                 continue;
             }
             let values = [phase.contact as f64, phase.start, end];
-            phases.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+            phases
+                .iter_mut()
+                .zip(values)
+                .for_each(|(column, value)| column.push(value));
         }
         let kinds: Vec<&str> = EventKind::ALL.iter().map(|kind| kind.name()).collect();
-        let contacts: Vec<&str> = model.contacts.iter().map(|contact| &*contact.name).collect();
+        let contacts: Vec<&str> = model
+            .contacts
+            .iter()
+            .map(|contact| &*contact.name)
+            .collect();
         let message = match &simulation.outcome {
             Outcome::Failed(error) => sentence(error, model),
             Outcome::ImpactBudget => format!("stopped after {} impacts", simulation.counts.impacts),
@@ -216,7 +235,11 @@ impl Derived {
                 quantities: Vec::new(),
             };
         };
-        let contacts = model.contacts.iter().zip(&mechanics.contacts).take(MOST_CONTACTS);
+        let contacts = model
+            .contacts
+            .iter()
+            .zip(&mechanics.contacts)
+            .take(MOST_CONTACTS);
         let quantities = contacts.flat_map(|(contact, derived)| {
             let name = &contact.name;
             [
@@ -234,11 +257,13 @@ impl Derived {
 /// The values of an expression at samples.
 fn along(graph: &Graph, expr: Expr, model: &Model, samples: &Samples<f64>) -> Vec<f64> {
     let parameters = model.parameter_values::<f64>(&[]);
-    let mut state = vec![0.0; samples.states.len()];
+    // Behind the states is time, for drawings of models that have none among them.
+    let mut state = vec![0.0; samples.states.len() + 1];
     let values = (0..samples.len()).map(|place| {
         for (x, values) in state.iter_mut().zip(&samples.states) {
             *x = values[place];
         }
+        state[samples.states.len()] = samples.times[place];
         graph.evaluate(expr, &state, &parameters)
     });
     values.collect()

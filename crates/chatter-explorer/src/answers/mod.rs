@@ -76,13 +76,7 @@ pub fn is_known(asked: &str) -> bool {
 
 /// Answers a question: `asked` is its name, `body` the rest of it as JSON. The answer ends with a record of kind
 /// [`Kind::End`], after one of kind [`Kind::Refusal`] if there is none. It ends early once `stop` is set.
-pub fn answer(
-    asked: &str,
-    body: &[u8],
-    context: &Context,
-    sink: &mut dyn Sink,
-    stop: &AtomicBool,
-) {
+pub fn answer(asked: &str, body: &[u8], context: &Context, sink: &mut dyn Sink, stop: &AtomicBool) {
     let answering = Answering {
         context,
         sink: Mutex::new(sink),
@@ -99,7 +93,9 @@ pub fn answer(
     };
     if let Some(refusal) = refusal {
         let about = serde_json::from_slice::<About>(body).unwrap_or_default();
-        let (name, text) = about.model.map_or_else(Default::default, |model| (model.name, model.text));
+        let (name, text) = about
+            .model
+            .map_or_else(Default::default, |model| (model.name, model.text));
         let document = refused::document(&refusal, &name, &text);
         drop(answering.document_of(Kind::Refusal, &document));
     }
@@ -130,7 +126,9 @@ impl Answering<'_> {
             Some((Topic::Border, _)) => border::answer(self, &question::read(body)?),
             Some((Topic::Diagram, Some(kind))) => diagram::file(self, &question::read(body)?, kind),
             Some((Topic::History, Some(kind))) => history::file(self, &question::read(body)?, kind),
-            Some((Topic::Branches, Some(kind))) => branches::file(self, &question::read(body)?, kind),
+            Some((Topic::Branches, Some(kind))) => {
+                branches::file(self, &question::read(body)?, kind)
+            }
             None => Err(Refusal::input(format!("there is no question `{asked}`"))),
         }
     }
@@ -158,11 +156,18 @@ impl Answering<'_> {
 
     fn document_of(&self, kind: Kind, document: &impl Serialize) -> Result<(), Refusal> {
         let text = serde_json::to_string(document);
-        self.say(kind, text.map_err(|error| Refusal::Output(error.to_string()))?.as_bytes())
+        self.say(
+            kind,
+            text.map_err(|error| Refusal::Output(error.to_string()))?
+                .as_bytes(),
+        )
     }
 
     fn numbers(&self, kind: Kind, numbers: &[f64]) -> Result<(), Refusal> {
-        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        let bytes: Vec<u8> = numbers
+            .iter()
+            .flat_map(|number| number.to_le_bytes())
+            .collect();
         self.say(kind, &bytes)
     }
 

@@ -91,6 +91,8 @@ impl<'a> Assembly<'a> {
         let mut sections: Vec<Section> = (draft.sections.iter())
             .map(|section| self.section(&equations, section))
             .collect();
+        // A drawing changes nothing of the motion: that it names time does not make time a state.
+        let uses_time = self.uses_time;
         let drawing: Vec<Shape> = (draft.drawing.iter())
             .map(|shape| Shape {
                 kind: shape.kind,
@@ -99,6 +101,7 @@ impl<'a> Assembly<'a> {
                     .collect(),
             })
             .collect();
+        self.uses_time = uses_time;
         let flight = draft
             .flight
             .as_ref()

@@ -13,7 +13,8 @@ use toml::de::DeValue;
 pub struct Shape {
     /// What it is.
     pub kind: ShapeKind,
-    /// Where it is and how large, in the order of [`ShapeKind::quantities`].
+    /// Where it is and how large, in the order of [`ShapeKind::quantities`]. Where time is no state of the model, it is
+    /// the number behind the states.
     pub numbers: Vec<Expr>,
 }
 
@@ -217,5 +218,45 @@ impl<'i> TableReader<'i> {
             return None;
         };
         Some([across, up].map(|value| self.formula(format!("`{key}`"), value)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ShapeKind;
+    use crate::model::Model;
+
+    const BALL: &str = "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n";
+
+    #[test]
+    fn shapes_are_read_and_change_nothing_else() {
+        let drawing = "[[drawing.mass]]\nat = [\"t\", \"y\"]\nradius = 0.5\n[[drawing.wall]]\nfrom = [-1, 0]\nto = [1, 0]\n\
+             [[drawing.wall]]\nat = [0, 0]\nradius = 3\n[[drawing.mass]]\nat = [0, 0]\nsize = [1, 2]\nangle = \"v\"\n";
+        let [plain, drawn] =
+            [BALL, &format!("{BALL}{drawing}")].map(|text| Model::from_toml(text, "ball").unwrap());
+        let kinds: Vec<ShapeKind> = drawn.drawing.iter().map(|shape| shape.kind).collect();
+        let expected = [
+            ShapeKind::Mass,
+            ShapeKind::Disc,
+            ShapeKind::Wall,
+            ShapeKind::RoundWall,
+        ];
+        assert!(expected.iter().all(|kind| kinds.contains(kind)));
+        assert_eq!(kinds.len(), 4);
+        for shape in &drawn.drawing {
+            assert_eq!(shape.numbers.len(), shape.kind.quantities().len());
+        }
+        assert_eq!(plain.state_names(), drawn.state_names());
+        assert_eq!(drawn.time, None);
+        // Time is the number behind the states.
+        let disc = drawn
+            .drawing
+            .iter()
+            .find(|shape| shape.kind == ShapeKind::Disc)
+            .unwrap();
+        let at: Vec<f64> = (disc.numbers.iter())
+            .map(|&number| drawn.graph.evaluate(number, &[2.0, 3.0, 7.0], &[]))
+            .collect();
+        assert_eq!(at, [7.0, 2.0, 0.5, 0.0]);
     }
 }
