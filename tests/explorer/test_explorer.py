@@ -100,7 +100,7 @@ def test_all_views_follow_a_slider(view: View) -> None:
 def test_hanging_up_stops_the_work(view: View) -> None:
     # Long enough to be met at work.
     page = view.open(SMALL.replace("columns=128", "columns=4096").replace("keep=20", "keep=5000")).page
-    until(lambda: view.explorer.questions() > 0 and view.data("diagram").get("state") == "computing", "work")
+    until(lambda: view.data("diagram").get("state") == "computing" and view.explorer.questions() > 0, "work")
     page.goto("about:blank")
     until(lambda: view.explorer.questions() == 0, "the end of the work")
 

@@ -38,7 +38,7 @@ export class HistoryView {
         this.length = make("input", { type: "number", step: "any", "aria-label": "until", onchange: () => this.until(this.length.valueAsNumber) });
         const scale = (/** @type {number} */ factor) => () => store.change("motion", (state) => { state.to = rounded(state.from + (state.to - state.from) * factor, (state.to - state.from) / 1e4); });
         const controls = [
-            field("of", this.select), field("until", this.length),
+            this.select, field("until", this.length),
             make("button", { type: "button", title: "half as long", "aria-label": "half as long", onclick: scale(0.5) }, "÷2"),
             make("button", { type: "button", title: "twice as long", "aria-label": "twice as long", onclick: scale(2) }, "×2"),
         ];

@@ -95,7 +95,7 @@ export class Overlay {
         this.running[what] = controller;
         this.status.textContent = what === "branches" ? "following the branch …" : "looking for borders …";
         try {
-            const { documents } = await collected(this.ask(what, this.question(what), controller.signal));
+            const { documents } = await collected(this.ask(what, this.question(what), controller.signal), (message) => (this.status.textContent = message));
             if (what === "branches") this.branches = documents[0];
             else this.borders = documents[0];
             this.menu.hidden = !this.branches;

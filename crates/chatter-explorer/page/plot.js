@@ -342,6 +342,7 @@ export function extent(values, margin = 0.05) {
         if (value > high && Number.isFinite(value)) high = value;
     }
     if (low > high) return null;
+    if (margin === 0) return [low, high];
     const room = high > low ? (high - low) * margin : Math.max(Math.abs(high) * 0.1, 1e-9);
     return [low - room, high + room];
 }

@@ -1,7 +1,7 @@
 /** Any quantity against any other, with the points at which the section is crossed. */
 
 import { curve, disc } from "./curves.js";
-import { field, make } from "./dom.js";
+import { make } from "./dom.js";
 import { axis_label } from "./labels.js";
 import { gifts, panel } from "./panel.js";
 import { Plot, extent } from "./plot.js";
@@ -52,7 +52,7 @@ export class PortraitView {
             python: () => commands.python_history(),
             csv: () => this.csv(),
         }, say);
-        this.element = panel("portrait", "Phase portrait", [field("across", this.selects[0]), field("up", this.selects[1])], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
+        this.element = panel("portrait", "Phase portrait", [this.selects[0], make("span", { class: "quiet" }, "×"), this.selects[1]], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
         motions.on((motion) => this.take(motion));
         store.on(() => this.plot.repaint());
     }

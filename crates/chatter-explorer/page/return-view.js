@@ -1,7 +1,7 @@
 /** The return map: each sample against the one before, and the cobweb between them. */
 
 import { disc } from "./curves.js";
-import { field, make } from "./dom.js";
+import { make } from "./dom.js";
 import { axis_label } from "./labels.js";
 import { gifts, panel } from "./panel.js";
 import { Plot, extent } from "./plot.js";
@@ -57,7 +57,7 @@ export class ReturnView {
             python: () => `${commands.python_history()}; x = run.events["section"]`,
             csv: () => ["x,next", ...this.values.slice(1).map((next, place) => `${this.values[place]},${next}`)].join("\n"),
         }, say);
-        this.element = panel("returns", "Return map", [field("of", this.select)], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
+        this.element = panel("returns", "Return map", [this.select], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
         motions.on((motion) => {
             if (!motion) return;
             this.motion = motion;

@@ -1,6 +1,6 @@
 /** Asks questions: here of the server that the page comes from. */
 
-import { DOCUMENT, END, NUMBERS, REFUSAL, Reader, document_of, numbers } from "./records.js";
+import { DOCUMENT, END, NUMBERS, PROGRESS, REFUSAL, Reader, document_of, numbers, text } from "./records.js";
 
 /** @typedef {import("./records.js").Message} Message */
 /** @typedef {(asked: string, question: object, signal: AbortSignal) => AsyncIterable<Message>} Ask */
@@ -46,8 +46,9 @@ export async function* over_http(asked, question, signal) {
 /**
  * The documents and columns of numbers of an answer.
  * @param {AsyncIterable<Message>} answer
+ * @param {(message: string) => void} [progress]
  */
-export async function collected(answer) {
+export async function collected(answer, progress) {
     /** @type {any[]} */
     const documents = [];
     /** @type {Float64Array[]} */
@@ -55,6 +56,7 @@ export async function collected(answer) {
     for await (const message of answer) {
         if (message.kind === DOCUMENT) documents.push(document_of(message));
         if (message.kind === NUMBERS) columns.push(numbers(message));
+        if (message.kind === PROGRESS) progress?.(text(message));
     }
     return { documents, columns };
 }

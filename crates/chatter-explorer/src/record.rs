@@ -19,7 +19,7 @@ pub enum Kind {
     Numbers = 3,
     /// A file, as it is written to a disk.
     File = 4,
-    /// How far the work is, as JSON: `done` of one, `message`.
+    /// How far the work is, in words.
     Progress = 5,
     /// Something to know beside the answer, as text.
     Remark = 6,

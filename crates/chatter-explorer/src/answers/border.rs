@@ -20,7 +20,13 @@ pub fn answer(answering: &Answering, question: &BorderQuestion) -> Result<(), Re
     if !(low < high && low.is_finite() && high.is_finite()) {
         return Err(Refusal::input("expected a range, the smaller end first"));
     }
-    let found = search_range::<f64>(&model, &spec, (low, high), &mut |_| answering.going_on());
+    let found = search_range::<f64>(&model, &spec, (low, high), &mut |reached| {
+        let (done, borders) = (reached.done, reached.borders);
+        answering.progress(done, &|| {
+            format!("{:.0} %, borders: {borders}", 100.0 * done)
+        });
+        answering.going_on()
+    });
     let found = found.map_err(refused)?;
     if !found.is_complete {
         return Err(Refusal::Interrupted);

@@ -3,7 +3,7 @@
 use super::Answering;
 use super::file::{Extension, stem};
 use crate::question::BranchesQuestion;
-use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Limits, Spec, branches};
+use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Limits, Point, Spec, branches};
 use chatter_work::numbers::Digits;
 use chatter_work::periodic::{
     Subject, branch_document, check_period, first_that_changes, free_parameter, picture, refused,
@@ -68,7 +68,17 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
             branch_points: 0,
         },
     };
-    let mut listen = |_: Option<&_>| answering.going_on();
+    let mut orbits = 0_u64;
+    let mut listen = |point: Option<&Point>| {
+        if let Some(point) = point {
+            orbits += 1;
+            let at = point.parameters.last().copied().unwrap_or(question.from);
+            answering.progress(orbits as f64 / POINTS as f64, &|| {
+                format!("{orbits} orbits, {} = {at:.6}", question.parameter)
+            });
+        }
+        answering.going_on()
+    };
     let found = branches(model, &spec, &what, &mut listen);
     let branches = found.map_err(|error| refused(&error, model))?;
     if branches

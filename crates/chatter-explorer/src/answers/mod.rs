@@ -15,10 +15,15 @@ use chatter_work::data_files::DataFiles;
 use chatter_work::{Observer, Refusal};
 use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
 use file::Extension;
 use serde::{Deserialize, Serialize};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Between two reports of progress.
+const BETWEEN_REPORTS: Duration = Duration::from_millis(150);
 
 /// What questions are answered with.
 #[derive(Clone, Debug)]
@@ -80,6 +85,7 @@ pub fn answer(asked: &str, body: &[u8], context: &Context, sink: &mut dyn Sink, 
     let answering = Answering {
         context,
         sink: Mutex::new(sink),
+        told: Mutex::new(Instant::now()),
         stop,
     };
     // A fault of ours must not end the connection without a word.
@@ -112,6 +118,8 @@ struct About {
 struct Answering<'a> {
     context: &'a Context,
     sink: Mutex<&'a mut dyn Sink>,
+    /// When progress was told last.
+    told: Mutex<Instant>,
     stop: &'a AtomicBool,
 }
 
@@ -180,8 +188,13 @@ impl Answering<'_> {
 
 impl Observer for Answering<'_> {
     fn progress(&self, done: f64, message: &dyn Fn() -> String) {
-        // Rows and files say themselves that they come; this is for what takes long without them.
-        let _ = (done, message);
+        let _ = done;
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.elapsed() < BETWEEN_REPORTS {
+            return;
+        }
+        *told = Instant::now();
+        let _ = self.put(Kind::Progress, message().as_bytes());
     }
 
     fn remark(&self, text: &str) {
