@@ -20,6 +20,7 @@ const EXAMPLES: &str = "\
 EXAMPLES
   chatter reproduce
   chatter models
+  chatter explore pressure_relief_valve
   chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg
   chatter simulate my_model.toml --json
   chatter check my_model.toml

@@ -5,6 +5,7 @@ mod arrays;
 mod border;
 mod diagram;
 mod errors;
+mod explorer;
 mod exponents;
 mod interruptible;
 mod model;
@@ -32,6 +33,9 @@ fn _chatter(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(periodic::branches, module)?)?;
     module.add_function(wrap_pyfunction!(periodic::curve, module)?)?;
     module.add_function(wrap_pyfunction!(exponents::exponents, module)?)?;
+    module.add_class::<explorer::Question>()?;
+    module.add_function(wrap_pyfunction!(explorer::explorer_page, module)?)?;
+    module.add_function(wrap_pyfunction!(explorer::explorer_answer, module)?)?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
     Ok(())
 }

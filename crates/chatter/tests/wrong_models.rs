@@ -58,6 +58,38 @@ const WRONG: &[(&str, &str)] = &[
         "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = \"-0.8\"\n",
     ),
     (
+        "a drawing of something unknown",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n[[drawing.mas]]\nat = [0, \"y\"]\nradius = 1\n",
+    ),
+    (
+        "a drawing with an unknown name",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n[[drawing.mass]]\nat = [0, \"lift\"]\nradius = 1\n",
+    ),
+    (
+        "a mass nowhere and of no size",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n[[drawing.mass]]\nangle = 0\n",
+    ),
+    (
+        "a mass that is round and square",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n[[drawing.mass]]\nat = [0, \"y\"]\nsize = [1, 1]\nradius = 1\n",
+    ),
+    (
+        "a spring in three dimensions",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n[[drawing.spring]]\nfrom = [0, 0, 0]\nto = [0, \"y\"]\n",
+    ),
+    (
+        "a wall that is no pair",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n[[drawing.wall]]\nfrom = \"y\"\n",
+    ),
+    (
+        "a wall that is straight and round",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n[[drawing.wall]]\nfrom = [0, 0]\nat = [0, 0]\nradius = 1\n",
+    ),
+    (
+        "a drawing that is a number",
+        "drawing = 1\n[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
         "two contacts of one name",
         "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\nname = \"stop\"\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0\n\n[[contact]]\nname = \"stop\"\ngap = \"2 - y\"\nimpulse = { v = 1 }\nrestitution = 0\n",
     ),

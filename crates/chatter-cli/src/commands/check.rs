@@ -5,14 +5,11 @@ use crate::model_tables::{self, TableObject};
 use crate::named::Named;
 use crate::numbers::{Digits, full};
 use crate::options::{Initial, Loaded, ModelOptions};
-use crate::simulation::sentence;
+use crate::simulation::why_none_begins;
 use crate::terminal::{self, Style};
-use chatter::analysis::simulate::{SimulateError, Spec, simulate};
 use chatter::expressions::Expr;
-use chatter::flow::{FlowError, SystemError};
 use chatter::model::{Check, ContactFormulas, Model, NamedFormula, Simultaneous, check};
 use clap::Args;
-use core::ops::ControlFlow;
 use serde::Serialize;
 
 const EXAMPLES: &str = "\
@@ -47,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         model: &model,
         source,
         check: check(&model),
-        refusal: refusal(&model),
+        refusal: why_none_begins(&model),
     };
     let printed = if arguments.json {
         terminal::print_json(&report.document())
@@ -75,27 +72,6 @@ struct Report<'a> {
     check: Check,
     /// Why there are no trajectories, where no warning says so already.
     refusal: Option<String>,
-}
-
-/// Why `chatter simulate` would not begin.
-fn refusal(model: &Model) -> Option<String> {
-    let parameters = model.parameter_values::<f64>(&[]);
-    let start = model
-        .time
-        .map_or(0.0, |time| model.initial_state(&parameters)[time]);
-    // Until any later time: what matters is whether there is a first step.
-    let later = start + 1.0_f64.max(start.abs());
-    let begun = simulate::<f64>(model, &Spec::until(later), &mut |_| ControlFlow::Break(()));
-    match begun {
-        Ok(_) => None,
-        // A warning names these with the contact.
-        Err(SimulateError::Start(FlowError::Penetrates { .. } | FlowError::Restitution { .. })) => {
-            None
-        }
-        Err(SimulateError::System(SystemError::Model(_))) => None,
-        Err(SimulateError::Start(error)) => Some(sentence(&error, model)),
-        Err(error) => Some(error.to_string()),
-    }
 }
 
 #[derive(Serialize)]

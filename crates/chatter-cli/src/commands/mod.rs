@@ -4,6 +4,7 @@ pub mod border;
 mod check;
 mod continuation;
 mod diagram;
+mod explore;
 mod exponents;
 mod merge;
 mod models;
@@ -30,6 +31,7 @@ pub enum Command {
     Exponents(Box<exponents::Arguments>),
     Border(Box<border::Arguments>),
     Universal(Box<universal::Arguments>),
+    Explore(explore::Arguments),
     Reproduce(reproduce::Arguments),
     Models(models::Arguments),
 }
@@ -47,6 +49,7 @@ impl Command {
             Self::Continue(arguments) => continuation::run(arguments),
             Self::Exponents(arguments) => exponents::run(arguments),
             Self::Border(arguments) => border::run(arguments),
+            Self::Explore(arguments) => explore::run(arguments),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Universal(arguments) => universal::run(arguments),
             Self::Models(arguments) => models::run(arguments),

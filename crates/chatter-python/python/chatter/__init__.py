@@ -19,6 +19,7 @@ from chatter._diagram import Diagram, Orbit, merge, resume
 from chatter._errors import (
     ChatterError, ChatterWarning, InputError, ModelError, ModelIssue, OutputError, RunError, UnfinishedError,
 )
+from chatter._explorer import explore
 from chatter._model import Model, shipped_models
 from chatter._periodic import Branch, Curve, Exponents, PeriodicOrbit, Special, branches
 from chatter._run import ContactPhases, Events, Run
@@ -27,7 +28,8 @@ from chatter._universal import Universal
 __all__ = [
     "Border", "Borders", "Branch", "ChatterError", "ChatterWarning", "ContactPhases", "Curve", "Diagram", "Events", "Exponents",
     "Expr", "InputError", "Model", "ModelBuilder", "ModelError", "ModelIssue", "Orbit", "OutputError", "PeriodicOrbit", "Run",
-    "RunError", "Special", "UnfinishedError", "Universal", "__version__", "abs_", "acos", "asin", "atan", "atan2", "branches", "clamp", "cos", "cosh", "exp", "expr", "floor",
+    "RunError", "Special", "UnfinishedError", "Universal", "__version__", "abs_", "acos", "asin", "atan", "atan2", "branches",
+    "clamp", "cos", "cosh", "exp", "explore", "expr", "floor",
     "if_", "log", "max_", "merge", "min_", "mod", "pi", "resume", "shipped_models", "sign", "sin", "sinh", "sqrt", "step", "tan",
     "tanh", "time",
 ]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "Core", "EVENT_KINDS", "Upsilon", "__version__", "border", "branches", "curve", "diagram", "exponents", "main", "merge",
-    "orbit", "resume", "shipped", "simulate",
+    "Core", "EVENT_KINDS", "Question", "Upsilon", "__version__", "border", "branches", "curve", "diagram", "explorer_answer",
+    "explorer_page", "exponents", "main", "merge", "orbit", "resume", "shipped", "simulate",
 ]
 __version__: str
 EVENT_KINDS: list[str]
@@ -152,3 +152,12 @@ def border(
     progress: _Progress = None,
 ) -> str: ...
 def main(arguments: Sequence[str]) -> int: ...
+
+@final
+class Question:
+    """A question of the explorer's page that is being answered."""
+
+    def stop(self) -> None: ...
+
+def explorer_page() -> list[tuple[str, str]]: ...
+def explorer_answer(core: Core, asked: str, body: bytes, put: Callable[[bytes], object]) -> Question: ...

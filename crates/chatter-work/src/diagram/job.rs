@@ -75,6 +75,14 @@ enum Figure {
 }
 
 impl Order {
+    /// Reads the model and checks everything.
+    ///
+    /// # Errors
+    /// The model is wrong, or what is asked does not fit it.
+    pub fn ready(&self) -> Result<Ready, Refusal> {
+        self.job.prepare(&self.model_text)
+    }
+
     /// The file that the journal is named after.
     pub fn target(&self) -> Option<&Path> {
         self.out.as_deref().or(self.plot.as_deref())

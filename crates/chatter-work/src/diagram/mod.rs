@@ -20,7 +20,7 @@ pub use job::{Header, Job, Order, Ready};
 pub use order::Request;
 pub use picture::{Shear, Show, View, Zoom};
 pub use produce::{
-    Beginning, Produced, Written, produce, produce_in_memory, produce_share, rows_of,
+    Beginning, Produced, Written, produce, produce_in_memory, produce_rows, produce_share, rows_of,
 };
 pub use shards::{merge, shard_journal, small_share};
 pub use source::{Class, InMemory, Rows, Source};

@@ -66,7 +66,7 @@ pub fn produce_share(
     threads: Threads,
     observer: &dyn Observer,
 ) -> Result<Produced, Refusal> {
-    let ready = order.job.prepare(&order.model_text)?;
+    let ready = order.ready()?;
     check(order, &ready.sweep)?;
     let work = Work {
         map: &ready.map,
@@ -107,22 +107,34 @@ pub fn produce_in_memory(
     threads: Threads,
     observer: &dyn Observer,
 ) -> Result<(Ready, Vec<Row>, bool), Refusal> {
-    let ready = order.job.prepare(&order.model_text)?;
-    check_size(&ready.sweep, false)?;
+    let ready = order.ready()?;
     let mut rows: Vec<Row> = Vec::new();
-    let standing = Standing::default();
-    let keep = &mut |row| {
+    let complete = produce_rows(&ready, threads, observer, &mut |row| {
         rows.push(row);
         Ok(())
-    };
+    })?;
+    rows.sort_unstable_by_key(|row| row.row);
+    Ok((ready, rows, complete))
+}
+
+/// Computes a diagram and hands over each row as it is done, in any order; whether all are.
+///
+/// # Errors
+/// The order asks for too much, or `take` refuses a row, which ends the work.
+pub fn produce_rows(
+    ready: &Ready,
+    threads: Threads,
+    observer: &dyn Observer,
+    take: &mut (dyn FnMut(Row) -> Result<(), Refusal> + Send),
+) -> Result<bool, Refusal> {
+    check_size(&ready.sweep, false)?;
     let work = Work {
         map: &ready.map,
         sweep: &ready.sweep,
         share: Share::WHOLE,
     };
-    let ending = fill(&work, &standing, threads, keep, observer)?;
-    rows.sort_unstable_by_key(|row| row.row);
-    Ok((ready, rows, ending == Ending::Complete))
+    let ending = fill(&work, &Standing::default(), threads, take, observer)?;
+    Ok(ending == Ending::Complete)
 }
 
 impl Ready {

@@ -3,7 +3,7 @@
 use super::{Record, Subject};
 use crate::columns::Column;
 use crate::refusal::Refusal;
-use chatter::analysis::simulate::Samples;
+use chatter::analysis::simulate::{Event, Samples};
 use chatter::flow::Occurrence;
 use chatter::numerics::Real;
 
@@ -51,6 +51,19 @@ pub struct Events {
     pub places: Vec<String>,
 }
 
+/// The rates of the gap before and after an event; NaN where it has none.
+pub fn rates<R: Real>(event: &Event<R>) -> [f64; 2] {
+    match event.detail {
+        Occurrence::Impact {
+            rate_before,
+            rate_after,
+            ..
+        } => [rate_before, rate_after].map(Real::to_f64),
+        Occurrence::Graze { rate, .. } => [rate.to_f64(); 2],
+        _ => [f64::NAN; 2],
+    }
+}
+
 /// Reads the events that were noted.
 ///
 /// # Errors
@@ -69,19 +82,13 @@ pub fn events<R: Real>(subject: &Subject, record: &Record<R>) -> Result<Events, 
         }
         kinds.push(event.kind.name());
         places.push(subject.place(&event.detail).to_owned());
-        let (mut rates, mut count, mut off, mut stays) = ([f64::NAN; 2], 0, f64::NAN, 0);
+        let rates = rates(&event);
+        let (mut count, mut off, mut stays) = (0, f64::NAN, 0);
         match event.detail {
-            Occurrence::Impact {
-                rate_before,
-                rate_after,
-                closes,
-                ..
-            } => {
-                rates = [rate_before, rate_after].map(Real::to_f64);
+            Occurrence::Impact { closes, .. } => {
                 count = 1;
                 stays = i64::from(closes);
             }
-            Occurrence::Graze { rate, .. } => rates = [rate.to_f64(); 2],
             Occurrence::Accumulation { impacts, error, .. }
             | Occurrence::Cascade { impacts, error, .. } => {
                 count = impacts as i64;

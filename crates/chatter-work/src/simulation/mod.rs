@@ -1,5 +1,6 @@
 //! A simulation: followed, and told as a JSON document, as a table, as a picture.
 
+mod beginning;
 pub mod columns;
 pub mod document;
 pub mod event_table;
@@ -13,6 +14,8 @@ mod sentence;
 pub mod table;
 pub mod verification;
 
+pub use beginning::why_none_begins;
+pub use columns::rates;
 pub use expectation::Expectation;
 pub use follow::{Followed, Rows, follow, part_done, refused};
 pub use record::{Noted, Record};

@@ -8,6 +8,7 @@ mod tables;
 
 use super::dependency::dependency_order;
 use super::draft::{Draft, Entry, Formula, Place};
+use super::drawing::Shape;
 use super::error::{ModelError, ModelErrorKind, Role};
 use super::model::{Contact, Definition, Label, Model, Parameter, Section, State};
 use super::names::TIME;
@@ -90,6 +91,17 @@ impl<'a> Assembly<'a> {
         let mut sections: Vec<Section> = (draft.sections.iter())
             .map(|section| self.section(&equations, section))
             .collect();
+        // A drawing changes nothing of the motion: that it names time does not make time a state.
+        let uses_time = self.uses_time;
+        let drawing: Vec<Shape> = (draft.drawing.iter())
+            .map(|shape| Shape {
+                kind: shape.kind,
+                numbers: (shape.numbers.iter())
+                    .map(|formula| self.read(&equations, formula))
+                    .collect(),
+            })
+            .collect();
+        self.uses_time = uses_time;
         let flight = draft
             .flight
             .as_ref()
@@ -137,6 +149,7 @@ impl<'a> Assembly<'a> {
             sections,
             definitions,
             surfaces: Vec::new(),
+            drawing,
         };
         for (definition, &used) in model.definitions.iter_mut().zip(&self.used) {
             definition.used = used;

@@ -2,10 +2,11 @@
 //! [`assemble`](super::assemble) turns it into a [`Model`](super::Model).
 
 use super::direction::Direction;
+use super::drawing::ShapeKind;
 use super::model::Label;
 use super::simultaneous::Simultaneous;
 use crate::expressions::{CurveKind, Outside};
-use crate::numerics::DoubleDouble;
+use crate::numerics::{DoubleDouble, Real as _};
 use core::ops::Range;
 use std::sync::Arc;
 
@@ -70,6 +71,16 @@ pub(super) struct Name {
 pub(super) struct Formula {
     pub content: Content,
     pub place: Place,
+}
+
+impl Formula {
+    /// Zero, where nothing is written.
+    pub fn zero(place: &Place) -> Self {
+        Self {
+            content: Content::Number(DoubleDouble::ZERO),
+            place: place.clone(),
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -172,6 +183,13 @@ pub(super) struct TableDraft {
     pub knots: Option<KnotsDraft>,
 }
 
+/// A part of a drawing.
+#[derive(Clone, Debug)]
+pub(super) struct ShapeDraft {
+    pub kind: ShapeKind,
+    pub numbers: Vec<Formula>,
+}
+
 /// Everything an author wrote, unresolved.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
@@ -189,6 +207,7 @@ pub(super) struct Draft {
     pub definitions: Vec<Entry>,
     pub tables: Vec<TableDraft>,
     pub labels: Vec<LabelDraft>,
+    pub drawing: Vec<ShapeDraft>,
 }
 
 impl Draft {
@@ -206,6 +225,7 @@ impl Draft {
             definitions: Vec::new(),
             tables: Vec::new(),
             labels: Vec::new(),
+            drawing: Vec::new(),
         }
     }
 }

@@ -26,9 +26,10 @@ const TABLE_NAMES: &[&str] = &[
     "event",
     "initial",
     "labels",
+    "drawing",
 ];
 /// The tables, as they are written.
-pub(super) const TABLES: &str = "[parameters], [definitions], [table.NAME], [flight], [[contact]], [section.NAME], [[event]], [initial] or [labels]";
+pub(super) const TABLES: &str = "[parameters], [definitions], [table.NAME], [flight], [[contact]], [section.NAME], [[event]], [initial], [labels] or [drawing]";
 const CONTACT: &[&str] = &["name", "gap", "impulse", "restitution", "reset", "friction"];
 const FRICTION: &[&str] = &["coefficient", "along", "rate"];
 const EVENT: &[&str] = &["name", "surface", "direction", "reset"];
@@ -95,6 +96,10 @@ pub(super) fn example(key: &str) -> &'static str {
         "coefficient" => "coefficient = 0.3",
         "along" => "along = { s = 1 }",
         "rate" => "rate = \"s - belt\"",
+        "at" => "at = [0, \"y\"]",
+        "size" => "size = [1, 0.5]         # of a round one: radius = 0.5",
+        "from" => "from = [-1, 0]",
+        "to" => "to = [1, 0]",
         "x" => "x = [0, 1, 2]",
         "y" => "y = [0, 0.5, 0]         # or both from a file: file = \"points.csv\"",
         _ => "surface = \"y - 1\"",
@@ -197,6 +202,7 @@ fn read<'i>(reader: &mut TableReader<'i>, document: &DeTable<'i>, load: &mut Loa
                 draft.sections.extend(events);
             }
             "labels" => draft.labels = labels(reader, value),
+            "drawing" => draft.drawing = reader.drawing(value),
             "table" => draft.tables = tables(reader, value, load),
             _ => {}
         }

@@ -116,7 +116,7 @@ impl fmt::Display for ModelErrorKind {
 
 impl ModelErrorKind {
     /// The words at the underlined text.
-    pub(super) fn label(&self) -> Option<String> {
+    pub fn label(&self) -> Option<String> {
         Some(match self {
             Self::Unquoted { .. } => "not a number, so TOML needs quotes here".to_owned(),
             Self::NotANumber { .. } => "expected a number such as 0.5, 12 or 1e-3".to_owned(),
@@ -202,7 +202,7 @@ impl ModelErrorKind {
     }
 
     /// What to do about it.
-    pub(super) fn help(&self) -> Option<String> {
+    pub fn help(&self) -> Option<String> {
         Some(match self {
             Self::Unquoted { text } => format!("write \"{text}\""),
             Self::Empty | Self::NoFlight | Self::NoStates => {

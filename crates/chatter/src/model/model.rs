@@ -1,6 +1,7 @@
 //! An impacting system as its equations.
 
 use super::direction::Direction;
+use super::drawing::Shape;
 use super::simultaneous::Simultaneous;
 use crate::expressions::{Expr, Graph};
 use crate::numerics::Real;
@@ -33,6 +34,8 @@ pub struct Model {
     pub definitions: Vec<Definition>,
     /// Surfaces where an expression changes its form, as formulas: what events of sliding and switching are told with.
     pub surfaces: Vec<String>,
+    /// What the mechanism looks like, part by part in the order of the file.
+    pub drawing: Vec<Shape>,
 }
 
 /// One component of the state.

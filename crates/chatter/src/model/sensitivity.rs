@@ -57,6 +57,7 @@ mod tests {
             sections: Vec::new(),
             definitions: Vec::new(),
             surfaces: Vec::new(),
+            drawing: Vec::new(),
             graph: graph.clone(),
         };
         let rates = model.parameter_rates(&mut graph, 1);

@@ -2,8 +2,8 @@
 
 use super::{Record, Subject};
 use crate::refusal::Refusal;
-use chatter::analysis::simulate::{EventKind, Outcome, Samples, Simulation};
-use chatter::flow::Closed;
+use chatter::analysis::simulate::{Outcome, Samples, Simulation};
+use chatter::flow::{Closed, EventKind, Occurrence};
 use chatter::numerics::Real;
 use std::collections::VecDeque;
 
@@ -94,10 +94,12 @@ impl Shown {
         for noted in record.events() {
             let event = noted?.event;
             let time = event.time.to_f64();
-            match event.kind {
+            match event.detail {
                 _ if !(from..=to).contains(&time) => {}
-                EventKind::Impact => impacts[event.detail.place()].push(time),
-                EventKind::Accumulation => accumulations.push((time, doubles(&event.state))),
+                Occurrence::Impact { contact, .. } => impacts[contact].push(time),
+                Occurrence::Accumulation { .. } => {
+                    accumulations.push((time, doubles(&event.state)))
+                }
                 _ => {}
             }
         }

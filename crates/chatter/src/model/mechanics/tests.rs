@@ -29,6 +29,7 @@ fn blank(states: usize, parameters: usize) -> Model {
         sections: Vec::new(),
         definitions: Vec::new(),
         surfaces: Vec::new(),
+        drawing: Vec::new(),
     }
 }
 

@@ -1,0 +1,94 @@
+/** The sequence of impacts, their rates in logarithmic scale: complete chatter is a straight line. */
+
+import { disc } from "./curves.js";
+import { choice, field, make } from "./dom.js";
+import { gifts, panel } from "./panel.js";
+import { BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION } from "./palette.js";
+import { Plot, extent } from "./plot.js";
+import { shown } from "./ticks.js";
+
+const COLORS = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
+
+export class ImpactsView {
+    /**
+     * @param {import("./transport.js").Ask} ask
+     * @param {import("./state.js").Store} store
+     * @param {import("./motion.js").Motions} motions
+     * @param {import("./commands.js").Commands} commands
+     * @param {(message: string) => void} say
+     */
+    constructor(ask, store, motions, commands, say) {
+        /** @type {import("./motion.js").Motion | null} */
+        this.motion = null;
+        this.over = "number";
+        this.by_hand = false;
+        this.readout = make("output", { class: "readout" });
+        this.plot = new Plot({
+            label: "Rates of impacts in logarithmic scale. Arrow keys move the view, plus and minus zoom, 0 shows all.",
+            draw: (context, plot) => this.draw(context, plot),
+            moved: () => (this.by_hand = true),
+            reset: () => {
+                this.by_hand = false;
+                this.fit();
+            },
+            hover: (at) => (this.readout.textContent = at ? `${this.over === "number" ? `impact ${Math.max(1, Math.round(at.x))}` : `time ${shown(at.x)}`}  ·  rate ${shown(10 ** at.y, 4)}` : ""),
+        });
+        this.plot.logarithmic.y = true;
+        const over = choice("Over", [["number", "number"], ["time", "time"]], this.over, (value) => {
+            this.over = value;
+            this.by_hand = false;
+            this.fit();
+        });
+        const menu = gifts(ask, {
+            files: () => null,
+            command: () => `${commands.history().replace(/ --plot.*$/, "")} --sample events --out events.csv`,
+            python: () => `${commands.python_history().replace(/; run.plot\(\)$/, "")}; run.events["impact"].rate_before`,
+            csv: () => ["number,time,rate_before,contact", ...this.points().map((point, place) => `${place + 1},${point.time},${point.rate},${point.contact}`)].join("\n"),
+        }, say);
+        this.element = panel("impacts", "Impacts", [field("over", over)], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
+        motions.on((motion) => {
+            if (!motion) return;
+            this.motion = motion;
+            this.fit();
+        });
+        store.on(() => this.plot.repaint());
+    }
+
+    points() {
+        const { motion } = this;
+        if (!motion) return [];
+        const { events } = motion;
+        const points = [];
+        for (let place = 0; place < events.kind.length; place += 1) {
+            if (events.kind[place] === "impact") points.push({ time: events.time[place], rate: -events.before[place], contact: events.place[place] });
+        }
+        return points;
+    }
+
+    fit() {
+        const points = this.points();
+        const logarithms = points.map(({ rate }) => Math.log10(rate));
+        this.plot.whole.x = this.over === "number";
+        if (!this.by_hand) {
+            const across = this.over === "number" ? [0, Math.max(2, points.length + 1)] : extent(points.map(({ time }) => time)) ?? [0, 1];
+            const up = extent(logarithms, 0.08) ?? [-3, 0];
+            this.plot.box = { x0: across[0], x1: across[1], y0: up[0], y1: up[1] };
+        }
+        this.plot.x_label = this.over === "number" ? "number of the impact" : "time";
+        this.plot.y_label = "rate before impact";
+        this.plot.repaint();
+    }
+
+    /**
+     * @param {CanvasRenderingContext2D} context
+     * @param {Plot} plot
+     */
+    draw(context, plot) {
+        const contacts = this.motion?.about.contacts ?? [];
+        this.points().forEach(({ time, rate, contact }, place) => {
+            context.fillStyle = COLORS[Math.max(0, contacts.indexOf(contact)) % COLORS.length];
+            const x = this.over === "number" ? place + 1 : time;
+            if (rate > 0) disc(context, plot.px(x), plot.py(Math.log10(rate)), 2.3);
+        });
+    }
+}

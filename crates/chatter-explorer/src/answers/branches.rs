@@ -1,0 +1,129 @@
+//! Branches of periodic orbits and their special points.
+
+use super::Answering;
+use super::file::{Extension, stem};
+use crate::question::BranchesQuestion;
+use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Limits, Point, Spec, branches};
+use chatter_work::numbers::Digits;
+use chatter_work::periodic::{
+    Subject, branch_document, check_period, first_that_changes, free_parameter, picture, refused,
+    section, write,
+};
+use chatter_work::source::Loaded;
+use chatter_work::{Observer as _, Refusal};
+
+/// Within what branches are followed, as by `chatter continue`.
+const IMPACTS: u64 = 80;
+const POINTS: usize = 20_000;
+const LONGEST_STEP: f64 = 0.01;
+/// Doublings of doublings.
+const MOST_DOUBLINGS: usize = 4;
+
+struct Found {
+    loaded: Loaded,
+    parameter: usize,
+    branches: Vec<Branch>,
+}
+
+impl Found {
+    fn subject<'a>(&'a self, question: &'a BranchesQuestion) -> Subject<'a> {
+        Subject {
+            model: &self.loaded.model,
+            source: &question.model.name,
+            text: &self.loaded.text,
+            free: vec![self.parameter],
+            digits: Digits::DOUBLE,
+        }
+    }
+}
+
+fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Refusal> {
+    let mut question_model = question.model.clone();
+    question_model
+        .set
+        .retain(|(name, _)| *name != question.parameter);
+    let mut loaded = question_model.load(&answering.context.files)?;
+    let model = &mut loaded.model;
+    model.check_defined()?;
+    check_period(model, question.period.as_deref())?;
+    let parameter = free_parameter(model, &question.parameter)?;
+    if !(question.from < question.to && question.from.is_finite() && question.to.is_finite()) {
+        return Err(Refusal::input("expected a range, the smaller end first"));
+    }
+    let spec = Spec {
+        period: question.period.clone(),
+        section: section(model, question.section.as_deref())?,
+        ..Spec::default()
+    };
+    let what = BranchSpec {
+        parameter,
+        limits: Limits {
+            range: (question.from, question.to),
+            impacts: IMPACTS,
+            points: POINTS,
+            longest_step: LONGEST_STEP,
+        },
+        beside: Beside {
+            doublings: question.doublings.min(MOST_DOUBLINGS),
+            branch_points: 0,
+        },
+    };
+    let mut orbits = 0_u64;
+    let mut listen = |point: Option<&Point>| {
+        if let Some(point) = point {
+            orbits += 1;
+            let at = point.parameters.last().copied().unwrap_or(question.from);
+            answering.progress(orbits as f64 / POINTS as f64, &|| {
+                format!("{orbits} orbits, {} = {at:.6}", question.parameter)
+            });
+        }
+        answering.going_on()
+    };
+    let found = branches(model, &spec, &what, &mut listen);
+    let branches = found.map_err(|error| refused(&error, model))?;
+    if branches
+        .iter()
+        .any(|branch| branch.ends.contains(&End::Interrupted))
+    {
+        return Err(Refusal::Interrupted);
+    }
+    Ok(Found {
+        loaded,
+        parameter,
+        branches,
+    })
+}
+
+/// The branches as a document.
+pub fn answer(answering: &Answering, question: &BranchesQuestion) -> Result<(), Refusal> {
+    let found = found(answering, question)?;
+    answering.document(&branch_document(
+        &found.subject(question),
+        &found.branches,
+        None,
+    ))
+}
+
+/// The branches as a file.
+pub fn file(
+    answering: &Answering,
+    question: &BranchesQuestion,
+    kind: Extension,
+) -> Result<(), Refusal> {
+    let found = found(answering, question)?;
+    let subject = found.subject(question);
+    let stem = stem(&question.model.name, "branches");
+    if kind.is_picture() {
+        let vertical = first_that_changes(&subject, &found.branches);
+        return answering.figure(&stem, kind, &picture(&subject, &found.branches, vertical));
+    }
+    answering.tables(&stem, kind, |path| {
+        write(&subject, &found.branches, path)?;
+        let folder = path.parent().unwrap_or(path);
+        let failed = |error: std::io::Error| Refusal::Output(error.to_string());
+        let entries = std::fs::read_dir(folder).map_err(failed)?;
+        let mut files: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
+        files.sort();
+        Ok(files)
+    })
+}
