@@ -2,6 +2,7 @@
 //! anew.
 
 mod any_simulation;
+mod backends;
 mod chatter_limits;
 mod grazes;
 mod levels;
