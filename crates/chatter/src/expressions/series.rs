@@ -617,7 +617,7 @@ pub(super) fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
 }
 
 #[inline(always)]
-fn apply<S: Scalar>(function: Function, argument: S) -> S {
+pub(super) fn apply<S: Scalar>(function: Function, argument: S) -> S {
     match function {
         Function::Exp => argument.exp(),
         Function::Ln => argument.ln(),

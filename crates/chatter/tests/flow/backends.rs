@@ -46,7 +46,7 @@ fn expression(graph: &mut Graph, draws: &mut Draws, dimension: usize, depth: usi
             _ => graph.state(draws.next(dimension as u64) as usize),
         };
     }
-    let mut part = |graph: &mut Graph, draws: &mut Draws| {
+    let part = |graph: &mut Graph, draws: &mut Draws| {
         let shallower = draws.next(depth as u64) as usize;
         expression(graph, draws, dimension, shallower)
     };

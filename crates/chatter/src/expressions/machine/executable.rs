@@ -41,7 +41,7 @@ pub(super) struct Table {
     pub minus_two: f64,
 }
 
-static TABLE: Table = {
+pub(super) static TABLE: Table = {
     let mut table = Table {
         reciprocals: [0.0; MAX_ORDER + 2],
         numbers: [0.0; MAX_ORDER + 1],

@@ -12,6 +12,8 @@
 mod assembler;
 #[cfg(target_arch = "x86_64")]
 mod compile;
+#[cfg(all(test, target_arch = "x86_64"))]
+mod emulated;
 #[cfg(target_arch = "x86_64")]
 mod executable;
 #[cfg(not(target_arch = "x86_64"))]
