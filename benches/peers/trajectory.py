@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The valve's trajectory by Chatter, heyoka and SciPy in one run.
+"""The valve's trajectory by Chatter, heyoka, DOP853 written by hand in C++, and SciPy in one run.
 
     python3 benches/peers/trajectory.py
 
@@ -12,7 +12,7 @@ import json
 import subprocess
 import time
 
-from environment import ROOT, enter_environment
+from environment import ROOT, dop853, enter_environment, processor
 
 Q, KAPPA, DELTA, BETA, RESTITUTION = 0.0203, 1.25, 10.0, 20.0, 0.8
 COMPARED = 100
@@ -52,6 +52,12 @@ def heyoka_taylor(impacts):
     return 1e6 * spent / impacts, integrator.time, list(integrator.state)
 
 
+def hand_written_dop853(impacts):
+    done = subprocess.run([dop853(), "trajectory", str(impacts)], check=True, capture_output=True, text=True)
+    answer = json.loads(done.stdout)
+    return answer["microseconds_per_impact"], answer["time"], answer["state"]
+
+
 def scipy_dop853(impacts):
     import numpy as np
     from scipy.integrate import solve_ivp
@@ -73,21 +79,33 @@ def scipy_dop853(impacts):
     return 1e6 * spent / impacts, now, list(state)
 
 
+ROUNDS = 3
+
+PEERS = {
+    "Chatter": (chatter, 300_000),
+    "C++ DOP853, 1e-10": (hand_written_dop853, 300_000),
+    "heyoka": (heyoka_taylor, 100_000),
+    "SciPy DOP853, 1e-12": (scipy_dop853, COMPARED),
+}
+
+
 def main():
     enter_environment()
+    print(processor())
     chatter(1)
-    reference = chatter(COMPARED)
-    print(f"{'':24}{'us per impact':>16}{'time off':>12}{'state off':>12}   after {COMPARED} impacts")
-    for name, run, impacts in (
-        ("chatter", chatter, 300_000),
-        ("heyoka", heyoka_taylor, 100_000),
-        ("SciPy DOP853 1e-12", scipy_dop853, COMPARED),
-    ):
+    _, end, reference = chatter(COMPARED)
+    offs = {}
+    for name, (run, _) in PEERS.items():
         _, at, state = run(COMPARED)
-        speed = min(run(impacts)[0] for _ in range(3))
-        late = abs(at - reference[1])
-        off = max(abs(a - b) for a, b in zip(state[1:], reference[2][1:]))
-        print(f"{name:24}{speed:16.2f}{late:12.1e}{off:12.1e}")
+        offs[name] = abs(at - end), max(abs(a - b) for a, b in zip(state[1:], reference[1:]))
+    # In turn, so that whatever else the machine does in the meantime meets all.
+    speeds = dict.fromkeys(PEERS, float("inf"))
+    for _ in range(ROUNDS):
+        for name, (run, impacts) in PEERS.items():
+            speeds[name] = min(speeds[name], run(impacts)[0])
+    print(f"{'':24}{'us per impact':>16}{'time off':>12}{'state off':>12}   after {COMPARED} impacts")
+    for name, (late, off) in offs.items():
+        print(f"{name:24}{speeds[name]:16.2f}{late:12.1e}{off:12.1e}")
 
 
 if __name__ == "__main__":

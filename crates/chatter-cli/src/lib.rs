@@ -52,6 +52,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(arguments) => arguments,
         Err(error) => return answer(&error),
     };
+    if let Err(failure) = chatter_work::backend::choose() {
+        return failure::report(&failure);
+    }
     match arguments.command.run() {
         Ok(code) => code,
         Err(failure) => failure::report(&failure),

@@ -18,6 +18,7 @@ use pyo3::prelude::*;
 /// The compiled part of `chatter`.
 #[pymodule]
 fn _chatter(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    chatter_work::backend::choose().map_err(errors::raised)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     let kinds = chatter::analysis::simulate::EventKind::ALL.map(|kind| kind.name());
     module.add("EVENT_KINDS", kinds)?;

@@ -4,6 +4,7 @@
 //! request to columns, a JSON document, a table and a figure. An [`Observer`] hears of progress and may stop the work; what
 //! cannot be answered is a [`Refusal`]. Nothing here knows of terminals, colours or exit codes.
 
+pub mod backend;
 pub mod border;
 pub mod columns;
 pub mod data_files;

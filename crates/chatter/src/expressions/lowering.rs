@@ -4,6 +4,7 @@
 use super::domain::Folding;
 use super::eval::LARGEST_MULTIPLIED_EXPONENT;
 use super::graph::{Expr, Function, Graph, Node, Symbol};
+use super::machine::Compiled;
 use super::singularity::{Singular, Singularity};
 use super::tape::{Op, Operand, Sign, Swing, Tape};
 use std::collections::HashMap;
@@ -36,6 +37,7 @@ impl Tape {
                 swings: Vec::new(),
                 singular: Vec::new(),
                 constants: Vec::new(),
+                compiled: Compiled::default(),
             },
         };
         let field: Vec<Operand> = field.iter().map(|&e| lowering.operand(e)).collect();

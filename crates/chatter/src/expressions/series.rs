@@ -1,10 +1,12 @@
-//! Runs a tape on truncated Taylor series: the one interpreter loop for every number type.
+//! Runs a tape on truncated Taylor series: the one interpreter loop for every number type, and where there is one the
+//! tape's machine code, which does the same.
 //!
 //! Coefficients are those of the scaled time s = t / tau, so that they are of the size of the terms themselves and
 //! neither overflow nor vanish. Products are Cauchy products; a function y = F(a) with F' = w integrates y' = a' w,
 //! hence k y_k = sum_{j=1..k} j a_j w_{k-j}; a quotient, root or power comes from the same rule solved for y_k.
 
 use super::graph::Function;
+use super::machine::{Backend, Executable, Places};
 use super::tape::{Op, Operand, Sign, Swing, Tape};
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::{Scalar, two_sum};
@@ -24,6 +26,8 @@ pub struct Expansion<S> {
     order: usize,
     /// Whether the latest run computed the last order of all series, not of states alone.
     is_even: bool,
+    /// So many runs are interpreted yet; all of them where this is the greatest number.
+    patience: u32,
     values: Vec<S>,
     /// Rounding remainders of order zero, where they are known: of states and of linear combinations.
     lows: Vec<S>,
@@ -46,12 +50,50 @@ impl<S: Scalar> Expansion<S> {
         Self {
             order: 0,
             is_even: true,
+            patience: 0,
             values: vec![S::splat(0.0); slots * Self::STRIDE],
             lows: vec![S::splat(0.0); slots],
             errors: vec![S::splat(0.0); slots],
             auxiliaries: vec![S::splat(0.0); auxiliaries],
             reciprocals,
         }
+        .with_backend(Backend::default())
+    }
+
+    /// The same, run by a backend of choice.
+    #[must_use]
+    pub fn with_backend(mut self, backend: Backend) -> Self {
+        self.patience = backend.patience::<S>();
+        self
+    }
+
+    /// The machine code of a tape, once it is worth it.
+    #[inline(always)]
+    fn code<'t>(&mut self, tape: &'t Tape) -> Option<&'t Executable> {
+        if self.patience > 0 {
+            if self.patience < Backend::NEVER {
+                self.patience -= 1;
+            }
+            return None;
+        }
+        tape.executable::<S>(Self::STRIDE)
+    }
+
+    /// Computes all orders by machine code; whether there is any.
+    #[inline(always)]
+    fn run_code(&mut self, tape: &Tape, constants: &[S], tau: &S) -> bool {
+        let Some(code) = self.code(tape) else {
+            return false;
+        };
+        let places = Places {
+            values: &mut self.values,
+            lows: &mut self.lows,
+            auxiliaries: &mut self.auxiliaries,
+            constants,
+            tau,
+        };
+        code.run(places, self.order);
+        true
     }
 
     /// The order of the latest run.
@@ -224,7 +266,9 @@ impl<S: Scalar> Expansion<S> {
         self.order = 0;
         self.is_even = true;
         self.start(tape, state, low);
-        self.run_order(tape, constants, S::splat(0.0), 0);
+        if !self.run_code(tape, constants, &S::splat(0.0)) {
+            self.run_order(tape, constants, S::splat(0.0), 0);
+        }
         for (value, output) in values.iter_mut().zip(&tape.outputs) {
             *value = match *output {
                 Operand::Constant(index) => constants[index],
@@ -249,12 +293,15 @@ impl<S: Scalar> Expansion<S> {
         self.make_room(tape);
         self.order = order;
         self.start(tape, state, low);
+        self.is_even = !tape.outputs_are_states();
+        if self.run_code(tape, constants, &tau) {
+            return;
+        }
         for k in 0..order {
             let factor = tau * self.reciprocals[k + 1];
             self.run_order(tape, constants, factor, k);
             self.integrate(tape, constants, factor, k);
         }
-        self.is_even = !tape.outputs_are_states();
         if self.is_even {
             self.run_order(tape, constants, tau, order);
         }
@@ -570,7 +617,7 @@ pub(super) fn convolve<S: Scalar>(a: &[S], b: &[S]) -> S {
 }
 
 #[inline(always)]
-fn apply<S: Scalar>(function: Function, argument: S) -> S {
+pub(super) fn apply<S: Scalar>(function: Function, argument: S) -> S {
     match function {
         Function::Exp => argument.exp(),
         Function::Ln => argument.ln(),

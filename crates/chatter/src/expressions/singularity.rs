@@ -15,6 +15,7 @@
 use super::graph::{Expr, Function};
 use super::series::{Expansion, convolve};
 use super::tape::{Op, Operand, Tape};
+use crate::numerics::polynomial::short_magnitude;
 use crate::numerics::{Mask, Scalar};
 use std::collections::HashMap;
 
@@ -351,28 +352,6 @@ fn smooth<S: Scalar>(singular: &Singular, constants: &[S]) -> S::Mask {
         }
         None => S::Mask::splat(false),
     }
-}
-
-/// [`magnitude`](crate::numerics::polynomial::magnitude) as four sums that need not wait for each other: the whole step
-/// waits for this one.
-#[inline(always)]
-fn short_magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
-    let square = s * s;
-    let fourth = square * square;
-    let mut sums = [S::splat(0.0); 4];
-    let chunks = coefficients.chunks_exact(4);
-    let rest = chunks.remainder();
-    for (sum, &c) in sums.iter_mut().zip(rest) {
-        *sum = c.abs();
-    }
-    for chunk in chunks.rev() {
-        for (sum, &c) in sums.iter_mut().zip(chunk) {
-            *sum = sum.mul_add(fourth, c.abs());
-        }
-    }
-    let low = sums[1].mul_add(s, sums[0]);
-    let high = sums[3].mul_add(s, sums[2]);
-    high.mul_add(square, low)
 }
 
 /// The distance of the zero of a(s) that is nearest to s = 0, and whether it could be computed.

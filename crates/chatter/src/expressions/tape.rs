@@ -6,6 +6,7 @@
 //! runs it.
 
 use super::graph::{Expr, Function, Graph};
+use super::machine::{Compiled, Executable};
 use super::singularity::Singular;
 use crate::numerics::Real;
 
@@ -190,6 +191,7 @@ pub struct Tape {
     /// What must not vanish along a step.
     pub(crate) singular: Vec<Singular>,
     pub(super) constants: Vec<Expr>,
+    pub(super) compiled: Compiled,
 }
 
 impl Tape {
@@ -230,6 +232,12 @@ impl Tape {
         }
     }
 
+    /// Its machine code for a kind of number, of whose series so many coefficients are stored; none where there is none.
+    #[inline]
+    pub(super) fn executable<S: 'static>(&self, stride: usize) -> Option<&Executable> {
+        self.compiled.get::<S>(self, stride)
+    }
+
     /// Number of states.
     pub fn dimension(&self) -> usize {
         self.dimension
@@ -243,6 +251,16 @@ impl Tape {
     /// Number of operations for each order.
     pub fn operation_count(&self) -> usize {
         self.ops.len()
+    }
+
+    /// Number of outputs.
+    pub fn output_count(&self) -> usize {
+        self.outputs.len()
+    }
+
+    /// Whether it has been compiled for this kind of number.
+    pub fn is_compiled<S: 'static>(&self) -> bool {
+        self.compiled.has::<S>()
     }
 
     /// The tape's constants at one parameter set.

@@ -77,7 +77,7 @@ pub fn run_fleet<V>(
 
 /// Lanes of a vector of trajectories: four registers with AVX-512, eight with AVX2. Fewer leave the processor waiting for
 /// its own additions and decoding operations (AVX-512 with 16: 12 % slower; AVX2: the same), more leave the cache.
-const WIDTH: usize = 32;
+const WIDTH: usize = 16;
 
 /// So many trajectories step faster one by one than in a vector that is nearly empty: it costs as much as five.
 const FEW: usize = 4;
@@ -419,6 +419,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expressions::Backend;
     use crate::model::Model;
 
     const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
@@ -518,8 +519,12 @@ mod tests {
             (DRILL, 0.1, 0.2, 40),
         ];
         for (text, low, high, occurrences) in cases {
-            let columns = columns(text, low, high, 37);
+            let mut columns = columns(text, low, high, 37);
+            columns.settings.backend = Backend::Interpreter;
             let expected = alone(&columns, occurrences);
+            assert_eq!(in_lanes::<4>(&columns, occurrences), expected);
+            columns.settings.backend = Backend::CompiledAtOnce;
+            assert_eq!(alone(&columns, occurrences), expected);
             assert_eq!(in_lanes::<WIDTH>(&columns, occurrences), expected);
             assert_eq!(in_lanes::<8>(&columns, occurrences), expected);
             assert_eq!(in_lanes::<4>(&columns, occurrences), expected);

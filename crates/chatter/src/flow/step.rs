@@ -11,7 +11,7 @@ use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::{
-    bernstein, bernstein_from, horner, horner_with_slope, magnitude,
+    bernstein, bernstein_from, horner, horner_with_slope, magnitude, short_magnitude,
 };
 use crate::numerics::roots::Crossing;
 use crate::numerics::{Mask, Real, Scalar, two_sum};
@@ -127,8 +127,8 @@ impl<S: Scalar> Workspace<S> {
             .max()
             .unwrap_or(0);
         Self {
-            expansion: Expansion::new(&tapes),
-            point: Expansion::new(&tapes),
+            expansion: Expansion::new(&tapes).with_backend(settings.backend),
+            point: Expansion::new(&tapes).with_backend(settings.backend),
             bernstein: vec![zero; MAX_ORDER + 1],
             // An impact in a mode that is met later may change more of the state.
             outputs: vec![zero; widest.max(IMPACT_SCALARS + dimension)],
@@ -239,7 +239,7 @@ impl<S: Scalar> Workspace<S> {
             let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
             let end = self.scaled_step;
             let start = p[0];
-            let rest = magnitude(&p[1..], end) * end;
+            let rest = short_magnitude(&p[1..], end) * end;
             let noise = (rest + start.abs()) * S::splat(Self::NOISE);
             let mut settled = (rest + noise).less(start.abs());
             let must_be_positive = if let GuardKind::Section(section) = guard.kind {
@@ -274,6 +274,9 @@ impl<S: Scalar> Workspace<S> {
             }
             settled = settled | found;
             let mut at = root;
+            if !settled.all() {
+                settled = settled | keeps_sign(p, end, noise, &mut self.bernstein);
+            }
             if !settled.all() {
                 settled = settled | rises(p, end, noise, Self::NOISE, &mut self.bernstein);
             }
@@ -510,13 +513,40 @@ fn falls_steadily<S: Scalar>(p: &[S], s: S) -> S::Mask {
     } else {
         S::splat(0.0)
     };
-    let mut rest = S::splat(0.0);
+    // Even and odd powers need not wait for each other.
+    let square = s * s;
+    let mut sums = [S::splat(0.0); 2];
     for (k, &c) in p.iter().enumerate().skip(3).rev() {
-        rest = rest.mul_add(s, c.abs() * S::splat(k as f64));
+        let sum = &mut sums[k % 2];
+        *sum = sum.mul_add(square, c.abs() * S::splat(k as f64));
     }
-    let rest = rest * s * s;
+    let rest = sums[0].mul_add(s, sums[1]) * square;
     let last = bend.mul_add(s, first);
     (first.max(last) + rest).less(S::splat(0.0))
+}
+
+/// Whether p has one sign on all of [0, s] by its leading terms: the Bernstein coefficients of these enclose them, and what
+/// follows is at most as large as the sum of its terms' sizes.
+///
+/// Terms fall by a factor of five and more from one to the next, so that few of them say nearly as much as all, and they
+/// cost a tenth.
+#[inline(always)]
+fn keeps_sign<S: Scalar>(p: &[S], s: S, noise: S, scratch: &mut [S]) -> S::Mask {
+    const LEADING: usize = 6;
+    if p.len() <= LEADING {
+        return S::Mask::splat(false);
+    }
+    let square = s * s;
+    let beyond = square * square * square;
+    let level = magnitude(&p[LEADING..], s).mul_add(beyond, noise);
+    let leading = &mut scratch[..LEADING];
+    bernstein(&p[..LEADING], s, leading);
+    let (mut least, mut greatest) = (leading[0], leading[0]);
+    for &value in &leading[1..] {
+        least = value.min(least);
+        greatest = value.max(greatest);
+    }
+    level.less(least) | greatest.less(-level)
 }
 
 /// Whether p > 0 on all of [0, s] although it may first dip, as the gap does after the last impact before release.
@@ -561,19 +591,22 @@ struct SignCount<S: Scalar> {
 impl<S: Scalar> SignCount<S> {
     #[inline(always)]
     fn of(values: &[S], noise: S) -> Self {
-        let zero = S::splat(0.0);
+        let (zero, one) = (S::splat(0.0), S::splat(1.0));
         let mut changes = zero;
         let mut clear = noise.less(values[0].abs());
-        let mut first_change = zero;
+        // The two values about the first change, and the place of the first of them.
+        let (mut place, mut before, mut after) = (zero, one, zero);
         for (i, pair) in values.windows(2).enumerate() {
             clear = clear & noise.less(pair[1].abs());
             let turned = (pair[0].less(zero) & zero.at_most(pair[1]))
                 | (zero.at_most(pair[0]) & pair[1].less(zero));
-            let fraction = pair[0] / (pair[0] - pair[1]);
-            let place = S::splat(i as f64) + fraction;
-            first_change = S::select(turned & changes.less(S::splat(0.5)), place, first_change);
-            changes = S::select(turned, changes + S::splat(1.0), changes);
+            let is_first = turned & changes.less(S::splat(0.5));
+            place = S::select(is_first, S::splat(i as f64), place);
+            before = S::select(is_first, pair[0], before);
+            after = S::select(is_first, pair[1], after);
+            changes = S::select(turned, changes + one, changes);
         }
+        let first_change = place + before / (before - after);
         Self {
             none: clear & changes.less(S::splat(0.5)),
             one: clear & S::splat(0.5).less(changes) & changes.less(S::splat(1.5)),

@@ -8,7 +8,9 @@ use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
-use crate::expressions::{Corners, Expr, Graph, Names, Sides, Singularity, Surfaces, Symbol, Tape};
+use crate::expressions::{
+    Backend, Corners, Expr, Graph, Names, Sides, Singularity, Surfaces, Symbol, Tape,
+};
 use crate::model::{Mechanics, MechanicsError, Model, OnSides, Rubbing, Simultaneous};
 use crate::numerics::{Real, Scalar};
 use core::fmt;
@@ -23,6 +25,8 @@ pub struct Settings {
     /// has taken so far, and its end is certain to rounding. Without a bound the second condition alone decides, after
     /// the fewest impacts; a small share shows the sequence itself.
     pub longest_tail: f64,
+    /// What runs the expansions: the results do not depend on it.
+    pub backend: Backend,
 }
 
 impl Default for Settings {
@@ -31,6 +35,7 @@ impl Default for Settings {
         Self {
             tolerance: 0.0,
             longest_tail: f64::INFINITY,
+            backend: Backend::default(),
         }
     }
 }

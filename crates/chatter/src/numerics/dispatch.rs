@@ -13,28 +13,53 @@ pub trait Kernel {
     fn run(self) -> Self::Output;
 }
 
+/// What is told apart among processors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum InstructionSet {
+    /// Whatever every processor of its kind has.
+    Baseline,
+    /// Four doubles a register, and fused multiply-add.
+    Avx2,
+    /// Eight.
+    Avx512,
+}
+
+impl InstructionSet {
+    /// The widest that this processor has.
+    #[inline]
+    pub(crate) fn detected() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if has_avx512() {
+                return Self::Avx512;
+            }
+            if has_avx2() {
+                return Self::Avx2;
+            }
+        }
+        Self::Baseline
+    }
+}
+
 /// Runs the kernel with the widest instruction set that this processor has.
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if has_avx512() {
-            // SAFETY: the features that the wrapper enables were detected on this processor.
-            return unsafe { run_avx512(kernel) };
-        }
-        if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
-            // SAFETY: as above.
-            return unsafe { run_avx2(kernel) };
-        }
+    match InstructionSet::detected() {
+        // SAFETY: the features that the wrapper enables were detected on this processor.
+        #[cfg(target_arch = "x86_64")]
+        InstructionSet::Avx512 => unsafe { run_avx512(kernel) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        InstructionSet::Avx2 => unsafe { run_avx2(kernel) },
+        _ => kernel.run(),
     }
-    kernel.run()
 }
 
 /// Runs a kernel whose numbers are single ones, for which wide registers do nothing: with fused multiply-add or without.
 #[inline]
 pub fn dispatch_narrow<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
-    if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
+    if has_avx2() {
         // SAFETY: the features that the wrapper enables were detected on this processor.
         return unsafe { run_avx2(kernel) };
     }
@@ -42,20 +67,21 @@ pub fn dispatch_narrow<K: Kernel>(kernel: K) -> K::Output {
 }
 
 /// Whether eight doubles fit a register of this processor.
+#[cfg(target_arch = "x86_64")]
 #[inline]
 fn has_avx512() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    {
-        std::is_x86_feature_detected!("avx512f")
-            && std::is_x86_feature_detected!("avx512vl")
-            && std::is_x86_feature_detected!("avx512dq")
-            && std::is_x86_feature_detected!("avx512bw")
-            && std::is_x86_feature_detected!("fma")
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        false
-    }
+    std::is_x86_feature_detected!("avx512f")
+        && std::is_x86_feature_detected!("avx512vl")
+        && std::is_x86_feature_detected!("avx512dq")
+        && std::is_x86_feature_detected!("avx512bw")
+        && has_avx2()
+}
+
+/// Whether four do, and products and sums are rounded at once.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+fn has_avx2() -> bool {
+    std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma")
 }
 
 #[cfg(target_arch = "x86_64")]

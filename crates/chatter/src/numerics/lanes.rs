@@ -20,7 +20,7 @@ fn lanes<T: Copy, const L: usize>(first: T, function: impl Fn(usize) -> T) -> [T
 
 /// `L` doubles that go through the same operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub struct Lanes<const L: usize>(pub [f64; L]);
 
 /// Truth values of `L` lanes.

@@ -51,6 +51,27 @@ pub fn magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
     sum
 }
 
+/// [`magnitude`] as four sums that need not wait for each other: where the whole step waits for it.
+#[inline(always)]
+pub(crate) fn short_magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
+    let square = s * s;
+    let fourth = square * square;
+    let mut sums = [S::splat(0.0); 4];
+    let chunks = coefficients.chunks_exact(4);
+    let rest = chunks.remainder();
+    for (sum, &c) in sums.iter_mut().zip(rest) {
+        *sum = c.abs();
+    }
+    for chunk in chunks.rev() {
+        for (sum, &c) in sums.iter_mut().zip(chunk) {
+            *sum = sum.mul_add(fourth, c.abs());
+        }
+    }
+    let low = sums[1].mul_add(s, sums[0]);
+    let high = sums[3].mul_add(s, sums[2]);
+    high.mul_add(square, low)
+}
+
 /// p^(order)(0) / order!, and by how much that may change within a distance of `s` to either side, at most.
 pub fn derivative_bound<S: Scalar>(coefficients: &[S], order: usize, s: S) -> (S, S) {
     let (mut change, mut power, mut binomial) = (S::splat(0.0), s, 1.0);

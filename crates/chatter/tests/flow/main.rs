@@ -2,6 +2,7 @@
 //! anew.
 
 mod any_simulation;
+mod backends;
 mod contacts;
 mod corners;
 mod events;

@@ -134,6 +134,7 @@ pub fn simulate_into<R: Real>(
     let settings = Settings {
         tolerance: spec.tolerance,
         longest_tail: LONGEST_TAIL,
+        ..Settings::default()
     };
     let mut work = system.workspace::<R>(&settings);
     let parameters = model.parameter_values::<R>(&[]);

@@ -150,21 +150,13 @@ impl<R: Real> ChatterTracker<R> {
         self.pace.rest(contact, R::splat(FOREVER))
     }
 
-    /// Takes note of an impact; time and state come with their rounding remainders. Returns the end of the sequence as
-    /// soon as it is certain to rounding.
+    /// Whether an impact may belong to a sequence that can be completed; else what was seen before it is no such sequence.
     #[inline(always)]
-    pub(crate) fn observe(
-        &mut self,
-        contact: usize,
-        local: LocalPoint<R>,
-        time: (R, R),
-        state: (&[R], &[R]),
-        map: &mut SequenceMap<'_, R>,
-    ) -> Option<Accumulation<R>> {
+    pub(crate) fn may_complete(&mut self, local: LocalPoint<R>) -> bool {
         let falls_back = local.acceleration < R::ZERO;
         if !falls_back {
             self.interrupt();
-            return None;
+            return false;
         }
         let restitution = local.restitution.to_f64();
         let u = (local.jerk * local.rate / (local.acceleration * local.acceleration)).to_f64();
@@ -172,15 +164,28 @@ impl<R: Real> ChatterTracker<R> {
             self.restitution = restitution;
             self.border = border_value(restitution);
         }
-        if !(u < SAFE_FRACTION * self.border && u > SAFE_NEGATIVE) {
+        let may_complete = u < SAFE_FRACTION * self.border && u > SAFE_NEGATIVE;
+        if !may_complete {
             self.interrupt();
-            return None;
         }
+        may_complete
+    }
+
+    /// Takes note of an impact that [`may_complete`](Self::may_complete); time and state come with their rounding remainders.
+    /// Returns the end of the sequence as soon as it is certain to rounding.
+    #[inline(always)]
+    pub(crate) fn observe(
+        &mut self,
+        contact: usize,
+        time: (R, R),
+        state: (&[R], &[R]),
+        map: &mut SequenceMap<'_, R>,
+    ) -> Option<Accumulation<R>> {
         if self.contact != Some(contact) {
             self.interrupt();
             self.contact = Some(contact);
             self.began = time.0;
-            self.stride = stride(restitution);
+            self.stride = stride(self.restitution);
             self.until_sample = 0;
         }
         if self.until_sample > 0 {

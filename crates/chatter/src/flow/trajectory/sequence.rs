@@ -172,6 +172,9 @@ impl<R: Real> Trajectory<R> {
         program: &Program,
         (contact, local): (usize, LocalPoint<R>),
     ) -> Option<Accumulation<R>> {
+        if !self.tracker.may_complete(local) {
+            return None;
+        }
         let tapes = program.sequences[contact].as_ref()?;
         let constants = self.constants[self.mode].as_ref()?;
         let mut map = SequenceMap {
@@ -183,7 +186,7 @@ impl<R: Real> Trajectory<R> {
         };
         let time = (self.time, self.time_low);
         let state = (&self.state[..], &self.low[..]);
-        self.tracker.observe(contact, local, time, state, &mut map)
+        self.tracker.observe(contact, time, state, &mut map)
     }
 
     /// Whether nothing else happens until the end of a chatter sequence: the trajectory does not stop before, no other

@@ -1,0 +1,29 @@
+//! In place of machine code on processors that none is made for.
+
+use crate::expressions::tape::Tape;
+
+pub(crate) struct Places<'a, S> {
+    pub values: &'a mut [S],
+    pub lows: &'a mut [S],
+    pub auxiliaries: &'a mut [S],
+    pub constants: &'a [S],
+    pub tau: &'a S,
+}
+
+/// There is none.
+#[derive(Debug)]
+pub(crate) enum Executable {}
+
+impl Executable {
+    pub(super) fn new<S: 'static>(_: &Tape, _: usize) -> Option<Self> {
+        None
+    }
+
+    pub(crate) fn run<S: 'static>(&self, _: Places<'_, S>, _: usize) {
+        match *self {}
+    }
+}
+
+pub(super) fn lanes_of<S: 'static>() -> Option<usize> {
+    None
+}

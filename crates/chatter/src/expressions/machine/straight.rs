@@ -1,0 +1,347 @@
+//! Orders above zero for single numbers, written out: no loop is left, and what was just computed is still in a register.
+//!
+//! A trajectory alone waits for its own latest coefficient and for nothing else, so that every load from where it was just
+//! stored, and every loop that ends at another count, shows. For models so large that the code would not stay in the cache,
+//! the loops of [`compile`](super::compile) are shorter.
+
+use super::assembler::{At, Source, Vector, When};
+use super::compile::{Compiler, LAST, TABLE, TAU};
+use super::executable::Table;
+use crate::expressions::tape::{Op, Operand, Sign};
+use core::mem::offset_of;
+
+/// Code that is longer than this is written with loops.
+const LONGEST: usize = 48 << 10;
+
+/// Registers for sums and factors; …
+const SECOND: Vector = Vector(1);
+const MIDDLE: Vector = Vector(2);
+const PAIRS: Vector = Vector(3);
+const FACTORS: [Vector; 4] = [Vector(4), Vector(5), Vector(6), Vector(7)];
+/// … for coefficients that were computed last, in turn; …
+const KEPT: [Vector; 7] = [
+    Vector(8),
+    Vector(9),
+    Vector(10),
+    Vector(11),
+    Vector(12),
+    Vector(13),
+    Vector(14),
+];
+/// … and for the unit of time over the order to come.
+const UNIT: Vector = Vector(15);
+
+/// Which coefficients stand in which registers.
+#[derive(Default)]
+pub(super) struct Kept {
+    coefficients: [Option<(usize, usize)>; KEPT.len()],
+    turn: usize,
+    factor: usize,
+}
+
+impl Kept {
+    fn find(&self, slot: usize, k: usize) -> Option<Vector> {
+        let place = (self.coefficients)
+            .iter()
+            .position(|&kept| kept == Some((slot, k)))?;
+        Some(KEPT[place])
+    }
+
+    /// The register that was filled first of all; it holds nothing any more.
+    fn fresh(&mut self) -> (usize, Vector) {
+        let place = self.turn;
+        self.turn = (self.turn + 1) % KEPT.len();
+        self.coefficients[place] = None;
+        (place, KEPT[place])
+    }
+}
+
+impl Compiler<'_> {
+    /// All orders above zero; none if that is too long.
+    pub(super) fn orders_straight(&mut self) -> Option<()> {
+        let tape = self.tape;
+        let done = self.code.label();
+        let highest = self.layout.stride - 1;
+        let begin = self.code.length();
+        for k in 1..=highest {
+            self.code.compare_with(LAST, k as i32);
+            self.code.jump(When::Less, done);
+            self.unit(k);
+            for op in &tape.ops {
+                // Whatever lies beyond the last coefficient that is asked for is nobody's, as long as there is room.
+                if k < highest || !matches!(op, Op::Rate { .. }) {
+                    self.at_order(op, k);
+                }
+                if self.code.failed() || self.code.length() - begin > LONGEST {
+                    return None;
+                }
+            }
+            if k < highest {
+                self.integrate_straight(k);
+            }
+        }
+        self.code.bind(done);
+        Some(())
+    }
+
+    fn unit(&mut self, k: usize) {
+        let reciprocal = offset_of!(Table, reciprocals) + (k + 1) * size_of::<f64>();
+        self.code.load(UNIT, At(TABLE, reciprocal));
+        self.code.multiply(UNIT, UNIT, At(TAU, 0));
+    }
+
+    fn integrate_straight(&mut self, k: usize) {
+        let tape = self.tape;
+        for &(state, rate) in &tape.field {
+            let (place, out) = self.kept.fresh();
+            match rate {
+                Operand::Series(of) => {
+                    let rate = self.value(of, k);
+                    self.code.multiply(out, UNIT, rate);
+                }
+                Operand::Constant(_) => self.code.zero(out),
+            }
+            self.keep(place, (state, k + 1));
+        }
+    }
+
+    /// Where a coefficient is read from.
+    fn value(&self, slot: usize, k: usize) -> Source {
+        match self.kept.find(slot, k) {
+            Some(register) => register.into(),
+            None => self.first(slot, k).into(),
+        }
+    }
+
+    /// A coefficient in some register.
+    fn in_register(&mut self, slot: usize, k: usize) -> Vector {
+        if let Some(register) = self.kept.find(slot, k) {
+            return register;
+        }
+        let register = self.next_factor();
+        self.code.load(register, self.first(slot, k));
+        register
+    }
+
+    fn next_factor(&mut self) -> Vector {
+        self.kept.factor = (self.kept.factor + 1) % FACTORS.len();
+        FACTORS[self.kept.factor]
+    }
+
+    /// Stores what a fresh register holds.
+    fn keep(&mut self, place: usize, (slot, k): (usize, usize)) {
+        self.code.store(self.first(slot, k), KEPT[place]);
+        self.kept.coefficients[place] = Some((slot, k));
+    }
+
+    fn number(table: usize, index: usize) -> At {
+        At(TABLE, table + index * size_of::<f64>())
+    }
+
+    /// Adds the product of two coefficients to a sum.
+    fn add_product(&mut self, sum: Vector, left: (usize, usize), right: (usize, usize)) {
+        if let Some(right) = self.kept.find(right.0, right.1) {
+            let left = self.value(left.0, left.1);
+            self.code.multiply_add(sum, right, left);
+        } else {
+            let left = self.in_register(left.0, left.1);
+            self.code
+                .multiply_add(sum, left, self.first(right.0, right.1));
+        }
+    }
+
+    /// sum_{i=0..n-1} a_{first + i} b_{last - i}, in the order of [`convolve`](crate::expressions::series::convolve).
+    fn convolution(
+        &mut self,
+        sum: Vector,
+        (left, first): (usize, usize),
+        (right, last): (usize, usize),
+        n: usize,
+    ) {
+        match n {
+            0 => self.code.zero(sum),
+            1 => {
+                let factor = self.in_register(left, first);
+                let other = self.value(right, last);
+                self.code.multiply(sum, factor, other);
+            }
+            _ => {
+                self.code.zero(sum);
+                self.code.zero(SECOND);
+                for i in 1..n - 1 {
+                    let into = if i % 2 == 1 { sum } else { SECOND };
+                    self.add_product(into, (left, first + i), (right, last - i));
+                }
+                self.code.add(sum, sum, SECOND);
+                self.add_product(sum, (left, first + n - 1), (right, last + 1 - n));
+                self.add_product(sum, (left, first), (right, last));
+            }
+        }
+    }
+
+    /// Of different coefficients of one series, from `first` on; how many products.
+    fn different_pairs(&mut self, slot: usize, first: usize, k: usize) -> usize {
+        let n = k.div_ceil(2) - first;
+        self.convolution(PAIRS, (slot, first), (slot, k - first), n);
+        n
+    }
+
+    /// The square of the coefficient in the middle, or zero.
+    fn middle_square(&mut self, into: Vector, slot: usize, k: usize) {
+        if k.is_multiple_of(2) {
+            let middle = self.in_register(slot, k / 2);
+            self.code.multiply(into, middle, middle);
+        } else {
+            self.code.zero(into);
+        }
+    }
+
+    fn sum_of_terms(&mut self, sum: Vector, first: usize, end: usize, k: usize) {
+        let tape = self.tape;
+        self.code.zero(sum);
+        for &(coefficient, slot) in &tape.terms[first..end] {
+            let coefficient = self.constant(coefficient);
+            if let Some(value) = self.kept.find(slot, k) {
+                self.code.multiply_add(sum, value, coefficient);
+            } else {
+                let factor = self.next_factor();
+                self.code.load(factor, coefficient);
+                self.code.multiply_add(sum, factor, self.first(slot, k));
+            }
+        }
+    }
+
+    fn at_order(&mut self, op: &Op, k: usize) {
+        let reciprocal = Self::number(offset_of!(Table, reciprocals), k);
+        match *op {
+            Op::Linear {
+                out, first, end, ..
+            } => {
+                let (place, sum) = self.kept.fresh();
+                self.sum_of_terms(sum, first, end, k);
+                self.keep(place, (out, k));
+            }
+            Op::Rate {
+                state, first, end, ..
+            } => {
+                let (place, sum) = self.kept.fresh();
+                self.sum_of_terms(sum, first, end, k);
+                self.code.multiply(sum, sum, UNIT);
+                self.keep(place, (state, k + 1));
+            }
+            Op::Multiply { out, left, right } => {
+                let (place, sum) = self.kept.fresh();
+                self.convolution(sum, (left, 0), (right, k), k + 1);
+                self.keep(place, (out, k));
+            }
+            Op::Square { out, base } => {
+                let (place, value) = self.kept.fresh();
+                self.different_pairs(base, 0, k);
+                self.middle_square(value, base, k);
+                let two = At(TABLE, offset_of!(Table, two));
+                self.code.multiply_add(value, PAIRS, two);
+                self.keep(place, (out, k));
+            }
+            Op::Divide {
+                out,
+                numerator,
+                denominator,
+                inverse,
+            } => {
+                let (place, value) = self.kept.fresh();
+                self.convolution(PAIRS, (out, 0), (denominator, k), k);
+                match numerator {
+                    Operand::Series(slot) => {
+                        let above = self.in_register(slot, k);
+                        self.code.subtract(value, above, PAIRS);
+                    }
+                    Operand::Constant(_) => {
+                        self.code.copy(value, PAIRS);
+                        self.code.negate(value, Self::minus_zero());
+                    }
+                }
+                self.code.multiply(value, value, self.auxiliary(inverse));
+                self.keep(place, (out, k));
+            }
+            Op::SquareRoot {
+                out,
+                radicand,
+                inverse,
+            } => {
+                let (place, value) = self.kept.fresh();
+                let pairs = self.different_pairs(out, 1, k);
+                self.middle_square(MIDDLE, out, k);
+                let radicand = self.in_register(radicand, k);
+                self.code.subtract(value, radicand, MIDDLE);
+                // No pairs are zero, which times minus two is minus zero and changes nothing.
+                if pairs > 0 {
+                    let minus_two = At(TABLE, offset_of!(Table, minus_two));
+                    self.code.multiply_add(value, PAIRS, minus_two);
+                }
+                self.code.multiply(value, value, self.auxiliary(inverse));
+                self.keep(place, (out, k));
+            }
+            Op::Power {
+                out,
+                base,
+                exponent,
+                inverse,
+            } => {
+                let (place, sum) = self.kept.fresh();
+                self.code.zero(sum);
+                for j in 1..=k {
+                    let negative = Self::number(offset_of!(Table, negatives), k - j);
+                    let whole = self.next_factor();
+                    self.code.load(MIDDLE, negative);
+                    self.code
+                        .load(whole, Self::number(offset_of!(Table, numbers), j));
+                    self.code
+                        .multiply_add(MIDDLE, whole, self.constant(exponent));
+                    let coefficient = self.value(base, j);
+                    self.code.multiply(MIDDLE, MIDDLE, coefficient);
+                    let other = self.value(out, k - j);
+                    self.code.multiply_add(sum, MIDDLE, other);
+                }
+                self.code.multiply(sum, sum, self.auxiliary(inverse));
+                self.code.multiply(sum, sum, reciprocal);
+                self.keep(place, (out, k));
+            }
+            Op::Slope { out, of } => {
+                let (place, value) = self.kept.fresh();
+                let whole = self.next_factor();
+                self.code
+                    .load(whole, Self::number(offset_of!(Table, numbers), k));
+                let coefficient = self.value(of, k);
+                self.code.multiply(value, whole, coefficient);
+                self.keep(place, (out, k));
+            }
+            Op::Integral {
+                out,
+                slope,
+                weight,
+                sign,
+                ..
+            } => self.integral(out, slope, weight, sign, k),
+            Op::SineCosine {
+                sine,
+                cosine,
+                slope,
+                ..
+            } => {
+                self.integral(sine, slope, cosine, Sign::Plus, k);
+                self.integral(cosine, slope, sine, Sign::Minus, k);
+            }
+        }
+    }
+
+    fn integral(&mut self, out: usize, slope: usize, weight: usize, sign: Sign, k: usize) {
+        let (place, sum) = self.kept.fresh();
+        self.convolution(sum, (slope, 1), (weight, k - 1), k);
+        let reciprocal = Self::number(offset_of!(Table, reciprocals), k);
+        self.code.multiply(sum, sum, reciprocal);
+        if sign == Sign::Minus {
+            self.code.negate(sum, Self::minus_zero());
+        }
+        self.keep(place, (out, k));
+    }
+}
