@@ -39,7 +39,6 @@ export class DiagramView {
      * @param {(message: string) => void} say
      */
     constructor(ask, store, commands, say) {
-        Object.assign(this, { ask, store, commands, say });
         this.ask = ask;
         this.store = store;
         this.commands = commands;
