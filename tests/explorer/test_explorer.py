@@ -175,6 +175,33 @@ def test_keys_move_and_zoom(view: View) -> None:
     until(lambda: view.data("history")["picked"] != before, "a step to the next column")
 
 
+def test_an_orbit_is_dragged_along_its_branch(view: View) -> None:
+    page = view.open(SMALL.replace("0.0205:0.0225", "0.0195:0.0196")).page
+    view.complete()
+    before = view.motion()["end"]
+    page.get_by_role("button", name="Periodic orbits").click()
+    until(lambda: "orbits on" in (page.locator(".overlay .status").text_content() or ""), "the branch")
+    told = json.loads(chatter("continue", "pressure_relief_valve", "--sweep", "q=0.0195:0.0196", "--section", "closing", "--json"))
+    assert page.locator(".special li").count() == sum(len(branch["special"]) for branch in told["branches"])
+    points = told["branches"][0]["points"]
+    middle = len(points["q"]) // 2
+    ends = page.evaluate(
+        """([x, y]) => { const plot = document.querySelector("#diagram canvas").plot;
+            const { left, top } = plot.canvas.getBoundingClientRect(); return [left + plot.px(x), top + plot.py(y)]; }""",
+        [points["q"][middle], points["y2"][middle]],
+    )
+    page.mouse.move(*ends)
+    page.mouse.down()
+    page.mouse.move(ends[0] + 3, ends[1])
+    page.mouse.up()
+    motion = view.motion(before)
+    # It is one of the branch, and starts there.
+    place = points["q"].index(float(motion["picked"]))
+    start = [f"--initial={name}={points[name][place]!r}" for name in ("y1", "y2", "y3")]
+    run = json.loads(chatter("simulate", "pressure_relief_valve", "--set", f"q={motion['picked']}", *start, "--until", "12", "--json"))
+    assert json.loads(motion["end"]) == list(run["state"].values())
+
+
 def test_a_map_over_two_parameters(view: View) -> None:
     page = view.open(SMALL + "&second=kappa=1.2:1.3").page
     view.complete()

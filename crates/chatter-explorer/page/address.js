@@ -48,6 +48,7 @@ export async function address_of(state, shipped) {
     if (diagram.exponent) parts.set("exponent", "yes");
     if (diagram.slope) parts.set("slope", String(diagram.slope));
     if (state.picked !== null) parts.set("at", String(state.picked));
+    for (const [name, value] of Object.entries(state.through ?? {})) parts.append("through", `${name}=${value}`);
     parts.set("time", `${state.from}:${state.to}`);
     parts.set("portrait", state.portrait.join(","));
     parts.set("returned", state.returned);
@@ -99,6 +100,8 @@ export async function state_of(hash) {
         found.diagram.exponent = text("exponent") === "yes";
         found.diagram.slope = number(text("slope")) ?? 0;
         found.picked = number(text("at")) ?? null;
+        const through = Object.entries(pairs("through") ?? {}).map(([name, value]) => /** @type {[string, number | undefined]} */ ([name, number(value)]));
+        found.through = through.length > 0 && through.every(([, value]) => value !== undefined) ? Object.fromEntries(through) : null;
     }
     const time = range(text("time"));
     if (time) [found.from, found.to] = time;

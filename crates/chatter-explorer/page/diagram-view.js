@@ -39,7 +39,6 @@ export class DiagramView {
      * @param {(message: string) => void} say
      */
     constructor(ask, store, commands, say) {
-        Object.assign(this, { ask, store, commands, say });
         this.ask = ask;
         this.store = store;
         this.commands = commands;
@@ -69,6 +68,7 @@ export class DiagramView {
             pick: (x, y) => this.pick(x, y),
             hover: (at) => this.hover(at),
             step: (direction) => this.step(direction),
+            grab: (px, py, first) => this.grab(px, py, first),
         });
         this.readout = make("output", { class: "readout", "aria-live": "polite" });
         this.progress = make("progress", { max: 1, value: 0, "aria-label": "how much of the diagram is there", hidden: true });
@@ -149,6 +149,7 @@ export class DiagramView {
                 Object.assign(state.diagram, { over: name, from, to, y: null, slope: 0 });
                 if (state.diagram.second === name) state.diagram.second = "";
                 state.picked = null;
+                state.through = null;
             });
             this.controls();
         });
@@ -522,8 +523,23 @@ export class DiagramView {
         const value = near ? column.x : rounded(x, (diagram.to - diagram.from) / 1e4);
         this.store.change("motion", (state) => {
             state.picked = value;
+            state.through = null;
             if (diagram.second) state.set[diagram.second] = String(rounded(y, (diagram.second_to - diagram.second_from) / 1e4));
         });
+    }
+
+    /**
+     * Takes the periodic orbit that is near along its branch.
+     * @param {number} px
+     * @param {number} py
+     * @param {boolean} first
+     */
+    grab(px, py, first) {
+        const found = this.overlay.nearest(this.plot, px, py, first);
+        if (!found) return false;
+        this.store.change("motion", (state) => Object.assign(state, { picked: found.value, through: found.state }));
+        this.readout.textContent = found.words;
+        return true;
     }
 
     /** @param {number} direction */

@@ -22,6 +22,8 @@ export class Editor {
         this.store = store;
         this.latest = new Latest(2000);
         this.timer = 0;
+        /** @type {((good: boolean) => void) | null} */
+        this.given_up = null;
         /** @type {Problem[]} */
         this.problems = [];
         this.backdrop = make("pre", { class: "backdrop", "aria-hidden": "true" });
@@ -60,7 +62,14 @@ export class Editor {
      * @returns {Promise<boolean>} whether it is in order
      */
     check() {
-        return new Promise((done) => {
+        return new Promise((resolve) => {
+            // One that is given up for the next has no answer of its own.
+            this.given_up?.(false);
+            this.given_up = resolve;
+            const done = (/** @type {boolean} */ good) => {
+                if (this.given_up === resolve) this.given_up = null;
+                resolve(good);
+            };
             const question = { model: { ...this.store.model(false), set: [], initial: [] } };
             this.latest.run(async (signal) => {
                 try {
@@ -74,7 +83,10 @@ export class Editor {
                     done(true);
                     this.store.change("model", () => {});
                 } catch (error) {
-                    if (is_abort(error)) return;
+                    if (is_abort(error)) {
+                        done(false);
+                        return;
+                    }
                     const refusal = error instanceof Refused ? error.refusal : { message: String(error) };
                     this.problems = refusal.errors ?? [{ ...refusal, line: 0 }];
                     this.mark();

@@ -158,6 +158,7 @@ export async function explore(root, ask, place) {
             for (const name of Object.keys(store.state.initial)) if (!states.includes(name)) delete store.state.initial[name];
             const fresh = start_of(store.state.name, store.checked).diagram;
             if (!known.includes(store.state.diagram.over)) store.state.diagram = fresh;
+            store.state.through = null;
             title.textContent = store.checked?.source ?? "";
             diagram.controls();
         }

@@ -64,6 +64,7 @@ export class Knobs {
         const set = (/** @type {number} */ value) => {
             if (!Number.isFinite(value)) return;
             this.store.change("values", (state) => {
+                state.through = null;
                 if (where === "set" && name === state.diagram.over && state.picked !== null) state.picked = value;
                 else if (value === own) delete state[where][name];
                 else state[where][name] = String(value);

@@ -21,6 +21,9 @@ const SPECIAL = {
     touch: ["touch", "#999999"],
 };
 
+/** A branch is met within so many pixels. */
+const REACH = 7;
+
 export class Overlay {
     /**
      * @param {import("./transport.js").Ask} ask
@@ -110,7 +113,7 @@ export class Overlay {
     tell() {
         const items = [];
         const { over } = this.store.state.diagram;
-        const go = (/** @type {number} */ value) => () => this.store.change("motion", (state) => (state.picked = value));
+        const go = (/** @type {number} */ value) => () => this.store.change("motion", (state) => Object.assign(state, { picked: value, through: null }));
         for (const branch of this.branches?.branches ?? []) {
             for (const special of branch.special) {
                 const [name, color] = SPECIAL[special.kind] ?? [special.kind, "#777777"];
@@ -127,6 +130,38 @@ export class Overlay {
         if (this.borders) words.push(this.borders.borders.length === 0 ? "no border orbit in this range" : `${this.borders.borders.length} border orbit${this.borders.borders.length === 1 ? "" : "s"}`);
         this.status.textContent = words.join("  ·  ");
         this.changed();
+    }
+
+    /**
+     * The periodic orbit of a branch that is nearest, if one is near.
+     * @param {Plot} plot
+     * @param {number} px
+     * @param {number} py
+     * @param {boolean} near whether it has to be
+     * @returns {{ value: number, state: Record<string, number>, words: string } | null}
+     */
+    nearest(plot, px, py, near) {
+        const { diagram } = this.store.state;
+        const states = this.store.checked?.states.map(({ name }) => name) ?? [];
+        if (diagram.second) return null;
+        let best = null;
+        let distance = near ? REACH : Infinity;
+        for (const branch of this.branches?.branches ?? []) {
+            const { points } = branch;
+            const [x, y] = [points[diagram.over], points[diagram.observe]];
+            if (!x || !y) continue;
+            for (let k = 0; k < x.length; k += 1) {
+                const off = Math.hypot(plot.px(x[k]) - px, plot.py(y[k] - diagram.slope * x[k]) - py);
+                if (off > distance) continue;
+                distance = off;
+                best = {
+                    value: x[k],
+                    state: Object.fromEntries(states.map((name) => [name, points[name][k]])),
+                    words: [`${diagram.over} = ${shown(x[k], 8)}`, points.stable[k] ? "stable" : "unstable", `period ${shown(points.period[k])}`, points.impacts[k] === null ? "complete chatter" : `${points.impacts[k]} impacts`].join("  ·  "),
+                };
+            }
+        }
+        return best;
     }
 
     /**

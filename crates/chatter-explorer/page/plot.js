@@ -27,6 +27,7 @@ export class Plot {
      * @param {(x: number, y: number) => void} [of.pick]
      * @param {(at: { x: number, y: number } | null) => void} [of.hover]
      * @param {(direction: number) => void} [of.step] a key moves what is picked
+     * @param {(px: number, py: number, first: boolean) => boolean} [of.grab] something is dragged, rather than the view
      */
     constructor(of) {
         this.of = of;
@@ -48,6 +49,8 @@ export class Plot {
         this.at = null;
         /** @type {[number, number, number, number] | null} a box that is being dragged, in pixels */
         this.band = null;
+        // For whoever looks at the page from outside, as tests do.
+        Object.assign(this.canvas, { plot: this });
         this.listen();
         new ResizeObserver(() => this.resize()).observe(this.element);
     }
@@ -226,6 +229,7 @@ export class Plot {
         /** @type {{ x: number, y: number, box: Box, zooming: boolean, axes: { x: boolean, y: boolean } } | null} */
         let drag = null;
         let travelled = 0;
+        let grabbed = false;
         let wheel_timer = 0;
         const place = (/** @type {MouseEvent} */ event) => {
             const { left, top } = canvas.getBoundingClientRect();
@@ -245,13 +249,16 @@ export class Plot {
             const at = place(event);
             drag = { ...at, box: this.box, zooming: event.shiftKey, axes: this.axes_at(at.x, at.y) };
             travelled = 0;
+            grabbed = !event.shiftKey && fingers.size === 1 && (this.of.grab?.(at.x, at.y, true) ?? false);
         });
         canvas.addEventListener("pointermove", (event) => {
             const at = place(event);
             const before = fingers.get(event.pointerId);
             if (before && drag) {
                 travelled += Math.hypot(at.x - before.x, at.y - before.y);
-                if (fingers.size === 2) {
+                if (grabbed) {
+                    this.of.grab?.(at.x, at.y, false);
+                } else if (fingers.size === 2) {
                     const others = [...fingers].filter(([id]) => id !== event.pointerId).map(([, finger]) => finger);
                     const [other] = others;
                     const gap = (/** @type {{ x: number, y: number }} */ finger) => Math.max(10, Math.hypot(finger.x - other.x, finger.y - other.y));
@@ -277,7 +284,9 @@ export class Plot {
             const at = place(event);
             const { zooming } = drag;
             drag = fingers.size > 0 ? drag : null;
-            if (zooming && this.band) {
+            if (grabbed) {
+                grabbed = false;
+            } else if (zooming && this.band) {
                 const [x0, y0, x1, y1] = this.band;
                 this.band = null;
                 const wide = Math.abs(x1 - x0) > 5 && Math.abs(y1 - y0) > 5;

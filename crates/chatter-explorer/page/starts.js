@@ -51,6 +51,7 @@ export function start_of(name, checked) {
         set: { ...own.set },
         initial: {},
         picked: null,
+        through: null,
         from: 0,
         to: own.to ?? 50,
         portrait,

@@ -28,6 +28,7 @@
  * @property {Record<string, string>} initial
  * @property {Diagram} diagram
  * @property {number | null} picked the value of the swept parameter that was clicked
+ * @property {Record<string, number> | null} through where the picked periodic orbit starts; none for a motion from the initial values
  * @property {number} from shown of the motion
  * @property {number} to
  * @property {[string, string]} portrait
@@ -77,10 +78,12 @@ export class Store {
 
     /** What questions say of the model: with the value that was picked, where there is one. */
     model(picked = true) {
-        const { name, text, set, initial, picked: value, diagram } = this.state;
+        const { name, text, set, initial, picked: value, through, diagram } = this.state;
         const all = { ...set };
+        const starts = { ...initial };
         if (picked && value !== null) all[diagram.over] = String(value);
-        return { name, text, set: Object.entries(all), initial: Object.entries(initial) };
+        if (picked && through) for (const [state, start] of Object.entries(through)) starts[state] = String(start);
+        return { name, text, set: Object.entries(all), initial: Object.entries(starts) };
     }
 
     /** @param {string} name */

@@ -187,6 +187,35 @@ fn the_page_is_complete() {
     }
 }
 
+/// A notebook's widget loads each module after those that it names.
+#[test]
+fn no_module_needs_itself() {
+    fn visit(name: &str, above: &mut Vec<String>) {
+        assert!(
+            !above.iter().any(|known| known == name),
+            "{above:?} needs {name}"
+        );
+        above.push(name.to_owned());
+        let asset = chatter_explorer::PAGE
+            .iter()
+            .find(|asset| asset.path == name)
+            .unwrap();
+        for line in asset
+            .text
+            .lines()
+            .filter(|line| line.starts_with("import "))
+        {
+            visit(
+                line.rsplit('"').nth(1).unwrap().trim_start_matches("./"),
+                above,
+            );
+        }
+        above.pop();
+    }
+    visit("widget.js", &mut Vec::new());
+    visit("main.js", &mut Vec::new());
+}
+
 #[test]
 fn who_is_not_the_page_gets_nothing() {
     let question = json!({ "model": model() }).to_string();
