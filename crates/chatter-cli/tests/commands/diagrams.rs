@@ -190,6 +190,29 @@ fn pictures_are_drawn_at_once_and_later() {
 }
 
 #[test]
+fn a_part_computed_again_is_the_diagram_over_that_part() {
+    let folder = Folder::new("recompute");
+    let [wide, narrow, again, direct] =
+        ["wide.npz", "narrow.npz", "again.png", "direct.png"].map(|name| folder.file(name));
+    for (range, out) in [("Gamma=1.2:4:40", &wide), ("Gamma=2:2.5:40", &narrow)] {
+        let options = "--at impact --observe v --transient 20 --keep 20 --out";
+        let mut diagram = vec!["diagram", "bouncing_ball_on_table", "--sweep", range];
+        diagram.extend(options.split(' '));
+        diagram.push(out);
+        succeeds(&diagram);
+    }
+    let zoom = ["plot", &wide, "--out", &again, "--zoom"];
+    let few = succeeds(&[&zoom[..], &["Gamma=2:2.5"]].concat());
+    assert!(few.contains("only 7 values of `Gamma` of 40"), "{few}");
+    let said = succeeds(&[&zoom[..], &["Gamma=2:2.5", "--recompute"]].concat());
+    assert!(!said.contains("only"), "{said}");
+    succeeds(&["plot", &narrow, "--out", &direct]);
+    assert!(folder.bytes("again.png") == folder.bytes("direct.png"));
+    let useless = fails(&[&zoom[..], &["v=0:1", "--recompute"]].concat());
+    assert!(useless.contains("computes the same again"), "{useless}");
+}
+
+#[test]
 fn maps_over_two_parameters_are_tables_and_pictures() {
     let folder = Folder::new("maps");
     let (npz, png) = (folder.file("a.npz"), folder.file("a.png"));

@@ -278,3 +278,30 @@ fn figures_and_a_report_that_needs_nothing_else() {
             && !pages[0].contains("Fig. 3.")
     );
 }
+
+#[test]
+fn near_the_border_predicted_and_simulated_orbits_span_the_same() {
+    let folder = Folder::new("overlay");
+    let (csv, png) = (folder.file("a.csv"), folder.file("a.png"));
+    let windows = ["--windows", "40:40", "--out", &csv, "--plot", &png];
+    let near = ["border", VALVE, "--parameter", "q", "--near", "0.02"];
+    let output = chatter(&[&near[..], &windows].concat());
+    assert_eq!(output.status.code(), Some(0));
+    assert!(folder.bytes("a.png").starts_with(b"\x89PNG"));
+    let text = String::from_utf8(folder.bytes("a.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("origin,q,y1,y2,y3,straightened"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let span = |origin: &str| {
+        let mine = rows.iter().filter(|row| row[0] == origin);
+        let places = mine.map(|row| row[5].parse::<f64>().unwrap());
+        places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
+            (low.min(y), high.max(y))
+        })
+    };
+    let (ours, theirs) = (span("simulated"), span("predicted"));
+    assert!(ours.0 < -1e-6 && ours.1 > 1e-7, "{ours:?}");
+    for (ours, theirs) in [(ours.0, theirs.0), (ours.1, theirs.1)] {
+        assert!((ours / theirs - 1.0).abs() < 0.03, "{ours} {theirs}");
+    }
+}
