@@ -13,7 +13,7 @@ import pytest
 from conftest import BINARY, View, chatter, until
 
 # A small diagram: what is asked here is what is shown, not how much can be computed.
-SMALL = "#model=pressure_relief_valve&over=q=0.0205:0.0225&observe=y2&sampling=section:closing&columns=128&transient=60&keep=20"
+SMALL = "#model=pressure_relief_valve&over=q=0.0205:0.0225&observe=y2&sampling=section:closing&columns=128&transient=30&keep=12"
 
 
 def test_an_error_is_underlined_as_it_is_typed(view: View, tmp_path: Path) -> None:
@@ -99,7 +99,7 @@ def test_all_views_follow_a_slider(view: View) -> None:
 
 def test_hanging_up_stops_the_work(view: View) -> None:
     # Long enough to be met at work.
-    page = view.open(SMALL.replace("columns=128", "columns=4096").replace("keep=20", "keep=5000")).page
+    page = view.open(SMALL.replace("columns=128", "columns=4096").replace("keep=12", "keep=5000")).page
     until(lambda: view.data("diagram").get("state") == "computing" and view.explorer.questions() > 0, "work")
     page.goto("about:blank")
     until(lambda: view.explorer.questions() == 0, "the end of the work")
@@ -203,9 +203,9 @@ def test_an_orbit_is_dragged_along_its_branch(view: View) -> None:
 
 
 def test_a_map_over_two_parameters(view: View) -> None:
-    page = view.open(SMALL + "&second=kappa=1.2:1.3").page
+    page = view.open(SMALL.replace("columns=128", "columns=64") + "&second=kappa=1.2:1.3").page
     view.complete()
-    assert int(view.data("diagram")["columns"]) >= 32 * 32
+    assert int(view.data("diagram")["columns"]) >= 16 * 16
     assert page.locator("#diagram .legend .key").count() >= 1
 
 

@@ -143,7 +143,8 @@ export class MechanismView {
         const { motion, canvas } = this;
         const context = canvas.getContext("2d");
         const { width, height } = this.frame.getBoundingClientRect();
-        if (!context || !motion || shapes.length === 0 || width === 0) return;
+        // While another model is opened, the motion is still that of the one before.
+        if (!context || !motion || shapes.length === 0 || motion.drawn.length !== shapes.length || width === 0) return;
         const ratio = window.devicePixelRatio || 1;
         canvas.width = Math.round(width * ratio);
         canvas.height = Math.round(height * ratio);
