@@ -62,7 +62,7 @@ pub fn picture(subject: &Subject, overlay: &Overlay) -> Figure {
     };
     let mut simulated = panel(&overlay.simulated, Color::NIGHT, "simulated");
     edges(&mut simulated, &overlay.edges);
-    events(&mut simulated, &overlay.windows);
+    events(&mut simulated, overlay);
     let predicted = panel(&overlay.predicted, Color::VERMILION, "predicted");
     Figure::new()
         .panel(simulated.legend(Legend::Above))
@@ -84,7 +84,8 @@ fn edges(panel: &mut Panel, edges: &[(f64, f64, f64)]) {
 }
 
 /// Where the predicted windows begin and end.
-fn events(panel: &mut Panel, windows: &[PredictedWindow]) {
+fn events(panel: &mut Panel, overlay: &Overlay) {
+    let (low, high) = overlay.range;
     type Part = fn(&PredictedWindow) -> Option<PredictedPoint>;
     let kinds: [(&str, Dash, Part); 3] = [
         ("fold", Dash::Solid, |window| window.fold),
@@ -94,7 +95,9 @@ fn events(panel: &mut Panel, windows: &[PredictedWindow]) {
         ("graze", Dash::Dotted, |window| Some(window.grazing)),
     ];
     for (name, dash, part) in kinds {
-        for (place, point) in windows.iter().filter_map(part).enumerate() {
+        let points = overlay.windows.iter().filter_map(part);
+        let shown = points.filter(|point| (low..=high).contains(&point.parameter));
+        for (place, point) in shown.enumerate() {
             let rule = Rule::vertical(point.parameter).color(Color::GREEN);
             let rule = rule.width(EVENT).dash(dash);
             panel.add(match place {
