@@ -23,7 +23,7 @@ Q_FROM, Q_TO = 0.02015, 0.023
 START = [1e-30, 0.0, 10.0]
 # States are compared at so many values of q, after so many returns. An impact that was stepped over shows as far more than
 # this.
-COMPARED, RETURNS, SAME = 16, 3, 1e-7
+COMPARED, RETURNS, SAME = 16, 3, 1e-9
 # Fig. 5 with 2000 values and 300 returns each.
 FIGURE = 2000 * 300
 

@@ -75,8 +75,8 @@ pub fn run_fleet<V>(
     Fleet::<WIDTH, V>::new(system, settings, swept, trajectories, visit).run(stop);
 }
 
-/// Lanes of a vector of trajectories: four registers with AVX-512, eight with AVX2. Fewer leave the processor waiting for
-/// its own additions and decoding operations (AVX-512 with 16: 12 % slower; AVX2: the same), more leave the cache.
+/// Lanes of a vector of trajectories: four registers with AVX2, two with AVX-512. With AVX2 an expansion costs a lane the same
+/// in 16 as in 32, and what reads it afterwards finds it in the first cache.
 const WIDTH: usize = 16;
 
 /// So many trajectories step faster one by one than in a vector that is nearly empty: it costs as much as five.

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! What an operation reads and writes stands in memory, so that nothing has to be kept in registers from one to the next,
-//! nor over a call. For single numbers the orders are written out, too ([`straight`](super::straight)).
+//! nor over a call. For single numbers the lower orders are written out before the loop ([`straight`](super::straight)).
 
 use super::assembler::{Assembler, At, Label, Vector, When, Width};
 use super::executable::{Callee, Frame, Table, function_of};
@@ -68,6 +68,8 @@ pub(super) struct Layout {
     pub size: usize,
     /// Coefficients from one series to the next.
     pub stride: usize,
+    /// So many bytes of code may be spent on writing orders out for single numbers.
+    pub straight: usize,
 }
 
 /// The code of a tape; none where it would be too long, or the tape refers to what it does not have.
@@ -79,29 +81,16 @@ pub(super) fn compile(tape: &Tape, layout: Layout, width: Width) -> Option<Vec<u
     if registers == 0 || !layout.lanes.is_multiple_of(registers * width.doubles()) {
         return None;
     }
-    let forms: &[Form] = match width {
-        Width::One => &[Form::Straight, Form::Loops],
-        _ => &[Form::Loops],
+    let mut compiler = Compiler {
+        code: Assembler::new(width),
+        tape,
+        layout,
+        registers,
+        bytes: width.doubles() * size_of::<f64>(),
+        kept: Kept::default(),
     };
-    forms.iter().find_map(|&form| {
-        let mut compiler = Compiler {
-            code: Assembler::new(width),
-            tape,
-            layout,
-            registers,
-            bytes: width.doubles() * size_of::<f64>(),
-            kept: Kept::default(),
-        };
-        compiler.whole(form)?;
-        compiler.code.finish()
-    })
-}
-
-/// How orders above zero are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
-    Straight,
-    Loops,
+    compiler.whole()?;
+    compiler.code.finish()
 }
 
 /// Whether every place that an operation names exists: what is read and written is decided here, not by the code.
@@ -190,7 +179,7 @@ pub(super) struct Compiler<'t> {
 }
 
 impl Compiler<'_> {
-    fn whole(&mut self, form: Form) -> Option<()> {
+    fn whole(&mut self) -> Option<()> {
         let chunk = self.registers * self.bytes;
         for register in SAVED {
             self.code.save(register);
@@ -218,7 +207,7 @@ impl Compiler<'_> {
         let next_chunk = self.code.label();
         self.code.set(CHUNKS, chunks);
         self.code.bind(next_chunk);
-        self.orders(form)?;
+        self.orders()?;
         for pointer in [VALUES, CONSTANTS, AUXILIARIES, LOWS, TAU] {
             self.code.add_to(pointer, chunk);
         }
@@ -233,7 +222,7 @@ impl Compiler<'_> {
         Some(())
     }
 
-    fn orders(&mut self, form: Form) -> Option<()> {
+    fn orders(&mut self) -> Option<()> {
         let tape = self.tape;
         self.code.set(ORDER, 0);
         self.code.copy_word(NOW, VALUES);
@@ -243,10 +232,18 @@ impl Compiler<'_> {
             self.keep_short()?;
         }
         self.integrate(true);
-        if form == Form::Straight {
-            return self.orders_straight();
-        }
-        let (next, done) = (self.code.label(), self.code.label());
+        let (next, done) = if self.code.width == Width::One {
+            let (first, done) = self.orders_straight();
+            if first == self.layout.stride {
+                self.code.bind(done);
+                return Some(());
+            }
+            self.code.set(ORDER, first - 1);
+            self.code.address(NOW, self.first(0, first - 1));
+            (self.code.label(), done)
+        } else {
+            (self.code.label(), self.code.label())
+        };
         self.code.bind(next);
         self.code.add_to(ORDER, 1);
         self.code.add_to(NOW, self.layout.size);

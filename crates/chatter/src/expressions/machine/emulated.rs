@@ -361,6 +361,18 @@ fn agrees<const L: usize>(width: Width, texts: [&str; 3], outputs: &[&str], orde
 where
     Lanes<L>: Scalar,
 {
+    agrees_written_out::<L>(width, texts, outputs, (order, usize::MAX));
+}
+
+/// With so many bytes of code written out.
+fn agrees_written_out<const L: usize>(
+    width: Width,
+    texts: [&str; 3],
+    outputs: &[&str],
+    (order, straight): (usize, usize),
+) where
+    Lanes<L>: Scalar,
+{
     let (graph, tape) = tape(texts, outputs);
     let lane = |i: usize, k: usize| 0.4 + 0.07 * i as f64 + 0.013 * k as f64;
     let number = |k: usize| Lanes::<L>(core::array::from_fn(|i| lane(i, k)));
@@ -381,6 +393,7 @@ where
         lanes: L,
         size: size_of::<Lanes<L>>(),
         stride,
+        straight,
     };
     let code = compile(&tape, layout, width).expect("code");
     let zero = Lanes::<L>::splat(0.0);
@@ -449,6 +462,10 @@ fn code_for_every_processor_keeps_bits_and_to_its_places() {
             agrees::<4>(Width::Four, texts, outputs, 26);
             agrees::<1>(Width::One, texts, outputs, 26);
             agrees::<1>(Width::One, texts, outputs, 4);
+            for straight in [0, 2000, 5000] {
+                agrees_written_out::<1>(Width::One, texts, outputs, (26, straight));
+                agrees_written_out::<1>(Width::One, texts, outputs, (3, straight));
+            }
         }
     }
 }

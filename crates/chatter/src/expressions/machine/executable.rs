@@ -16,6 +16,10 @@ use memmap2::{Mmap, MmapMut};
 
 use super::assembler::Width;
 
+/// So much code is written out for single numbers: all orders of the valve, and of the same with its derivative columns those
+/// that short flights ask for.
+const STRAIGHT: usize = 64 << 10;
+
 /// What the code is called with. Lengths are those of [`Executable::run`]'s slices.
 #[repr(C)]
 pub(super) struct Frame {
@@ -183,6 +187,7 @@ impl Executable {
             lanes,
             size: size_of::<S>(),
             stride,
+            straight: STRAIGHT,
         };
         let code = compile(tape, layout, width)?;
         let mut memory = MmapMut::map_anon(code.len()).ok()?;

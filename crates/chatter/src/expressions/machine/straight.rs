@@ -1,17 +1,14 @@
 //! Orders above zero for single numbers, written out: no loop is left, and what was just computed is still in a register.
 //!
 //! A trajectory alone waits for its own latest coefficient and for nothing else, so that every load from where it was just
-//! stored, and every loop that ends at another count, shows. For models so large that the code would not stay in the cache,
-//! the loops of [`compile`](super::compile) are shorter.
+//! stored, and every loop that ends at another count, shows. Of models so large that the code would not stay in the cache the
+//! higher orders are left to the loop of [`compile`](super::compile), which is shorter.
 
-use super::assembler::{At, Source, Vector, When};
+use super::assembler::{At, Label, Source, Vector, When};
 use super::compile::{Compiler, LAST, TABLE, TAU};
 use super::executable::Table;
 use crate::expressions::tape::{Op, Operand, Sign};
 use core::mem::offset_of;
-
-/// Code that is longer than this is written with loops.
-const LONGEST: usize = 48 << 10;
 
 /// Registers for sums and factors; …
 const SECOND: Vector = Vector(1);
@@ -57,13 +54,17 @@ impl Kept {
 }
 
 impl Compiler<'_> {
-    /// All orders above zero; none if that is too long.
-    pub(super) fn orders_straight(&mut self) -> Option<()> {
+    /// Orders from the first on, as far as the code may be written out; the order that is next, and where a run that needs
+    /// no more of them goes to.
+    pub(super) fn orders_straight(&mut self) -> (usize, Label) {
         let tape = self.tape;
         let done = self.code.label();
         let highest = self.layout.stride - 1;
         let begin = self.code.length();
         for k in 1..=highest {
+            if self.code.length() - begin > self.layout.straight || self.code.failed() {
+                return (k, done);
+            }
             self.code.compare_with(LAST, k as i32);
             self.code.jump(When::Less, done);
             self.unit(k);
@@ -72,16 +73,12 @@ impl Compiler<'_> {
                 if k < highest || !matches!(op, Op::Rate { .. }) {
                     self.at_order(op, k);
                 }
-                if self.code.failed() || self.code.length() - begin > LONGEST {
-                    return None;
-                }
             }
             if k < highest {
                 self.integrate_straight(k);
             }
         }
-        self.code.bind(done);
-        Some(())
+        (highest + 1, done)
     }
 
     fn unit(&mut self, k: usize) {
