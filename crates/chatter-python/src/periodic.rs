@@ -4,38 +4,19 @@ use crate::errors::{raised, unreadable};
 use crate::interruptible::interruptible;
 use crate::model::Core;
 use chatter::analysis::periodic::{
-    Beside, BranchSpec, End, Limits, Point, Search, Spec, all, branches as follow, settled,
+    Beside, BranchSpec, End, Limits, Point, Search, all, branches as follow, settled,
 };
 use chatter::model::Model;
 use chatter_work::numbers::Digits;
 use chatter_work::options::{Precision, Quantity};
 use chatter_work::periodic::{
-    Subject, branch_document, check_period, free_parameter, orbit_document, refused,
-    section as find,
+    IMPACTS, POINTS, STEP, Subject, branch_document, free_parameter, orbit_document, refused,
+    specification,
 };
 use chatter_work::{Observer, Refusal};
 use pyo3::prelude::*;
 use std::str::FromStr;
 use std::sync::Arc;
-
-/// Limits of a branch, as on the command line.
-const IMPACTS: u64 = 80;
-const POINTS: usize = 20_000;
-const STEP: f64 = 0.01;
-
-fn specification(
-    model: &mut Model,
-    period: Option<String>,
-    section: Option<&str>,
-) -> Result<Spec, Refusal> {
-    model.check_defined()?;
-    check_period(model, period.as_deref())?;
-    Ok(Spec {
-        section: find(model, section)?,
-        period,
-        ..Spec::default()
-    })
-}
 
 fn subject<'a>(core: &'a (Arc<Model>, String), free: Vec<usize>, digits: Digits) -> Subject<'a> {
     Subject {
@@ -71,7 +52,7 @@ pub fn orbit(
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period, section.as_deref())?;
+        let spec = specification(&mut model, period.as_deref(), section.as_deref())?;
         let orbits = match periods {
             None => settled(&model, &spec, &mut |_| listener.going_on()).map(|orbit| vec![orbit]),
             Some(periods) => {
@@ -110,7 +91,7 @@ pub fn branches(
     doublings: usize,
     branch_points: usize,
     impacts: u64,
-    points: usize,
+    points: u64,
     step: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
@@ -123,7 +104,7 @@ pub fn branches(
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period, section.as_deref())?;
+        let spec = specification(&mut model, period.as_deref(), section.as_deref())?;
         let parameter = free_parameter(&model, &parameter)?;
         let mut end = |text: String| Quantity(text).value(&mut model, "--sweep");
         let range = (end(low)?.high(), end(high)?.high());
@@ -132,7 +113,7 @@ pub fn branches(
             limits: Limits {
                 range,
                 impacts,
-                points,
+                points: usize::try_from(points).unwrap_or(usize::MAX),
                 longest_step: step,
             },
             beside: Beside {
@@ -141,7 +122,7 @@ pub fn branches(
             },
         };
         let found = follow(&model, &spec, &what, &mut |point: Option<&Point>| {
-            if let Some(at) = point.and_then(|point| point.parameters.last()) {
+            if let Some(at) = point.map(Point::parameter) {
                 let done = ((at - range.0) / (range.1 - range.0)).clamp(0.0, 1.0);
                 listener.progress(done, &|| format!("{at}"));
             }

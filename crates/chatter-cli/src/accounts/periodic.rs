@@ -4,9 +4,9 @@ use crate::aligned::{Side, aligned};
 use crate::failure::Failure;
 use crate::numbers::{Digits, concise, full as to_digits};
 use crate::terminal::Style;
-use chatter::analysis::periodic::{Branch, Orbit, Special};
+use chatter::analysis::periodic::{Branch, Orbit, Point, Special};
 use chatter::numerics::{Complex, Real};
-use chatter_work::periodic::{Subject, events_of, parameter};
+use chatter_work::periodic::{Subject, events_of};
 
 /// Digits of numbers in tables.
 const DIGITS: u32 = 10;
@@ -147,7 +147,7 @@ pub fn branches(subject: &Subject, branches: &[Branch], style: Style) -> String 
         .unwrap_or_default()
         .to_owned();
     for (index, branch) in branches.iter().enumerate() {
-        let values = || branch.points.iter().map(parameter);
+        let values = || branch.points.iter().map(Point::parameter);
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
         let stable = branch
@@ -191,7 +191,7 @@ fn row(special: &Special) -> Vec<String> {
     }
     vec![
         kind,
-        full(parameter(point)),
+        full(point.parameter()),
         format!("{:.0e}", special.error),
         point
             .impacts

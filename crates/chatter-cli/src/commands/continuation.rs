@@ -4,19 +4,17 @@ use super::going_on;
 use crate::accounts::periodic::branches as account;
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
-use crate::options::{
-    Count, FigureFile, Initial, Loaded, ModelOptions, Quantity, TableFile, Window,
-};
+use crate::options::{Count, FigureFile, Loaded, PeriodicOptions, Quantity, TableFile, Window};
 use crate::terminal::{self, Progress, Style};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, branches, special_curve,
+    Beside, Branch, BranchSpec, End, Known, Limits, Point, branches, special_curve,
 };
 use chatter::expressions::nearest;
 use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_work::periodic::{
-    Subject, Vertical, branch_document, check_period, first_that_changes, free_parameter, picture,
-    refused, restore, section, write,
+    IMPACTS, POINTS, STEP, Subject, Vertical, branch_document, first_that_changes, free_parameter,
+    picture, refused, restore, write,
 };
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -50,22 +48,11 @@ TABLE
 #[command(name = "continue", after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
-    model: ModelOptions,
-
-    #[command(flatten)]
-    initial: Initial,
+    orbits: PeriodicOptions,
 
     /// The parameter and its range; the start is the model's value of it, if that lies within
     #[arg(long, value_name = "NAME=LOW:HIGH", allow_hyphen_values = true)]
     sweep: Swept,
-
-    /// Period of the forcing, an expression in parameters, where the equations do not tell it
-    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
-    period: Option<String>,
-
-    /// The section at which states are told [default: the first of the model; where it is not crossed, an event]
-    #[arg(long, value_name = "NAME")]
-    section: Option<String>,
 
     /// Follow the branches that leave at such points, too
     #[arg(long, value_name = "KIND", value_enum)]
@@ -169,25 +156,13 @@ impl FromStr for Seed {
     }
 }
 
-/// Usual limits.
-const IMPACTS: u64 = 80;
-const POINTS: u64 = 20_000;
-const STEP: f64 = 0.01;
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let (loaded, spec) = arguments.orbits.load()?;
     let Loaded {
         mut model, text, ..
-    } = arguments.model.load()?;
-    arguments.initial.apply(&mut model)?;
-    model.check_defined()?;
-    check_period(&mut model, arguments.period.as_deref())?;
-    let what = specification(arguments, &mut model)?;
-    let spec = Spec {
-        period: arguments.period.clone(),
-        section: section(&model, arguments.section.as_deref())?,
-        ..Spec::default()
-    };
+    } = loaded;
+    let what = branch_spec(arguments, &mut model)?;
     let vertical = match arguments.observe.as_deref() {
         None => None,
         Some("period") => Some(Vertical::Period),
@@ -206,7 +181,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let mut listen = |point: Option<&Point>| {
         if let Some(point) = point {
             count += 1;
-            let at = point.parameters.last().copied().unwrap_or(low);
+            let at = point.parameter();
             progress.show(((at - low) / (high - low)).clamp(0.0, 1.0), || {
                 let impacts = match point.impacts {
                     Some(impacts) => format!("{impacts} impacts"),
@@ -251,7 +226,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let found = found.map_err(|error| refused(&error, &model))?;
     let subject = Subject {
         model: &model,
-        source: &arguments.model.model,
+        source: &arguments.orbits.model.model,
         text: &text,
         free,
         digits: Digits::DOUBLE,
@@ -315,7 +290,7 @@ fn curve_of(
     Ok((other, restored.known))
 }
 
-fn specification(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {
+fn branch_spec(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {
     let parameter = free_parameter(model, &arguments.sweep.name)?;
     let range = arguments.sweep.range.ends(model, "--sweep")?;
     let step = match &arguments.step {

@@ -8,6 +8,7 @@ use crate::numbers::{Digits, concise};
 use crate::options::{Count, Initial, Loaded, ModelOptions, Quantity};
 use crate::terminal::{self, Progress, Style};
 use chatter::analysis::exponents::{Exponents, Spec, exponents};
+use chatter::analysis::periodic::forcing;
 use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_work::periodic::refused;
@@ -106,20 +107,6 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         failure::INTERRUPTED
     } else {
         failure::SUCCESS
-    })
-}
-
-/// The period of time or of a phase that turns by itself.
-fn forcing(model: &Model) -> Option<f64> {
-    let mut graph = model.graph.clone();
-    let parameters = model.parameter_values::<f64>(&[]);
-    let phases = model.phases(&mut graph);
-    phases.iter().find_map(|phase| {
-        let period = phase.period(&graph, &parameters)?;
-        let rate = model.states[phase.state].derivative;
-        let rate =
-            (!graph.depends_on_state(rate)).then(|| graph.evaluate(rate, &[], &parameters))?;
-        (rate != 0.0).then(|| (period / rate).abs())
     })
 }
 

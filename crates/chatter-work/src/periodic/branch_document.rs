@@ -76,7 +76,7 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
 fn special_object(subject: &Subject, special: &Special) -> Json {
     let point = &special.point;
     let states: Vec<&str> = subject.model.state_names();
-    let value = point.parameters.last().copied().unwrap_or(f64::NAN);
+    let value = point.parameter();
     Object::new(subject.digits)
         .with("kind", special.kind.name())
         .with("value", value)

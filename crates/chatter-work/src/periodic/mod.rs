@@ -12,12 +12,12 @@ pub use branch_document::document as branch_document;
 pub use orbit_document::{document as orbit_document, events_of};
 pub use picture::{Vertical, first_that_changes, picture};
 pub use refused::refused;
-pub use request::{check_period, free_parameter, section};
+pub use request::{IMPACTS, POINTS, STEP, free_parameter, specification};
 pub use restored::{Restored, restore};
 pub use table::write;
 
 use crate::numbers::Digits;
-use chatter::analysis::periodic::{Branch, PeriodicError, Point, SpecialKind};
+use chatter::analysis::periodic::{Branch, PeriodicError, SpecialKind};
 use chatter::flow::GuardKind;
 use chatter::model::Model;
 
@@ -58,11 +58,6 @@ impl Subject<'_> {
             .map(|&index| parameters[index].name.as_str())
             .collect()
     }
-}
-
-/// The parameter of a point that a branch is told over.
-pub fn parameter(point: &Point) -> f64 {
-    point.parameters.last().copied().unwrap_or(f64::NAN)
 }
 
 /// How many special points of each kind branches have, in the order of first mention.

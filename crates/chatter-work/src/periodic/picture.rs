@@ -1,6 +1,6 @@
 //! A picture of branches: stable solid, unstable thin, special points marked.
 
-use super::{Subject, parameter};
+use super::Subject;
 use crate::diagram::picture::axis;
 use chatter::analysis::periodic::{Branch, Point, SpecialKind};
 use chatter_figures::{Axis, Color, Figure, Line, Marker, Markers, Panel};
@@ -72,7 +72,7 @@ pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Fi
         for (stable, run) in runs(&branch.points) {
             let (x, y) = run
                 .iter()
-                .map(|point| (parameter(point), value(point)))
+                .map(|point| (point.parameter(), value(point)))
                 .unzip();
             let line = Line::new(x, y);
             let line = if stable {
@@ -96,7 +96,7 @@ pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Fi
     for known in kinds {
         let (x, y) = (branches.iter().flat_map(|branch| &branch.special))
             .filter(|special| mark(special.kind) == known)
-            .map(|special| (parameter(&special.point), value(&special.point)))
+            .map(|special| (special.point.parameter(), value(&special.point)))
             .unzip();
         let (marker, color, label) = known;
         panel.add(

@@ -16,7 +16,7 @@ use super::program::{GuardKind, ModeExprs, guard_functions};
 use super::step::Workspace;
 use super::system::{Settings, System};
 use super::trajectory::Trajectory;
-use super::variation::{Column, Direction as Along};
+use super::variation::{Column, Direction as Along, with_identity};
 use super::{Closed, Occurrence};
 use crate::expressions::{Expansion, Expr, Graph, Tape};
 use crate::model::{Direction, Model, Section};
@@ -646,17 +646,6 @@ impl Stretch {
         }
         x
     }
-}
-
-/// A state followed by the columns of its own variation: unit vectors, then zeros for the parameters.
-fn with_identity<R: Real>(x: &[R], columns: usize) -> Vec<R> {
-    let n = x.len();
-    let mut start = x.to_vec();
-    start.resize(n * (1 + columns), R::ZERO);
-    for i in 0..n {
-        start[n * (i + 1) + i] = R::ONE;
-    }
-    start
 }
 
 /// Puts a trajectory at a state, anew where the parameters have changed.

@@ -197,12 +197,7 @@ impl<R: Real, P: Problem<R> + ?Sized> Problem<R> for Held<'_, R, P> {
             Condition::Singular(singular) => singular.value(self.problem, at, &inner)?,
             Condition::Monitor(index) => self.problem.monitor(*index, at)?,
         };
-        let equations = inner.residual.len();
-        let mut jacobian = Matrix::zeros(equations + 1, self.unknowns());
-        for i in 0..equations {
-            (jacobian.row_mut(i)).copy_from_slice(inner.jacobian.row(i));
-        }
-        jacobian.row_mut(equations).copy_from_slice(&gradient);
+        let jacobian = inner.bordered([&*gradient]);
         let mut residual = inner.residual;
         residual.push(value);
         Ok(Linearised { residual, jacobian })

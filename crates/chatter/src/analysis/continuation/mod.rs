@@ -18,9 +18,9 @@ mod problem;
 #[cfg(test)]
 mod tests;
 
-pub use curve::{Curve, Settings, Station, StepError};
+pub use curve::{Curve, Settings, Station, StepError, tangent};
 pub use held::{Held, Singular};
 pub use locate::locate;
 pub use map_orbit::MapOrbit;
-pub use newton::{Condition, Corrected, NewtonError, newton};
+pub use newton::{Condition, Corrected, NewtonError, approach, newton};
 pub use problem::{Left, Linearised, Problem, Wrap};

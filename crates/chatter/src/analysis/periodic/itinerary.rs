@@ -48,6 +48,15 @@ impl Step {
         matches!(self.passage, Passage::Stretch(_))
     }
 
+    /// The guard that ends it; none where a time does.
+    pub(crate) fn ends_at(&self) -> Option<GuardKind> {
+        match self.passage {
+            Passage::Leg(kind) => kind.ends_at,
+            Passage::Stretch(kind) => kind.last.ends_at,
+            Passage::Timed(_) => None,
+        }
+    }
+
     /// The mode that it ends in.
     pub(crate) fn mode(&self) -> usize {
         match self.passage {
@@ -61,7 +70,7 @@ impl Step {
 const SAME_INSTANT: f64 = 8.0 * f64::EPSILON;
 
 /// What one instant by itself is: its guard, and the jump there. None where it is more than one event.
-fn single(system: &System, instant: &Instant) -> Option<LegKind> {
+fn single(instant: &Instant) -> Option<LegKind> {
     let guard = instant.guard?;
     let mut jump = Jump::None;
     let mut events = 0;
@@ -96,7 +105,6 @@ fn single(system: &System, instant: &Instant) -> Option<LegKind> {
     {
         return None;
     }
-    let _ = system;
     Some(LegKind {
         mode: instant.mode,
         ends_at: Some(guard),
@@ -105,12 +113,12 @@ fn single(system: &System, instant: &Instant) -> Option<LegKind> {
 }
 
 /// The steps from just after `instants[0]` to just after the last of them.
-pub(crate) fn read(system: &System, instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
+pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
     let mut steps: Vec<Step> = Vec::new();
     let mut from = 0;
     let mut open: Option<(usize, usize, Vec<Occurrence<f64>>)> = None;
     for (index, instant) in instants.iter().enumerate().skip(1) {
-        let kind = single(system, instant);
+        let kind = single(instant);
         if let Some((begin, accumulations, mut told)) = open.take() {
             told.extend(&instant.told);
             let Some(last) = kind else {

@@ -80,6 +80,12 @@ fn workshop(
     Ok(Arc::new(workshop))
 }
 
+/// The period of a model's forcing, as its equations tell it: of time, or of a phase that turns by itself.
+pub fn forcing(model: &Model) -> Option<f64> {
+    let closure = Closure::new(model, &[], None).ok()?;
+    closure.forcing(model, &model.parameter_values(&[]))
+}
+
 /// The orbit that the trajectory from the model's initial state settles to. The observer hears of the time that it has
 /// come to.
 ///

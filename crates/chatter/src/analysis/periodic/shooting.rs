@@ -15,7 +15,7 @@ use crate::analysis::continuation::{Left, Linearised, Problem, Wrap};
 use crate::flow::leg::{
     Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch, StretchKind,
 };
-use crate::flow::{Settings, System};
+use crate::flow::{Closed, Settings, System};
 use crate::model::Model;
 use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -82,6 +82,21 @@ impl Workshop {
             .collect();
         self.model.parameter_values(&values)
     }
+}
+
+/// Sizes of states, where nothing is known of one that of the largest.
+pub(crate) fn without_zeros(mut sizes: Vec<f64>) -> Vec<f64> {
+    let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
+    let usual = if largest > 0.0 { largest } else { 1.0 };
+    for size in sizes.iter_mut().filter(|size| **size == 0.0) {
+        *size = usual;
+    }
+    sizes
+}
+
+/// Whether all multipliers lie inside the unit circle.
+pub(crate) fn is_stable(multipliers: &[Complex]) -> bool {
+    multipliers.iter().all(|m| m.modulus() < 1.0)
 }
 
 /// How the parts of an orbit are computed.
@@ -186,13 +201,8 @@ impl<R: Real> Shooting<R> {
         for turn in self.workshop.closure.turns(&parameters).iter().flatten() {
             sizes[turn.state] = turn.period;
         }
-        let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
+        let sizes = without_zeros(sizes);
         let period: f64 = self.steps.iter().map(|step| step.duration).sum();
-        for size in &mut sizes {
-            if *size == 0.0 {
-                *size = if largest > 0.0 { largest } else { 1.0 };
-            }
-        }
         let mut scales = Vec::new();
         for step in &self.steps {
             scales.extend(&sizes);
@@ -205,11 +215,6 @@ impl<R: Real> Shooting<R> {
         self.pins = (self.steps.first())
             .map(|step| step.start.iter().map(|&x| R::splat(x)).collect())
             .unwrap_or_default();
-    }
-
-    /// The size of each unknown.
-    pub(crate) fn scales_of(&self) -> &[f64] {
-        &self.scales
     }
 
     /// The size of each state.
@@ -251,14 +256,34 @@ impl<R: Real> Shooting<R> {
 
     /// Takes a solution as what later guesses and sizes start from.
     pub(crate) fn adopt(&mut self, at: &[R]) {
-        let n = self.workshop.model.states.len();
-        for (index, step) in self.steps.iter_mut().enumerate() {
-            let place = self.places[index];
-            step.start = at[place..place + n].iter().map(|x| x.to_f64()).collect();
-            if let Some(landing) = self.latest.get(index) {
-                step.duration = landing.duration.to_f64();
+        self.steps = self.current_steps(at);
+    }
+
+    /// The steps with their nodes and times as they are at a point.
+    pub(crate) fn current_steps(&self, at: &[R]) -> Vec<Step> {
+        let current = |(index, step): (usize, &Step)| {
+            let latest = || Some(self.latest.get(index)?.duration);
+            let duration = (self.duration_place(index).map(|place| at[place])).or_else(latest);
+            Step {
+                start: self.node(at, index).iter().map(|x| x.to_f64()).collect(),
+                duration: duration.map_or(step.duration, |duration| duration.to_f64()),
+                ..step.clone()
             }
-        }
+        };
+        self.steps.iter().enumerate().map(current).collect()
+    }
+
+    /// Contacts that are closed when a step begins.
+    pub(crate) fn closed_before(&self, index: usize) -> Closed {
+        let count = self.steps.len();
+        self.steps[(index + count - 1) % count].closed
+    }
+
+    /// Impacts a period; none where infinitely many.
+    pub(crate) fn impacts(&self) -> Option<u64> {
+        let impacts = (self.steps.iter()).filter(|step| step.impact().is_some());
+        let infinite = self.steps.iter().any(Step::is_stretch);
+        (!infinite).then_some(impacts.count() as u64)
     }
 
     /// The same orbit, told from the node of step `by` on.

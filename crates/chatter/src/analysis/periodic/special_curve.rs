@@ -1,13 +1,13 @@
 //! Curves of special points in two parameters: the equations of the orbit with the condition of the point.
 
-use super::branch::{End, Limits, Point, SpecialKind, broken_at, point};
+use super::branch::{End, Limits, Point, SpecialKind, broken_at, station_at};
 use super::error::PeriodicError;
 use super::itinerary::read;
 use super::settle::Cycle;
 use super::shooting::{Shooting, Workshop};
 use super::trace::{Instant, Tracer};
 use crate::analysis::continuation::{
-    Condition, Curve, Held, NewtonError, Problem, Settings, Singular, Station, StepError, newton,
+    Condition, Curve, Held, NewtonError, Problem, Singular, Station, StepError, newton,
 };
 use crate::flow::{Closed, GuardKind};
 use core::ops::ControlFlow;
@@ -75,7 +75,7 @@ fn reread(workshop: &Workshop, free: &[f64], known: &Known) -> Result<Cycle, Per
     let sizes: Vec<f64> = state.iter().map(|x| x.abs().max(1e-300)).collect();
     let difference = (workshop.closure).difference(&turns, (state, &last.state), &sizes);
     Ok(Cycle {
-        steps: read(&workshop.system, &instants)?,
+        steps: read(&instants)?,
         counts: difference.turns,
         distance: difference.distance,
     })
@@ -191,7 +191,7 @@ pub(crate) fn follow(
         };
         let station = if forward { station } else { station.reversed() };
         shooting.evaluate(&station.at).map_err(failed)?;
-        first.get_or_insert_with(|| point(&shooting, &station));
+        first.get_or_insert_with(|| Point::new(&shooting, &station));
         sides.push(side(shooting, kind, station, limits, observer));
     }
     let (forward, back) = (sides.pop(), sides.pop());
@@ -215,14 +215,8 @@ fn side(
     limits: &Limits,
     observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
 ) -> (Vec<Point>, End) {
-    let settings = Settings {
-        first_step: 0.1 * limits.longest_step,
-        longest_step: limits.longest_step,
-        ..Settings::default()
-    };
-    let mut curve = Curve::new(station, settings);
+    let mut curve = Curve::new(station, limits.settings());
     let mut points = Vec::new();
-    let (low, high) = limits.range;
     while points.len() < limits.points {
         let at = curve.station.at.clone();
         let mut held = match hold(&mut shooting, kind, &at) {
@@ -234,20 +228,12 @@ fn side(
                 Ok(found) => found,
                 Err(StepError::TooShort(error)) => return (points, End::Lost(error.to_string())),
             };
-            let beyond = next.parameter() < low || next.parameter() > high;
-            if beyond {
-                let edge = if next.parameter() < low { low } else { high };
-                let ends = (curve.station.parameter() - edge, next.parameter() - edge);
-                let found = crate::analysis::continuation::locate(
-                    &mut held,
-                    &curve.station,
-                    step,
-                    ends,
-                    &mut |_, station| Some(station.parameter() - edge),
-                );
-                if let Some((station, _)) = found {
-                    next = station;
-                }
+            let edge = limits.beyond(next.parameter());
+            if let Some(edge) = edge
+                && let Some((station, _)) =
+                    station_at(&mut held, (&curve.station, &next), step, edge)
+            {
+                next = station;
             }
             let (told, breaks) = {
                 let reader = held.problem_mut();
@@ -255,7 +241,7 @@ fn side(
                     return (points, End::Lost(left.to_string()));
                 }
                 let breaks = broken_at(reader, &next.at, kind.1);
-                (point(reader, &next), breaks)
+                (Point::new(reader, &next), breaks)
             };
             if breaks {
                 return (
@@ -273,7 +259,7 @@ fn side(
             };
             let on = observer(&told);
             points.push(told);
-            if beyond {
+            if edge.is_some() {
                 return (points, End::Range);
             }
             if on.is_break() {

@@ -6,7 +6,7 @@ use super::error::PeriodicError;
 use super::orbit::close;
 use super::settle::{Patience, settle};
 use super::shooting::{Shooting, Workshop};
-use crate::analysis::continuation::{Condition, Singular, newton};
+use crate::analysis::continuation::{Condition, Problem, Singular, newton};
 use core::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -36,13 +36,7 @@ pub(crate) fn survey(
     (state, patience): (&[f64], Patience),
     observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
 ) -> Result<Vec<Branch>, PeriodicError> {
-    let mut interrupted = false;
-    let mut watch = |point: &Point| {
-        let told = observer(point);
-        interrupted |= told.is_break();
-        told
-    };
-    let mut branches = vec![follow(workshop, shooting, at, limits, &mut watch)?];
+    let mut branches = vec![follow(shooting, at, limits, observer)?];
     let mut next = 0;
     let mut hops = 0;
     while next < branches.len() {
@@ -74,26 +68,20 @@ pub(crate) fn survey(
                 }
                 if !is_known(&branches, beyond, orbit.impacts) {
                     hops += 1;
-                    branches.push(follow(
-                        workshop,
-                        &orbit.shooting,
-                        &orbit.at,
-                        limits,
-                        &mut watch,
-                    )?);
+                    branches.push(follow(&orbit.shooting, &orbit.at, limits, observer)?);
                 }
                 break;
             }
         }
         next += 1;
     }
-    leave(workshop, &mut branches, (limits, beside), &mut watch);
+    leave(workshop, &mut branches, (limits, beside), observer);
     Ok(branches)
 }
 
 /// How each end came about, where it is, and to which side the parameter went.
 fn ends(branch: &Branch) -> Vec<(End, f64, f64)> {
-    let value = |point: Option<&Point>| point.and_then(|p| p.parameters.last().copied());
+    let value = |point: Option<&Point>| point.map(Point::parameter);
     let mut found = Vec::new();
     let points = &branch.points;
     let count = points.len();
@@ -116,8 +104,7 @@ fn ends(branch: &Branch) -> Vec<(End, f64, f64)> {
 fn is_known(branches: &[Branch], value: f64, impacts: Option<u64>) -> bool {
     branches.iter().any(|branch| {
         branch.points.windows(2).any(|pair| {
-            let at = |point: &Point| point.parameters.last().copied().unwrap_or(f64::NAN);
-            let (a, b) = (at(&pair[0]), at(&pair[1]));
+            let (a, b) = (pair[0].parameter(), pair[1].parameter());
             pair[0].impacts == impacts && a.min(b) <= value && value <= a.max(b)
         })
     })
@@ -149,7 +136,7 @@ fn leave(
                 }
                 _ => continue,
             };
-            let value = special.point.parameters.last().copied().unwrap_or(f64::NAN);
+            let value = special.point.parameter();
             let near = SAME * (limits.range.1 - limits.range.0);
             let is_passed = |(kind, at): &(SpecialKind, f64)| {
                 *kind == special.kind && (at - value).abs() <= near
@@ -161,12 +148,11 @@ fn leave(
             let Some((shooting, at)) = aside(workshop, special, sign) else {
                 continue;
             };
-            if let Ok(branch) = follow(workshop, &shooting, &at, limits, observer) {
+            if let Ok(branch) = follow(&shooting, &at, limits, observer) {
                 // The far end of a doubled branch is a doubling of the same one again.
                 for end in &branch.special {
-                    let at = end.point.parameters.last().copied().unwrap_or(f64::NAN);
                     if end.kind == SpecialKind::BranchPoint {
-                        passed.push((SpecialKind::PeriodDoubling, at));
+                        passed.push((SpecialKind::PeriodDoubling, end.point.parameter()));
                     }
                 }
                 branches.push(branch);
@@ -191,7 +177,7 @@ fn aside(
     let free = workshop.free.len();
     let size = seed.at.len() - free;
     let direction = singular.direction();
-    let reach = (direction.iter().zip(shooting.scales_of()))
+    let reach = (direction.iter().zip(shooting.scales()))
         .fold(0.0_f64, |most, (x, scale)| most.max(x.abs() / scale));
     let by = ASIDE / reach;
     let moved = |sign: f64| -> Vec<f64> {
@@ -220,7 +206,7 @@ fn aside(
         }
     }
     let value = crate::numerics::dot(&row, &guess);
-    let mut conditions = super::branch::held_parameters(&guess, free);
+    let mut conditions = Condition::held(&guess, guess.len() - free..guess.len() - 1);
     conditions.push(Condition { row, value });
     let found = newton(&mut doubled, &guess, &conditions).ok()?;
     doubled.adopt(&found.at);
