@@ -23,6 +23,7 @@ fn subject<'a>(core: &'a (Arc<Model>, String), free: Vec<usize>, digits: Digits)
         model: &core.0,
         source: &core.1,
         text: "",
+        monitors: &[],
         free,
         digits,
     }
@@ -52,7 +53,7 @@ pub fn orbit(
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period.as_deref(), section.as_deref())?;
+        let spec = specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?;
         let orbits = match periods {
             None => settled(&model, &spec, &mut |_| listener.going_on()).map(|orbit| vec![orbit]),
             Some(periods) => {
@@ -104,7 +105,7 @@ pub fn branches(
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period.as_deref(), section.as_deref())?;
+        let spec = specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?;
         let parameter = free_parameter(&model, &parameter)?;
         let mut end = |text: String| Quantity(text).value(&mut model, "--sweep");
         let range = (end(low)?.high(), end(high)?.high());
@@ -135,7 +136,6 @@ pub fn branches(
         written(&branch_document(
             &subject(&about, vec![parameter], Digits::DOUBLE),
             &found,
-            None,
         ))
     })?;
     found.map_err(raised)

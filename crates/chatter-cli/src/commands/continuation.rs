@@ -1,20 +1,21 @@
 //! `chatter continue`: branches of periodic orbits over a parameter.
 
 use super::going_on;
-use crate::accounts::periodic::branches as account;
+use crate::accounts::periodic::{branches as account, curves as curves_account};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{Count, FigureFile, Loaded, PeriodicOptions, Quantity, TableFile, Window};
 use crate::terminal::{self, Progress, Style};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Point, branches, special_curve,
+    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, SpecialCurve, SpecialKind,
+    branches, special_curve,
 };
 use chatter::expressions::nearest;
 use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_work::periodic::{
-    IMPACTS, POINTS, STEP, Subject, Vertical, branch_document, first_that_changes, free_parameter,
-    picture, refused, restore, write,
+    IMPACTS, POINTS, STEP, Subject, Vertical, beneath, branch_document, curves_document,
+    first_that_changes, free_parameter, picture, plane, refused, restore, write,
 };
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -26,6 +27,7 @@ EXAMPLES
   chatter continue pressure_relief_valve --sweep q=0.0195:0.0235 --out branch.npz --plot branch.pdf
   chatter continue pressure_relief_valve --sweep q=0.0202:0.021 --switch period-doubling --depth 2 --json
   chatter continue impact_oscillator --set sigma=0 --sweep omega=2.4:3 --plot branch.svg
+  chatter continue impact_oscillator --from branch.npz:2 --free omega,r --sweep r=0.4:0.9 --plot curve.svg
 
 The orbit that the motion settles to is followed to both sides of the parameter's value, stable or not, by its arc length:
 around folds, and through grazes from one sequence of events to the next, where the branch gains or loses an impact. At a
@@ -36,8 +38,11 @@ JSON
   branches, a list of {points: columns (the parameter under its name, period, impacts (null where infinitely many), stable,
   multipliers, states at the section, residual, error), special: list of {kind, value, at, error, residual, period,
   impacts (without the one that grazes), multipliers, state, point, persists (of grazes: whether the branch goes on beyond
-  rather than turning back)}, ends: how each end came about}. Kinds: fold, period_doubling, neimark_sacker, branch_point,
-  impact_graze, flight_graze, chatter_border, touch.
+  rather than turning back), above (of folds and period doublings: whether the orbits that meet, or the doubled ones, are at
+  greater values), monitor (the function that vanishes)}, ends: how each end came about, kind: of curves in two parameters}.
+  Kinds: fold, period_doubling, neimark_sacker, branch_point, impact_graze, flight_graze, chatter_border, touch, monitor; on
+  curves in two parameters cusp, fold_flip, generalised_doubling, resonance_1_1 to _1_4, fold_torus, flip_torus, graze_fold,
+  graze_doubling, graze_torus, double_graze, border_fold, border_doubling.
 
 TABLE
   A row for each orbit: branch, parameter, period, impacts (-1 where infinitely many), stable, states, multipliers; and a
@@ -79,9 +84,14 @@ pub struct Arguments {
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     step: Option<Quantity>,
 
-    /// Follow special point number N (from 1) of a table that was written before in two parameters, see --free
+    /// Watch a function of the state at the section and of parameters: its zeros are special points
+    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
+    monitor: Vec<String>,
+
+    /// Follow special point number N (from 1) of a table that was written before in two parameters, see --free; may be given
+    /// several times
     #[arg(long, value_name = "FILE.npz:N", requires = "free")]
-    from: Option<Seed>,
+    from: Vec<Seed>,
 
     /// The parameters of such a curve: the one of the table, and the one of --sweep
     #[arg(long, value_name = "NAME,NAME", requires = "from")]
@@ -94,6 +104,10 @@ pub struct Arguments {
     /// Draw the branches, .svg, .png or .pdf
     #[arg(long, value_name = "FILE")]
     plot: Option<FigureFile>,
+
+    /// Draw them over the orbit diagram in this file: one over the same parameter, or the map over both
+    #[arg(long, value_name = "FILE.npz", requires = "plot")]
+    over: Option<PathBuf>,
 
     /// What the plot shows over the parameter: a state at the section, or `period` [default: the first state that changes]
     #[arg(long, value_name = "NAME", requires = "plot")]
@@ -158,7 +172,7 @@ impl FromStr for Seed {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let (loaded, spec) = arguments.orbits.load()?;
+    let (loaded, mut spec) = arguments.orbits.load(&arguments.monitor)?;
     let Loaded {
         mut model, text, ..
     } = loaded;
@@ -172,6 +186,19 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
                 Failure::input(format!("the model has no state `{name}`")).did_you_mean(known)
             },
         )?)),
+    };
+    let mut free = vec![what.parameter];
+    if !arguments.from.is_empty() {
+        free.insert(0, other_parameter(arguments, &model, what.parameter)?);
+    }
+    let beneath = match &arguments.over {
+        Some(over) => {
+            let names: Vec<&str> = (free.iter())
+                .map(|&index| model.parameters[index].name.as_str())
+                .collect();
+            Some(beneath(&model, &names, over, vertical)?)
+        }
+        None => None,
     };
     terminal::catch_interrupts();
     let mut progress = Progress::new();
@@ -196,31 +223,33 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         going_on()
     };
-    let mut free = vec![what.parameter];
-    let mut kind = None;
-    let found = match &arguments.from {
-        None => branches(&model, &spec, &what, &mut listen),
-        Some(seed) => {
-            let (other, known) = curve_of(arguments, &mut model, seed, what.parameter)?;
-            free = vec![other, what.parameter];
-            kind = Some(known.kind);
-            let limits = &what.limits;
+    let found = if arguments.from.is_empty() {
+        branches(&model, &spec, &what, &mut listen).map(Found::Branches)
+    } else {
+        let mut curves = Ok(Vec::new());
+        for seed in &arguments.from {
+            let mut model = model.clone();
+            let known = known_point((&mut model, &mut spec), seed)?;
+            let pair = [free[0], what.parameter];
             let mut listen = |point: &Point| listen(Some(point));
-            special_curve(
-                &model,
-                &spec,
-                ([other, what.parameter], &known),
-                limits,
-                &mut listen,
-            )
-            .map(|curve| {
-                vec![Branch {
-                    points: curve.points,
-                    special: Vec::new(),
-                    ends: curve.ends,
-                }]
-            })
+            let curve = special_curve(&model, &spec, (pair, &known), &what.limits, &mut listen);
+            curves = curves.and_then(|mut curves| {
+                let SpecialCurve {
+                    kind,
+                    points,
+                    special,
+                    ends,
+                } = curve?;
+                let curve = Branch {
+                    points,
+                    special,
+                    ends,
+                };
+                curves.push((kind, curve));
+                Ok(curves)
+            });
         }
+        curves.map(Found::Curves)
     };
     progress.finish();
     let found = found.map_err(|error| refused(&error, &model))?;
@@ -228,38 +257,61 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         model: &model,
         source: &arguments.orbits.model.model,
         text: &text,
+        monitors: &spec.monitors,
         free,
         digits: Digits::DOUBLE,
     };
+    let all = found.branches();
     if let Some(TableFile(path)) = &arguments.out {
-        write(&subject, &found, path)?;
+        write(&subject, &all, path)?;
     }
     if let Some(FigureFile(path)) = &arguments.plot {
-        let vertical = vertical.unwrap_or_else(|| first_that_changes(&subject, &found));
-        (picture(&subject, &found, vertical).write(path))
-            .map_err(|error| Failure::Output(error.to_string()))?;
+        let vertical = vertical
+            .or(beneath.as_ref().and_then(|beneath| beneath.vertical))
+            .unwrap_or_else(|| first_that_changes(&subject, &all));
+        let figure = match &found {
+            Found::Branches(branches) => picture(&subject, branches, vertical, beneath),
+            Found::Curves(curves) => plane(&subject, curves, beneath),
+        };
+        (figure.write(path)).map_err(|error| Failure::Output(error.to_string()))?;
     }
     let answer = if arguments.json {
-        terminal::Answer::Document(branch_document(&subject, &found, kind))
+        terminal::Answer::Document(match &found {
+            Found::Branches(branches) => branch_document(&subject, branches),
+            Found::Curves(curves) => curves_document(&subject, curves),
+        })
     } else {
-        terminal::Answer::Text(account(&subject, &found, Style::of_stdout()))
+        terminal::Answer::Text(match &found {
+            Found::Branches(branches) => account(&subject, branches, Style::of_stdout()),
+            Found::Curves(curves) => curves_account(&subject, curves, Style::of_stdout()),
+        })
     };
     answer.print()?;
     let interrupted = |branch: &Branch| branch.ends.contains(&End::Interrupted);
-    Ok(if found.iter().any(interrupted) {
+    Ok(if all.iter().any(interrupted) {
         failure::INTERRUPTED
     } else {
         failure::SUCCESS
     })
 }
 
-/// The special point that is followed in two parameters, with the place of the first; the model is set to its values.
-fn curve_of(
-    arguments: &Arguments,
-    model: &mut Model,
-    seed: &Seed,
-    swept: usize,
-) -> Result<(usize, Known), Failure> {
+/// What was followed.
+enum Found {
+    Branches(Vec<Branch>),
+    Curves(Vec<(SpecialKind, Branch)>),
+}
+
+impl Found {
+    fn branches(&self) -> Vec<Branch> {
+        match self {
+            Self::Branches(branches) => branches.clone(),
+            Self::Curves(curves) => curves.iter().map(|(_, curve)| curve.clone()).collect(),
+        }
+    }
+}
+
+/// The parameter that is free beside the one of the sweep.
+fn other_parameter(arguments: &Arguments, model: &Model, swept: usize) -> Result<usize, Failure> {
     let names = arguments.free.as_deref().unwrap_or_default();
     let wrong = || {
         Failure::input(format!(
@@ -278,16 +330,28 @@ fn curve_of(
         })
     };
     let (one, two) = (index(one)?, index(two)?);
-    let other = match (one == swept, two == swept) {
-        (false, true) => one,
-        (true, false) => two,
-        _ => return Err(wrong()),
-    };
+    match (one == swept, two == swept) {
+        (false, true) => Ok(one),
+        (true, false) => Ok(two),
+        _ => Err(wrong()),
+    }
+}
+
+/// A special point that is followed in two parameters; the model is set to its values.
+fn known_point((model, spec): (&mut Model, &mut Spec), seed: &Seed) -> Result<Known, Failure> {
     let restored = restore(model, &seed.path, seed.index)?;
     for (name, value) in &restored.parameters {
         model.set_parameter(name, &format!("{value:?}"))?;
     }
-    Ok((other, restored.known))
+    let mut known = restored.known;
+    if let Some(text) = restored.function {
+        let place = spec.monitors.iter().position(|known| *known == text);
+        known.monitor = Some(place.unwrap_or_else(|| {
+            spec.monitors.push(text);
+            spec.monitors.len() - 1
+        }));
+    }
+    Ok(known)
 }
 
 fn branch_spec(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {

@@ -65,7 +65,7 @@ const MOST_PERIODS: u64 = 64;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let (Loaded { model, text, .. }, spec) = arguments.orbits.load()?;
+    let (Loaded { model, text, .. }, spec) = arguments.orbits.load(&[])?;
     terminal::catch_interrupts();
     let orbits = match &arguments.all {
         Some(periods) => search(arguments, &model, &spec, *periods)?,
@@ -83,6 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         model: &model,
         source: &arguments.orbits.model.model,
         text: &text,
+        monitors: &[],
         free: Vec::new(),
         digits,
     };

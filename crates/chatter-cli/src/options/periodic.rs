@@ -26,12 +26,12 @@ pub struct PeriodicOptions {
 }
 
 impl PeriodicOptions {
-    /// Reads the model and sets it up.
-    pub fn load(&self) -> Result<(Loaded, Spec), Failure> {
+    /// Reads the model and sets it up; these functions are watched.
+    pub fn load(&self, monitors: &[String]) -> Result<(Loaded, Spec), Failure> {
         let mut loaded = self.model.load()?;
         self.initial.apply(&mut loaded.model)?;
         let (period, section) = (self.period.as_deref(), self.section.as_deref());
-        let spec = specification(&mut loaded.model, period, section)?;
+        let spec = specification(&mut loaded.model, period, (section, monitors))?;
         Ok((loaded, spec))
     }
 }

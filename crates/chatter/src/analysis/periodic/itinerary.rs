@@ -1,10 +1,11 @@
 //! An orbit as a sequence of legs, read off a trajectory.
 
+use super::closure::Turn;
 use super::error::PeriodicError;
 use super::trace::Instant;
 use crate::expressions::Side;
 use crate::flow::leg::{Jump, LegKind, StretchKind};
-use crate::flow::{Closed, GuardKind, Occurrence, System};
+use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory};
 
 /// A part of an orbit between two of its nodes.
 #[derive(Clone, Debug)]
@@ -33,6 +34,22 @@ pub(crate) enum Passage {
 }
 
 impl Step {
+    /// For whole periods of the forcing in the mode that a trajectory is in, nothing happening.
+    pub(crate) fn timed(trajectory: &Trajectory<f64>, start: Vec<f64>, duration: f64) -> Self {
+        Self {
+            passage: Passage::Timed(LegKind {
+                mode: trajectory.mode,
+                ends_at: None,
+                jump: Jump::None,
+            }),
+            pieces: trajectory.pieces().to_vec(),
+            told: Vec::new(),
+            closed: trajectory.closed(),
+            start,
+            duration,
+        }
+    }
+
     /// The contact of the impact at its end.
     pub(crate) fn impact(&self) -> Option<usize> {
         match self.passage {
@@ -62,6 +79,17 @@ impl Step {
         match self.passage {
             Passage::Leg(kind) | Passage::Timed(kind) => kind.mode,
             Passage::Stretch(kind) => kind.last.mode,
+        }
+    }
+}
+
+/// Tells a cycle from step `by` on: what was before it comes a turn later.
+pub(crate) fn rotate(steps: &mut [Step], by: usize, turns: &[Turn<f64>], counts: &[i64]) {
+    let count = steps.len();
+    steps.rotate_left(by);
+    for step in &mut steps[count - by..] {
+        for (turn, &times) in turns.iter().zip(counts) {
+            step.start[turn.state] += turn.period * times as f64;
         }
     }
 }

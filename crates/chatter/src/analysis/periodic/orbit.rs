@@ -2,8 +2,9 @@
 
 use super::error::PeriodicError;
 use super::itinerary::Passage;
+use super::multipliers::is_stable;
 use super::settle::Cycle;
-use super::shooting::{Shooting, Workshop, is_stable};
+use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};

@@ -15,7 +15,8 @@ use std::sync::Arc;
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Orbits of up to so many periods of the forcing, or returns to the section.
+    /// Orbits of up to so many periods of the forcing, or returns to the section; without either so many returns of each
+    /// trajectory are tried.
     pub periods: usize,
     /// From so many starts.
     pub starts: u64,
@@ -61,10 +62,7 @@ pub(crate) fn search(
     if let Ok(cycle) = settle(workshop, &[], state, patience, &mut quiet)
         && let Ok(orbit) = close(workshop, cycle, &[])
     {
-        let laps = match (
-            workshop.closure.forcing(model, &parameters),
-            workshop.section,
-        ) {
+        let laps = match (workshop.closure.forcing(&parameters), workshop.section) {
             (Some(period), _) => (orbit.period.to_f64() / period).round() as usize,
             (None, Some(section)) => {
                 let crosses = |step: &&Step| step.ends_at() == Some(GuardKind::Section(section));
@@ -168,7 +166,7 @@ fn extent(
     state: &[f64],
     parameters: &[f64],
 ) -> Result<Vec<(f64, f64)>, PeriodicError> {
-    let period = workshop.closure.forcing(&workshop.model, parameters);
+    let period = workshop.closure.forcing(parameters);
     let mut tracer = super::trace::Tracer::new(&workshop.system, parameters, state, None)?;
     let clock = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut ends: Vec<(f64, f64)> = state.iter().map(|&x| (x, x)).collect();

@@ -1,12 +1,11 @@
 //! What a trajectory settles to: the latest return to where it was.
 
-use super::closure::Turn;
+use super::closure::{Closure, Turn};
 use super::error::PeriodicError;
-use super::itinerary::{Passage, Step, read};
+use super::itinerary::{Step, read, rotate};
 use super::shooting::{Workshop, without_zeros};
 use super::trace::{Instant, Tracer};
 use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, LegKind};
 use core::ops::ControlFlow;
 
 /// A cycle as far as a trajectory shows it.
@@ -30,12 +29,7 @@ impl Cycle {
         };
         let count = self.steps.len();
         let moved = (index + 1) % count;
-        self.steps.rotate_left(moved);
-        for step in &mut self.steps[count - moved..] {
-            for (turn, &times) in turns.iter().zip(&self.counts) {
-                step.start[turn.state] += turn.period * times as f64;
-            }
-        }
+        rotate(&mut self.steps, moved, turns, &self.counts);
     }
 }
 
@@ -142,6 +136,21 @@ fn latest_return(
     Err(nearest)
 }
 
+/// Tells steps from the first turn of each phase, where phases have most digits and change least with their rate. Pieces of
+/// lookups are numbered on from turn to turn: where there are any, phases stay what they are.
+pub(crate) fn from_first_turn(steps: &mut [Step], turns: &[Turn<f64>]) {
+    if steps.iter().any(|step| !step.pieces.is_empty()) {
+        return;
+    }
+    for turn in turns {
+        let first = steps.first().map_or(0.0, |step| step.start[turn.state]);
+        let whole = (first / turn.period).floor() * turn.period;
+        for step in &mut *steps {
+            step.start[turn.state] -= whole;
+        }
+    }
+}
+
 /// The cycle between two instants.
 fn cycle(
     workshop: &Workshop,
@@ -149,14 +158,7 @@ fn cycle(
     instants: &[Instant],
 ) -> Result<Cycle, PeriodicError> {
     let mut steps = read(instants)?;
-    // In the first period, where phases have most digits.
-    for turn in turns {
-        let first = steps.first().map_or(0.0, |step| step.start[turn.state]);
-        let whole = (first / turn.period).floor() * turn.period;
-        for step in &mut steps {
-            step.start[turn.state] -= whole;
-        }
-    }
+    from_first_turn(&mut steps, turns);
     let sizes = sizes(states(instants), turns);
     let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
     let difference = workshop.closure.difference(turns, (first, last), &sizes);
@@ -177,7 +179,7 @@ pub(crate) fn settle(
 ) -> Result<Cycle, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
-    let forcing = workshop.closure.forcing(&workshop.model, &parameters);
+    let forcing = workshop.closure.forcing(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
     let mut instants: Vec<Instant> = Vec::new();
@@ -260,23 +262,11 @@ fn timed(
     let mut candidates = earlier.iter().rev().take(LONGEST);
     candidates.find_map(|state| {
         let difference = (workshop.closure).difference(turns, (state, last), &sizes);
-        let period = turns
-            .iter()
-            .zip(&difference.turns)
-            .find(|(_, count)| **count != 0)?;
+        let lap = Closure::time_of(turns, &difference.turns)?;
+        let mut steps = vec![Step::timed(&tracer.trajectory, state.clone(), lap.time)];
+        from_first_turn(&mut steps, turns);
         (difference.distance <= near).then(|| Cycle {
-            steps: vec![Step {
-                passage: Passage::Timed(LegKind {
-                    mode: tracer.trajectory.mode,
-                    ends_at: None,
-                    jump: Jump::None,
-                }),
-                pieces: tracer.trajectory.pieces().to_vec(),
-                told: Vec::new(),
-                closed: tracer.trajectory.closed(),
-                start: state.clone(),
-                duration: period.0.period * *period.1 as f64,
-            }],
+            steps,
             counts: difference.turns.clone(),
             distance: difference.distance,
         })
@@ -293,7 +283,7 @@ pub(crate) fn loops(
 ) -> Result<Vec<Cycle>, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
-    let forcing = workshop.closure.forcing(&workshop.model, &parameters);
+    let forcing = workshop.closure.forcing(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
     let mut instants = Vec::new();
@@ -331,9 +321,52 @@ pub(crate) fn loops(
                 }
             }
         }
-        (None, None) => {}
+        (None, None) => {
+            // Nothing marks a period: the nearest returns of each passage, short ones first.
+            let time = start + LOOSE_TIME * (passed + 1) as f64;
+            tracer.follow((time, CHUNK), &mut instants, &mut quiet)?;
+            for (first, last) in near_returns(workshop, &turns, &instants, periods) {
+                found.push(cycle(workshop, &turns, &instants[first..=last])?);
+            }
+        }
     }
     Ok(found)
+}
+
+/// A loop that is to be closed comes back this near, against the size of the state.
+const LOOSE: f64 = 0.2;
+/// How long a trajectory is followed for loops where nothing says how long a period is.
+const LOOSE_TIME: f64 = 100.0;
+
+/// The nearest returns of the latest part of a trajectory to an instant of the same kind, no more than so many.
+fn near_returns(
+    workshop: &Workshop,
+    turns: &[Turn<f64>],
+    instants: &[Instant],
+    most: usize,
+) -> Vec<(usize, usize)> {
+    let Some(last) = landmark(instants, None) else {
+        return Vec::new();
+    };
+    let sizes = sizes(states(instants), turns);
+    let end = &instants[last];
+    let mut found: Vec<(usize, f64)> = (0..last)
+        .filter(|&first| {
+            let begin = &instants[first];
+            begin.guard == end.guard && begin.mode_after == end.mode_after
+        })
+        .map(|first| {
+            let pair = (&*instants[first].state, &*end.state);
+            (
+                first,
+                workshop.closure.difference(turns, pair, &sizes).distance,
+            )
+        })
+        .filter(|(_, distance)| *distance <= LOOSE)
+        .collect();
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    found.truncate(most);
+    found.into_iter().map(|(first, _)| (first, last)).collect()
 }
 
 /// The fastest impact between two times, and the one that would be it a lap later.

@@ -1,12 +1,13 @@
 //! All that hangs together over a range of a parameter: a branch, those beyond the borders at its ends, and those that leave at its
 //! special points.
 
+use super::aside::Aside;
 use super::branch::{Branch, End, Limits, Point, Special, SpecialKind, follow};
 use super::error::PeriodicError;
 use super::orbit::close;
 use super::settle::{Patience, settle};
 use super::shooting::{Shooting, Workshop};
-use crate::analysis::continuation::{Condition, Problem, Singular, newton};
+use crate::analysis::continuation::Singular;
 use core::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -75,7 +76,7 @@ pub(crate) fn survey(
         }
         next += 1;
     }
-    leave(workshop, &mut branches, (limits, beside), observer);
+    leave(&mut branches, (limits, beside), observer);
     Ok(branches)
 }
 
@@ -112,7 +113,6 @@ fn is_known(branches: &[Branch], value: f64, impacts: Option<u64>) -> bool {
 
 /// Follows what leaves at special points.
 fn leave(
-    workshop: &Arc<Workshop>,
     branches: &mut Vec<Branch>,
     (limits, beside): (&Limits, Beside),
     observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
@@ -145,7 +145,7 @@ fn leave(
                 continue;
             }
             passed.push((special.kind, value));
-            let Some((shooting, at)) = aside(workshop, special, sign) else {
+            let Some((shooting, at)) = leaving(special, sign) else {
                 continue;
             };
             if let Ok(branch) = follow(&shooting, &at, limits, observer) {
@@ -166,49 +166,11 @@ fn leave(
 }
 
 /// An orbit on the branch that leaves another at a special point: once, or twice around it.
-fn aside(
-    workshop: &Arc<Workshop>,
-    special: &Special,
-    sign: f64,
-) -> Option<(Shooting<f64>, Vec<f64>)> {
+fn leaving(special: &Special, sign: f64) -> Option<(Shooting<f64>, Vec<f64>)> {
     let seed = special.seed.as_ref()?;
     let mut shooting = seed.shooting.clone();
     let singular = Singular::near(&mut shooting, &seed.at, sign).ok()?;
-    let free = workshop.free.len();
-    let size = seed.at.len() - free;
-    let direction = singular.direction();
-    let reach = (direction.iter().zip(shooting.scales()))
-        .fold(0.0_f64, |most, (x, scale)| most.max(x.abs() / scale));
-    let by = ASIDE / reach;
-    let moved = |sign: f64| -> Vec<f64> {
-        (seed.at[..size].iter().zip(direction))
-            .map(|(x, v)| x + sign * by * v)
-            .collect()
-    };
-    let mut steps = shooting.current_steps(&[moved(1.0), seed.at[size..].to_vec()].concat());
-    let mut counts = shooting.counts.clone();
-    let mut guess = moved(1.0);
-    if sign < 0.0 {
-        steps.extend(shooting.current_steps(&[moved(-1.0), seed.at[size..].to_vec()].concat()));
-        counts.iter_mut().for_each(|count| *count *= 2);
-        let mut second = moved(-1.0);
-        shooting.turn_on(&mut second, &seed.at);
-        guess.extend(second);
-    }
-    guess.extend(&seed.at[size..]);
-    let mut doubled = Shooting::<f64>::new(workshop, steps, counts).ok()?;
-    // The displacement is held, the parameter free.
-    let mut row = vec![0.0; guess.len()];
-    row[..size].copy_from_slice(direction);
-    if sign < 0.0 {
-        for (entry, v) in row[size..2 * size].iter_mut().zip(direction) {
-            *entry = -v;
-        }
-    }
-    let value = crate::numerics::dot(&row, &guess);
-    let mut conditions = Condition::held(&guess, guess.len() - free..guess.len() - 1);
-    conditions.push(Condition { row, value });
-    let found = newton(&mut doubled, &guess, &conditions).ok()?;
-    doubled.adopt(&found.at);
-    Some((doubled, found.at))
+    let mut aside = Aside::new(&shooting, &seed.at, &singular, ASIDE)?;
+    let at = aside.close(&[])?;
+    Some((aside.shooting, at))
 }

@@ -1,14 +1,12 @@
 //! From one sequence of events to the next, where an impact comes in or goes out.
 
-use super::holds::Broken;
+use super::holds::{Broken, first_break};
 use super::limits::End;
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
-use crate::analysis::continuation::{
-    Curve, Held, Problem, Settings, Station, locate, newton, tangent,
-};
+use crate::analysis::continuation::{Curve, Held, Problem, Settings, Station, newton, tangent};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::itinerary::{Passage, Step};
+use crate::analysis::periodic::itinerary::{Passage, Step, rotate};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
@@ -19,61 +17,101 @@ const NOT_QUITE: f64 = 1e-5;
 const CAREFUL: f64 = 0.05;
 
 impl Shooting<f64> {
-    /// The same orbit with an impact of rate zero where a guard has its least value on a step.
+    /// The same orbit with an impact of rate zero where a guard has its least value on a step, and the step that it ends.
     pub(crate) fn with_event(
         &self,
         at: &[f64],
         index: usize,
         least: &Least,
-    ) -> Result<(Self, Vec<f64>), PeriodicError> {
-        let mut steps = self.current_steps(at);
-        let Passage::Leg(kind) = steps[index].passage else {
-            return Err(PeriodicError::Unfollowed {
-                what: "a graze within what is followed as a whole".to_owned(),
-            });
-        };
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let GuardKind::Gap(contact) = least.guard else {
-            return Err(PeriodicError::Unfollowed {
-                what: "a guard that is touched and is no gap".to_owned(),
-            });
+            return Err(unfollowed("a guard that is touched and is no gap"));
         };
+        let mut steps = self.current_steps(at);
         let whole = steps[index].clone();
-        let first = Step {
-            passage: Passage::Leg(LegKind {
-                mode: kind.mode,
+        let touches = |mode: usize| {
+            Passage::Leg(LegKind {
+                mode,
                 ends_at: Some(least.guard),
                 jump: Jump::Impact(contact),
-            }),
-            duration: least.time,
-            told: Vec::new(),
-            closed: self.closed_before(index),
-            ..whole.clone()
+            })
         };
-        let second = Step {
-            start: least.state.clone(),
-            duration: whole.duration - least.time,
-            ..whole
+        let index = match whole.passage {
+            Passage::Leg(kind) => {
+                let first = Step {
+                    passage: touches(kind.mode),
+                    duration: least.time,
+                    told: Vec::new(),
+                    closed: self.closed_before(index),
+                    ..whole.clone()
+                };
+                let second = Step {
+                    start: least.state.clone(),
+                    duration: whole.duration - least.time,
+                    ..whole
+                };
+                steps.splice(index..=index, [first, second]);
+                index
+            }
+            // Nothing else happens: one leg from the touch to the next one.
+            Passage::Timed(kind) => {
+                let period = steps.iter().map(|step| step.duration).sum();
+                steps = vec![Step {
+                    passage: touches(kind.mode),
+                    start: least.state.clone(),
+                    duration: period,
+                    ..whole
+                }];
+                0
+            }
+            Passage::Stretch(_) => {
+                return Err(unfollowed("a graze within what is followed as a whole"));
+            }
         };
-        steps.splice(index..=index, [first, second]);
-        let free = self.free(at).to_vec();
-        let shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
-        let at = shooting.guess(&free);
-        Ok((shooting, at))
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
     }
 
-    /// The same orbit without the event at the end of a step, which leaves the state as it is.
-    fn without_event(&self, at: &[f64], index: usize) -> Result<(Self, Vec<f64>), PeriodicError> {
+    /// The same orbit without the event at the end of a step, which leaves the state as it is, and the step that goes on
+    /// past it.
+    pub(crate) fn without_event(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let mut steps = self.current_steps(at);
+        let Passage::Leg(kind) = steps[index].passage else {
+            return Err(unfollowed("the loss of what is no event by itself"));
+        };
         let count = steps.len();
-        let next = (index + 1) % count;
-        let same_mode = matches!(
-            (steps[index].passage, steps[next].passage),
-            (Passage::Leg(a), Passage::Leg(b)) if a.mode == b.mode
-        );
-        if count < 2 || next == 0 || !same_mode {
-            return Err(PeriodicError::Unfollowed {
-                what: "the loss of an event between different modes".to_owned(),
-            });
+        if count == 1 {
+            let timed = LegKind {
+                ends_at: None,
+                jump: Jump::None,
+                ..kind
+            };
+            if self.counts.iter().all(|count| *count == 0) {
+                return Err(unfollowed("the loss of its only event"));
+            }
+            steps[0].passage = Passage::Timed(timed);
+            let (shooting, at) = self.like(steps, at)?;
+            return Ok((shooting, at, 0));
+        }
+        let mut index = index;
+        if index + 1 == count {
+            if !steps[index].pieces.is_empty() {
+                return Err(unfollowed(
+                    "the loss of its last event, with pieces of lookups",
+                ));
+            }
+            let free: Vec<f64> = self.free(at).to_vec();
+            let turns = (self.workshop.closure).turns(&self.workshop.parameters(&free))?;
+            rotate(&mut steps, 1, &turns, &self.counts);
+            index -= 1;
+        }
+        let next = index + 1;
+        if !matches!(steps[next].passage, Passage::Leg(other) if other.mode == kind.mode) {
+            return Err(unfollowed("the loss of an event between different modes"));
         }
         let merged = Step {
             start: steps[index].start.clone(),
@@ -81,10 +119,21 @@ impl Shooting<f64> {
             ..steps[next].clone()
         };
         steps.splice(index..=next, [merged]);
-        let free = self.free(at).to_vec();
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// Equations of other steps of the same system, and a guess of their solution.
+    fn like(&self, steps: Vec<Step>, at: &[f64]) -> Result<(Self, Vec<f64>), PeriodicError> {
         let shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
-        let at = shooting.guess(&free);
-        Ok((shooting, at))
+        let guess = shooting.guess(self.free(at));
+        Ok((shooting, guess))
+    }
+}
+
+fn unfollowed(what: &str) -> PeriodicError {
+    PeriodicError::Unfollowed {
+        what: what.to_owned(),
     }
 }
 
@@ -98,39 +147,8 @@ impl Walker {
         here: &mut Point,
     ) -> Stop {
         let from = curve.station.clone();
-        // The earliest of them along the curve.
-        let mut first: Option<(Broken, Station, f64)> = None;
-        for broken in broken {
-            let mut reader = self.shooting.clone();
-            let mut value = |station: &Station| {
-                reader.evaluate(&station.at).ok()?;
-                let least = reader.least(&station.at).ok()?;
-                // A least value that is not there yet is one that has not been reached.
-                Some(broken.value(&reader, &least).unwrap_or(1.0))
-            };
-            let start = value(&from).unwrap_or(1.0);
-            let start = if start > 0.0 {
-                start
-            } else {
-                f64::MIN_POSITIVE
-            };
-            let Ok((far, _)) = from.ahead(&mut self.shooting, step) else {
-                continue;
-            };
-            let end = value(&far).unwrap_or(-1.0);
-            let found = locate(
-                &mut self.shooting,
-                &from,
-                step,
-                (start, end),
-                &mut |_, station| value(station),
-            );
-            if let Some((station, at)) = found
-                && first.as_ref().is_none_or(|(.., known)| at < *known)
-            {
-                first = Some((broken, station, at));
-            }
-        }
+        let mut reader = self.shooting.clone();
+        let first = first_break(&mut self.shooting, &mut reader, (&from, step), broken);
         let Some((broken, station, reached)) = first else {
             return Stop::End(End::Lost("the sequence of events changes".to_owned()));
         };
@@ -197,7 +215,7 @@ impl Walker {
             );
             return Err("a guard is touched that no event follows".to_owned());
         }
-        let (mut longer, guess) = (self.shooting.with_event(&station.at, index, &touching))
+        let (mut longer, guess, index) = (self.shooting.with_event(&station.at, index, &touching))
             .map_err(|error| told(&error))?;
         let mut held = Held::monitor(&mut longer, index);
         let found = newton(&mut held, &guess, &[]).map_err(|error| told(&error))?;
@@ -252,7 +270,7 @@ impl Walker {
         if !is_impact {
             return Err("an event that is no impact is only touched".to_owned());
         }
-        let (mut shorter, guess) =
+        let (mut shorter, guess, merged) =
             (self.shooting.without_event(&found.at, index)).map_err(|error| told(&error))?;
         let last = guess.len() - 1;
         let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
@@ -266,7 +284,7 @@ impl Walker {
         let guard = self.shooting.steps[index].ends_at();
         let gap = |shooting: &mut Shooting<f64>, station: &Station| {
             let least = shooting.least(&station.at).ok()?;
-            (least.get(index)?.iter())
+            (least.get(merged)?.iter())
                 .filter(|l| Some(l.guard) == guard && !l.at_end)
                 .map(|l| l.value)
                 .min_by(f64::total_cmp)

@@ -1,13 +1,13 @@
 //! Whether the sequence of events still holds along a solution of its equations.
 
-use crate::analysis::continuation::{Left, Problem};
+use crate::analysis::continuation::{Left, Problem, Station, locate};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
 
 /// The guard whose sign says that the sequence no longer holds, and its value.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Broken {
+pub(crate) enum Broken {
     /// The event at the end of this step is approached from the wrong side.
     Event(usize),
     /// This guard has a negative least value within this step.
@@ -72,16 +72,54 @@ pub(crate) fn is_broken(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<bool
     Ok(!broken(shooting, &least).is_empty())
 }
 
-/// The same but for the step that grazes.
-pub(crate) fn broken_at(shooting: &mut Shooting<f64>, at: &[f64], grazing: Option<usize>) -> bool {
-    let Ok(least) = shooting.least(at) else {
-        return true;
-    };
+/// What breaks, but for the step that grazes: after an evaluation there.
+pub(crate) fn broken_beside(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    grazing: Option<usize>,
+) -> Result<Vec<Broken>, Left> {
+    let least = shooting.least(at)?;
     let graze = |broken: &Broken| match (grazing, broken) {
         (Some(index), Broken::Event(step)) => *step == index,
         // The touch itself, seen from either side of it.
-        (Some(index), Broken::Inner(step, _)) => *step == index || *step == index + 1,
+        (Some(index), Broken::Inner(step, _)) => {
+            *step == index || *step == (index + 1) % shooting.steps.len()
+        }
         _ => false,
     };
-    broken(shooting, &least).iter().any(|broken| !graze(broken))
+    let found = broken(shooting, &least);
+    Ok(found.into_iter().filter(|broken| !graze(broken)).collect())
+}
+
+/// The first place, between a station and the one `step` ahead of it, where one of these breaks, and how far ahead it is.
+pub(crate) fn first_break(
+    problem: &mut dyn Problem<f64>,
+    reader: &mut Shooting<f64>,
+    (from, step): (&Station, f64),
+    broken: Vec<Broken>,
+) -> Option<(Broken, Station, f64)> {
+    let mut first: Option<(Broken, Station, f64)> = None;
+    let (far, _) = from.ahead(problem, step).ok()?;
+    for broken in broken {
+        let mut value = |station: &Station| {
+            reader.evaluate(&station.at).ok()?;
+            let least = reader.least(&station.at).ok()?;
+            // A least value that is not there yet is one that has not been reached.
+            Some(broken.value(reader, &least).unwrap_or(1.0))
+        };
+        let start = value(from).unwrap_or(1.0);
+        let start = if start > 0.0 {
+            start
+        } else {
+            f64::MIN_POSITIVE
+        };
+        let ends = (start, value(&far).unwrap_or(-1.0));
+        let found = locate(problem, from, step, ends, &mut |_, station| value(station));
+        if let Some((station, at)) = found
+            && first.as_ref().is_none_or(|(.., known)| at < *known)
+        {
+            first = Some((broken, station, at));
+        }
+    }
+    first
 }

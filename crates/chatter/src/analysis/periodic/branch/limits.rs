@@ -1,5 +1,6 @@
 //! Within what branches are followed, and how they end.
 
+use super::SpecialKind;
 use crate::analysis::continuation::{Problem, Settings, Station, locate};
 
 /// How an end of a branch came about.
@@ -17,6 +18,8 @@ pub enum End {
     Interrupted,
     /// The equations have no solution beyond, for this reason.
     Lost(String),
+    /// No such points lie beyond a point of this kind.
+    At(SpecialKind),
     /// It came back to where it began.
     Closed,
 }
@@ -30,6 +33,7 @@ impl core::fmt::Display for End {
             Self::Points => write!(out, "as many points as allowed"),
             Self::Interrupted => write!(out, "broken off"),
             Self::Lost(why) => out.write_str(why),
+            Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
             Self::Closed => write!(out, "where it began"),
         }
     }

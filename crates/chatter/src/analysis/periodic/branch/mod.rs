@@ -17,7 +17,7 @@ pub use limits::{End, Limits};
 pub use point::Point;
 pub use special::{Special, SpecialKind};
 
-pub(crate) use holds::{broken_at, is_broken};
+pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
 pub(crate) use limits::station_at;
 
 use super::error::PeriodicError;

@@ -1,7 +1,8 @@
 //! One orbit of a branch.
 
 use crate::analysis::continuation::Station;
-use crate::analysis::periodic::shooting::{Shooting, is_stable};
+use crate::analysis::periodic::multipliers::is_stable;
+use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
 
 /// One orbit of a branch.
@@ -17,6 +18,8 @@ pub struct Point {
     pub multipliers: Vec<Complex>,
     /// The state at the section, or just after an event.
     pub state: Vec<f64>,
+    /// The values of the user's functions there.
+    pub monitors: Vec<f64>,
     /// Largest residual of the equations.
     pub residual: f64,
     /// The latest correction against the size of the state.
@@ -32,6 +35,9 @@ impl Point {
             impacts: shooting.impacts(),
             multipliers: shooting.multipliers(),
             state: shooting.node(&station.at, 0).to_vec(),
+            monitors: (0..shooting.workshop.monitors.len())
+                .map(|index| shooting.monitored(index, &station.at))
+                .collect(),
             residual: station.residual,
             correction: station.correction,
         }

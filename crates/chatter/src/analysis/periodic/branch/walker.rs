@@ -199,6 +199,8 @@ impl Walker {
             error,
             residual,
             persists: None,
+            above: None,
+            monitor: None,
             place: self.points.len(),
             seed: Some(Seed {
                 shooting: self.shooting.clone(),
