@@ -4,45 +4,27 @@ use crate::errors::{raised, unreadable};
 use crate::interruptible::interruptible;
 use crate::model::Core;
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Point, Search, Spec, SpecialKind, all,
+    Beside, Branch, BranchSpec, End, Known, Limits, Point, Search, SpecialKind, all,
     branches as follow, settled, special_curve,
 };
 use chatter::model::Model;
 use chatter_work::numbers::Digits;
 use chatter_work::options::{Precision, Quantity};
 use chatter_work::periodic::{
-    Subject, branch_document, check_period, free_parameter, orbit_document, refused,
-    section as find,
+    IMPACTS, POINTS, STEP, Subject, branch_document, curves_document, free_parameter,
+    orbit_document, refused, specification,
 };
 use chatter_work::{Observer, Refusal};
 use pyo3::prelude::*;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Limits of a branch, as on the command line.
-const IMPACTS: u64 = 80;
-const POINTS: usize = 20_000;
-const STEP: f64 = 0.01;
-
-fn specification(
-    model: &mut Model,
-    period: Option<String>,
-    section: Option<&str>,
-) -> Result<Spec, Refusal> {
-    model.check_defined()?;
-    check_period(model, period.as_deref())?;
-    Ok(Spec {
-        section: find(model, section)?,
-        period,
-        ..Spec::default()
-    })
-}
-
 fn subject<'a>(core: &'a (Arc<Model>, String), free: Vec<usize>, digits: Digits) -> Subject<'a> {
     Subject {
         model: &core.0,
         source: &core.1,
         text: "",
+        monitors: &[],
         free,
         digits,
     }
@@ -72,7 +54,7 @@ pub fn orbit(
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period, section.as_deref())?;
+        let spec = specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?;
         let orbits = match periods {
             None => settled(&model, &spec, &mut |_| listener.going_on()).map(|orbit| vec![orbit]),
             Some(periods) => {
@@ -111,7 +93,7 @@ pub fn branches(
     doublings: usize,
     branch_points: usize,
     impacts: u64,
-    points: usize,
+    points: u64,
     step: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
@@ -119,7 +101,7 @@ pub fn branches(
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period, section.as_deref())?;
+        let spec = specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?;
         let parameter = free_parameter(&model, &parameter)?;
         let limits = limits(&mut model, (low, high), impacts, points, step)?;
         let range = limits.range;
@@ -132,7 +114,7 @@ pub fn branches(
             },
         };
         let found = follow(&model, &spec, &what, &mut |point: Option<&Point>| {
-            if let Some(at) = point.and_then(|point| point.parameters.last()) {
+            if let Some(at) = point.map(Point::parameter) {
                 let done = ((at - range.0) / (range.1 - range.0)).clamp(0.0, 1.0);
                 listener.progress(done, &|| format!("{at}"));
             }
@@ -145,7 +127,6 @@ pub fn branches(
         written(&branch_document(
             &subject(&about, vec![parameter], Digits::DOUBLE),
             &found,
-            None,
         ))
     })?;
     found.map_err(raised)
@@ -169,7 +150,7 @@ pub fn curve(
     period: Option<String>,
     section: Option<String>,
     impacts: u64,
-    points: usize,
+    points: u64,
     step: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
@@ -180,13 +161,14 @@ pub fn curve(
         kind.ok_or_else(|| unreadable("kind", "no special point is called so".to_owned()))?;
     let known = Known {
         kind,
+        monitor: None,
         state,
         period: orbit_period,
     };
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period, section.as_deref())?;
+        let spec = specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?;
         let free = [
             free_parameter(&model, &parameters.0)?,
             free_parameter(&model, &parameters.1)?,
@@ -198,7 +180,7 @@ pub fn curve(
         let limits = limits(&mut model, (low, high), impacts, points, step)?;
         let (low, high) = limits.range;
         let curve = special_curve(&model, &spec, (free, &known), &limits, &mut |point| {
-            let at = point.parameters.last().copied().unwrap_or(low);
+            let at = point.parameter();
             listener.progress(((at - low) / (high - low)).clamp(0.0, 1.0), &|| {
                 format!("{at}")
             });
@@ -210,11 +192,11 @@ pub fn curve(
         }
         let branch = Branch {
             points: curve.points,
-            special: Vec::new(),
+            special: curve.special,
             ends: curve.ends,
         };
         let subject = subject(&about, free.to_vec(), Digits::DOUBLE);
-        written(&branch_document(&subject, &[branch], Some(kind)))
+        written(&curves_document(&subject, &[(kind, branch)]))
     })?;
     found.map_err(raised)
 }
@@ -233,14 +215,14 @@ fn limits(
     model: &mut Model,
     (low, high): (String, String),
     impacts: u64,
-    points: usize,
+    points: u64,
     longest_step: f64,
 ) -> Result<Limits, Refusal> {
     let mut end = |text: String| Quantity(text).value(model, "--sweep");
     Ok(Limits {
         range: (end(low)?.high(), end(high)?.high()),
         impacts,
-        points,
+        points: usize::try_from(points).unwrap_or(usize::MAX),
         longest_step,
     })
 }

@@ -7,6 +7,7 @@ use crate::options::{Count, Quantity};
 use crate::periodic::refused;
 use crate::refusal::Refusal;
 use chatter::analysis::exponents::{Exponents, Spec, exponents};
+use chatter::analysis::periodic::forcing;
 use chatter::model::Model;
 use chatter::numerics::Real as _;
 use std::time::Instant;
@@ -70,20 +71,6 @@ pub fn find(model: &Model, spec: &Spec, observer: &dyn Observer) -> Result<Expon
         observer.going_on()
     });
     found.map_err(|error| refused(&error, model))
-}
-
-/// The period of time or of a phase that turns by itself.
-fn forcing(model: &Model) -> Option<f64> {
-    let mut graph = model.graph.clone();
-    let parameters = model.parameter_values::<f64>(&[]);
-    let phases = model.phases(&mut graph);
-    phases.iter().find_map(|phase| {
-        let period = phase.period(&graph, &parameters)?;
-        let rate = model.states[phase.state].derivative;
-        let rate =
-            (!graph.depends_on_state(rate)).then(|| graph.evaluate(rate, &[], &parameters))?;
-        (rate != 0.0).then(|| (period / rate).abs())
-    })
 }
 
 /// Everything as one document.

@@ -4,9 +4,9 @@ use crate::aligned::{Side, aligned};
 use crate::failure::Failure;
 use crate::numbers::{Digits, concise, full as to_digits};
 use crate::terminal::Style;
-use chatter::analysis::periodic::{Branch, Orbit, Special};
+use chatter::analysis::periodic::{Branch, Orbit, Point, Special, SpecialKind};
 use chatter::numerics::{Complex, Real};
-use chatter_work::periodic::{Subject, events_of, parameter};
+use chatter_work::periodic::{Subject, events_of};
 
 /// Digits of numbers in tables.
 const DIGITS: u32 = 10;
@@ -139,15 +139,30 @@ fn one(subject: &Subject, orbit: &Orbit) -> Result<String, Failure> {
 
 /// Branches with their special points.
 pub fn branches(subject: &Subject, branches: &[Branch], style: Style) -> String {
-    let mut text = title(subject, style);
+    let named: Vec<(String, &Branch)> = (branches.iter().enumerate())
+        .map(|(index, branch)| (format!("branch {}", index + 1), branch))
+        .collect();
+    title(subject, style) + &listed(subject, &named)
+}
+
+/// Curves of special points in two parameters.
+pub fn curves(subject: &Subject, curves: &[(SpecialKind, Branch)], style: Style) -> String {
+    let named: Vec<(String, &Branch)> = (curves.iter())
+        .map(|(kind, curve)| (format!("curve of {}", kind.name().replace('_', " ")), curve))
+        .collect();
+    title(subject, style) + &listed(subject, &named)
+}
+
+fn listed(subject: &Subject, branches: &[(String, &Branch)]) -> String {
+    let mut text = String::new();
     let name = subject
         .names()
         .last()
         .copied()
         .unwrap_or_default()
         .to_owned();
-    for (index, branch) in branches.iter().enumerate() {
-        let values = || branch.points.iter().map(parameter);
+    for (heading, branch) in branches {
+        let values = || branch.points.iter().map(Point::parameter);
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
         let stable = branch
@@ -156,8 +171,8 @@ pub fn branches(subject: &Subject, branches: &[Branch], style: Style) -> String 
             .filter(|point| point.is_stable())
             .count();
         text += &format!(
-            "\nbranch {}: {} orbits, {stable} of them stable, {name} from {} to {}\n  ends: {}; {}\n",
-            index + 1,
+            "\n{}: {} orbits, {stable} of them stable, {name} from {} to {}\n  ends: {}; {}\n",
+            heading,
             branch.points.len(),
             concise(low, DIGITS),
             concise(high, DIGITS),
@@ -167,17 +182,18 @@ pub fn branches(subject: &Subject, branches: &[Branch], style: Style) -> String 
         if branch.special.is_empty() {
             continue;
         }
-        let heading = ["kind", &name, "error", "impacts", "period", "multipliers"];
-        let mut rows: Vec<Vec<String>> = vec![heading.map(str::to_owned).to_vec()];
+        // The parameter of the sweep first.
+        let names = subject.names().into_iter().rev();
+        let heading = (core::iter::once("kind").chain(names)).chain([
+            "error",
+            "impacts",
+            "period",
+            "multipliers",
+        ]);
+        let mut rows: Vec<Vec<String>> = vec![heading.map(str::to_owned).collect()];
         rows.extend(branch.special.iter().map(row));
-        let sides = [
-            Side::Left,
-            Side::Left,
-            Side::Right,
-            Side::Right,
-            Side::Left,
-            Side::Left,
-        ];
+        let mut sides = vec![Side::Left; 1 + subject.free.len()];
+        sides.extend([Side::Right, Side::Right, Side::Left, Side::Left]);
         text += &aligned(&rows, &sides);
     }
     text
@@ -189,14 +205,20 @@ fn row(special: &Special) -> Vec<String> {
     if special.persists == Some(false) {
         kind += ", turns back";
     }
-    vec![
-        kind,
-        full(parameter(point)),
+    match (special.kind, special.above) {
+        (SpecialKind::PeriodDoubling, Some(true)) => kind += ", doubled above",
+        (SpecialKind::PeriodDoubling, Some(false)) => kind += ", doubled below",
+        _ => {}
+    }
+    let mut row = vec![kind];
+    row.extend(point.parameters.iter().rev().map(|&value| full(value)));
+    row.extend([
         format!("{:.0e}", special.error),
         point
             .impacts
             .map_or("infinite".to_owned(), |count| count.to_string()),
         concise(point.period, DIGITS),
         multipliers(&point.multipliers, 6),
-    ]
+    ]);
+    row
 }

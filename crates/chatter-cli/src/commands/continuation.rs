@@ -1,22 +1,21 @@
 //! `chatter continue`: branches of periodic orbits over a parameter.
 
 use super::going_on;
-use crate::accounts::periodic::branches as account;
+use crate::accounts::periodic::{branches as account, curves as curves_account};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
-use crate::options::{
-    Count, FigureFile, Initial, Loaded, ModelOptions, Quantity, TableFile, Window,
-};
+use crate::options::{Count, FigureFile, Loaded, PeriodicOptions, Quantity, TableFile, Window};
 use crate::terminal::{self, Progress, Style};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, branches, special_curve,
+    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, SpecialCurve, SpecialKind,
+    branches, special_curve,
 };
 use chatter::expressions::nearest;
 use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_work::periodic::{
-    Subject, Vertical, branch_document, check_period, first_that_changes, free_parameter, picture,
-    refused, restore, section, write,
+    IMPACTS, POINTS, STEP, Subject, Vertical, beneath, branch_document, curves_document,
+    first_that_changes, free_parameter, picture, plane, refused, restore, write,
 };
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -28,6 +27,7 @@ EXAMPLES
   chatter continue pressure_relief_valve --sweep q=0.0195:0.0235 --out branch.npz --plot branch.pdf
   chatter continue pressure_relief_valve --sweep q=0.0202:0.021 --switch period-doubling --depth 2 --json
   chatter continue impact_oscillator --set sigma=0 --sweep omega=2.4:3 --plot branch.svg
+  chatter continue impact_oscillator --from branch.npz:2 --free omega,r --sweep r=0.4:0.9 --plot curve.svg
 
 The orbit that the motion settles to is followed to both sides of the parameter's value, stable or not, by its arc length:
 around folds, and through grazes from one sequence of events to the next, where the branch gains or loses an impact. At a
@@ -38,8 +38,11 @@ JSON
   branches, a list of {points: columns (the parameter under its name, period, impacts (null where infinitely many), stable,
   multipliers, states at the section, residual, error), special: list of {kind, value, at, error, residual, period,
   impacts (without the one that grazes), multipliers, state, point, persists (of grazes: whether the branch goes on beyond
-  rather than turning back)}, ends: how each end came about}. Kinds: fold, period_doubling, neimark_sacker, branch_point,
-  impact_graze, flight_graze, chatter_border, touch.
+  rather than turning back), above (of folds and period doublings: whether the orbits that meet, or the doubled ones, are at
+  greater values), monitor (the function that vanishes)}, ends: how each end came about, kind: of curves in two parameters}.
+  Kinds: fold, period_doubling, neimark_sacker, branch_point, impact_graze, flight_graze, chatter_border, touch, monitor; on
+  curves in two parameters cusp, fold_flip, generalised_doubling, resonance_1_1 to _1_4, fold_torus, flip_torus, graze_fold,
+  graze_doubling, graze_torus, double_graze, border_fold, border_doubling.
 
 TABLE
   A row for each orbit: branch, parameter, period, impacts (-1 where infinitely many), stable, states, multipliers; and a
@@ -50,22 +53,11 @@ TABLE
 #[command(name = "continue", after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
-    model: ModelOptions,
-
-    #[command(flatten)]
-    initial: Initial,
+    orbits: PeriodicOptions,
 
     /// The parameter and its range; the start is the model's value of it, if that lies within
     #[arg(long, value_name = "NAME=LOW:HIGH", allow_hyphen_values = true)]
     sweep: Swept,
-
-    /// Period of the forcing, an expression in parameters, where the equations do not tell it
-    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
-    period: Option<String>,
-
-    /// The section at which states are told [default: the first of the model; where it is not crossed, an event]
-    #[arg(long, value_name = "NAME")]
-    section: Option<String>,
 
     /// Follow the branches that leave at such points, too
     #[arg(long, value_name = "KIND", value_enum)]
@@ -92,9 +84,14 @@ pub struct Arguments {
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     step: Option<Quantity>,
 
-    /// Follow special point number N (from 1) of a table that was written before in two parameters, see --free
+    /// Watch a function of the state at the section and of parameters: its zeros are special points
+    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
+    monitor: Vec<String>,
+
+    /// Follow special point number N (from 1) of a table that was written before in two parameters, see --free; may be given
+    /// several times
     #[arg(long, value_name = "FILE.npz:N", requires = "free")]
-    from: Option<Seed>,
+    from: Vec<Seed>,
 
     /// The parameters of such a curve: the one of the table, and the one of --sweep
     #[arg(long, value_name = "NAME,NAME", requires = "from")]
@@ -107,6 +104,10 @@ pub struct Arguments {
     /// Draw the branches, .svg, .png or .pdf
     #[arg(long, value_name = "FILE")]
     plot: Option<FigureFile>,
+
+    /// Draw them over the orbit diagram in this file: one over the same parameter, or the map over both
+    #[arg(long, value_name = "FILE.npz", requires = "plot")]
+    over: Option<PathBuf>,
 
     /// What the plot shows over the parameter: a state at the section, or `period` [default: the first state that changes]
     #[arg(long, value_name = "NAME", requires = "plot")]
@@ -169,25 +170,13 @@ impl FromStr for Seed {
     }
 }
 
-/// Usual limits.
-const IMPACTS: u64 = 80;
-const POINTS: u64 = 20_000;
-const STEP: f64 = 0.01;
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    let (loaded, mut spec) = arguments.orbits.load(&arguments.monitor)?;
     let Loaded {
         mut model, text, ..
-    } = arguments.model.load()?;
-    arguments.initial.apply(&mut model)?;
-    model.check_defined()?;
-    check_period(&mut model, arguments.period.as_deref())?;
-    let what = specification(arguments, &mut model)?;
-    let spec = Spec {
-        period: arguments.period.clone(),
-        section: section(&model, arguments.section.as_deref())?,
-        ..Spec::default()
-    };
+    } = loaded;
+    let what = branch_spec(arguments, &mut model)?;
     let vertical = match arguments.observe.as_deref() {
         None => None,
         Some("period") => Some(Vertical::Period),
@@ -198,6 +187,19 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             },
         )?)),
     };
+    let mut free = vec![what.parameter];
+    if !arguments.from.is_empty() {
+        free.insert(0, other_parameter(arguments, &model, what.parameter)?);
+    }
+    let beneath = match &arguments.over {
+        Some(over) => {
+            let names: Vec<&str> = (free.iter())
+                .map(|&index| model.parameters[index].name.as_str())
+                .collect();
+            Some(beneath(&model, &names, over, vertical)?)
+        }
+        None => None,
+    };
     terminal::catch_interrupts();
     let mut progress = Progress::new();
     let began = Instant::now();
@@ -206,7 +208,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let mut listen = |point: Option<&Point>| {
         if let Some(point) = point {
             count += 1;
-            let at = point.parameters.last().copied().unwrap_or(low);
+            let at = point.parameter();
             progress.show(((at - low) / (high - low)).clamp(0.0, 1.0), || {
                 let impacts = match point.impacts {
                     Some(impacts) => format!("{impacts} impacts"),
@@ -221,70 +223,95 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         going_on()
     };
-    let mut free = vec![what.parameter];
-    let mut kind = None;
-    let found = match &arguments.from {
-        None => branches(&model, &spec, &what, &mut listen),
-        Some(seed) => {
-            let (other, known) = curve_of(arguments, &mut model, seed, what.parameter)?;
-            free = vec![other, what.parameter];
-            kind = Some(known.kind);
-            let limits = &what.limits;
+    let found = if arguments.from.is_empty() {
+        branches(&model, &spec, &what, &mut listen).map(Found::Branches)
+    } else {
+        let mut curves = Ok(Vec::new());
+        for seed in &arguments.from {
+            let mut model = model.clone();
+            let known = known_point((&mut model, &mut spec), seed)?;
+            let pair = [free[0], what.parameter];
             let mut listen = |point: &Point| listen(Some(point));
-            special_curve(
-                &model,
-                &spec,
-                ([other, what.parameter], &known),
-                limits,
-                &mut listen,
-            )
-            .map(|curve| {
-                vec![Branch {
-                    points: curve.points,
-                    special: Vec::new(),
-                    ends: curve.ends,
-                }]
-            })
+            let curve = special_curve(&model, &spec, (pair, &known), &what.limits, &mut listen);
+            curves = curves.and_then(|mut curves| {
+                let SpecialCurve {
+                    kind,
+                    points,
+                    special,
+                    ends,
+                } = curve?;
+                let curve = Branch {
+                    points,
+                    special,
+                    ends,
+                };
+                curves.push((kind, curve));
+                Ok(curves)
+            });
         }
+        curves.map(Found::Curves)
     };
     progress.finish();
     let found = found.map_err(|error| refused(&error, &model))?;
     let subject = Subject {
         model: &model,
-        source: &arguments.model.model,
+        source: &arguments.orbits.model.model,
         text: &text,
+        monitors: &spec.monitors,
         free,
         digits: Digits::DOUBLE,
     };
+    let all = found.branches();
     if let Some(TableFile(path)) = &arguments.out {
-        write(&subject, &found, path)?;
+        write(&subject, &all, path)?;
     }
     if let Some(FigureFile(path)) = &arguments.plot {
-        let vertical = vertical.unwrap_or_else(|| first_that_changes(&subject, &found));
-        (picture(&subject, &found, vertical).write(path))
-            .map_err(|error| Failure::Output(error.to_string()))?;
+        let vertical = vertical
+            .or(beneath.as_ref().and_then(|beneath| beneath.vertical))
+            .unwrap_or_else(|| first_that_changes(&subject, &all));
+        let figure = match &found {
+            Found::Branches(branches) => picture(&subject, branches, vertical, beneath),
+            Found::Curves(curves) => plane(&subject, curves, beneath),
+        };
+        (figure.write(path)).map_err(|error| Failure::Output(error.to_string()))?;
     }
     let answer = if arguments.json {
-        terminal::Answer::Document(branch_document(&subject, &found, kind))
+        terminal::Answer::Document(match &found {
+            Found::Branches(branches) => branch_document(&subject, branches),
+            Found::Curves(curves) => curves_document(&subject, curves),
+        })
     } else {
-        terminal::Answer::Text(account(&subject, &found, Style::of_stdout()))
+        terminal::Answer::Text(match &found {
+            Found::Branches(branches) => account(&subject, branches, Style::of_stdout()),
+            Found::Curves(curves) => curves_account(&subject, curves, Style::of_stdout()),
+        })
     };
     answer.print()?;
     let interrupted = |branch: &Branch| branch.ends.contains(&End::Interrupted);
-    Ok(if found.iter().any(interrupted) {
+    Ok(if all.iter().any(interrupted) {
         failure::INTERRUPTED
     } else {
         failure::SUCCESS
     })
 }
 
-/// The special point that is followed in two parameters, with the place of the first; the model is set to its values.
-fn curve_of(
-    arguments: &Arguments,
-    model: &mut Model,
-    seed: &Seed,
-    swept: usize,
-) -> Result<(usize, Known), Failure> {
+/// What was followed.
+enum Found {
+    Branches(Vec<Branch>),
+    Curves(Vec<(SpecialKind, Branch)>),
+}
+
+impl Found {
+    fn branches(&self) -> Vec<Branch> {
+        match self {
+            Self::Branches(branches) => branches.clone(),
+            Self::Curves(curves) => curves.iter().map(|(_, curve)| curve.clone()).collect(),
+        }
+    }
+}
+
+/// The parameter that is free beside the one of the sweep.
+fn other_parameter(arguments: &Arguments, model: &Model, swept: usize) -> Result<usize, Failure> {
     let names = arguments.free.as_deref().unwrap_or_default();
     let wrong = || {
         Failure::input(format!(
@@ -303,19 +330,31 @@ fn curve_of(
         })
     };
     let (one, two) = (index(one)?, index(two)?);
-    let other = match (one == swept, two == swept) {
-        (false, true) => one,
-        (true, false) => two,
-        _ => return Err(wrong()),
-    };
+    match (one == swept, two == swept) {
+        (false, true) => Ok(one),
+        (true, false) => Ok(two),
+        _ => Err(wrong()),
+    }
+}
+
+/// A special point that is followed in two parameters; the model is set to its values.
+fn known_point((model, spec): (&mut Model, &mut Spec), seed: &Seed) -> Result<Known, Failure> {
     let restored = restore(model, &seed.path, seed.index)?;
     for (name, value) in &restored.parameters {
         model.set_parameter(name, &format!("{value:?}"))?;
     }
-    Ok((other, restored.known))
+    let mut known = restored.known;
+    if let Some(text) = restored.function {
+        let place = spec.monitors.iter().position(|known| *known == text);
+        known.monitor = Some(place.unwrap_or_else(|| {
+            spec.monitors.push(text);
+            spec.monitors.len() - 1
+        }));
+    }
+    Ok(known)
 }
 
-fn specification(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {
+fn branch_spec(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {
     let parameter = free_parameter(model, &arguments.sweep.name)?;
     let range = arguments.sweep.range.ends(model, "--sweep")?;
     let step = match &arguments.step {

@@ -4,11 +4,11 @@ use super::going_on;
 use crate::accounts::periodic::orbits as account;
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
-use crate::options::{Count, Initial, Loaded, ModelOptions, Precision};
+use crate::options::{Count, Loaded, PeriodicOptions, Precision};
 use crate::terminal::{self, Progress, Style, Waiting};
 use chatter::analysis::periodic::{Orbit, Search, Spec, all, settled};
 use chatter::model::Model;
-use chatter_work::periodic::{Subject, check_period, orbit_document, refused, section};
+use chatter_work::periodic::{Subject, orbit_document, refused};
 use clap::Args;
 use std::time::Instant;
 
@@ -34,18 +34,7 @@ JSON
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
-    model: ModelOptions,
-
-    #[command(flatten)]
-    initial: Initial,
-
-    /// Period of the forcing, an expression in parameters, where the equations do not tell it
-    #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
-    period: Option<String>,
-
-    /// The section at which states are told [default: the first of the model; where it is not crossed, an event]
-    #[arg(long, value_name = "NAME")]
-    section: Option<String>,
+    orbits: PeriodicOptions,
 
     /// Find every orbit of up to so many periods of the forcing, or returns to the section, stable or not
     #[arg(long, value_name = "PERIODS", allow_hyphen_values = true)]
@@ -76,17 +65,7 @@ const MOST_PERIODS: u64 = 64;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let Loaded {
-        mut model, text, ..
-    } = arguments.model.load()?;
-    arguments.initial.apply(&mut model)?;
-    model.check_defined()?;
-    check_period(&mut model, arguments.period.as_deref())?;
-    let spec = Spec {
-        period: arguments.period.clone(),
-        section: section(&model, arguments.section.as_deref())?,
-        ..Spec::default()
-    };
+    let (Loaded { model, text, .. }, spec) = arguments.orbits.load(&[])?;
     terminal::catch_interrupts();
     let orbits = match &arguments.all {
         Some(periods) => search(arguments, &model, &spec, *periods)?,
@@ -102,8 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         .map_or(Digits::DOUBLE, |precision| precision.0);
     let subject = Subject {
         model: &model,
-        source: &arguments.model.model,
+        source: &arguments.orbits.model.model,
         text: &text,
+        monitors: &[],
         free: Vec::new(),
         digits,
     };

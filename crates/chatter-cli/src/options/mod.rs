@@ -2,8 +2,10 @@
 
 mod files;
 mod model;
+mod periodic;
 
 pub use chatter_work::options::*;
 pub use chatter_work::source::Loaded;
 pub use files::{FigureFile, TableFile};
 pub use model::{Initial, ModelOptions};
+pub use periodic::PeriodicOptions;

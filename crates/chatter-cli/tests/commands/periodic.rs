@@ -104,6 +104,66 @@ fn branches_go_to_table_and_picture_and_special_points_on() {
 }
 
 #[test]
+fn branches_are_watched_and_drawn_over_a_diagram() {
+    let folder = Folder::new("over");
+    let text = "[parameters]\nw = 1.3\nc = 0.4\n[flight]\nx = 'v'\nv = '-x - c*v + cos(w*t)'\n[section.top]\n\
+                surface = 'v'\ndirection = 'falling'\n[initial]\nx = 0\nv = 0\n";
+    folder.write("m.toml", text);
+    folder.succeeds(
+        "",
+        "diagram m.toml --sweep w=1.1:1.5:6 --observe x --transient 60 --keep 4 --out d.npz",
+    );
+    let line = "continue m.toml --sweep w=1.1:1.5 --step 0.1 --monitor x-1 --plot b.svg --over d.npz --out b.npz --json";
+    let told: Value = serde_json::from_str(&folder.succeeds("", line)).unwrap();
+    let special = &told["branches"][0]["special"][0];
+    assert_eq!(
+        (&special["kind"], &special["monitor"]),
+        (&"monitor".into(), &"x-1".into())
+    );
+    let w = number(&special["value"]);
+    close(
+        &((1.0 - w * w).powi(2) + (0.4 * w).powi(2)).into(),
+        1.0,
+        1e-12,
+    );
+    assert!(folder.bytes("b.svg").len() > 1000);
+    // Its zeros in two parameters.
+    let line = "continue m.toml --from b.npz:1 --free w,c --sweep c=0.3:0.5 --step 0.1 --plot c.svg --json";
+    let curve: Value = serde_json::from_str(&folder.succeeds("", line)).unwrap();
+    let points = &curve["branches"][0]["points"];
+    for (w, c) in points["w"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(points["c"].as_array().unwrap())
+    {
+        let (w, c) = (number(w), number(c));
+        close(
+            &((1.0 - w * w).powi(2) + (c * w).powi(2)).into(),
+            1.0,
+            1e-12,
+        );
+    }
+    for (line, expected) in [
+        (
+            "continue m.toml --sweep c=0.3:0.5 --plot e.svg --over d.npz",
+            "diagram over w",
+        ),
+        (
+            "continue m.toml --sweep w=1.1:1.5 --plot e.svg --over d.npz --observe v",
+            "shows `x`",
+        ),
+        (
+            "continue m.toml --sweep w=1.1:1.5 --monitor xx-1",
+            "unknown name `xx`",
+        ),
+    ] {
+        let said = folder.fails("", line);
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+}
+
+#[test]
 fn exponents_sum_to_what_volumes_shrink_by() {
     let line = "exponents impact_oscillator --set omega=2.8 --set zeta=0.05 --set r=1 --intervals 300 --json";
     let told = document(&line.split(' ').collect::<Vec<_>>());

@@ -3,19 +3,15 @@
 use super::Answering;
 use super::file::{Extension, stem};
 use crate::question::BranchesQuestion;
-use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Limits, Point, Spec, branches};
+use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Limits, Point, branches};
 use chatter_work::numbers::Digits;
 use chatter_work::periodic::{
-    Subject, branch_document, check_period, first_that_changes, free_parameter, picture, refused,
-    section, write,
+    IMPACTS, POINTS, STEP, Subject, branch_document, first_that_changes, free_parameter, picture,
+    refused, specification, write,
 };
 use chatter_work::source::Loaded;
 use chatter_work::{Observer as _, Refusal};
 
-/// Within what branches are followed, as by `chatter continue`.
-const IMPACTS: u64 = 80;
-const POINTS: usize = 20_000;
-const LONGEST_STEP: f64 = 0.01;
 /// Doublings of doublings.
 const MOST_DOUBLINGS: usize = 4;
 
@@ -32,6 +28,7 @@ impl Found {
             source: &question.model.name,
             text: &self.loaded.text,
             free: vec![self.parameter],
+            monitors: &[],
             digits: Digits::DOUBLE,
         }
     }
@@ -44,24 +41,19 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
         .retain(|(name, _)| *name != question.parameter);
     let mut loaded = question_model.load(&answering.context.files)?;
     let model = &mut loaded.model;
-    model.check_defined()?;
-    check_period(model, question.period.as_deref())?;
+    let section = question.section.as_deref();
+    let spec = specification(model, question.period.as_deref(), (section, &[]))?;
     let parameter = free_parameter(model, &question.parameter)?;
     if !(question.from < question.to && question.from.is_finite() && question.to.is_finite()) {
         return Err(Refusal::input("expected a range, the smaller end first"));
     }
-    let spec = Spec {
-        period: question.period.clone(),
-        section: section(model, question.section.as_deref())?,
-        ..Spec::default()
-    };
     let what = BranchSpec {
         parameter,
         limits: Limits {
             range: (question.from, question.to),
             impacts: IMPACTS,
-            points: POINTS,
-            longest_step: LONGEST_STEP,
+            points: POINTS as usize,
+            longest_step: STEP,
         },
         beside: Beside {
             doublings: question.doublings.min(MOST_DOUBLINGS),
@@ -72,7 +64,7 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
     let mut listen = |point: Option<&Point>| {
         if let Some(point) = point {
             orbits += 1;
-            let at = point.parameters.last().copied().unwrap_or(question.from);
+            let at = point.parameter();
             answering.progress(orbits as f64 / POINTS as f64, &|| {
                 format!("{orbits} orbits, {} = {at:.6}", question.parameter)
             });
@@ -97,11 +89,7 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
 /// The branches as a document.
 pub fn answer(answering: &Answering, question: &BranchesQuestion) -> Result<(), Refusal> {
     let found = found(answering, question)?;
-    answering.document(&branch_document(
-        &found.subject(question),
-        &found.branches,
-        None,
-    ))
+    answering.document(&branch_document(&found.subject(question), &found.branches))
 }
 
 /// The branches as a file.
@@ -115,7 +103,11 @@ pub fn file(
     let stem = stem(&question.model.name, "branches");
     if kind.is_picture() {
         let vertical = first_that_changes(&subject, &found.branches);
-        return answering.figure(&stem, kind, &picture(&subject, &found.branches, vertical));
+        return answering.figure(
+            &stem,
+            kind,
+            &picture(&subject, &found.branches, vertical, None),
+        );
     }
     answering.tables(&stem, kind, |path| {
         write(&subject, &found.branches, path)?;

@@ -5,13 +5,20 @@ use super::orbit_document::{about, multipliers};
 use crate::json::{Json, Object};
 use chatter::analysis::periodic::{Branch, Point, Special, SpecialKind};
 
-/// The document. Where the branches are curves of special points, these are of one kind.
-pub fn document(subject: &Subject, branches: &[Branch], kind: Option<SpecialKind>) -> Object {
-    let branches = branches.iter().map(|branch| match kind {
-        Some(kind) => one(subject, branch).with("kind", kind.name()).into(),
-        None => one(subject, branch).into(),
-    });
-    let branches: Vec<Json> = branches.collect();
+/// The document of branches.
+pub fn document(subject: &Subject, branches: &[Branch]) -> Object {
+    let all = branches.iter().map(|branch| one(subject, branch).into());
+    with_branches(subject, all.collect())
+}
+
+/// The document of curves of special points.
+pub fn curves_document(subject: &Subject, curves: &[(SpecialKind, Branch)]) -> Object {
+    let all =
+        (curves.iter()).map(|(kind, curve)| one(subject, curve).with("kind", kind.name()).into());
+    with_branches(subject, all.collect())
+}
+
+fn with_branches(subject: &Subject, branches: Vec<Json>) -> Object {
     let fixed: Vec<usize> = (0..subject.model.parameters.len())
         .filter(|index| !subject.free.contains(index))
         .collect();
@@ -56,6 +63,9 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
             column(&|point| Json::Number(point.state[index])),
         );
     }
+    for (index, text) in subject.monitors.iter().enumerate() {
+        columns = columns.with(text, column(&|point| Json::Number(point.monitors[index])));
+    }
     columns = columns
         .with("residual", column(&|point| Json::Number(point.residual)))
         .with("error", column(&|point| Json::Number(point.correction)));
@@ -76,7 +86,11 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
 fn special_object(subject: &Subject, special: &Special) -> Json {
     let point = &special.point;
     let states: Vec<&str> = subject.model.state_names();
-    let value = point.parameters.last().copied().unwrap_or(f64::NAN);
+    let value = point.parameter();
+    let monitor = special
+        .monitor
+        .and_then(|index| subject.monitors.get(index));
+    let monitor = monitor.map_or(Json::Null, |text| Json::from(text.as_str()));
     Object::new(subject.digits)
         .with("kind", special.kind.name())
         .with("value", value)
@@ -89,5 +103,7 @@ fn special_object(subject: &Subject, special: &Special) -> Json {
         .named("state", &states, &point.state)
         .with("point", special.place as i64)
         .with("persists", special.persists.map_or(Json::Null, Json::Bool))
+        .with("above", special.above.map_or(Json::Null, Json::Bool))
+        .with("monitor", monitor)
         .into()
 }

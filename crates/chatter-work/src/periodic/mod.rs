@@ -2,22 +2,24 @@
 
 mod branch_document;
 mod orbit_document;
+mod over;
 mod picture;
 mod refused;
 mod request;
 mod restored;
 mod table;
 
-pub use branch_document::document as branch_document;
+pub use branch_document::{curves_document, document as branch_document};
 pub use orbit_document::{document as orbit_document, events_of};
-pub use picture::{Vertical, first_that_changes, picture};
+pub use over::{Beneath, beneath};
+pub use picture::{Vertical, first_that_changes, picture, plane};
 pub use refused::refused;
-pub use request::{check_period, free_parameter, section};
+pub use request::{IMPACTS, POINTS, STEP, free_parameter, specification};
 pub use restored::{Restored, restore};
 pub use table::write;
 
 use crate::numbers::Digits;
-use chatter::analysis::periodic::{Branch, PeriodicError, Point, SpecialKind};
+use chatter::analysis::periodic::{Branch, PeriodicError, SpecialKind};
 use chatter::flow::GuardKind;
 use chatter::model::Model;
 
@@ -29,6 +31,8 @@ pub struct Subject<'a> {
     pub source: &'a str,
     /// The text of the model's file.
     pub text: &'a str,
+    /// Functions that are watched, as the user wrote them.
+    pub monitors: &'a [String],
     /// Positions of the free parameters.
     pub free: Vec<usize>,
     /// How many digits the user wants.
@@ -60,11 +64,6 @@ impl Subject<'_> {
     }
 }
 
-/// The parameter of a point that a branch is told over.
-pub fn parameter(point: &Point) -> f64 {
-    point.parameters.last().copied().unwrap_or(f64::NAN)
-}
-
 /// How many special points of each kind branches have, in the order of first mention.
 pub fn tally(branches: &[Branch]) -> Vec<(SpecialKind, usize)> {
     let mut counts: Vec<(SpecialKind, usize)> = Vec::new();
@@ -85,6 +84,7 @@ fn is_wrong(error: &PeriodicError) -> bool {
             | PeriodicError::Start(_)
             | PeriodicError::Autonomous
             | PeriodicError::NoPeriod
+            | PeriodicError::BadMonitor { .. }
             | PeriodicError::BadPeriod { .. }
             | PeriodicError::OtherPeriod { .. }
     )

@@ -1,6 +1,6 @@
 //! A picture of branches: stable solid, unstable thin, special points marked.
 
-use super::{Subject, parameter};
+use super::{Beneath, Subject};
 use crate::diagram::picture::axis;
 use chatter::analysis::periodic::{Branch, Point, SpecialKind};
 use chatter_figures::{Axis, Color, Figure, Line, Marker, Markers, Panel};
@@ -34,6 +34,24 @@ fn mark(kind: SpecialKind) -> (Marker, Color, &'static str) {
         }
         SpecialKind::ChatterBorder => (Marker::Square, Color::ORANGE, "chatter border"),
         SpecialKind::Touch => (Marker::Cross, Color::GREY, "touch"),
+        SpecialKind::Monitor => (Marker::Cross, Color::INK, "monitor"),
+        SpecialKind::Cusp => (Marker::Disc, Color::INK, "cusp"),
+        SpecialKind::FoldFlip => (Marker::Diamond, Color::INK, "fold-flip"),
+        SpecialKind::GeneralisedDoubling => {
+            (Marker::Diamond, Color::ORANGE, "generalised doubling")
+        }
+        SpecialKind::Resonance11 => (Marker::Square, Color::INK, "1:1"),
+        SpecialKind::Resonance12 => (Marker::Square, Color::GREY, "1:2"),
+        SpecialKind::Resonance13 => (Marker::Triangle, Color::INK, "1:3"),
+        SpecialKind::Resonance14 => (Marker::Triangle, Color::GREY, "1:4"),
+        SpecialKind::FoldTorus => (Marker::Plus, Color::PURPLE, "fold and torus"),
+        SpecialKind::FlipTorus => (Marker::Plus, Color::GREEN, "flip and torus"),
+        SpecialKind::GrazeFold => (Marker::Circle, Color::VERMILION, "graze and fold"),
+        SpecialKind::GrazeDoubling => (Marker::Circle, Color::GREEN, "graze and doubling"),
+        SpecialKind::GrazeTorus => (Marker::Circle, Color::PURPLE, "graze and torus"),
+        SpecialKind::DoubleGraze => (Marker::Circle, Color::INK, "double graze"),
+        SpecialKind::BorderFold => (Marker::Square, Color::VERMILION, "border and fold"),
+        SpecialKind::BorderDoubling => (Marker::Square, Color::GREEN, "border and doubling"),
     }
 }
 
@@ -50,29 +68,32 @@ pub fn first_that_changes(subject: &Subject, branches: &[Branch]) -> Vertical {
     changing.next().map_or(Vertical::Period, Vertical::State)
 }
 
-/// The figure.
-pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Figure {
+/// The figure, over a diagram where there is one.
+pub fn picture(
+    subject: &Subject,
+    branches: &[Branch],
+    vertical: Vertical,
+    beneath: Option<Beneath>,
+) -> Figure {
     let value = |point: &Point| match vertical {
         Vertical::State(index) => point.state[index],
         Vertical::Period => point.period,
     };
-    let name = subject
-        .names()
-        .last()
-        .copied()
-        .unwrap_or_default()
-        .to_owned();
+    let name = subject.names().last().copied().unwrap_or_default();
     let y = match vertical {
         Vertical::State(index) => axis(subject.model, &subject.model.states[index].name),
         Vertical::Period => Axis::new("period"),
     };
-    let mut panel = Panel::new(axis(subject.model, &name), y);
+    let mut panel = match beneath {
+        Some(beneath) => beneath.panel,
+        None => Panel::new(axis(subject.model, name), y),
+    };
     let mut told = [false; 2];
     for branch in branches {
         for (stable, run) in runs(&branch.points) {
             let (x, y) = run
                 .iter()
-                .map(|point| (parameter(point), value(point)))
+                .map(|point| (point.parameter(), value(point)))
                 .unzip();
             let line = Line::new(x, y);
             let line = if stable {
@@ -86,6 +107,50 @@ pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Fi
             *known = true;
         }
     }
+    add_marks(&mut panel, branches, &|point| {
+        (point.parameter(), value(point))
+    });
+    Figure::from(panel).width(WIDTH).height(HEIGHT)
+}
+
+/// Curves of special points in the plane of both parameters, over a map where there is one.
+pub fn plane(
+    subject: &Subject,
+    curves: &[(SpecialKind, Branch)],
+    beneath: Option<Beneath>,
+) -> Figure {
+    let turned = beneath.as_ref().is_some_and(|beneath| beneath.turned);
+    let place = |point: &Point| match point.parameters[..] {
+        [one, two] if turned => (one, two),
+        [one, two] => (two, one),
+        _ => (point.parameter(), f64::NAN),
+    };
+    let names = subject.names();
+    let label = |index: usize| axis(subject.model, names.get(index).copied().unwrap_or_default());
+    let mut panel = match beneath {
+        Some(beneath) => beneath.panel,
+        None => Panel::new(label(1), label(0)),
+    };
+    let mut told: Vec<&str> = Vec::new();
+    for (kind, curve) in curves {
+        let (_, color, label) = mark(*kind);
+        let (x, y) = curve.points.iter().map(place).unzip();
+        let line = Line::new(x, y).color(color).width(STABLE);
+        // One entry for all curves of a kind.
+        panel.add(if told.contains(&label) {
+            line
+        } else {
+            line.label(label)
+        });
+        told.push(label);
+    }
+    let branches: Vec<Branch> = curves.iter().map(|(_, curve)| curve.clone()).collect();
+    add_marks(&mut panel, &branches, &place);
+    Figure::from(panel).width(WIDTH).height(HEIGHT)
+}
+
+/// Special points, each kind with a mark of its own in the legend.
+fn add_marks(panel: &mut Panel, branches: &[Branch], place: &dyn Fn(&Point) -> (f64, f64)) {
     let mut kinds: Vec<(Marker, Color, &str)> = Vec::new();
     for special in branches.iter().flat_map(|branch| &branch.special) {
         let mark = mark(special.kind);
@@ -96,18 +161,12 @@ pub fn picture(subject: &Subject, branches: &[Branch], vertical: Vertical) -> Fi
     for known in kinds {
         let (x, y) = (branches.iter().flat_map(|branch| &branch.special))
             .filter(|special| mark(special.kind) == known)
-            .map(|special| (parameter(&special.point), value(&special.point)))
+            .map(|special| place(&special.point))
             .unzip();
         let (marker, color, label) = known;
-        panel.add(
-            Markers::new(x, y)
-                .marker(marker)
-                .color(color)
-                .size(MARK)
-                .label(label),
-        );
+        let marks = Markers::new(x, y).marker(marker).color(color);
+        panel.add(marks.size(MARK).label(label));
     }
-    Figure::from(panel).width(WIDTH).height(HEIGHT)
 }
 
 /// Stretches of one stability; each ends where the next begins.

@@ -2,14 +2,19 @@
 
 use crate::options::Quantity;
 use crate::refusal::Refusal;
+use chatter::analysis::periodic::Spec;
 use chatter::expressions::nearest;
-use chatter::model::{Model, Warning, check};
+use chatter::model::{Model, ModelError, Warning, check};
+
+/// Impacts a period of orbits that are followed, unless another number is asked for, …
+pub const IMPACTS: u64 = 80;
+/// … orbits of one branch to either side, …
+pub const POINTS: u64 = 20_000;
+/// … and the longest step, in parts of the range.
+pub const STEP: f64 = 0.01;
 
 /// The section of a model that is meant.
-///
-/// # Errors
-/// It has no such section.
-pub fn section(model: &Model, name: Option<&str>) -> Result<Option<usize>, Refusal> {
+fn section_of(model: &Model, name: Option<&str>) -> Result<Option<usize>, Refusal> {
     let Some(name) = name else {
         return Ok(None);
     };
@@ -31,15 +36,35 @@ pub fn section(model: &Model, name: Option<&str>) -> Result<Option<usize>, Refus
     Ok(found)
 }
 
-/// Checks that a period is an expression in parameters.
+/// Which orbits of a model are meant.
 ///
 /// # Errors
-/// It is none.
-pub fn check_period(model: &mut Model, period: Option<&str>) -> Result<(), Refusal> {
+/// A formula of the model has no value, the period is no expression in parameters, there is no such section, or what is to
+/// be watched is no expression.
+pub fn specification(
+    model: &mut Model,
+    period: Option<&str>,
+    (section, monitors): (Option<&str>, &[String]),
+) -> Result<Spec, Refusal> {
+    model.check_defined()?;
+    for text in monitors {
+        let known: Vec<&str> = (model.state_names().into_iter())
+            .chain(model.parameter_names())
+            .collect();
+        let known: Vec<String> = known.into_iter().map(str::to_owned).collect();
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        (model.parse_expression(text))
+            .map_err(|error| ModelError::of_expression("--monitor", text, error, &known))?;
+    }
     if let Some(text) = period {
         Quantity(text.to_owned()).value(model, "--period")?;
     }
-    Ok(())
+    Ok(Spec {
+        period: period.map(str::to_owned),
+        section: section_of(model, section)?,
+        monitors: monitors.to_vec(),
+        ..Spec::default()
+    })
 }
 
 /// The parameter that a branch is followed in.

@@ -10,6 +10,8 @@ use std::path::Path;
 pub struct Restored {
     /// The point.
     pub known: Known,
+    /// The function that vanishes there, of a point where one of the user's does.
+    pub function: Option<String>,
     /// Name and value of each parameter that the table has.
     pub parameters: Vec<(String, f64)>,
 }
@@ -60,9 +62,18 @@ pub fn restore(model: &Model, path: &Path, index: usize) -> Result<Restored, Ref
             parameters.push((parameter.name.clone(), number(&name)?));
         }
     }
+    let function = match kind {
+        SpecialKind::Monitor => {
+            let all = file.texts("special_monitor").map_err(Refusal::input)?;
+            all.into_iter().nth(place)
+        }
+        _ => None,
+    };
     Ok(Restored {
+        function,
         known: Known {
             kind,
+            monitor: None,
             state: states?,
             period: number("special_period")?,
         },

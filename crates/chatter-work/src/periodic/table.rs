@@ -2,7 +2,7 @@
 
 use super::Subject;
 use crate::refusal::Refusal;
-use chatter::analysis::periodic::{Branch, Point};
+use chatter::analysis::periodic::{Branch, Point, Special};
 use chatter_files::tables::{Dataset, Table};
 use std::path::{Path, PathBuf};
 
@@ -35,8 +35,16 @@ pub fn write(subject: &Subject, branches: &[Branch], path: &Path) -> Result<Vec<
         .iter()
         .map(|(_, special)| special.kind.name())
         .collect();
+    let function = |special: &Special| {
+        let index = special.monitor?;
+        subject.monitors.get(index).map(String::as_str)
+    };
+    let functions: Vec<&str> = (specials.iter())
+        .map(|(_, special)| function(special).unwrap_or_default())
+        .collect();
     let special = columns(subject, Table::new("special"), prefix, &special_points)
         .column(format!("{prefix}kind"), kinds)
+        .column(format!("{prefix}monitor"), functions)
         .column(
             format!("{prefix}value_error"),
             specials.iter().map(|(_, s)| s.error).collect::<Vec<f64>>(),
@@ -76,6 +84,9 @@ fn columns(subject: &Subject, table: Table, prefix: &str, points: &[(i64, &Point
         );
     for (index, state) in subject.model.states.iter().enumerate() {
         table = table.column(name(&state.name), numbers(&|point| point.state[index]));
+    }
+    for (index, text) in subject.monitors.iter().enumerate() {
+        table = table.column(name(text), numbers(&|point| point.monitors[index]));
     }
     let most = points
         .iter()

@@ -16,9 +16,9 @@ use super::program::{GuardKind, ModeExprs, guard_functions};
 use super::step::Workspace;
 use super::system::{Settings, System};
 use super::trajectory::Trajectory;
-use super::variation::{Column, Direction as Along};
+use super::variation::{Column, Direction as Along, with_identity};
 use super::{Closed, Occurrence};
-use crate::expressions::{Expansion, Expr, Graph, Tape};
+use crate::expressions::{Expansion, Expr, Graph, Symbol, Tape};
 use crate::model::{Direction, Model, Section};
 use crate::numerics::{Matrix, Real, two_sum};
 
@@ -113,6 +113,57 @@ struct Ending {
     guards: Vec<(GuardKind, Expr)>,
     surface: Option<Expr>,
     map: Vec<Expr>,
+    /// Gap and rate of each contact that is closed, and what changes the rate by one.
+    closed: Vec<(Expr, Expr, Vec<Expr>)>,
+}
+
+/// A map of states that are put onto what holds them first: contact forces keep gap and rate as they are, be they zero or not,
+/// so that an orbit which never leaves a contact would be one of many.
+fn on_contacts(
+    graph: &mut Graph,
+    closed: &[(Expr, Expr, Vec<Expr>)],
+    map: &[Expr],
+    time: Option<usize>,
+) -> Vec<Expr> {
+    let mut place: Vec<Expr> = (0..map.len()).map(|i| graph.state(i)).collect();
+    for (gap, rate, jump) in closed {
+        let slopes: Vec<Expr> = (0..map.len())
+            .map(|i| match time {
+                Some(time) if time == i => graph.number(0.0),
+                _ => graph.derivative(*gap, Symbol::State(i)),
+            })
+            .collect();
+        let squares: Vec<Expr> = slopes
+            .iter()
+            .map(|&slope| graph.mul(slope, slope))
+            .collect();
+        let square = graph.sum(&squares);
+        let part = graph.div(*gap, square);
+        // Along the slopes of the gap, then along what changes its rate alone.
+        for (direction, by) in [(&slopes, part), (jump, *rate)] {
+            let moved: Vec<Expr> = (direction.iter().enumerate())
+                .map(|(i, &along)| {
+                    let step = graph.mul(along, by);
+                    let state = graph.state(i);
+                    graph.sub(state, step)
+                })
+                .collect();
+            let known = place.clone();
+            place = (moved.iter())
+                .map(|&expr| graph.substitute(expr, &|symbol| at(&known, symbol)))
+                .collect();
+        }
+    }
+    (map.iter())
+        .map(|&image| graph.substitute(image, &|symbol| at(&place, symbol)))
+        .collect()
+}
+
+fn at(place: &[Expr], symbol: Symbol) -> Option<Expr> {
+    match symbol {
+        Symbol::State(i) => place.get(i).copied(),
+        Symbol::Parameter(_) => None,
+    }
 }
 
 /// Derivatives by the state, then by parameters.
@@ -146,12 +197,17 @@ impl System {
             Jump::Impact(contact) => contacts.get(contact)?.after_impact.clone(),
             Jump::Reset(section) => sections.get(section)?.reset.clone()?,
         };
+        let closed = (grip.carrying().contacts())
+            .filter_map(|index| contacts.get(index))
+            .map(|contact| (contact.gap, contact.rate, contact.jump.clone()))
+            .collect();
         Some(Ending {
             graph,
             field: exprs.field,
             guards: guards.into_iter().map(|(guard, _, f)| (guard, f)).collect(),
             surface,
             map,
+            closed,
         })
     }
 
@@ -163,9 +219,11 @@ impl System {
             guards,
             surface,
             map,
+            closed,
         } = self.ending(kind)?;
         let graph = &mut graph;
         let coordinates = field.len();
+        let map = on_contacts(graph, &closed, &map, self.model().time);
         let columns = columns(coordinates, free);
         let watched: Vec<(GuardKind, Expr)> = (guards.into_iter())
             .filter(|(guard, _)| match guard {
@@ -646,17 +704,6 @@ impl Stretch {
         }
         x
     }
-}
-
-/// A state followed by the columns of its own variation: unit vectors, then zeros for the parameters.
-fn with_identity<R: Real>(x: &[R], columns: usize) -> Vec<R> {
-    let n = x.len();
-    let mut start = x.to_vec();
-    start.resize(n * (1 + columns), R::ZERO);
-    for i in 0..n {
-        start[n * (i + 1) + i] = R::ONE;
-    }
-    start
 }
 
 /// Puts a trajectory at a state, anew where the parameters have changed.

@@ -42,4 +42,4 @@ pub use step::Workspace;
 pub use system::{Settings, System, SystemError};
 pub use trajectory::Trajectory;
 pub use variation::Column;
-pub(crate) use variation::Direction;
+pub(crate) use variation::{Direction, with_identity};

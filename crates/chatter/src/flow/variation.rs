@@ -22,6 +22,7 @@
 use super::program::ModeExprs;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::Mechanics;
+use crate::numerics::Real;
 
 /// What a column of derivatives is taken with respect to.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -30,6 +31,17 @@ pub enum Column {
     State,
     /// A parameter, by its number. Where the trajectory starts the column holds the derivative of the initial state.
     Parameter(usize),
+}
+
+/// A state followed by so many columns of derivatives by itself: unit vectors, then zeros for parameters.
+pub(crate) fn with_identity<R: Real>(state: &[R], columns: usize) -> Vec<R> {
+    let n = state.len();
+    let mut start = state.to_vec();
+    start.resize(n * (1 + columns), R::ZERO);
+    for i in 0..n.min(columns) {
+        start[n * (i + 1) + i] = R::ONE;
+    }
+    start
 }
 
 /// One column of a variational system: where its components lie, and how parameters change along it.

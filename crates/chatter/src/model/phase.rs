@@ -116,8 +116,16 @@ impl Model {
             .collect()
     }
 
-    /// Whatever moves the state: vector field, impulses, gaps and restitutions.
+    /// Whatever moves the state: vector field, impulses, gaps and restitutions. Of resets what they change: a state that
+    /// stays as it is moves nothing.
     pub fn equations(&self) -> Vec<Expr> {
+        let stays = |&(state, &after): &(usize, &Expr)| matches!(self.graph.node(after), Node::Symbol(Symbol::State(own)) if *own == state);
+        let changed = |reset: &[Expr]| -> Vec<Expr> {
+            let all = reset.iter().enumerate();
+            all.filter(|one| !stays(one))
+                .map(|(_, &after)| after)
+                .collect()
+        };
         let contacts = self.contacts.iter();
         (self.field().into_iter())
             .chain(contacts.flat_map(|contact| {
@@ -125,14 +133,13 @@ impl Model {
                     let along = friction.along.iter().copied();
                     along.chain([friction.coefficient, friction.rate])
                 });
-                let impulse = contact.impulse.iter().chain(contact.reset.iter().flatten());
-                (impulse.copied().chain(friction)).chain([contact.gap, contact.restitution])
+                let after = contact.reset.as_deref().map(changed).unwrap_or_default();
+                let impulse = contact.impulse.iter().copied().chain(after);
+                (impulse.chain(friction)).chain([contact.gap, contact.restitution])
             }))
             .chain(self.sections.iter().flat_map(|section| {
-                let reset = section.reset.iter().flatten();
-                reset
-                    .copied()
-                    .chain(section.reset.as_ref().map(|_| section.surface))
+                let after = section.reset.as_deref().map(changed).unwrap_or_default();
+                (after.into_iter()).chain(section.reset.as_ref().map(|_| section.surface))
             }))
             .collect()
     }

@@ -21,6 +21,15 @@ impl<R: Real> Matrix<R> {
         }
     }
 
+    /// Of rows of one length.
+    pub fn from_rows(rows: &[Vec<R>]) -> Self {
+        Self {
+            rows: rows.len(),
+            columns: rows.first().map_or(0, Vec::len),
+            entries: rows.concat(),
+        }
+    }
+
     /// Ones on the diagonal.
     pub fn identity(size: usize) -> Self {
         let mut matrix = Self::zeros(size, size);
@@ -48,6 +57,13 @@ impl<R: Real> Matrix<R> {
     /// One row, to be written.
     pub fn row_mut(&mut self, index: usize) -> &mut [R] {
         &mut self.entries[index * self.columns..(index + 1) * self.columns]
+    }
+
+    /// One more row at the end: as long as the others.
+    pub fn push(&mut self, row: &[R]) {
+        debug_assert_eq!(row.len(), self.columns);
+        self.entries.extend_from_slice(row);
+        self.rows += 1;
     }
 
     /// The product with another matrix.

@@ -28,7 +28,7 @@ x = 0
 v = 0
 "#;
 
-const TWO_MASSES: &str = r#"
+pub const TWO_MASSES: &str = r#"
 [parameters]
 omega = 1.35
 [flight]
@@ -177,6 +177,7 @@ fn folds_and_grazes_in_two_parameters() {
             .unwrap();
         let known = Known {
             kind: special.kind,
+            monitor: None,
             state: special.point.state.clone(),
             period: special.point.period,
         };

@@ -2,6 +2,7 @@
 
 mod branches;
 mod orbits;
+mod plane;
 
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, Limits, Orbit, Spec, Special, SpecialKind, branches, settled,

@@ -6,7 +6,7 @@ mod layers;
 mod line_fit;
 mod window;
 
-pub use cells::check_cells;
+pub use cells::{check_cells, panel as map_panel};
 pub use densities::densities;
 
 use super::source::Source;

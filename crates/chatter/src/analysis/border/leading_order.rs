@@ -7,9 +7,10 @@
 use super::error::BorderError;
 use super::exact::{SectionChart, combine};
 use super::local::{LocalCoordinate, LocalTape};
-use super::problem::{PARAMETER_COLUMN, Problem, STATES, with_identity};
+use super::problem::{PARAMETER_COLUMN, Problem, STATES};
 use super::root::Point;
 use crate::expressions::Graph;
+use crate::flow::with_identity;
 use crate::flow::{Column, Occurrence, Settings, System, SystemError, Trajectory};
 use crate::model::{Direction, Section};
 use crate::numerics::Real;
@@ -179,7 +180,10 @@ pub(crate) fn leading_order<R: Real>(
         .collect();
     let at_rest = LocalTape::new(&problem.model, &columns, LocalCoordinate::AtRest)
         .map_err(|error| BorderError::System(SystemError::Model(error)))?;
-    let start = with_identity(&point.sequence.impacts[0].state[..STATES]);
+    let start = with_identity(
+        &point.sequence.impacts[0].state[..STATES],
+        PARAMETER_COLUMN + 1,
+    );
     let low = vec![R::ZERO; start.len()];
     let local = at_rest.at(
         &mut at_rest.expansion(),

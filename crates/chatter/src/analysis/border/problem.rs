@@ -7,7 +7,7 @@ use super::sequence::{Follower, Impact, Sequence, Until, Verdict};
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
 use crate::expressions::nearest;
-use crate::flow::{Column, System, SystemError};
+use crate::flow::{Column, System, SystemError, with_identity};
 use crate::model::{MechanicsError, Model};
 use crate::numerics::{DoubleDouble, Real};
 
@@ -172,7 +172,7 @@ impl Problem {
         after: usize,
         impacts: usize,
     ) -> Result<Sequence<R>, BorderError> {
-        let start = with_identity(state);
+        let start = with_identity(state, PARAMETER_COLUMN + 1);
         let until = Until::Impacts {
             most: impacts,
             after,
@@ -190,15 +190,6 @@ impl Problem {
             at: value.to_f64(),
         })
     }
-}
-
-/// A state followed by the columns of its own variation: unit vectors, then zero for the parameter.
-pub(crate) fn with_identity<R: Real>(state: &[R]) -> Vec<R> {
-    let mut start = state.to_vec();
-    for column in 0..=state.len() {
-        start.extend((0..state.len()).map(|i| if i == column { R::ONE } else { R::ZERO }));
-    }
-    start
 }
 
 /// The same numbers in double-double.

@@ -1,9 +1,9 @@
 //! The system's own return map from first impact to first impact, and its fixed points by Newton's method.
 
 use super::exact::SectionChart;
-use super::problem::with_identity;
 use super::sequence::Until;
 use super::simulated::Simulator;
+use crate::flow::with_identity;
 use crate::numerics::linear::solve;
 
 /// What the map found for one loop.
@@ -105,7 +105,7 @@ impl ReturnMap<'_> {
             return None;
         }
         let chart = SectionChart::with_bound(problem, &parameters, &state, self.bound);
-        let start = with_identity(&state);
+        let start = with_identity(&state, state.len() + 1);
         let count = self.impacts;
         let sequence = problem
             .variational

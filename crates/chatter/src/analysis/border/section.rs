@@ -3,9 +3,10 @@
 use super::error::BorderError;
 use super::orbit::Border;
 use super::prediction::AffineStates;
-use super::problem::{PARAMETER_COLUMN, Problem, STATES, with_identity};
+use super::problem::{PARAMETER_COLUMN, Problem, STATES};
 use super::spec::BorderSpec;
 use crate::expressions::{Expr, Symbol, nearest};
+use crate::flow::with_identity;
 use crate::flow::{Column, Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real};
@@ -48,7 +49,7 @@ pub fn section_states<R: Real>(
         .map(|x| x.to_double_double())
         .collect();
     let release = problem.release_point(value, &near)?;
-    let start = with_identity(&release.state);
+    let start = with_identity(&release.state, PARAMETER_COLUMN + 1);
     let time = model.time.map_or(DoubleDouble::ZERO, |index| start[index]);
     let until = time + border.first_impact.time.to_double_double();
     let mut work = system.workspace::<DoubleDouble>(&Settings::default());

@@ -64,7 +64,8 @@ const HARD: usize = 7;
 const LEAST_COSINE: f64 = 0.94;
 
 /// The tangent from the factors of equations bordered by a row that is not orthogonal to it.
-fn tangent(factors: &Factored<f64>, size: usize, scales: &[f64]) -> Option<Vec<f64>> {
+fn along(factors: &Factored<f64>, scales: &[f64]) -> Option<Vec<f64>> {
+    let size = scales.len();
     let mut right = vec![0.0; size];
     right[size - 1] = 1.0;
     let mut tangent = factors.solve(&right);
@@ -76,6 +77,21 @@ fn tangent(factors: &Factored<f64>, size: usize, scales: &[f64]) -> Option<Vec<f
     Some(tangent)
 }
 
+/// The tangent of the curve at one of its points, on the side that a row that is not orthogonal to it points to.
+///
+/// # Errors
+/// The equations have no meaning there, or are singular with that row.
+pub fn tangent(
+    problem: &mut dyn Problem<f64>,
+    at: &[f64],
+    row: &[f64],
+) -> Result<Vec<f64>, NewtonError> {
+    let linearised = problem.evaluate(at).map_err(NewtonError::Left)?;
+    let factors = linearised.bordered([row]).factored();
+    let factors = factors.ok_or(NewtonError::Singular)?;
+    along(&factors, problem.scales()).ok_or(NewtonError::Singular)
+}
+
 fn length(vector: &[f64], scales: &[f64]) -> f64 {
     (vector.iter().zip(scales))
         .map(|(x, scale)| (x / scale) * (x / scale))
@@ -83,9 +99,9 @@ fn length(vector: &[f64], scales: &[f64]) -> f64 {
         .sqrt()
 }
 
-/// The condition of moving so far along a tangent.
-fn ahead(station: &Station, along: &[f64], step: f64, scales: &[f64]) -> Condition<f64> {
-    let row: Vec<f64> = (along.iter().zip(scales))
+/// The condition of moving so far along its tangent.
+fn ahead(station: &Station, step: f64, scales: &[f64]) -> Condition<f64> {
+    let row: Vec<f64> = (station.tangent.iter().zip(scales))
         .map(|(x, scale)| x / (scale * scale))
         .collect();
     let value = dot(&row, &station.at) + step;
@@ -105,8 +121,7 @@ impl Station {
         let size = problem.unknowns();
         let condition = Condition::fixed(size, fixed, start[fixed]);
         let found = newton(problem, start, &[condition])?;
-        let scales = problem.scales().to_vec();
-        let mut along = tangent(&found.factors, size, &scales).ok_or(NewtonError::Singular)?;
+        let mut along = along(&found.factors, problem.scales()).ok_or(NewtonError::Singular)?;
         if along[size - 1] < 0.0 {
             along.iter_mut().for_each(|x| *x = -*x);
         }
@@ -129,13 +144,12 @@ impl Station {
         step: f64,
     ) -> Result<(Self, usize), NewtonError> {
         let scales = problem.scales().to_vec();
-        let size = self.at.len();
         let guess: Vec<f64> = (self.at.iter().zip(&self.tangent))
             .map(|(x, t)| x + step * t)
             .collect();
-        let condition = ahead(self, &self.tangent, step, &scales);
+        let condition = ahead(self, step, &scales);
         let found = newton(problem, &guess, &[condition])?;
-        let along = tangent(&found.factors, size, &scales).ok_or(NewtonError::Singular)?;
+        let along = along(&found.factors, &scales).ok_or(NewtonError::Singular)?;
         let station = Self {
             orientation: found.factors.determinant_sign(),
             at: found.at,

@@ -70,6 +70,23 @@ impl<R: Real> Singular<R> {
         at: &[R],
         sign: f64,
     ) -> Result<Self, Left> {
+        Self::from_start(problem, at, sign, None)
+    }
+
+    /// The same borders at a point further on.
+    ///
+    /// # Errors
+    /// As for [`near`](Self::near).
+    pub fn renewed<P: Problem<R> + ?Sized>(&self, problem: &mut P, at: &[R]) -> Result<Self, Left> {
+        Self::from_start(problem, at, self.sign, Some(self))
+    }
+
+    fn from_start<P: Problem<R> + ?Sized>(
+        problem: &mut P,
+        at: &[R],
+        sign: f64,
+        before: Option<&Self>,
+    ) -> Result<Self, Left> {
         let linearised = problem.evaluate(at)?;
         let matrix = turned(&linearised, &problem.wrap(), sign);
         let size = matrix.rows();
@@ -83,11 +100,24 @@ impl<R: Real> Singular<R> {
             right = unit(factors.solve(&right)).ok_or_else(singular)?;
             left = unit(factors.solve_transposed(&left)).ok_or_else(singular)?;
         }
+        // Along a curve they turn, and do not change their sign.
+        if let Some(before) = before {
+            for (vector, known) in [(&mut left, &before.b), (&mut right, &before.c)] {
+                if dot(vector, known) < R::ZERO {
+                    vector.iter_mut().for_each(|x| *x = -*x);
+                }
+            }
+        }
         Ok(Self {
             sign,
             b: left,
             c: right,
         })
+    }
+
+    /// With which sign a cycle is closed.
+    pub fn sign(&self) -> f64 {
+        self.sign
     }
 
     /// What the matrix takes to zero, of length one: one number for each unknown that is no parameter.
@@ -197,12 +227,7 @@ impl<R: Real, P: Problem<R> + ?Sized> Problem<R> for Held<'_, R, P> {
             Condition::Singular(singular) => singular.value(self.problem, at, &inner)?,
             Condition::Monitor(index) => self.problem.monitor(*index, at)?,
         };
-        let equations = inner.residual.len();
-        let mut jacobian = Matrix::zeros(equations + 1, self.unknowns());
-        for i in 0..equations {
-            (jacobian.row_mut(i)).copy_from_slice(inner.jacobian.row(i));
-        }
-        jacobian.row_mut(equations).copy_from_slice(&gradient);
+        let jacobian = inner.bordered([&*gradient]);
         let mut residual = inner.residual;
         residual.push(value);
         Ok(Linearised { residual, jacobian })

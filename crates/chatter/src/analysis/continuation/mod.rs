@@ -5,10 +5,12 @@
 //! newton       the one corrector: the problem bordered by linear conditions
 //! Curve        stations along a curve by pseudo-arclength, each corrected to rounding
 //! locate       where a function of the stations vanishes between two of them
+//! differenced  derivatives of a function by differences along the solutions
 //! Held         a problem with one more condition and one more free parameter: curves in two parameters are curves again
 //! ```
 
 mod curve;
+mod differences;
 mod held;
 mod locate;
 mod map_orbit;
@@ -18,9 +20,10 @@ mod problem;
 #[cfg(test)]
 mod tests;
 
-pub use curve::{Curve, Settings, Station, StepError};
+pub use curve::{Curve, Settings, Station, StepError, tangent};
+pub use differences::differenced;
 pub use held::{Held, Singular};
 pub use locate::locate;
 pub use map_orbit::MapOrbit;
-pub use newton::{Condition, Corrected, NewtonError, newton};
+pub use newton::{Condition, Corrected, NewtonError, approach, newton};
 pub use problem::{Left, Linearised, Problem, Wrap};

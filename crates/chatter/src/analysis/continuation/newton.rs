@@ -1,8 +1,9 @@
 //! Newton's method on a problem that is bordered by linear conditions.
 
 use super::problem::{Left, Problem};
-use crate::numerics::{Factored, Matrix, Real, dot};
+use crate::numerics::{Factored, Real, dot};
 use core::fmt;
+use core::ops::Range;
 
 /// A linear condition beside the equations: row . u = value. As many are needed as there are free parameters.
 #[derive(Clone, Debug)]
@@ -19,6 +20,13 @@ impl<R: Real> Condition<R> {
         let mut row = vec![R::ZERO; unknowns];
         row[index] = R::ONE;
         Self { row, value }
+    }
+
+    /// That these unknowns are what they are at a point.
+    pub fn held(at: &[R], indices: Range<usize>) -> Vec<Self> {
+        indices
+            .map(|index| Self::fixed(at.len(), index, at[index]))
+            .collect()
     }
 }
 
@@ -77,6 +85,90 @@ const STALLED: f64 = 1e-7;
 /// A first correction beyond this is a leap to somewhere else.
 const LEAP: f64 = 0.5;
 
+/// What a point is to be moved by, backwards.
+struct Correction<R> {
+    step: Vec<R>,
+    factors: Factored<R>,
+    /// Largest residual of the equations.
+    residual: f64,
+    /// Against the sizes of the unknowns.
+    size: f64,
+}
+
+fn correction<R: Real>(
+    problem: &mut dyn Problem<R>,
+    at: &[R],
+    conditions: &[Condition<R>],
+) -> Result<Correction<R>, NewtonError> {
+    let linearised = problem.evaluate(at).map_err(NewtonError::Left)?;
+    let bordered = linearised.bordered(conditions.iter().map(|condition| &*condition.row));
+    let mut right = linearised.residual;
+    let residual = (right.iter()).fold(0.0_f64, |most, x| most.max(x.abs().to_f64()));
+    let off = |condition: &Condition<R>| dot(&condition.row, at) - condition.value;
+    right.extend(conditions.iter().map(off));
+    let factors = bordered.factored().ok_or(NewtonError::Singular)?;
+    let step = factors.solve(&right);
+    if !step.iter().all(|x| x.is_finite()) {
+        return Err(NewtonError::Singular);
+    }
+    let size = (step.iter().zip(problem.scales())).fold(0.0_f64, |most, (x, scale)| {
+        most.max(x.abs().to_f64() / scale)
+    });
+    Ok(Correction {
+        step,
+        factors,
+        residual,
+        size,
+    })
+}
+
+/// Corrections of a wild first guess: no longer than so much of the solution's size, and halved where they lead nowhere.
+const DAMPED: usize = 30;
+const LONGEST: f64 = 0.2;
+const HALVINGS: usize = 8;
+/// What is left for [`newton`].
+const NEAR: f64 = 1e-6;
+
+/// A point near a solution, from a guess that may be far off.
+///
+/// # Errors
+/// None was found.
+pub fn approach<R: Real>(
+    problem: &mut dyn Problem<R>,
+    start: &[R],
+    conditions: &[Condition<R>],
+) -> Result<Vec<R>, NewtonError> {
+    let mut at = start.to_vec();
+    let mut latest = f64::NAN;
+    for _ in 0..DAMPED {
+        let Correction { step, size, .. } = correction(problem, &at, conditions)?;
+        if size < NEAR {
+            return Ok(at);
+        }
+        latest = size;
+        let mut part = (LONGEST / size).min(1.0);
+        let mut moved = None;
+        for _ in 0..HALVINGS {
+            let next: Vec<R> = (at.iter().zip(&step))
+                .map(|(&x, &s)| x - R::splat(part) * s)
+                .collect();
+            if problem.evaluate(&next).is_ok() {
+                moved = Some(next);
+                break;
+            }
+            part *= 0.5;
+        }
+        at = moved.ok_or(NewtonError::Stalled {
+            correction: size,
+            steps: DAMPED,
+        })?;
+    }
+    Err(NewtonError::Stalled {
+        correction: latest,
+        steps: DAMPED,
+    })
+}
+
 /// The solution near a point.
 ///
 /// # Errors
@@ -86,32 +178,15 @@ pub fn newton<R: Real>(
     start: &[R],
     conditions: &[Condition<R>],
 ) -> Result<Corrected<R>, NewtonError> {
-    let size = problem.unknowns();
     let mut at = start.to_vec();
     let mut latest = f64::INFINITY;
     for steps in 1..=MOST_STEPS {
-        let linearised = problem.evaluate(&at).map_err(NewtonError::Left)?;
-        let equations = linearised.residual.len();
-        let mut bordered = Matrix::zeros(size, size);
-        for i in 0..equations {
-            (bordered.row_mut(i)).copy_from_slice(linearised.jacobian.row(i));
-        }
-        let mut right = linearised.residual;
-        let residual = (right.iter()).fold(0.0_f64, |most, x| most.max(x.abs().to_f64()));
-        for (i, condition) in conditions.iter().enumerate() {
-            bordered
-                .row_mut(equations + i)
-                .copy_from_slice(&condition.row);
-            right.push(dot(&condition.row, &at) - condition.value);
-        }
-        let factors = bordered.factored().ok_or(NewtonError::Singular)?;
-        let step = factors.solve(&right);
-        if !step.iter().all(|x| x.is_finite()) {
-            return Err(NewtonError::Singular);
-        }
-        let correction = (step.iter().zip(problem.scales())).fold(0.0_f64, |most, (x, scale)| {
-            most.max(x.abs().to_f64() / scale)
-        });
+        let Correction {
+            step,
+            factors,
+            residual,
+            size: correction,
+        } = correction(problem, &at, conditions)?;
         if correction > LEAP {
             return Err(NewtonError::Stalled { correction, steps });
         }

@@ -44,6 +44,18 @@ pub struct Linearised<R> {
     pub jacobian: Matrix<R>,
 }
 
+impl<R: Real> Linearised<R> {
+    /// The derivatives, and one more row for each condition.
+    pub fn bordered<'r>(&self, rows: impl IntoIterator<Item = &'r [R]>) -> Matrix<R>
+    where
+        R: 'r,
+    {
+        let mut bordered = self.jacobian.clone();
+        rows.into_iter().for_each(|row| bordered.push(row));
+        bordered
+    }
+}
+
 /// The identity by which a cycle's last image is compared with its first point: for each such equation its row and column. With
 /// the other sign the equations are those of a solution that turns over from one cycle to the next.
 #[derive(Clone, Debug, Default, PartialEq)]

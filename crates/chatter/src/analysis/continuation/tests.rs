@@ -124,7 +124,6 @@ fn folds_and_doublings_of_henons_map() {
 /// A curve followed there and back is the same curve, and passes its fold both ways.
 #[test]
 fn a_curve_is_the_same_both_ways() {
-    let mut orbit = MapOrbit::new(&henon, 1, (&[1.0, 1.0], &[1.0]));
     let fixed = |x: &[f64], p: &[f64]| {
         let (image, slopes) = henon(x, &[p[0], 0.3])?;
         let mut kept = Matrix::zeros(2, 3);
@@ -134,7 +133,6 @@ fn a_curve_is_the_same_both_ways() {
         Ok::<_, Left>((image, kept))
     };
     let mut single = MapOrbit::new(&fixed, 1, (&[1.0, 1.0], &[1.0]));
-    let _ = &mut orbit;
     let station = Station::near(&mut single, &[0.8, 0.24, 0.5], 2)
         .unwrap()
         .reversed();

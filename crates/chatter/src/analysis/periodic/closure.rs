@@ -19,6 +19,8 @@ pub(crate) struct Closure {
 struct Turning {
     state: usize,
     period: Period,
+    /// How fast it grows, where no state changes that, and the derivatives of that.
+    rate: Option<(Expr, Vec<Expr>)>,
 }
 
 #[derive(Clone, Debug)]
@@ -34,6 +36,15 @@ enum Period {
 pub(crate) struct Turn<R> {
     pub state: usize,
     pub period: R,
+    pub slopes: Vec<R>,
+    /// The time that a turn takes, and its derivatives, where no state changes that.
+    pub lap: Option<Lap<R>>,
+}
+
+/// The time of a turn, and its derivatives by the free parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct Lap<R> {
+    pub time: R,
     pub slopes: Vec<R>,
 }
 
@@ -76,6 +87,11 @@ impl Closure {
             };
             free.iter().map(|&p| by(graph, p)).collect()
         };
+        let rate = |graph: &mut Graph, state: usize| {
+            let rate = model.states[state].derivative;
+            let steady = !graph.depends_on_state(rate);
+            steady.then(|| (rate, slopes(graph, &[rate]).concat()))
+        };
         let mut turning = Vec::new();
         for phase in phases {
             let is_idle = idle.iter().any(|free| free.state == phase.state);
@@ -94,6 +110,7 @@ impl Closure {
             }
             let rates = slopes(&mut graph, phase.rates());
             turning.push(Turning {
+                rate: rate(&mut graph, phase.state),
                 state: phase.state,
                 period: Period::Phase(phase, rates),
             });
@@ -101,6 +118,7 @@ impl Closure {
         if let (Some(time), Some(period)) = (model.time, given) {
             let by = slopes(&mut graph, &[period]);
             turning.push(Turning {
+                rate: rate(&mut graph, time),
                 state: time,
                 period: Period::Given(period, by.into_iter().map(|by| by[0]).collect()),
             });
@@ -121,7 +139,7 @@ impl Closure {
     pub(crate) fn turns<R: Real>(&self, parameters: &[R]) -> Result<Vec<Turn<R>>, PeriodicError> {
         let at = |expr: Expr| self.graph.evaluate(expr, &[], parameters);
         let turn = |turning: &Turning| {
-            let (period, slopes) = match &turning.period {
+            let (period, slopes): (R, Vec<R>) = match &turning.period {
                 Period::Phase(phase, slopes) => {
                     let period = phase.period(&self.graph, parameters)?;
                     let slope = |by: &Vec<Expr>| {
@@ -136,11 +154,21 @@ impl Closure {
                     (at(*period), slopes.iter().map(|&slope| at(slope)).collect())
                 }
             };
+            let lap = turning.rate.as_ref().and_then(|(rate, by)| {
+                let rate = at(*rate);
+                let time = (period / rate).abs();
+                let slope = |(&slope, &by): (&R, &Expr)| time * (slope / period - at(by) / rate);
+                (rate != R::ZERO).then(|| Lap {
+                    time,
+                    slopes: slopes.iter().zip(by).map(slope).collect(),
+                })
+            });
             let positive = period > R::ZERO && period.is_finite();
             positive.then_some(Turn {
                 state: turning.state,
                 period,
                 slopes,
+                lap,
             })
         };
         let found: Option<Vec<_>> = self.turning.iter().map(turn).collect();
@@ -148,16 +176,23 @@ impl Closure {
     }
 
     /// The period of the forcing: that of time, else that of a phase that turns by itself.
-    pub(crate) fn forcing(&self, model: &Model, parameters: &[f64]) -> Option<f64> {
+    pub(crate) fn forcing(&self, parameters: &[f64]) -> Option<f64> {
         let turns = self.turns(parameters).ok()?;
-        if let Some(turn) = turns.iter().find(|turn| Some(turn.state) == self.time) {
-            return Some(turn.period);
-        }
-        turns.iter().find_map(|turn| {
-            let rate = model.states[turn.state].derivative;
-            let rate = (!model.graph.depends_on_state(rate))
-                .then(|| model.graph.evaluate(rate, &[], parameters))?;
-            (rate != 0.0).then(|| (turn.period / rate).abs())
+        let of_time = turns.iter().find(|turn| Some(turn.state) == self.time);
+        let lap = |turn: &Turn<f64>| Some(turn.lap.as_ref()?.time);
+        of_time.and_then(lap).or_else(|| turns.iter().find_map(lap))
+    }
+
+    /// The time that whole turns of phases take, and its derivatives by the free parameters: that of the first phase which
+    /// turns by itself.
+    pub(crate) fn time_of<R: Real>(turns: &[Turn<R>], counts: &[i64]) -> Option<Lap<R>> {
+        turns.iter().zip(counts).find_map(|(turn, &count)| {
+            let lap = turn.lap.as_ref().filter(|_| count != 0)?;
+            let times = R::splat(count.unsigned_abs() as f64);
+            Some(Lap {
+                time: lap.time * times,
+                slopes: lap.slopes.iter().map(|&slope| slope * times).collect(),
+            })
         })
     }
 

@@ -28,6 +28,11 @@ pub enum PeriodicError {
         /// The period of the equations.
         own: f64,
     },
+    /// A function to be watched is no expression in states and parameters.
+    BadMonitor {
+        /// What was given.
+        text: String,
+    },
     /// The trajectory comes to rest.
     Equilibrium {
         /// When.
@@ -74,6 +79,9 @@ impl fmt::Display for PeriodicError {
                 out,
                 "the period is given as {value}, but the equations repeat after {own}"
             ),
+            Self::BadMonitor { text } => {
+                write!(out, "`{text}` is no expression in states and parameters")
+            }
             Self::Equilibrium { time } => write!(
                 out,
                 "nothing happens after time {time:.6}: the trajectory comes to rest, and an equilibrium is no periodic orbit"

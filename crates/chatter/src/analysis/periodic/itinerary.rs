@@ -1,10 +1,11 @@
 //! An orbit as a sequence of legs, read off a trajectory.
 
+use super::closure::Turn;
 use super::error::PeriodicError;
 use super::trace::Instant;
 use crate::expressions::Side;
 use crate::flow::leg::{Jump, LegKind, StretchKind};
-use crate::flow::{Closed, GuardKind, Occurrence, System};
+use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory};
 
 /// A part of an orbit between two of its nodes.
 #[derive(Clone, Debug)]
@@ -33,6 +34,22 @@ pub(crate) enum Passage {
 }
 
 impl Step {
+    /// For whole periods of the forcing in the mode that a trajectory is in, nothing happening.
+    pub(crate) fn timed(trajectory: &Trajectory<f64>, start: Vec<f64>, duration: f64) -> Self {
+        Self {
+            passage: Passage::Timed(LegKind {
+                mode: trajectory.mode,
+                ends_at: None,
+                jump: Jump::None,
+            }),
+            pieces: trajectory.pieces().to_vec(),
+            told: Vec::new(),
+            closed: trajectory.closed(),
+            start,
+            duration,
+        }
+    }
+
     /// The contact of the impact at its end.
     pub(crate) fn impact(&self) -> Option<usize> {
         match self.passage {
@@ -48,6 +65,15 @@ impl Step {
         matches!(self.passage, Passage::Stretch(_))
     }
 
+    /// The guard that ends it; none where a time does.
+    pub(crate) fn ends_at(&self) -> Option<GuardKind> {
+        match self.passage {
+            Passage::Leg(kind) => kind.ends_at,
+            Passage::Stretch(kind) => kind.last.ends_at,
+            Passage::Timed(_) => None,
+        }
+    }
+
     /// The mode that it ends in.
     pub(crate) fn mode(&self) -> usize {
         match self.passage {
@@ -57,11 +83,22 @@ impl Step {
     }
 }
 
+/// Tells a cycle from step `by` on: what was before it comes a turn later.
+pub(crate) fn rotate(steps: &mut [Step], by: usize, turns: &[Turn<f64>], counts: &[i64]) {
+    let count = steps.len();
+    steps.rotate_left(by);
+    for step in &mut steps[count - by..] {
+        for (turn, &times) in turns.iter().zip(counts) {
+            step.start[turn.state] += turn.period * times as f64;
+        }
+    }
+}
+
 /// Times that differ by less than this part are one.
 const SAME_INSTANT: f64 = 8.0 * f64::EPSILON;
 
 /// What one instant by itself is: its guard, and the jump there. None where it is more than one event.
-fn single(system: &System, instant: &Instant) -> Option<LegKind> {
+fn single(instant: &Instant) -> Option<LegKind> {
     let guard = instant.guard?;
     let mut jump = Jump::None;
     let mut events = 0;
@@ -96,7 +133,6 @@ fn single(system: &System, instant: &Instant) -> Option<LegKind> {
     {
         return None;
     }
-    let _ = system;
     Some(LegKind {
         mode: instant.mode,
         ends_at: Some(guard),
@@ -105,12 +141,12 @@ fn single(system: &System, instant: &Instant) -> Option<LegKind> {
 }
 
 /// The steps from just after `instants[0]` to just after the last of them.
-pub(crate) fn read(system: &System, instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
+pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
     let mut steps: Vec<Step> = Vec::new();
     let mut from = 0;
     let mut open: Option<(usize, usize, Vec<Occurrence<f64>>)> = None;
     for (index, instant) in instants.iter().enumerate().skip(1) {
-        let kind = single(system, instant);
+        let kind = single(instant);
         if let Some((begin, accumulations, mut told)) = open.take() {
             told.extend(&instant.told);
             let Some(last) = kind else {

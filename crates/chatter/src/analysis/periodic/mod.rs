@@ -7,16 +7,22 @@
 //! closure      what a state is after one period: the same, but for turns of phases and distance covered
 //! shooting     the equations of an itinerary: nodes after events and the times between them
 //! special_curve  special points in two parameters
+//! condition    what is held at zero at special points and along their curves
+//! multipliers  functions that change their sign where something happens to an orbit
+//! aside        orbits beside one whose equations are singular: once or twice around
 //! search       all that Newton's method finds from many starts
 //! survey       a branch with those beyond its borders, and those that leave it
 //! branch       orbits over a parameter, from one sequence of events to the next
 //! orbit        Newton's solution in double-double; multipliers, margins
 //! ```
 
+mod aside;
 mod branch;
 mod closure;
+mod condition;
 mod error;
 mod itinerary;
+mod multipliers;
 mod orbit;
 mod search;
 mod settle;
@@ -47,6 +53,8 @@ pub struct Spec {
     /// The section at which states are told, by its position in the model; where it is not crossed, and without it, just
     /// after an event.
     pub section: Option<usize>,
+    /// Functions of the state that orbits are told from, and of parameters, whose zeros are special points: expressions.
+    pub monitors: Vec<String>,
     /// How long the trajectory may take to settle.
     pub patience: Patience,
 }
@@ -69,6 +77,12 @@ fn workshop(
         }
         None => None,
     };
+    let mut monitors = Vec::new();
+    for text in &spec.monitors {
+        let parsed = model.parse_expression(text);
+        let what = |_| PeriodicError::BadMonitor { text: text.clone() };
+        monitors.push(parsed.map_err(what)?);
+    }
     let closure = Closure::new(&model, free, given)?;
     let sections = &model.sections;
     let plain = |index: &usize| sections.get(*index).is_some_and(|s| s.reset.is_none());
@@ -76,8 +90,14 @@ fn workshop(
         .section
         .or_else(|| (0..sections.len()).find(plain))
         .filter(plain);
-    let workshop = Workshop::new(&model, (free, sizes), closure, section)?;
+    let workshop = Workshop::new(&model, (free, sizes), closure, (section, &monitors))?;
     Ok(Arc::new(workshop))
+}
+
+/// The period of a model's forcing, as its equations tell it: of time, or of a phase that turns by itself.
+pub fn forcing(model: &Model) -> Option<f64> {
+    let closure = Closure::new(model, &[], None).ok()?;
+    closure.forcing(&model.parameter_values(&[]))
 }
 
 /// The orbit that the trajectory from the model's initial state settles to. The observer hears of the time that it has
@@ -185,6 +205,10 @@ pub fn special_curve(
     let values = free.map(|index| parameters[index]);
     let size = |value: f64| if value == 0.0 { 1.0 } else { value.abs() };
     let sizes = [size(values[0]), limits.range.1 - limits.range.0];
+    if known.kind == SpecialKind::ChatterBorder {
+        let monitors = spec.monitors.len();
+        return special_curve::border::follow(model, (free, monitors), limits, observer);
+    }
     let workshop = workshop(model, spec, (&free, &sizes))?;
     special_curve::follow(&workshop, (&values, known), limits, observer)
 }

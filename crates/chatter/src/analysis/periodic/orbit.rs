@@ -1,10 +1,11 @@
 //! One periodic orbit, closed by Newton's method.
 
 use super::error::PeriodicError;
-use super::itinerary::{Passage, Step};
+use super::itinerary::Passage;
+use super::multipliers::is_stable;
 use super::settle::Cycle;
 use super::shooting::{Shooting, Workshop};
-use crate::analysis::continuation::{Condition, NewtonError, Problem, newton};
+use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
 use crate::numerics::{Complex, DoubleDouble, Real, Scalar};
@@ -78,14 +79,8 @@ impl MarginKind {
 impl Orbit {
     /// Whether all multipliers lie inside the unit circle.
     pub fn is_stable(&self) -> bool {
-        self.multipliers.iter().all(|m| m.modulus() < 1.0)
+        is_stable(&self.multipliers)
     }
-}
-
-fn conditions<R: Real>(free: usize, at: &[R]) -> Vec<Condition<R>> {
-    (at.len() - free..at.len())
-        .map(|index| Condition::fixed(at.len(), index, at[index]))
-        .collect()
 }
 
 fn failed(error: &NewtonError) -> PeriodicError {
@@ -94,58 +89,8 @@ fn failed(error: &NewtonError) -> PeriodicError {
     }
 }
 
-/// Corrections of a wild first guess, halved each where they lead nowhere.
-const DAMPED: usize = 30;
-
-/// A solution from a guess that may be far off: full steps where they do not leave the equations, and shorter ones else.
-fn approach(shooting: &mut Shooting<f64>, start: &[f64]) -> Result<Vec<f64>, NewtonError> {
-    let free = shooting.parameters();
-    let size = start.len();
-    let mut at = start.to_vec();
-    for _ in 0..DAMPED {
-        let linearised = shooting.evaluate(&at).map_err(NewtonError::Left)?;
-        let mut bordered = crate::numerics::Matrix::zeros(size, size);
-        let equations = linearised.residual.len();
-        for i in 0..equations {
-            bordered
-                .row_mut(i)
-                .copy_from_slice(linearised.jacobian.row(i));
-        }
-        for k in 0..free {
-            bordered[(equations + k, size - free + k)] = 1.0;
-        }
-        let mut right = linearised.residual;
-        right.resize(size, 0.0);
-        let factors = bordered.factored().ok_or(NewtonError::Singular)?;
-        let step = factors.solve(&right);
-        let correction = (step.iter().zip(shooting.scales()))
-            .fold(0.0_f64, |most, (x, scale)| most.max(x.abs() / scale));
-        if !correction.is_finite() {
-            return Err(NewtonError::Singular);
-        }
-        if correction < 1e-6 {
-            return Ok(at);
-        }
-        let mut part = (0.2 / correction).min(1.0);
-        let mut moved = None;
-        for _ in 0..8 {
-            let next: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x - part * s).collect();
-            if shooting.evaluate(&next).is_ok() {
-                moved = Some(next);
-                break;
-            }
-            part *= 0.5;
-        }
-        at = moved.ok_or(NewtonError::Stalled {
-            correction,
-            steps: DAMPED,
-        })?;
-    }
-    Err(NewtonError::Stalled {
-        correction: f64::NAN,
-        steps: DAMPED,
-    })
-}
+/// A cycle is closed but for so much where Newton's method needs no care.
+const NEAR: f64 = 1e-7;
 
 /// Closes a cycle at these free parameters, in doubles and then in longer numbers.
 pub(crate) fn close(
@@ -158,12 +103,12 @@ pub(crate) fn close(
     cycle.begin_at_section(workshop, &workshop.closure.turns(&parameters)?);
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     let guess = shooting.guess(free);
-    let near = if cycle.distance > 1e-7 {
-        approach(&mut shooting, &guess).map_err(|error| failed(&error))?
+    let rows = Condition::held(&guess, guess.len() - free.len()..guess.len());
+    let near = if cycle.distance > NEAR {
+        approach(&mut shooting, &guess, &rows).map_err(|error| failed(&error))?
     } else {
         guess
     };
-    let rows = conditions(free.len(), &near);
     let found = newton(&mut shooting, &near, &rows).map_err(|error| failed(&error))?;
     shooting.adopt(&found.at);
     match shorter(&shooting, &found.at)? {
@@ -209,17 +154,13 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let mut fine =
         Shooting::<DoubleDouble>::new(&workshop, shooting.steps.clone(), shooting.counts.clone())?;
     let start: Vec<DoubleDouble> = at.iter().map(|&x| x.into()).collect();
-    let rows = conditions(free, &start);
+    let rows = Condition::held(&start, start.len() - free..start.len());
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;
     let checked = (fine.evaluate(&found.at)).map_err(|left| failed(&NewtonError::Left(left)))?;
     let residual = (checked.residual.iter()).fold(0.0_f64, |most, x| most.max(x.to_f64().abs()));
     let margins = margins(&mut shooting, &at)?;
     let parameters = workshop.parameters(&at[at.len() - free..]);
     let turns = workshop.closure.turns::<f64>(&parameters)?;
-    let infinite = shooting.steps.iter().any(Step::is_stretch);
-    let impacts = (shooting.steps.iter())
-        .filter(|step| step.impact().is_some())
-        .count();
     Ok(Orbit {
         period: fine.period(),
         start: cleaned(fine.node(&found.at, 0), &shooting.state_sizes()),
@@ -232,7 +173,7 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
             _ => None,
         },
         parameters,
-        impacts: (!infinite).then_some(impacts as u64),
+        impacts: shooting.impacts(),
         turns: (turns.iter().zip(&shooting.counts))
             .map(|(turn, &count)| (turn.state, count))
             .collect(),
@@ -301,12 +242,7 @@ fn margins(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<Vec<Margin>, Peri
                 -landing.surface_rate,
             );
         }
-        let released = match step.passage {
-            Passage::Leg(kind) => kind.ends_at,
-            Passage::Stretch(kind) => kind.last.ends_at,
-            Passage::Timed(_) => None,
-        };
-        if let Some(GuardKind::Reaction(contact)) = released {
+        if let Some(GuardKind::Reaction(contact)) = step.ends_at() {
             // Minus the reaction is the acceleration that it keeps from being.
             note(
                 MarginKind::ReleaseJerk,

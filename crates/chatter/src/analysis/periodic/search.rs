@@ -2,7 +2,7 @@
 
 use super::branch::is_broken;
 use super::error::PeriodicError;
-use super::itinerary::{Passage, Step};
+use super::itinerary::Step;
 use super::orbit::{Orbit, close};
 use super::settle::{Patience, loops, settle};
 use super::shooting::Workshop;
@@ -15,7 +15,8 @@ use std::sync::Arc;
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Orbits of up to so many periods of the forcing, or returns to the section.
+    /// Orbits of up to so many periods of the forcing, or returns to the section; without either so many returns of each
+    /// trajectory are tried.
     pub periods: usize,
     /// From so many starts.
     pub starts: u64,
@@ -49,7 +50,7 @@ pub(crate) fn search(
     let model = &workshop.model;
     let parameters = workshop.parameters::<f64>(&[]);
     let turns = workshop.closure.turns(&parameters)?;
-    let mut found: Vec<(usize, Orbit)> = Vec::new();
+    let mut found: Vec<Orbit> = Vec::new();
     // What the motion from the initial state covers; it need not settle.
     let extent = extent(workshop, state, &parameters)?;
     let patience = Patience {
@@ -61,22 +62,16 @@ pub(crate) fn search(
     if let Ok(cycle) = settle(workshop, &[], state, patience, &mut quiet)
         && let Ok(orbit) = close(workshop, cycle, &[])
     {
-        let laps = match (
-            workshop.closure.forcing(model, &parameters),
-            workshop.section,
-        ) {
+        let laps = match (workshop.closure.forcing(&parameters), workshop.section) {
             (Some(period), _) => (orbit.period.to_f64() / period).round() as usize,
             (None, Some(section)) => {
-                let crosses = |step: &&Step| match step.passage {
-                    Passage::Leg(kind) => kind.ends_at == Some(GuardKind::Section(section)),
-                    _ => false,
-                };
+                let crosses = |step: &&Step| step.ends_at() == Some(GuardKind::Section(section));
                 orbit.shooting.steps.iter().filter(crosses).count()
             }
             (None, None) => 1,
         };
         if laps <= search.periods {
-            add(workshop, &mut found, (laps, orbit));
+            add(workshop, &mut found, orbit);
         }
     }
     for start in 0..search.starts {
@@ -108,20 +103,20 @@ pub(crate) fn search(
         let Ok(cycles) = loops(workshop, &[], &point, (passed, search.periods)) else {
             continue;
         };
-        for (periods, cycle) in cycles {
+        for cycle in cycles {
             if let Ok(orbit) = close(workshop, cycle, &[]) {
-                add(workshop, &mut found, (periods, orbit));
+                add(workshop, &mut found, orbit);
             }
         }
     }
     found.sort_by(|a, b| {
-        (a.1.period.to_f64().total_cmp(&b.1.period.to_f64())).then(a.1.impacts.cmp(&b.1.impacts))
+        (a.period.to_f64().total_cmp(&b.period.to_f64())).then(a.impacts.cmp(&b.impacts))
     });
-    Ok(found.into_iter().map(|(_, orbit)| orbit).collect())
+    Ok(found)
 }
 
 /// Adds an orbit unless it is known, or no motion of the system.
-fn add(workshop: &Workshop, found: &mut Vec<(usize, Orbit)>, (periods, mut orbit): (usize, Orbit)) {
+fn add(workshop: &Workshop, found: &mut Vec<Orbit>, mut orbit: Orbit) {
     let Ok(broken) = is_broken(&mut orbit.shooting, &orbit.at) else {
         return;
     };
@@ -133,7 +128,7 @@ fn add(workshop: &Workshop, found: &mut Vec<(usize, Orbit)>, (periods, mut orbit
     };
     let sizes = orbit.shooting.state_sizes();
     let start = orbit.shooting.node(&orbit.at, 0).to_vec();
-    let known = found.iter().any(|(_, other)| {
+    let known = found.iter().any(|other| {
         let count = other.shooting.steps.len();
         (0..count).any(|index| {
             let node = other.shooting.node(&other.at, index);
@@ -160,8 +155,8 @@ fn add(workshop: &Workshop, found: &mut Vec<(usize, Orbit)>, (periods, mut orbit
                         < SAME
                 })
         };
-        found.retain(|(_, other)| !start_of_new(other));
-        found.push((periods, orbit));
+        found.retain(|other| !start_of_new(other));
+        found.push(orbit);
     }
 }
 
@@ -171,7 +166,7 @@ fn extent(
     state: &[f64],
     parameters: &[f64],
 ) -> Result<Vec<(f64, f64)>, PeriodicError> {
-    let period = workshop.closure.forcing(&workshop.model, parameters);
+    let period = workshop.closure.forcing(parameters);
     let mut tracer = super::trace::Tracer::new(&workshop.system, parameters, state, None)?;
     let clock = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut ends: Vec<(f64, f64)> = state.iter().map(|&x| (x, x)).collect();

@@ -1,12 +1,11 @@
 //! What a trajectory settles to: the latest return to where it was.
 
-use super::closure::Turn;
+use super::closure::{Closure, Turn};
 use super::error::PeriodicError;
-use super::itinerary::{Passage, Step, read};
-use super::shooting::Workshop;
+use super::itinerary::{Step, read, rotate};
+use super::shooting::{Workshop, without_zeros};
 use super::trace::{Instant, Tracer};
 use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, LegKind};
 use core::ops::ControlFlow;
 
 /// A cycle as far as a trajectory shows it.
@@ -24,21 +23,13 @@ impl Cycle {
         let Some(section) = workshop.section else {
             return;
         };
-        let ends_there = |step: &Step| match step.passage {
-            Passage::Leg(kind) => kind.ends_at == Some(GuardKind::Section(section)),
-            _ => false,
-        };
+        let ends_there = |step: &Step| step.ends_at() == Some(GuardKind::Section(section));
         let Some(index) = self.steps.iter().position(ends_there) else {
             return;
         };
         let count = self.steps.len();
         let moved = (index + 1) % count;
-        self.steps.rotate_left(moved);
-        for step in &mut self.steps[count - moved..] {
-            for (turn, &times) in turns.iter().zip(&self.counts) {
-                step.start[turn.state] += turn.period * times as f64;
-            }
-        }
+        rotate(&mut self.steps, moved, turns, &self.counts);
     }
 }
 
@@ -71,25 +62,24 @@ const PERIODS: usize = 40;
 /// Longer cycles are not looked for, in periods of the forcing.
 const LONGEST: usize = 64;
 
-/// Sizes of the states of instants.
-fn sizes(instants: &[Instant], turns: &[Turn<f64>]) -> Vec<f64> {
-    let n = instants.first().map_or(0, |instant| instant.state.len());
-    let mut sizes = vec![0.0_f64; n];
-    for instant in instants {
-        for (size, x) in sizes.iter_mut().zip(&instant.state) {
+/// Sizes of states.
+fn sizes<'s>(states: impl IntoIterator<Item = &'s Vec<f64>>, turns: &[Turn<f64>]) -> Vec<f64> {
+    let mut sizes: Vec<f64> = Vec::new();
+    for state in states {
+        sizes.resize(state.len(), 0.0);
+        for (size, x) in sizes.iter_mut().zip(state) {
             *size = size.max(x.abs());
         }
     }
     for turn in turns {
         sizes[turn.state] = turn.period;
     }
-    let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
-    for size in &mut sizes {
-        if *size == 0.0 {
-            *size = if largest > 0.0 { largest } else { 1.0 };
-        }
-    }
-    sizes
+    without_zeros(sizes)
+}
+
+/// The states of instants.
+fn states(instants: &[Instant]) -> impl Iterator<Item = &Vec<f64>> {
+    instants.iter().map(|instant| &instant.state)
 }
 
 /// The instant that tells returns best: the latest crossing of the section, if there is any, else the latest release, else the fastest impact of late, else the latest of all.
@@ -130,7 +120,7 @@ fn latest_return(
     let Some(last) = landmark(instants, workshop.section) else {
         return Err(f64::INFINITY);
     };
-    let sizes = sizes(instants, turns);
+    let sizes = sizes(states(instants), turns);
     let mut nearest = f64::INFINITY;
     for first in (0..last).rev() {
         let (a, b) = (&instants[first], &instants[last]);
@@ -146,22 +136,30 @@ fn latest_return(
     Err(nearest)
 }
 
+/// Tells steps from the first turn of each phase, where phases have most digits and change least with their rate. Pieces of
+/// lookups are numbered on from turn to turn: where there are any, phases stay what they are.
+pub(crate) fn from_first_turn(steps: &mut [Step], turns: &[Turn<f64>]) {
+    if steps.iter().any(|step| !step.pieces.is_empty()) {
+        return;
+    }
+    for turn in turns {
+        let first = steps.first().map_or(0.0, |step| step.start[turn.state]);
+        let whole = (first / turn.period).floor() * turn.period;
+        for step in &mut *steps {
+            step.start[turn.state] -= whole;
+        }
+    }
+}
+
 /// The cycle between two instants.
 fn cycle(
     workshop: &Workshop,
     turns: &[Turn<f64>],
     instants: &[Instant],
 ) -> Result<Cycle, PeriodicError> {
-    let mut steps = read(&workshop.system, instants)?;
-    // In the first period, where phases have most digits.
-    for turn in turns {
-        let first = steps.first().map_or(0.0, |step| step.start[turn.state]);
-        let whole = (first / turn.period).floor() * turn.period;
-        for step in &mut steps {
-            step.start[turn.state] -= whole;
-        }
-    }
-    let sizes = sizes(instants, turns);
+    let mut steps = read(instants)?;
+    from_first_turn(&mut steps, turns);
+    let sizes = sizes(states(instants), turns);
     let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
     let difference = workshop.closure.difference(turns, (first, last), &sizes);
     Ok(Cycle {
@@ -181,78 +179,74 @@ pub(crate) fn settle(
 ) -> Result<Cycle, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
-    let forcing = workshop.closure.forcing(&workshop.model, &parameters);
+    let forcing = workshop.closure.forcing(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
-    {
-        let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
-        let mut instants: Vec<Instant> = Vec::new();
-        let mut strobes: Vec<Vec<f64>> = vec![state.to_vec()];
-        let mut total = 0;
-        let mut nearest = f64::INFINITY;
-        let end = loop {
-            match forcing {
-                Some(period) => {
-                    // A look at whole periods, whatever happens between.
-                    for _ in 0..PERIODS {
-                        let until = start + period * strobes.len() as f64;
-                        let before = instants.len();
-                        tracer.follow((until, usize::MAX / 2), &mut instants, observer)?;
-                        total += instants.len() - before;
-                        strobes.push(tracer.trajectory.state().to_vec());
-                    }
-                }
-                None => {
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let mut instants: Vec<Instant> = Vec::new();
+    let mut strobes: Vec<Vec<f64>> = vec![state.to_vec()];
+    let mut total = 0;
+    let mut nearest = f64::INFINITY;
+    let end = loop {
+        match forcing {
+            Some(period) => {
+                // A look at whole periods, whatever happens between.
+                for _ in 0..PERIODS {
+                    let until = start + period * strobes.len() as f64;
                     let before = instants.len();
-                    tracer.follow((start + patience.time, CHUNK), &mut instants, observer)?;
+                    tracer.follow((until, usize::MAX / 2), &mut instants, observer)?;
                     total += instants.len() - before;
-                    let quiet = instants.last().map_or(start, |instant| instant.time);
-                    let all = tracer.trajectory.time() - start;
-                    if instants.len() - before < CHUNK
-                        && tracer.trajectory.time() - quiet > 0.5 * all
-                    {
-                        return Err(PeriodicError::Equilibrium { time: quiet });
-                    }
+                    strobes.push(tracer.trajectory.state().to_vec());
                 }
             }
-            let keep = instants.len().saturating_sub(4 * CHUNK);
-            instants.drain(..keep);
-            if !instants.is_empty() {
-                match latest_return(workshop, &turns, &instants, NEAR[0]) {
-                    Ok((first, last)) => {
-                        return cycle(workshop, &turns, &instants[first..=last]);
-                    }
-                    Err(distance) => nearest = nearest.min(distance),
+            None => {
+                let before = instants.len();
+                tracer.follow((start + patience.time, CHUNK), &mut instants, observer)?;
+                total += instants.len() - before;
+                let quiet = instants.last().map_or(start, |instant| instant.time);
+                let all = tracer.trajectory.time() - start;
+                if instants.len() - before < CHUNK && tracer.trajectory.time() - quiet > 0.5 * all {
+                    return Err(PeriodicError::Equilibrium { time: quiet });
                 }
-            } else if forcing.is_some()
-                && let Some(found) = timed(workshop, &turns, &tracer, &strobes, NEAR[0])
-            {
-                return Ok(found);
-            }
-            let over = total >= patience.events
-                || strobes.len() > patience.periods
-                || (forcing.is_none() && tracer.trajectory.time() >= start + patience.time);
-            if over || (forcing.is_none() && instants.is_empty()) {
-                break tracer.trajectory.time();
-            }
-        };
-        for near in &NEAR[1..] {
-            if let Ok((first, last)) = latest_return(workshop, &turns, &instants, *near) {
-                return cycle(workshop, &turns, &instants[first..=last]);
-            }
-            if instants.is_empty()
-                && forcing.is_some()
-                && let Some(found) = timed(workshop, &turns, &tracer, &strobes, *near)
-            {
-                return Ok(found);
             }
         }
-        if forcing.is_none() && instants.len() < 2 {
-            return Err(PeriodicError::Equilibrium {
-                time: instants.last().map_or(start, |instant| instant.time),
-            });
+        let keep = instants.len().saturating_sub(4 * CHUNK);
+        instants.drain(..keep);
+        if !instants.is_empty() {
+            match latest_return(workshop, &turns, &instants, NEAR[0]) {
+                Ok((first, last)) => {
+                    return cycle(workshop, &turns, &instants[first..=last]);
+                }
+                Err(distance) => nearest = nearest.min(distance),
+            }
+        } else if forcing.is_some()
+            && let Some(found) = timed(workshop, &turns, &tracer, &strobes, NEAR[0])
+        {
+            return Ok(found);
         }
-        Err(PeriodicError::NotSettled { time: end, nearest })
+        let over = total >= patience.events
+            || strobes.len() > patience.periods
+            || (forcing.is_none() && tracer.trajectory.time() >= start + patience.time);
+        if over || (forcing.is_none() && instants.is_empty()) {
+            break tracer.trajectory.time();
+        }
+    };
+    for near in &NEAR[1..] {
+        if let Ok((first, last)) = latest_return(workshop, &turns, &instants, *near) {
+            return cycle(workshop, &turns, &instants[first..=last]);
+        }
+        if instants.is_empty()
+            && forcing.is_some()
+            && let Some(found) = timed(workshop, &turns, &tracer, &strobes, *near)
+        {
+            return Ok(found);
+        }
     }
+    if forcing.is_none() && instants.len() < 2 {
+        return Err(PeriodicError::Equilibrium {
+            time: instants.last().map_or(start, |instant| instant.time),
+        });
+    }
+    Err(PeriodicError::NotSettled { time: end, nearest })
 }
 
 /// A cycle of so many periods of the forcing on which nothing happens.
@@ -264,41 +258,15 @@ fn timed(
     near: f64,
 ) -> Option<Cycle> {
     let (last, earlier) = strobes.split_last()?;
-    let mut sizes = vec![0.0_f64; last.len()];
-    for state in strobes.iter().rev().take(LONGEST) {
-        for (size, x) in sizes.iter_mut().zip(state) {
-            *size = size.max(x.abs());
-        }
-    }
-    for turn in turns {
-        sizes[turn.state] = turn.period;
-    }
-    let largest = sizes.iter().fold(1e-300_f64, |most, x| most.max(*x));
-    sizes
-        .iter_mut()
-        .filter(|size| **size == 0.0)
-        .for_each(|size| *size = largest);
-    let mut candidates = earlier.iter().rev().take(LONGEST).enumerate();
-    candidates.find_map(|(periods, state)| {
+    let sizes = sizes(strobes.iter().rev().take(LONGEST), turns);
+    let mut candidates = earlier.iter().rev().take(LONGEST);
+    candidates.find_map(|state| {
         let difference = (workshop.closure).difference(turns, (state, last), &sizes);
-        let period = turns
-            .iter()
-            .zip(&difference.turns)
-            .find(|(_, count)| **count != 0)?;
-        let _ = periods;
+        let lap = Closure::time_of(turns, &difference.turns)?;
+        let mut steps = vec![Step::timed(&tracer.trajectory, state.clone(), lap.time)];
+        from_first_turn(&mut steps, turns);
         (difference.distance <= near).then(|| Cycle {
-            steps: vec![Step {
-                passage: Passage::Timed(LegKind {
-                    mode: tracer.trajectory.mode,
-                    ends_at: None,
-                    jump: Jump::None,
-                }),
-                pieces: tracer.trajectory.pieces().to_vec(),
-                told: Vec::new(),
-                closed: tracer.trajectory.closed(),
-                start: state.clone(),
-                duration: period.0.period * *period.1 as f64,
-            }],
+            steps,
             counts: difference.turns.clone(),
             distance: difference.distance,
         })
@@ -312,10 +280,10 @@ pub(crate) fn loops(
     free: &[f64],
     state: &[f64],
     (passed, periods): (usize, usize),
-) -> Result<Vec<(usize, Cycle)>, PeriodicError> {
+) -> Result<Vec<Cycle>, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
-    let forcing = workshop.closure.forcing(&workshop.model, &parameters);
+    let forcing = workshop.closure.forcing(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
     let mut instants = Vec::new();
@@ -335,7 +303,7 @@ pub(crate) fn loops(
                             *turns = count as i64;
                         }
                     }
-                    found.push((count, cycle));
+                    found.push(cycle);
                 }
             }
         }
@@ -349,13 +317,56 @@ pub(crate) fn loops(
                 if let (Some(&first), Some(&last)) =
                     (crossings.get(passed), crossings.get(passed + count))
                 {
-                    found.push((count, cycle(workshop, &turns, &instants[first..=last])?));
+                    found.push(cycle(workshop, &turns, &instants[first..=last])?);
                 }
             }
         }
-        (None, None) => {}
+        (None, None) => {
+            // Nothing marks a period: the nearest returns of each passage, short ones first.
+            let time = start + LOOSE_TIME * (passed + 1) as f64;
+            tracer.follow((time, CHUNK), &mut instants, &mut quiet)?;
+            for (first, last) in near_returns(workshop, &turns, &instants, periods) {
+                found.push(cycle(workshop, &turns, &instants[first..=last])?);
+            }
+        }
     }
     Ok(found)
+}
+
+/// A loop that is to be closed comes back this near, against the size of the state.
+const LOOSE: f64 = 0.2;
+/// How long a trajectory is followed for loops where nothing says how long a period is.
+const LOOSE_TIME: f64 = 100.0;
+
+/// The nearest returns of the latest part of a trajectory to an instant of the same kind, no more than so many.
+fn near_returns(
+    workshop: &Workshop,
+    turns: &[Turn<f64>],
+    instants: &[Instant],
+    most: usize,
+) -> Vec<(usize, usize)> {
+    let Some(last) = landmark(instants, None) else {
+        return Vec::new();
+    };
+    let sizes = sizes(states(instants), turns);
+    let end = &instants[last];
+    let mut found: Vec<(usize, f64)> = (0..last)
+        .filter(|&first| {
+            let begin = &instants[first];
+            begin.guard == end.guard && begin.mode_after == end.mode_after
+        })
+        .map(|first| {
+            let pair = (&*instants[first].state, &*end.state);
+            (
+                first,
+                workshop.closure.difference(turns, pair, &sizes).distance,
+            )
+        })
+        .filter(|(_, distance)| *distance <= LOOSE)
+        .collect();
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    found.truncate(most);
+    found.into_iter().map(|(first, _)| (first, last)).collect()
 }
 
 /// The fastest impact between two times, and the one that would be it a lap later.

@@ -8,14 +8,16 @@
 //!
 //! Each is regular where an event grazes. A stretch through complete chatter is followed as it is, and its time eliminated.
 
-use super::closure::{Closure, Turn};
+use super::closure::{Closure, Lap, Turn};
 use super::error::PeriodicError;
 use super::itinerary::{Passage, Step, held};
-use crate::analysis::continuation::{Left, Linearised, Problem, Wrap};
+use super::multipliers::neutral;
+use crate::analysis::continuation::{Left, Linearised, Problem, Wrap, differenced};
+use crate::expressions::{Expr, Symbol};
 use crate::flow::leg::{
     Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch, StretchKind,
 };
-use crate::flow::{Settings, System};
+use crate::flow::{Closed, Settings, System};
 use crate::model::Model;
 use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -30,10 +32,45 @@ pub(crate) struct Workshop {
     pub free: Vec<usize>,
     /// Sizes of the free parameters.
     pub sizes: Vec<f64>,
+    /// Functions of the user's.
+    pub monitors: Vec<Monitor>,
     /// The section whose crossings are nodes, too: states are told there.
     pub section: Option<usize>,
     legs: Mutex<Vec<(LegKind, Arc<Leg>)>>,
     stretches: Mutex<Vec<(StretchKind, Arc<Stretch>)>>,
+}
+
+/// A function of the state that an orbit is told from, and of parameters, with its derivatives.
+#[derive(Clone, Debug)]
+pub(crate) struct Monitor {
+    value: Expr,
+    by_state: Vec<Expr>,
+    by_parameter: Vec<Expr>,
+}
+
+impl Monitor {
+    fn new(model: &mut Model, value: Expr, free: &[usize]) -> Self {
+        let mut graph = model.graph.clone();
+        let by_state = (0..model.states.len())
+            .map(|i| graph.derivative(value, Symbol::State(i)))
+            .collect();
+        let by_parameter = (free.iter())
+            .map(|&p| {
+                let rates = model.parameter_rates(&mut graph, p);
+                let along = graph.directional_derivatives(&[value], &|symbol| match symbol {
+                    Symbol::Parameter(i) => rates.get(i).copied(),
+                    Symbol::State(_) => None,
+                });
+                along[0]
+            })
+            .collect();
+        model.graph = graph;
+        Self {
+            value,
+            by_state,
+            by_parameter,
+        }
+    }
 }
 
 impl Workshop {
@@ -41,11 +78,17 @@ impl Workshop {
         model: &Model,
         (free, sizes): (&[usize], &[f64]),
         closure: Closure,
-        section: Option<usize>,
+        (section, monitors): (Option<usize>, &[Expr]),
     ) -> Result<Self, PeriodicError> {
+        let system = System::new(model).map_err(PeriodicError::System)?;
+        let mut model = model.clone();
+        let monitors = (monitors.iter())
+            .map(|&value| Monitor::new(&mut model, value, free))
+            .collect();
         Ok(Self {
-            system: System::new(model).map_err(PeriodicError::System)?,
-            model: model.clone(),
+            system,
+            model,
+            monitors,
             closure,
             free: free.to_vec(),
             sizes: sizes.to_vec(),
@@ -82,6 +125,16 @@ impl Workshop {
             .collect();
         self.model.parameter_values(&values)
     }
+}
+
+/// Sizes of states, where nothing is known of one that of the largest.
+pub(crate) fn without_zeros(mut sizes: Vec<f64>) -> Vec<f64> {
+    let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
+    let usual = if largest > 0.0 { largest } else { 1.0 };
+    for size in sizes.iter_mut().filter(|size| **size == 0.0) {
+        *size = usual;
+    }
+    sizes
 }
 
 /// How the parts of an orbit are computed.
@@ -186,13 +239,8 @@ impl<R: Real> Shooting<R> {
         for turn in self.workshop.closure.turns(&parameters).iter().flatten() {
             sizes[turn.state] = turn.period;
         }
-        let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
+        let sizes = without_zeros(sizes);
         let period: f64 = self.steps.iter().map(|step| step.duration).sum();
-        for size in &mut sizes {
-            if *size == 0.0 {
-                *size = if largest > 0.0 { largest } else { 1.0 };
-            }
-        }
         let mut scales = Vec::new();
         for step in &self.steps {
             scales.extend(&sizes);
@@ -205,11 +253,6 @@ impl<R: Real> Shooting<R> {
         self.pins = (self.steps.first())
             .map(|step| step.start.iter().map(|&x| R::splat(x)).collect())
             .unwrap_or_default();
-    }
-
-    /// The size of each unknown.
-    pub(crate) fn scales_of(&self) -> &[f64] {
-        &self.scales
     }
 
     /// The size of each state.
@@ -251,14 +294,34 @@ impl<R: Real> Shooting<R> {
 
     /// Takes a solution as what later guesses and sizes start from.
     pub(crate) fn adopt(&mut self, at: &[R]) {
-        let n = self.workshop.model.states.len();
-        for (index, step) in self.steps.iter_mut().enumerate() {
-            let place = self.places[index];
-            step.start = at[place..place + n].iter().map(|x| x.to_f64()).collect();
-            if let Some(landing) = self.latest.get(index) {
-                step.duration = landing.duration.to_f64();
+        self.steps = self.current_steps(at);
+    }
+
+    /// The steps with their nodes and times as they are at a point.
+    pub(crate) fn current_steps(&self, at: &[R]) -> Vec<Step> {
+        let current = |(index, step): (usize, &Step)| {
+            let latest = || Some(self.latest.get(index)?.duration);
+            let duration = (self.duration_place(index).map(|place| at[place])).or_else(latest);
+            Step {
+                start: self.node(at, index).iter().map(|x| x.to_f64()).collect(),
+                duration: duration.map_or(step.duration, |duration| duration.to_f64()),
+                ..step.clone()
             }
-        }
+        };
+        self.steps.iter().enumerate().map(current).collect()
+    }
+
+    /// Contacts that are closed when a step begins.
+    pub(crate) fn closed_before(&self, index: usize) -> Closed {
+        let count = self.steps.len();
+        self.steps[(index + count - 1) % count].closed
+    }
+
+    /// Impacts a period; none where infinitely many.
+    pub(crate) fn impacts(&self) -> Option<u64> {
+        let impacts = (self.steps.iter()).filter(|step| step.impact().is_some());
+        let infinite = self.steps.iter().any(Step::is_stretch);
+        (!infinite).then_some(impacts.count() as u64)
     }
 
     /// The same orbit, told from the node of step `by` on.
@@ -315,6 +378,17 @@ impl<R: Real> Shooting<R> {
         all
     }
 
+    /// How long a leg without an event lasts: its part of the time that the phases take for their turns.
+    fn timed(&self, turns: &[Turn<R>]) -> Option<Lap<R>> {
+        let timed = (self.steps.iter()).filter(|step| matches!(step.passage, Passage::Timed(_)));
+        let legs = R::splat(timed.count().max(1) as f64);
+        let Lap { time, slopes } = Closure::time_of(turns, &self.counts)?;
+        Some(Lap {
+            time: time / legs,
+            slopes: slopes.into_iter().map(|slope| slope / legs).collect(),
+        })
+    }
+
     fn land(
         &mut self,
         at: &[R],
@@ -323,6 +397,7 @@ impl<R: Real> Shooting<R> {
     ) -> Result<Vec<Landing<R>>, Left> {
         let n = self.workshop.model.states.len();
         let mut landings = Vec::with_capacity(self.steps.len());
+        let timed = self.timed(turns);
         for index in 0..self.steps.len() {
             let all = self.parameters_of(parameters, &self.steps[index]);
             let place = self.places[index];
@@ -332,12 +407,7 @@ impl<R: Real> Shooting<R> {
                 Flown::Leg(leg, flyer) => {
                     let duration = match step.passage {
                         Passage::Leg(_) => at[place + n],
-                        // Whole periods of the first phase that turns.
-                        _ => (turns.iter().zip(&self.counts))
-                            .find(|(_, count)| **count != 0)
-                            .map_or(R::ZERO, |(turn, &count)| {
-                                turn.period * R::splat(count as f64)
-                            }),
+                        _ => timed.as_ref().map_or(R::ZERO, |lap| lap.time),
                     };
                     if duration <= R::ZERO || !duration.is_finite() {
                         return Err(Left::because(format_args!(
@@ -463,6 +533,50 @@ impl<R: Real> Shooting<R> {
     }
 }
 
+impl<R: Real> Shooting<R> {
+    /// The number of the function that vanishes where a pair of multipliers is on the unit circle.
+    pub(crate) fn pair_function(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// The number of one of the user's functions.
+    pub(crate) fn user_function(&self, index: usize) -> usize {
+        self.steps.len() + 1 + index
+    }
+
+    /// The value of one of the user's functions at the first node.
+    pub(crate) fn monitored(&self, index: usize, at: &[R]) -> f64 {
+        let parameters = self.workshop.parameters(self.free(at));
+        let graph = &self.workshop.model.graph;
+        let value = graph.evaluate(
+            self.workshop.monitors[index].value,
+            self.node(at, 0),
+            &parameters,
+        );
+        value.to_f64()
+    }
+
+    /// The same, with its derivatives.
+    fn function(&self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
+        let monitor = (self.workshop.monitors.get(index))
+            .ok_or_else(|| Left::because(format_args!("there is no function {index}")))?;
+        let parameters = self.workshop.parameters(self.free(at));
+        let of = |expr: Expr| {
+            let graph = &self.workshop.model.graph;
+            graph.evaluate(expr, self.node(at, 0), &parameters)
+        };
+        let mut gradient = vec![R::ZERO; at.len()];
+        for (entry, &slope) in gradient[self.places[0]..].iter_mut().zip(&monitor.by_state) {
+            *entry = of(slope);
+        }
+        let free = at.len() - self.workshop.free.len();
+        for (entry, &slope) in gradient[free..].iter_mut().zip(&monitor.by_parameter) {
+            *entry = of(slope);
+        }
+        Ok((of(monitor.value), gradient))
+    }
+}
+
 impl Shooting<f64> {
     /// The least values of all guards on the way of the orbit, by step.
     pub(crate) fn least(&mut self, at: &[f64]) -> Result<Vec<Vec<Least>>, Left> {
@@ -528,6 +642,7 @@ impl<R: Real> Problem<R> for Shooting<R> {
         let parameters = workshop.parameters(self.free(at));
         let turns = workshop.closure.turns(&parameters).map_err(Left::because)?;
         let landings = self.land(at, &turns, &parameters)?;
+        let lap = self.timed(&turns);
         let mut residual = vec![R::ZERO; unknowns - free];
         let mut jacobian = Matrix::zeros(unknowns - free, unknowns);
         let count = self.steps.len();
@@ -570,14 +685,9 @@ impl<R: Real> Problem<R> for Shooting<R> {
                 }
                 if timed {
                     // The duration follows the period.
-                    if let Some((turn, &times)) = turns
-                        .iter()
-                        .zip(&self.counts)
-                        .find(|(_, count)| **count != 0)
-                    {
-                        for (k, &slope) in turn.slopes.iter().enumerate() {
-                            jacobian[(row, unknowns - free + k)] -=
-                                landing.image_rate[i] * slope * R::splat(times as f64);
+                    if let Some(lap) = &lap {
+                        for (k, &slope) in lap.slopes.iter().enumerate() {
+                            jacobian[(row, unknowns - free + k)] -= landing.image_rate[i] * slope;
                         }
                     }
                 }
@@ -633,8 +743,21 @@ impl<R: Real> Problem<R> for Shooting<R> {
         Ok(Linearised { residual, jacobian })
     }
 
-    /// The rate before the event at the end of step `index`, divided by nothing: zero where it grazes.
+    /// Function number `index`: for each step the rate before the event at its end, zero where it grazes; then what vanishes
+    /// where a pair of multipliers is on the unit circle; then the user's functions.
     fn monitor(&mut self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
+        if index == self.pair_function() {
+            return differenced(self, at, |shooting, at| {
+                shooting.evaluate(at)?;
+                let found = neutral(&shooting.multipliers());
+                let (off, ..) =
+                    found.ok_or_else(|| Left::because("there are no two multipliers"))?;
+                Ok(R::splat(off))
+            });
+        }
+        if let Some(index) = index.checked_sub(self.user_function(0)) {
+            return self.function(index, at);
+        }
         if self.watching.as_deref() != Some(at) {
             self.evaluate(at)?;
         }

@@ -1,12 +1,13 @@
 //! All that hangs together over a range of a parameter: a branch, those beyond the borders at its ends, and those that leave at its
 //! special points.
 
+use super::aside::Aside;
 use super::branch::{Branch, End, Limits, Point, Special, SpecialKind, follow};
 use super::error::PeriodicError;
 use super::orbit::close;
 use super::settle::{Patience, settle};
 use super::shooting::{Shooting, Workshop};
-use crate::analysis::continuation::{Condition, Singular, newton};
+use crate::analysis::continuation::Singular;
 use core::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -36,13 +37,7 @@ pub(crate) fn survey(
     (state, patience): (&[f64], Patience),
     observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
 ) -> Result<Vec<Branch>, PeriodicError> {
-    let mut interrupted = false;
-    let mut watch = |point: &Point| {
-        let told = observer(point);
-        interrupted |= told.is_break();
-        told
-    };
-    let mut branches = vec![follow(workshop, shooting, at, limits, &mut watch)?];
+    let mut branches = vec![follow(shooting, at, limits, observer)?];
     let mut next = 0;
     let mut hops = 0;
     while next < branches.len() {
@@ -74,26 +69,20 @@ pub(crate) fn survey(
                 }
                 if !is_known(&branches, beyond, orbit.impacts) {
                     hops += 1;
-                    branches.push(follow(
-                        workshop,
-                        &orbit.shooting,
-                        &orbit.at,
-                        limits,
-                        &mut watch,
-                    )?);
+                    branches.push(follow(&orbit.shooting, &orbit.at, limits, observer)?);
                 }
                 break;
             }
         }
         next += 1;
     }
-    leave(workshop, &mut branches, (limits, beside), &mut watch);
+    leave(&mut branches, (limits, beside), observer);
     Ok(branches)
 }
 
 /// How each end came about, where it is, and to which side the parameter went.
 fn ends(branch: &Branch) -> Vec<(End, f64, f64)> {
-    let value = |point: Option<&Point>| point.and_then(|p| p.parameters.last().copied());
+    let value = |point: Option<&Point>| point.map(Point::parameter);
     let mut found = Vec::new();
     let points = &branch.points;
     let count = points.len();
@@ -116,8 +105,7 @@ fn ends(branch: &Branch) -> Vec<(End, f64, f64)> {
 fn is_known(branches: &[Branch], value: f64, impacts: Option<u64>) -> bool {
     branches.iter().any(|branch| {
         branch.points.windows(2).any(|pair| {
-            let at = |point: &Point| point.parameters.last().copied().unwrap_or(f64::NAN);
-            let (a, b) = (at(&pair[0]), at(&pair[1]));
+            let (a, b) = (pair[0].parameter(), pair[1].parameter());
             pair[0].impacts == impacts && a.min(b) <= value && value <= a.max(b)
         })
     })
@@ -125,7 +113,6 @@ fn is_known(branches: &[Branch], value: f64, impacts: Option<u64>) -> bool {
 
 /// Follows what leaves at special points.
 fn leave(
-    workshop: &Arc<Workshop>,
     branches: &mut Vec<Branch>,
     (limits, beside): (&Limits, Beside),
     observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
@@ -149,7 +136,7 @@ fn leave(
                 }
                 _ => continue,
             };
-            let value = special.point.parameters.last().copied().unwrap_or(f64::NAN);
+            let value = special.point.parameter();
             let near = SAME * (limits.range.1 - limits.range.0);
             let is_passed = |(kind, at): &(SpecialKind, f64)| {
                 *kind == special.kind && (at - value).abs() <= near
@@ -158,15 +145,14 @@ fn leave(
                 continue;
             }
             passed.push((special.kind, value));
-            let Some((shooting, at)) = aside(workshop, special, sign) else {
+            let Some((shooting, at)) = leaving(special, sign) else {
                 continue;
             };
-            if let Ok(branch) = follow(workshop, &shooting, &at, limits, observer) {
+            if let Ok(branch) = follow(&shooting, &at, limits, observer) {
                 // The far end of a doubled branch is a doubling of the same one again.
                 for end in &branch.special {
-                    let at = end.point.parameters.last().copied().unwrap_or(f64::NAN);
                     if end.kind == SpecialKind::BranchPoint {
-                        passed.push((SpecialKind::PeriodDoubling, at));
+                        passed.push((SpecialKind::PeriodDoubling, end.point.parameter()));
                     }
                 }
                 branches.push(branch);
@@ -180,49 +166,11 @@ fn leave(
 }
 
 /// An orbit on the branch that leaves another at a special point: once, or twice around it.
-fn aside(
-    workshop: &Arc<Workshop>,
-    special: &Special,
-    sign: f64,
-) -> Option<(Shooting<f64>, Vec<f64>)> {
+fn leaving(special: &Special, sign: f64) -> Option<(Shooting<f64>, Vec<f64>)> {
     let seed = special.seed.as_ref()?;
     let mut shooting = seed.shooting.clone();
     let singular = Singular::near(&mut shooting, &seed.at, sign).ok()?;
-    let free = workshop.free.len();
-    let size = seed.at.len() - free;
-    let direction = singular.direction();
-    let reach = (direction.iter().zip(shooting.scales_of()))
-        .fold(0.0_f64, |most, (x, scale)| most.max(x.abs() / scale));
-    let by = ASIDE / reach;
-    let moved = |sign: f64| -> Vec<f64> {
-        (seed.at[..size].iter().zip(direction))
-            .map(|(x, v)| x + sign * by * v)
-            .collect()
-    };
-    let mut steps = shooting.current_steps(&[moved(1.0), seed.at[size..].to_vec()].concat());
-    let mut counts = shooting.counts.clone();
-    let mut guess = moved(1.0);
-    if sign < 0.0 {
-        steps.extend(shooting.current_steps(&[moved(-1.0), seed.at[size..].to_vec()].concat()));
-        counts.iter_mut().for_each(|count| *count *= 2);
-        let mut second = moved(-1.0);
-        shooting.turn_on(&mut second, &seed.at);
-        guess.extend(second);
-    }
-    guess.extend(&seed.at[size..]);
-    let mut doubled = Shooting::<f64>::new(workshop, steps, counts).ok()?;
-    // The displacement is held, the parameter free.
-    let mut row = vec![0.0; guess.len()];
-    row[..size].copy_from_slice(direction);
-    if sign < 0.0 {
-        for (entry, v) in row[size..2 * size].iter_mut().zip(direction) {
-            *entry = -v;
-        }
-    }
-    let value = crate::numerics::dot(&row, &guess);
-    let mut conditions = super::branch::held_parameters(&guess, free);
-    conditions.push(Condition { row, value });
-    let found = newton(&mut doubled, &guess, &conditions).ok()?;
-    doubled.adopt(&found.at);
-    Some((doubled, found.at))
+    let mut aside = Aside::new(&shooting, &seed.at, &singular, ASIDE)?;
+    let at = aside.close(&[])?;
+    Some((aside.shooting, at))
 }

@@ -1,0 +1,92 @@
+//! Orbits beside one whose equations are singular: displaced along what the singular matrix takes to zero, once or twice around.
+
+use super::shooting::Shooting;
+use crate::analysis::continuation::{Condition, Problem, Singular, newton};
+use crate::numerics::dot;
+
+/// Equations of an orbit aside, a guess of it, and the row that tells how far aside it is.
+pub(crate) struct Aside {
+    pub shooting: Shooting<f64>,
+    pub guess: Vec<f64>,
+    row: Vec<f64>,
+}
+
+impl Aside {
+    /// Displaced so far, against the size of the orbit; twice around where the cycle closes with the other sign.
+    pub(crate) fn new(
+        shooting: &Shooting<f64>,
+        at: &[f64],
+        singular: &Singular<f64>,
+        far: f64,
+    ) -> Option<Self> {
+        let size = at.len() - shooting.parameters();
+        let direction = singular.direction();
+        let reach = (direction.iter().zip(shooting.scales()))
+            .fold(0.0_f64, |most, (x, scale)| most.max(x.abs() / scale));
+        let by = far / reach;
+        let moved = |sign: f64| -> Vec<f64> {
+            let displaced = (at[..size].iter().zip(direction)).map(|(x, v)| x + sign * by * v);
+            displaced.chain(at[size..].iter().copied()).collect()
+        };
+        let mut steps = shooting.current_steps(&moved(1.0));
+        let mut counts = shooting.counts.clone();
+        let mut guess = moved(1.0)[..size].to_vec();
+        let mut row = direction.to_vec();
+        if singular.sign() < 0.0 {
+            steps.extend(shooting.current_steps(&moved(-1.0)));
+            counts.iter_mut().for_each(|count| *count *= 2);
+            let mut second = moved(-1.0)[..size].to_vec();
+            shooting.turn_on(&mut second, at);
+            guess.extend(second);
+            row.extend(direction.iter().map(|v| -v));
+        }
+        guess.extend(&at[size..]);
+        row.resize(guess.len(), 0.0);
+        Some(Self {
+            shooting: Shooting::new(&shooting.workshop, steps, counts).ok()?,
+            guess,
+            row,
+        })
+    }
+
+    /// The orbit so far aside, where these rows of the free parameters keep their products.
+    pub(crate) fn close(&mut self, held: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let mut rows = vec![self.row.clone()];
+        for parameters in held {
+            let mut row = vec![0.0; self.guess.len() - parameters.len()];
+            row.extend(parameters);
+            rows.push(row);
+        }
+        let conditions: Vec<Condition<f64>> = (rows.into_iter())
+            .map(|row| Condition {
+                value: dot(&row, &self.guess),
+                row,
+            })
+            .collect();
+        let found = newton(&mut self.shooting, &self.guess, &conditions).ok()?;
+        self.shooting.adopt(&found.at);
+        Some(found.at)
+    }
+}
+
+/// So far aside are the orbits that tell to which side a branch leaves, and half of it: what is left of the next order is
+/// taken out of both.
+const FAR: f64 = 6e-3;
+
+/// How far the parameters of the orbits beside a singular one lie along a row, at the parameters that hold the other rows:
+/// in parts of the square of how far aside they are. Positive where the branch that leaves goes along the row.
+pub(crate) fn shift(
+    shooting: &Shooting<f64>,
+    at: &[f64],
+    singular: &Singular<f64>,
+    (along, held): (&[f64], &[Vec<f64>]),
+) -> Option<f64> {
+    let free = shooting.parameters();
+    let here = dot(along, &at[at.len() - free..]);
+    let of = |far: f64| {
+        let mut aside = Aside::new(shooting, at, singular, far)?;
+        let found = aside.close(held)?;
+        Some((dot(along, &found[found.len() - free..]) - here) / (far * far))
+    };
+    Some((4.0 * of(0.5 * FAR)? - of(FAR)?) / 3.0)
+}

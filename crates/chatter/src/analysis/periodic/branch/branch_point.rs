@@ -1,0 +1,121 @@
+//! Points where branches meet, from stations around them.
+
+use super::walker::{NOISE, Walker};
+use super::{Point, SpecialKind};
+use crate::analysis::continuation::{Problem, Station};
+
+impl Walker {
+    /// A point where branches meet. The equations are singular there, so it is found from stations around it: the
+    /// polynomial through what vanishes, a multiplier less one or, on a branch that turns, the tangent's part along the
+    /// parameter.
+    pub(super) fn branch_point(&mut self, from: &Station, step: f64, (before, after): (f64, f64)) {
+        let turns = before * after < 0.0;
+        let mut reader = self.shooting.clone();
+        let mut value = |station: &Station| {
+            if turns {
+                return station.tangent.last().copied();
+            }
+            reader.evaluate(&station.at).ok()?;
+            let found = reader.multipliers();
+            (found.iter().filter(|m| m.im == 0.0))
+                .map(|m| m.re - 1.0)
+                .min_by(|a, b| a.abs().total_cmp(&b.abs()))
+        };
+        let mut ends = (0.0, step);
+        let mut fit: Option<(f64, Vec<f64>)> = None;
+        // Around the first root of the polynomial the next one is fitted more closely.
+        for width in [1.0, 0.2, 0.04] {
+            let (low, high) = match fit {
+                None => ends,
+                Some((root, ..)) => {
+                    let half: f64 = 0.5 * width * step;
+                    ((root - half).max(0.0), (root + half).min(step))
+                }
+            };
+            ends = (low, high);
+            let mut places = Vec::new();
+            let mut values = Vec::new();
+            let mut stations = Vec::new();
+            for k in 0..FITTED {
+                let angle = core::f64::consts::PI * (k as f64 + 0.5) / FITTED as f64;
+                let at = 0.5 * (low + high) - 0.5 * (high - low) * libm::cos(angle);
+                let Ok((station, _)) = from.ahead(&mut self.shooting, at) else {
+                    continue;
+                };
+                let Some(here) = value(&station) else {
+                    continue;
+                };
+                places.push(at);
+                values.push(here);
+                stations.push(station);
+            }
+            let Some(root) = root_of(&places, &values, ends) else {
+                break;
+            };
+            let at: Vec<f64> = (0..from.at.len())
+                .map(|i| {
+                    let component: Vec<f64> = stations.iter().map(|s| s.at[i]).collect();
+                    interpolated(&places, &component, root)
+                })
+                .collect();
+            let earlier = fit.as_ref().map(|(_, at)| at[at.len() - 1]);
+            let error = earlier.map_or(step, |earlier| (earlier - at[at.len() - 1]).abs());
+            fit = Some((root, at.clone()));
+            if width < 0.1 {
+                let station = Station {
+                    at,
+                    ..stations[0].clone()
+                };
+                self.settle(&station);
+                let here = Point::new(&self.shooting, &station);
+                let residual = interpolated(&places, &values, root).abs();
+                let noise = NOISE * f64::EPSILON * station.parameter().abs();
+                let at = station.at.clone();
+                self.note(
+                    SpecialKind::BranchPoint,
+                    &here,
+                    &at,
+                    error.max(noise),
+                    residual,
+                );
+            }
+        }
+    }
+}
+
+/// Stations that a polynomial is fitted to.
+const FITTED: usize = 8;
+
+/// The polynomial through points, in Lagrange's form.
+fn interpolated(places: &[f64], values: &[f64], at: f64) -> f64 {
+    let mut sum = 0.0;
+    for (i, (&x, &y)) in places.iter().zip(values).enumerate() {
+        let weight: f64 = (places.iter().enumerate())
+            .filter(|(k, _)| *k != i)
+            .map(|(_, other)| (at - other) / (x - other))
+            .product();
+        sum += weight * y;
+    }
+    sum
+}
+
+/// Where it vanishes between the ends, by bisection.
+fn root_of(places: &[f64], values: &[f64], (mut low, mut high): (f64, f64)) -> Option<f64> {
+    if places.len() < FITTED / 2 {
+        return None;
+    }
+    let at = |x: f64| interpolated(places, values, x);
+    let sign = at(low) > 0.0;
+    if sign == (at(high) > 0.0) {
+        return None;
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if (at(middle) > 0.0) == sign {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}

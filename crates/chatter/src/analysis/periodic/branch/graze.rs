@@ -1,0 +1,307 @@
+//! From one sequence of events to the next, where an impact comes in or goes out.
+
+use super::holds::{Broken, first_break};
+use super::limits::End;
+use super::walker::{NOISE, Stop, Walker};
+use super::{Point, SpecialKind};
+use crate::analysis::continuation::{Curve, Held, Problem, Settings, Station, newton, tangent};
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::itinerary::{Passage, Step, rotate};
+use crate::analysis::periodic::shooting::Shooting;
+use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, Least, LegKind};
+
+/// This part of a step before a graze.
+const NOT_QUITE: f64 = 1e-5;
+/// Where a new sequence begins its steps, against those before.
+const CAREFUL: f64 = 0.05;
+
+impl Shooting<f64> {
+    /// The same orbit with an impact of rate zero where a guard has its least value on a step, and the step that it ends.
+    pub(crate) fn with_event(
+        &self,
+        at: &[f64],
+        index: usize,
+        least: &Least,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let GuardKind::Gap(contact) = least.guard else {
+            return Err(unfollowed("a guard that is touched and is no gap"));
+        };
+        let mut steps = self.current_steps(at);
+        let whole = steps[index].clone();
+        let touches = |mode: usize| {
+            Passage::Leg(LegKind {
+                mode,
+                ends_at: Some(least.guard),
+                jump: Jump::Impact(contact),
+            })
+        };
+        let index = match whole.passage {
+            Passage::Leg(kind) => {
+                let first = Step {
+                    passage: touches(kind.mode),
+                    duration: least.time,
+                    told: Vec::new(),
+                    closed: self.closed_before(index),
+                    ..whole.clone()
+                };
+                let second = Step {
+                    start: least.state.clone(),
+                    duration: whole.duration - least.time,
+                    ..whole
+                };
+                steps.splice(index..=index, [first, second]);
+                index
+            }
+            // Nothing else happens: one leg from the touch to the next one.
+            Passage::Timed(kind) => {
+                let period = steps.iter().map(|step| step.duration).sum();
+                steps = vec![Step {
+                    passage: touches(kind.mode),
+                    start: least.state.clone(),
+                    duration: period,
+                    ..whole
+                }];
+                0
+            }
+            Passage::Stretch(_) => {
+                return Err(unfollowed("a graze within what is followed as a whole"));
+            }
+        };
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// The same orbit without the event at the end of a step, which leaves the state as it is, and the step that goes on
+    /// past it.
+    pub(crate) fn without_event(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let Passage::Leg(kind) = steps[index].passage else {
+            return Err(unfollowed("the loss of what is no event by itself"));
+        };
+        let count = steps.len();
+        if count == 1 {
+            let timed = LegKind {
+                ends_at: None,
+                jump: Jump::None,
+                ..kind
+            };
+            if self.counts.iter().all(|count| *count == 0) {
+                return Err(unfollowed("the loss of its only event"));
+            }
+            steps[0].passage = Passage::Timed(timed);
+            let (shooting, at) = self.like(steps, at)?;
+            return Ok((shooting, at, 0));
+        }
+        let mut index = index;
+        if index + 1 == count {
+            if !steps[index].pieces.is_empty() {
+                return Err(unfollowed(
+                    "the loss of its last event, with pieces of lookups",
+                ));
+            }
+            let free: Vec<f64> = self.free(at).to_vec();
+            let turns = (self.workshop.closure).turns(&self.workshop.parameters(&free))?;
+            rotate(&mut steps, 1, &turns, &self.counts);
+            index -= 1;
+        }
+        let next = index + 1;
+        if !matches!(steps[next].passage, Passage::Leg(other) if other.mode == kind.mode) {
+            return Err(unfollowed("the loss of an event between different modes"));
+        }
+        let merged = Step {
+            start: steps[index].start.clone(),
+            duration: steps[index].duration + steps[next].duration,
+            ..steps[next].clone()
+        };
+        steps.splice(index..=next, [merged]);
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// Equations of other steps of the same system, and a guess of their solution.
+    fn like(&self, steps: Vec<Step>, at: &[f64]) -> Result<(Self, Vec<f64>), PeriodicError> {
+        let shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
+        let guess = shooting.guess(self.free(at));
+        Ok((shooting, guess))
+    }
+}
+
+fn unfollowed(what: &str) -> PeriodicError {
+    PeriodicError::Unfollowed {
+        what: what.to_owned(),
+    }
+}
+
+impl Walker {
+    /// Goes on past the first place where the sequence of events breaks.
+    pub(super) fn pass(
+        &mut self,
+        curve: &mut Curve,
+        step: f64,
+        broken: Vec<Broken>,
+        here: &mut Point,
+    ) -> Stop {
+        let from = curve.station.clone();
+        let mut reader = self.shooting.clone();
+        let first = first_break(&mut self.shooting, &mut reader, (&from, step), broken);
+        let Some((broken, station, reached)) = first else {
+            return Stop::End(End::Lost("the sequence of events changes".to_owned()));
+        };
+        self.settle(&station);
+        // Special points before it.
+        let there = Point::new(&self.shooting, &station);
+        // Where an impact loses its rate multipliers have a pole: not quite there.
+        let close = reached * (1.0 - NOT_QUITE);
+        if let Ok((nearly, _)) = from.ahead(&mut self.shooting, close) {
+            self.settle(&nearly);
+            let near = Point::new(&self.shooting, &nearly);
+            let before = here.clone();
+            self.between(&from, &nearly, close, (&before, &near));
+        }
+        self.settle(&station);
+        let forward = station.tangent[station.tangent.len() - 1];
+        let outcome = match broken {
+            Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
+            Broken::Event(index) => self.lose(&station, index, &there),
+            Broken::Early(index, guard) => Err(format!(
+                "another event comes before event {index} of the orbit: {guard:?}"
+            )),
+        };
+        match outcome {
+            Ok(next) => {
+                if let Some(special) = self.special.last_mut() {
+                    let onward = next.tangent[next.tangent.len() - 1];
+                    special.persists = Some(onward * forward > 0.0);
+                }
+                self.settle(&next);
+                *here = Point::new(&self.shooting, &next);
+                let careful = Settings {
+                    first_step: (CAREFUL * curve.step).max(1e-9),
+                    ..self.limits.settings()
+                };
+                *curve = Curve::new(next, careful);
+                Stop::On
+            }
+            Err(why) => Stop::End(End::Lost(why)),
+        }
+    }
+
+    /// A flight touches: an impact comes in. The new equations, at their first station.
+    fn gain(
+        &mut self,
+        station: &Station,
+        (index, guard): (usize, GuardKind),
+        there: &Point,
+    ) -> Result<Station, String> {
+        let told = |error: &dyn core::fmt::Display| error.to_string();
+        let least = (self.shooting.least(&station.at)).map_err(|left| left.to_string())?;
+        let touching = (least[index].iter())
+            .filter(|l| l.guard == guard && !l.at_end)
+            .min_by(|a, b| a.value.total_cmp(&b.value))
+            .ok_or("the touch is lost")?
+            .clone();
+        if !matches!(guard, GuardKind::Gap(_)) {
+            self.note(
+                SpecialKind::Touch,
+                there,
+                &station.at,
+                1e-12,
+                touching.value.abs(),
+            );
+            return Err("a guard is touched that no event follows".to_owned());
+        }
+        let (mut longer, guess, index) = (self.shooting.with_event(&station.at, index, &touching))
+            .map_err(|error| told(&error))?;
+        let mut held = Held::monitor(&mut longer, index);
+        let found = newton(&mut held, &guess, &[]).map_err(|error| told(&error))?;
+        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
+        let (_, gradient) = (longer.monitor(index, &found.at)).map_err(|left| told(&left))?;
+        let mut tangent =
+            tangent(&mut longer, &found.at, &gradient).map_err(|error| told(&error))?;
+        // The impact's rate is to grow: against the gap.
+        if crate::numerics::dot(&gradient, &tangent) > 0.0 {
+            tangent.iter_mut().for_each(|x| *x = -*x);
+        }
+        let next = Station {
+            at: found.at.clone(),
+            tangent,
+            residual: found.residual,
+            correction: found.correction,
+            orientation: 0.0,
+        };
+        let mut point = there.clone();
+        if let (Some(at), Some(found)) = (point.parameters.last_mut(), found.at.last()) {
+            *at = *found;
+        }
+        self.shooting = longer;
+        self.note(
+            SpecialKind::FlightGraze,
+            &point,
+            &found.at,
+            error.max(NOISE * f64::EPSILON * next.parameter().abs()),
+            found.residual,
+        );
+        Ok(next)
+    }
+
+    /// An impact has lost its rate: it goes out.
+    fn lose(&mut self, station: &Station, index: usize, there: &Point) -> Result<Station, String> {
+        let told = |error: &dyn core::fmt::Display| error.to_string();
+        let mut held = Held::monitor(&mut self.shooting, index);
+        let found = newton(&mut held, &station.at, &[]).map_err(|error| told(&error))?;
+        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
+        let is_impact = self.shooting.steps[index].impact().is_some();
+        let mut at_graze = there.clone();
+        if let (Some(at), Some(found)) = (at_graze.parameters.last_mut(), found.at.last()) {
+            *at = *found;
+        }
+        let kind = if is_impact {
+            SpecialKind::ImpactGraze
+        } else {
+            SpecialKind::Touch
+        };
+        let error = error.max(NOISE * f64::EPSILON * station.parameter().abs());
+        self.note(kind, &at_graze, &found.at, error, found.residual);
+        if !is_impact {
+            return Err("an event that is no impact is only touched".to_owned());
+        }
+        let (mut shorter, guess, merged) =
+            (self.shooting.without_event(&found.at, index)).map_err(|error| told(&error))?;
+        let last = guess.len() - 1;
+        let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
+        shorter.evaluate(&next.at).map_err(|left| told(&left))?;
+        if let Some(special) = self.special.last_mut() {
+            // Told of the orbit without the impact.
+            special.point.multipliers = shorter.multipliers();
+            special.point.impacts = special.point.impacts.map(|n| n - 1);
+        }
+        // To the side where the gap stays open.
+        let guard = self.shooting.steps[index].ends_at();
+        let gap = |shooting: &mut Shooting<f64>, station: &Station| {
+            let least = shooting.least(&station.at).ok()?;
+            (least.get(merged)?.iter())
+                .filter(|l| Some(l.guard) == guard && !l.at_end)
+                .map(|l| l.value)
+                .min_by(f64::total_cmp)
+        };
+        let probe = 1e-6;
+        let mut opens = |station: &Station| {
+            let (ahead, _) = station.ahead(&mut shorter, probe).ok()?;
+            gap(&mut shorter, &ahead)
+        };
+        let reversed = next.clone().reversed();
+        let (up, down) = (opens(&next), opens(&reversed));
+        let forward = match (up, down) {
+            (Some(up), Some(down)) => up >= down,
+            (Some(_), None) => true,
+            _ => false,
+        };
+        self.shooting = shorter;
+        Ok(if forward { next } else { reversed })
+    }
+}

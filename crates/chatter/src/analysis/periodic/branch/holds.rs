@@ -1,0 +1,125 @@
+//! Whether the sequence of events still holds along a solution of its equations.
+
+use crate::analysis::continuation::{Left, Problem, Station, locate};
+use crate::analysis::periodic::shooting::Shooting;
+use crate::flow::GuardKind;
+use crate::flow::leg::Least;
+
+/// The guard whose sign says that the sequence no longer holds, and its value.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Broken {
+    /// The event at the end of this step is approached from the wrong side.
+    Event(usize),
+    /// This guard has a negative least value within this step.
+    Inner(usize, GuardKind),
+    /// This guard vanishes before the end of this step.
+    Early(usize, GuardKind),
+}
+
+impl Broken {
+    /// Positive while the sequence holds.
+    pub(super) fn value(&self, shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Option<f64> {
+        let smallest = |step: usize, guard: GuardKind, at_end: bool| {
+            (least.get(step)?.iter())
+                .filter(|l| l.guard == guard && l.at_end == at_end)
+                .map(|l| l.value)
+                .min_by(f64::total_cmp)
+        };
+        match *self {
+            Self::Event(step) => Some(-shooting.latest.get(step)?.surface_rate),
+            Self::Inner(step, guard) => smallest(step, guard, false),
+            Self::Early(step, guard) => smallest(step, guard, true),
+        }
+    }
+}
+
+/// A guard that has just opened is known to rounding only: below so much of nothing it says nothing.
+const NOTHING: f64 = -1e-13;
+
+pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Broken> {
+    let mut found = Vec::new();
+    for (index, step) in shooting.steps.iter().enumerate() {
+        let Some(landing) = shooting.latest.get(index) else {
+            continue;
+        };
+        if let Some(guard) = step.ends_at()
+            && !step.is_stretch()
+            && !matches!(guard, GuardKind::Section(_))
+            && landing.surface_rate > 0.0
+        {
+            found.push(Broken::Event(index));
+        }
+        for least in least.get(index).into_iter().flatten() {
+            let known = match (least.at_end, least.value < 0.0) {
+                (_, false) => continue,
+                (false, true) => Broken::Inner(index, least.guard),
+                // What vanishes with the event itself is left to the next step.
+                (true, true) if least.value < NOTHING => Broken::Early(index, least.guard),
+                (true, true) => continue,
+            };
+            if !found.contains(&known) {
+                found.push(known);
+            }
+        }
+    }
+    found
+}
+
+/// Whether an orbit's equations are solved by what is no motion: through a wall, or with events in another order.
+pub(crate) fn is_broken(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<bool, Left> {
+    shooting.evaluate(at)?;
+    let least = shooting.least(at)?;
+    Ok(!broken(shooting, &least).is_empty())
+}
+
+/// What breaks, but for the step that grazes: after an evaluation there.
+pub(crate) fn broken_beside(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    grazing: Option<usize>,
+) -> Result<Vec<Broken>, Left> {
+    let least = shooting.least(at)?;
+    let graze = |broken: &Broken| match (grazing, broken) {
+        (Some(index), Broken::Event(step)) => *step == index,
+        // The touch itself, seen from either side of it.
+        (Some(index), Broken::Inner(step, _)) => {
+            *step == index || *step == (index + 1) % shooting.steps.len()
+        }
+        _ => false,
+    };
+    let found = broken(shooting, &least);
+    Ok(found.into_iter().filter(|broken| !graze(broken)).collect())
+}
+
+/// The first place, between a station and the one `step` ahead of it, where one of these breaks, and how far ahead it is.
+pub(crate) fn first_break(
+    problem: &mut dyn Problem<f64>,
+    reader: &mut Shooting<f64>,
+    (from, step): (&Station, f64),
+    broken: Vec<Broken>,
+) -> Option<(Broken, Station, f64)> {
+    let mut first: Option<(Broken, Station, f64)> = None;
+    let (far, _) = from.ahead(problem, step).ok()?;
+    for broken in broken {
+        let mut value = |station: &Station| {
+            reader.evaluate(&station.at).ok()?;
+            let least = reader.least(&station.at).ok()?;
+            // A least value that is not there yet is one that has not been reached.
+            Some(broken.value(reader, &least).unwrap_or(1.0))
+        };
+        let start = value(from).unwrap_or(1.0);
+        let start = if start > 0.0 {
+            start
+        } else {
+            f64::MIN_POSITIVE
+        };
+        let ends = (start, value(&far).unwrap_or(-1.0));
+        let found = locate(problem, from, step, ends, &mut |_, station| value(station));
+        if let Some((station, at)) = found
+            && first.as_ref().is_none_or(|(.., known)| at < *known)
+        {
+            first = Some((broken, station, at));
+        }
+    }
+    first
+}

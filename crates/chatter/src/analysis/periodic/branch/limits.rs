@@ -1,0 +1,87 @@
+//! Within what branches are followed, and how they end.
+
+use super::SpecialKind;
+use crate::analysis::continuation::{Problem, Settings, Station, locate};
+
+/// How an end of a branch came about.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// The parameter left its range.
+    Range,
+    /// Complete chatter ends at release.
+    ChatterBorder,
+    /// More impacts a period than allowed: the branch accumulates at a border.
+    Impacts(u64),
+    /// More points than allowed.
+    Points,
+    /// The observer broke off.
+    Interrupted,
+    /// The equations have no solution beyond, for this reason.
+    Lost(String),
+    /// No such points lie beyond a point of this kind.
+    At(SpecialKind),
+    /// It came back to where it began.
+    Closed,
+}
+
+impl core::fmt::Display for End {
+    fn fmt(&self, out: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Range => write!(out, "end of the range"),
+            Self::ChatterBorder => write!(out, "chatter border"),
+            Self::Impacts(most) => write!(out, "more than {most} impacts a period"),
+            Self::Points => write!(out, "as many points as allowed"),
+            Self::Interrupted => write!(out, "broken off"),
+            Self::Lost(why) => out.write_str(why),
+            Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
+            Self::Closed => write!(out, "where it began"),
+        }
+    }
+}
+
+/// Within what a branch is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Of the last free parameter.
+    pub range: (f64, f64),
+    /// Impacts a period.
+    pub impacts: u64,
+    /// Points of one branch, to each side.
+    pub points: usize,
+    /// The longest step, in parts of the range.
+    pub longest_step: f64,
+}
+
+impl Limits {
+    /// How curves within them are followed.
+    pub(crate) fn settings(&self) -> Settings {
+        Settings {
+            first_step: 0.1 * self.longest_step,
+            longest_step: self.longest_step,
+            ..Settings::default()
+        }
+    }
+
+    /// The edge of the range that a value lies beyond, if it does.
+    pub(crate) fn beyond(&self, value: f64) -> Option<f64> {
+        let (low, high) = self.range;
+        match value {
+            value if value < low => Some(low),
+            value if value > high => Some(high),
+            _ => None,
+        }
+    }
+}
+
+/// The station, between one and the next, `step` ahead of it, whose parameter has a value, and how far ahead it is.
+pub(crate) fn station_at(
+    problem: &mut dyn Problem<f64>,
+    (from, to): (&Station, &Station),
+    step: f64,
+    value: f64,
+) -> Option<(Station, f64)> {
+    let ends = (from.parameter() - value, to.parameter() - value);
+    locate(problem, from, step, ends, &mut |_, station| {
+        Some(station.parameter() - value)
+    })
+}

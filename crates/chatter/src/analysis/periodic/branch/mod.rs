@@ -1,0 +1,112 @@
+//! A branch of periodic orbits over a parameter, through grazes from one sequence of events to the next.
+//!
+//! Where a flight grazes, the orbit gains an impact: the leg is cut at its least gap, and the equations of the longer
+//! sequence hold there with an impact of rate zero, which grows from then on (docs/periodic.md). Where an impact's rate falls to zero it
+//! is taken out again. Neither is a decision of the flow, so neither depends on a tolerance.
+
+mod between;
+mod branch_point;
+mod graze;
+mod holds;
+mod limits;
+mod point;
+mod special;
+mod walker;
+
+pub use limits::{End, Limits};
+pub use point::Point;
+pub use special::{Special, SpecialKind};
+
+pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
+pub(crate) use limits::station_at;
+
+use super::error::PeriodicError;
+use super::shooting::Shooting;
+use crate::analysis::continuation::{Problem, Station};
+use core::ops::ControlFlow;
+use walker::{Side, Walker};
+
+/// A branch of periodic orbits.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// Its orbits, in order.
+    pub points: Vec<Point>,
+    /// Its special points, in order.
+    pub special: Vec<Special>,
+    /// How its first and last ends came about.
+    pub ends: [End; 2],
+}
+
+/// Follows a branch from one of its orbits to both sides.
+pub(crate) fn follow(
+    shooting: &Shooting<f64>,
+    at: &[f64],
+    limits: &Limits,
+    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+) -> Result<Branch, PeriodicError> {
+    let mut sides = Vec::new();
+    let mut begin = shooting.clone();
+    let last = at.len() - 1;
+    let station =
+        Station::near(&mut begin, at, last).map_err(|error| PeriodicError::NoConvergence {
+            how: error.to_string(),
+        })?;
+    begin
+        .evaluate(&station.at)
+        .map_err(|left| PeriodicError::NoConvergence {
+            how: left.to_string(),
+        })?;
+    let first = Point::new(&begin, &station);
+    for forward in [false, true] {
+        let start = if forward {
+            station.clone()
+        } else {
+            station.clone().reversed()
+        };
+        let walker = Walker {
+            shooting: begin.clone(),
+            limits: *limits,
+            points: Vec::new(),
+            special: Vec::new(),
+        };
+        // What is broken off, or has come back, has no other side.
+        let all = match sides.last() {
+            Some(Side {
+                end: end @ (End::Interrupted | End::Closed),
+                ..
+            }) => Some(end.clone()),
+            _ => None,
+        };
+        sides.push(match all {
+            Some(end) => Side {
+                points: Vec::new(),
+                special: Vec::new(),
+                end,
+            },
+            None => walker.walk(start, observer),
+        });
+    }
+    let (forward, back) = (sides.pop(), sides.pop());
+    let (Some(forward), Some(mut back)) = (forward, back) else {
+        return Err(PeriodicError::Interrupted);
+    };
+    let behind = back.points.len();
+    back.points.reverse();
+    back.special.reverse();
+    for special in &mut back.special {
+        special.place = behind - special.place;
+    }
+    let mut points = back.points;
+    points.push(first);
+    points.extend(forward.points);
+    let mut special = back.special;
+    special.extend(forward.special.into_iter().map(|mut special| {
+        special.place += behind + 1;
+        special
+    }));
+    Ok(Branch {
+        points,
+        special,
+        ends: [back.end, forward.end],
+    })
+}

@@ -1,0 +1,55 @@
+//! One orbit of a branch.
+
+use crate::analysis::continuation::Station;
+use crate::analysis::periodic::multipliers::is_stable;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::numerics::Complex;
+
+/// One orbit of a branch.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// The free parameters.
+    pub parameters: Vec<f64>,
+    /// The period of the orbit.
+    pub period: f64,
+    /// Impacts a period; none where infinitely many.
+    pub impacts: Option<u64>,
+    /// All but the trivial one, the largest first.
+    pub multipliers: Vec<Complex>,
+    /// The state at the section, or just after an event.
+    pub state: Vec<f64>,
+    /// The values of the user's functions there.
+    pub monitors: Vec<f64>,
+    /// Largest residual of the equations.
+    pub residual: f64,
+    /// The latest correction against the size of the state.
+    pub correction: f64,
+}
+
+impl Point {
+    /// Of a solution, the latest that the equations were evaluated at.
+    pub(crate) fn new(shooting: &Shooting<f64>, station: &Station) -> Self {
+        Self {
+            parameters: shooting.free(&station.at).to_vec(),
+            period: shooting.period(),
+            impacts: shooting.impacts(),
+            multipliers: shooting.multipliers(),
+            state: shooting.node(&station.at, 0).to_vec(),
+            monitors: (0..shooting.workshop.monitors.len())
+                .map(|index| shooting.monitored(index, &station.at))
+                .collect(),
+            residual: station.residual,
+            correction: station.correction,
+        }
+    }
+
+    /// The parameter that a branch is told over: the last of those that are free.
+    pub fn parameter(&self) -> f64 {
+        self.parameters.last().copied().unwrap_or(f64::NAN)
+    }
+
+    /// Whether all multipliers lie inside the unit circle.
+    pub fn is_stable(&self) -> bool {
+        is_stable(&self.multipliers)
+    }
+}

@@ -1,0 +1,153 @@
+//! Special points.
+
+use super::Point;
+use crate::analysis::periodic::shooting::Shooting;
+
+/// Kinds of special points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SpecialKind {
+    /// The parameter turns: a multiplier passes 1.
+    Fold,
+    /// A multiplier passes -1.
+    PeriodDoubling,
+    /// A complex pair passes the unit circle.
+    NeimarkSacker,
+    /// Two branches meet.
+    BranchPoint,
+    /// An impact loses its rate.
+    ImpactGraze,
+    /// A flight touches a contact.
+    FlightGraze,
+    /// Complete chatter ends exactly at release.
+    ChatterBorder,
+    /// Another guard is touched: contact is lost or gained for an instant, or a surface is reached.
+    Touch,
+    /// A function of the user's vanishes.
+    Monitor,
+    /// Two folds meet.
+    Cusp,
+    /// Multipliers 1 and -1.
+    FoldFlip,
+    /// A period doubling changes the side to which the doubled orbit goes.
+    GeneralisedDoubling,
+    /// Two multipliers 1.
+    Resonance11,
+    /// Two multipliers -1.
+    Resonance12,
+    /// A pair at a third of a turn.
+    Resonance13,
+    /// A pair at a quarter of a turn.
+    Resonance14,
+    /// A multiplier 1 and a pair on the unit circle.
+    FoldTorus,
+    /// A multiplier -1 and a pair on the unit circle.
+    FlipTorus,
+    /// A fold where an impact has no rate.
+    GrazeFold,
+    /// A period doubling where an impact has no rate.
+    GrazeDoubling,
+    /// A pair on the unit circle where an impact has no rate.
+    GrazeTorus,
+    /// Two impacts without rate.
+    DoubleGraze,
+    /// A fold where complete chatter ends exactly at release.
+    BorderFold,
+    /// A period doubling where complete chatter ends exactly at release.
+    BorderDoubling,
+}
+
+impl SpecialKind {
+    /// All kinds.
+    pub const ALL: [Self; 24] = [
+        Self::Fold,
+        Self::PeriodDoubling,
+        Self::NeimarkSacker,
+        Self::BranchPoint,
+        Self::ImpactGraze,
+        Self::FlightGraze,
+        Self::ChatterBorder,
+        Self::Touch,
+        Self::Monitor,
+        Self::Cusp,
+        Self::FoldFlip,
+        Self::GeneralisedDoubling,
+        Self::Resonance11,
+        Self::Resonance12,
+        Self::Resonance13,
+        Self::Resonance14,
+        Self::FoldTorus,
+        Self::FlipTorus,
+        Self::GrazeFold,
+        Self::GrazeDoubling,
+        Self::GrazeTorus,
+        Self::DoubleGraze,
+        Self::BorderFold,
+        Self::BorderDoubling,
+    ];
+
+    /// Its name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fold => "fold",
+            Self::PeriodDoubling => "period_doubling",
+            Self::NeimarkSacker => "neimark_sacker",
+            Self::BranchPoint => "branch_point",
+            Self::ImpactGraze => "impact_graze",
+            Self::FlightGraze => "flight_graze",
+            Self::ChatterBorder => "chatter_border",
+            Self::Touch => "touch",
+            Self::Monitor => "monitor",
+            Self::Cusp => "cusp",
+            Self::FoldFlip => "fold_flip",
+            Self::GeneralisedDoubling => "generalised_doubling",
+            Self::Resonance11 => "resonance_1_1",
+            Self::Resonance12 => "resonance_1_2",
+            Self::Resonance13 => "resonance_1_3",
+            Self::Resonance14 => "resonance_1_4",
+            Self::FoldTorus => "fold_torus",
+            Self::FlipTorus => "flip_torus",
+            Self::GrazeFold => "graze_fold",
+            Self::GrazeDoubling => "graze_doubling",
+            Self::GrazeTorus => "graze_torus",
+            Self::DoubleGraze => "double_graze",
+            Self::BorderFold => "border_fold",
+            Self::BorderDoubling => "border_doubling",
+        }
+    }
+
+    /// Whether an impact or a flight grazes.
+    pub const fn is_graze(self) -> bool {
+        matches!(self, Self::ImpactGraze | Self::FlightGraze)
+    }
+}
+
+/// A special point.
+#[derive(Clone, Debug)]
+pub struct Special {
+    /// Which kind.
+    pub kind: SpecialKind,
+    /// The orbit there.
+    pub point: Point,
+    /// Estimated error of its parameter.
+    pub error: f64,
+    /// What vanishes there.
+    pub residual: f64,
+    /// Of a graze: whether the branch goes on beyond it, rather than turning back.
+    pub persists: Option<bool>,
+    /// Of a fold and of a period doubling: whether the orbits that it joins, or the doubled ones, are where the parameter is
+    /// greater.
+    pub above: Option<bool>,
+    /// Which of the user's functions vanishes.
+    pub monitor: Option<usize>,
+    /// Where it is on its branch: after so many points.
+    pub place: usize,
+    /// Its equations.
+    pub(crate) seed: Option<Seed>,
+}
+
+/// Equations and a solution of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Seed {
+    pub shooting: Shooting<f64>,
+    pub at: Vec<f64>,
+}

@@ -1,0 +1,86 @@
+//! What multipliers say of an orbit: functions that change their sign where something happens to it.
+
+use crate::numerics::Complex;
+
+/// Whether all lie inside the unit circle.
+pub(crate) fn is_stable(multipliers: &[Complex]) -> bool {
+    multipliers.iter().all(|m| m.modulus() < 1.0)
+}
+
+fn real(multipliers: &[Complex]) -> impl Iterator<Item = f64> {
+    multipliers.iter().filter(|m| m.im == 0.0).map(|m| m.re)
+}
+
+/// Changes its sign where a real multiplier passes `at`, and vanishes there. None where there are no real ones.
+pub(crate) fn passes(multipliers: &[Complex], at: f64) -> Option<f64> {
+    let nearest = real(multipliers)
+        .map(|m| (m - at).abs())
+        .min_by(f64::total_cmp)?;
+    let sign: f64 = real(multipliers).map(|m| (m - at).signum()).product();
+    Some(sign * nearest)
+}
+
+/// The modulus of the largest complex pair less one.
+pub(crate) fn pair(multipliers: &[Complex]) -> Option<f64> {
+    (multipliers.iter())
+        .filter(|m| m.im > 0.0)
+        .map(|m| m.modulus() - 1.0)
+        .max_by(f64::total_cmp)
+}
+
+/// All but the real one nearest to `at`.
+pub(crate) fn without_nearest(multipliers: &[Complex], at: f64) -> Vec<Complex> {
+    let nearest = (multipliers.iter().enumerate())
+        .filter(|(_, m)| m.im == 0.0)
+        .min_by(|(_, a), (_, b)| (a.re - at).abs().total_cmp(&(b.re - at).abs()))
+        .map(|(index, _)| index);
+    let others = multipliers.iter().enumerate();
+    others
+        .filter(|(index, _)| Some(*index) != nearest)
+        .map(|(_, m)| *m)
+        .collect()
+}
+
+/// The two whose product is real and nearest to one: that product less one, their sum, and the others. They are a pair on the
+/// unit circle where the product is one and the sum is between -2 and 2.
+pub(crate) fn neutral(multipliers: &[Complex]) -> Option<(f64, f64, Vec<Complex>)> {
+    let mut best: Option<(f64, f64, usize, usize)> = None;
+    for (i, a) in multipliers.iter().enumerate() {
+        for (k, b) in multipliers.iter().enumerate().skip(i + 1) {
+            if a.im != -b.im {
+                continue;
+            }
+            let off = a.re * b.re - a.im * b.im - 1.0;
+            if best.is_none_or(|(known, ..)| off.abs() < known.abs()) {
+                best = Some((off, a.re + b.re, i, k));
+            }
+        }
+    }
+    let (off, sum, i, k) = best?;
+    let others = multipliers.iter().enumerate();
+    let others = others.filter(|(index, _)| *index != i && *index != k);
+    Some((off, sum, others.map(|(_, m)| *m).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(values: &[(f64, f64)]) -> Vec<Complex> {
+        (values.iter())
+            .map(|&(re, im)| Complex { re, im })
+            .collect()
+    }
+
+    #[test]
+    fn functions_change_sign_where_they_should() {
+        let before = of(&[(0.9, 0.0), (-0.5, 0.0)]);
+        let after = of(&[(1.1, 0.0), (-0.5, 0.0)]);
+        assert!(passes(&before, 1.0).unwrap() * passes(&after, 1.0).unwrap() < 0.0);
+        assert!(passes(&before, -1.0).unwrap() * passes(&after, -1.0).unwrap() > 0.0);
+        assert_eq!(without_nearest(&before, 1.0), of(&[(-0.5, 0.0)]));
+        let (off, sum, rest) = neutral(&of(&[(0.6, 0.8), (0.6, -0.8), (0.2, 0.0)])).unwrap();
+        assert!(off.abs() < 1e-15 && sum == 1.2 && rest == of(&[(0.2, 0.0)]));
+        assert_eq!(pair(&before), None);
+    }
+}

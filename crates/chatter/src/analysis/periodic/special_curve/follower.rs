@@ -1,0 +1,267 @@
+//! One side of a curve of special points, station by station.
+
+use super::degenerate::{Place, Test, ends, tests};
+use crate::analysis::continuation::{Curve, NewtonError, Problem, Station, StepError, locate};
+use crate::analysis::periodic::branch::{
+    Broken, End, Limits, Point, Special, SpecialKind, broken_beside, first_break, station_at,
+};
+use crate::analysis::periodic::condition::{Bordered, Condition};
+use crate::analysis::periodic::itinerary::Step;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::numerics::Complex;
+use core::ops::ControlFlow;
+
+/// One side of a curve.
+pub(super) struct Follower {
+    pub shooting: Shooting<f64>,
+    pub kind: SpecialKind,
+    pub condition: Condition,
+    /// The step that an impact without rate ends.
+    pub grazing: Option<usize>,
+    pub limits: Limits,
+    pub points: Vec<Point>,
+    pub special: Vec<Special>,
+}
+
+/// What was found on one side.
+pub(super) struct Side {
+    pub points: Vec<Point>,
+    pub special: Vec<Special>,
+}
+
+/// Borders are found anew where a curve has come this far, in steps.
+const RENEWED: usize = 8;
+/// Errors are so many roundoffs of the parameter.
+const NOISE: f64 = 64.0;
+/// At a point of codimension two what vanishes is below this part of what it was to both sides.
+const VANISHES: f64 = 1e-4;
+
+/// How the way to the next station ended.
+enum Stop {
+    /// It did not.
+    On,
+    End(End),
+}
+
+impl Follower {
+    pub(super) fn follow(
+        mut self,
+        (station, mut bordered): (Station, Bordered),
+        observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+    ) -> (Side, End) {
+        let mut curve = Curve::new(station, self.limits.settings());
+        let mut steps = 0;
+        let end = loop {
+            if self.points.len() >= self.limits.points {
+                break End::Points;
+            }
+            if steps % RENEWED == RENEWED - 1 {
+                let at = &curve.station.at;
+                match (self.condition).near(&mut self.shooting, at, Some(&bordered)) {
+                    Ok(renewed) => bordered = renewed,
+                    Err(left) => break End::Lost(left.to_string()),
+                }
+            }
+            steps += 1;
+            match self.step(&mut curve, &bordered) {
+                Stop::On => {}
+                Stop::End(end) => break end,
+            }
+            if let Some(point) = self.points.last()
+                && observer(point).is_break()
+            {
+                break End::Interrupted;
+            }
+        };
+        let side = Side {
+            points: self.points,
+            special: self.special,
+        };
+        (side, end)
+    }
+
+    fn step(&mut self, curve: &mut Curve, bordered: &Bordered) -> Stop {
+        let found = curve.next(&mut bordered.of(&mut self.shooting));
+        let (mut next, mut step) = match found {
+            Ok(found) => found,
+            Err(StepError::TooShort(error)) => return Stop::End(self.border(curve, error)),
+        };
+        let from = curve.station.clone();
+        if let Err(left) = self.shooting.evaluate(&next.at) {
+            return Stop::End(End::Lost(left.to_string()));
+        }
+        let broken = match broken_beside(&mut self.shooting, &next.at, self.grazing) {
+            Ok(broken) => broken,
+            Err(left) => return Stop::End(End::Lost(left.to_string())),
+        };
+        if !broken.is_empty() {
+            return Stop::End(self.breaks(&from, step, (broken, bordered)));
+        }
+        let edge = self.limits.beyond(next.parameter());
+        if let Some(edge) = edge {
+            let mut held = bordered.of(&mut self.shooting);
+            if let Some(found) = station_at(&mut held, (&from, &next), step, edge) {
+                (next, step) = found;
+            }
+        }
+        if let Some(end) = self.between(&from, (&next, step), bordered) {
+            return Stop::End(end);
+        }
+        if let Err(left) = self.shooting.evaluate(&next.at) {
+            return Stop::End(End::Lost(left.to_string()));
+        }
+        self.points.push(self.told(&next));
+        if edge.is_some() {
+            return Stop::End(End::Range);
+        }
+        curve.moves(next);
+        self.shooting.adopt(&curve.station.at);
+        Stop::On
+    }
+
+    /// A station as a point: of the orbit without the impact that grazes.
+    pub(super) fn told(&self, station: &Station) -> Point {
+        let mut point = Point::new(&self.shooting, station);
+        if self.grazing.is_some() {
+            point.impacts = point.impacts.map(|count| count.saturating_sub(1));
+            point.multipliers = multipliers(&self.shooting, &station.at, self.grazing);
+        }
+        point
+    }
+
+    /// Points of codimension two between two stations; the end, if the curve ends at one of them.
+    fn between(
+        &mut self,
+        from: &Station,
+        (to, step): (&Station, f64),
+        bordered: &Bordered,
+    ) -> Option<End> {
+        let mut reader = self.shooting.clone();
+        let (kind, grazing) = (self.kind, self.grazing);
+        let mut at = |station: &Station| -> Option<Vec<Test>> {
+            reader.evaluate(&station.at).ok()?;
+            let multipliers = multipliers(&reader, &station.at, grazing);
+            let place = Place {
+                shooting: &reader,
+                station,
+                multipliers: &multipliers,
+                bordered,
+                from,
+            };
+            Some(tests(kind, &place))
+        };
+        let (before, after) = (at(from)?, at(to)?);
+        let mut found = Vec::new();
+        for (index, ((kind, before), (_, after))) in before.iter().zip(&after).enumerate() {
+            let (Some(before), Some(after)) = (*before, *after) else {
+                continue;
+            };
+            if before * after >= 0.0 {
+                continue;
+            }
+            let mut held = bordered.of(&mut self.shooting);
+            let mut value = |station: &Station| at(station)?.get(index)?.1;
+            let located = locate(&mut held, from, step, (before, after), &mut |_, station| {
+                value(station)
+            });
+            let Some((station, ahead)) = located else {
+                continue;
+            };
+            let here = value(&station).unwrap_or(f64::NAN);
+            // What jumps has no zero.
+            if here.abs() <= VANISHES * before.abs().max(after.abs()) {
+                found.push((*kind, station, ahead, here));
+            }
+        }
+        found.sort_by(|a, b| a.2.total_cmp(&b.2));
+        for (kind, station, _, value) in found {
+            self.note(kind, &station, value.abs());
+            if ends(self.kind, kind) {
+                return Some(End::At(kind));
+            }
+        }
+        None
+    }
+
+    fn note(&mut self, kind: SpecialKind, station: &Station, residual: f64) {
+        if self.shooting.evaluate(&station.at).is_err() {
+            return;
+        }
+        let point = self.told(station);
+        self.special.push(Special {
+            kind,
+            error: NOISE * f64::EPSILON * station.parameter().abs(),
+            residual,
+            persists: None,
+            above: None,
+            monitor: None,
+            place: self.points.len(),
+            point,
+            seed: None,
+        });
+    }
+
+    /// The sequence of events changes: where the first of these breaks.
+    fn breaks(
+        &mut self,
+        from: &Station,
+        step: f64,
+        (broken, bordered): (Vec<Broken>, &Bordered),
+    ) -> End {
+        let lost = || End::Lost("the sequence of events changes".to_owned());
+        let mut reader = self.shooting.clone();
+        let mut held = bordered.of(&mut self.shooting);
+        let first = first_break(&mut held, &mut reader, (from, step), broken);
+        let Some((broken, station, ahead)) = first else {
+            return lost();
+        };
+        self.between(from, (&station, ahead), bordered);
+        let is_graze = match broken {
+            Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
+            Broken::Inner(_, guard) => matches!(guard, crate::flow::GuardKind::Gap(_)),
+            Broken::Early(..) => false,
+        };
+        if !is_graze {
+            return lost();
+        }
+        let kind = match self.kind {
+            SpecialKind::Fold => SpecialKind::GrazeFold,
+            SpecialKind::PeriodDoubling => SpecialKind::GrazeDoubling,
+            SpecialKind::NeimarkSacker => SpecialKind::GrazeTorus,
+            kind if kind.is_graze() => SpecialKind::DoubleGraze,
+            _ => return lost(),
+        };
+        self.note(kind, &station, station.residual);
+        End::At(kind)
+    }
+
+    /// No further step: at a border, if the orbit goes through complete chatter.
+    fn border(&mut self, curve: &Curve, error: NewtonError) -> End {
+        let chatters = self.shooting.steps.iter().any(Step::is_stretch);
+        let kind = match self.kind {
+            SpecialKind::Fold => SpecialKind::BorderFold,
+            SpecialKind::PeriodDoubling => SpecialKind::BorderDoubling,
+            _ => return End::Lost(error.to_string()),
+        };
+        if !(chatters && matches!(error, NewtonError::Left(_))) {
+            return End::Lost(error.to_string());
+        }
+        let station = curve.station.clone();
+        self.note(kind, &station, station.residual);
+        End::At(kind)
+    }
+}
+
+/// The multipliers at a solution that was evaluated last, without the impact that has no rate: with it they have a pole.
+fn multipliers(shooting: &Shooting<f64>, at: &[f64], grazing: Option<usize>) -> Vec<Complex> {
+    let Some(index) = grazing else {
+        return shooting.multipliers();
+    };
+    let Ok((mut shorter, guess, _)) = shooting.without_event(at, index) else {
+        return Vec::new();
+    };
+    match shorter.evaluate(&guess) {
+        Ok(_) => shorter.multipliers(),
+        Err(_) => Vec::new(),
+    }
+}

@@ -1,0 +1,107 @@
+//! Curves of special points in two parameters: the equations of the orbit with the condition of the point, and the points of
+//! codimension two on them.
+//!
+//! ```text
+//! start        a special point as it was told, found again
+//! degenerate   functions that vanish at points of codimension two
+//! border       curves of chatter borders, by the search for border orbits
+//! follower     one side of a curve, station by station
+//! ```
+
+pub(crate) mod border;
+mod degenerate;
+mod follower;
+mod start;
+
+use super::branch::{End, Limits, Point, Special, SpecialKind};
+use super::error::PeriodicError;
+use super::shooting::Workshop;
+use crate::analysis::continuation::{Problem, Station};
+use core::ops::ControlFlow;
+use follower::Follower;
+use start::{begin, failed};
+use std::sync::Arc;
+
+/// A special point as it was told: enough to find it again.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// Which kind.
+    pub kind: SpecialKind,
+    /// Which of the user's functions vanishes, of a point of that kind.
+    pub monitor: Option<usize>,
+    /// The state of its orbit, at the section or just after an event.
+    pub state: Vec<f64>,
+    /// Its period.
+    pub period: f64,
+}
+
+/// A curve of special points.
+#[derive(Clone, Debug)]
+pub struct SpecialCurve {
+    /// Which kind.
+    pub kind: SpecialKind,
+    /// Its points, in order.
+    pub points: Vec<Point>,
+    /// Those of codimension two, in order.
+    pub special: Vec<Special>,
+    /// How its first and last ends came about.
+    pub ends: [End; 2],
+}
+
+/// Follows a special point over the last free parameter, to both sides.
+pub(crate) fn follow(
+    workshop: &Arc<Workshop>,
+    (free, known): (&[f64], &Known),
+    limits: &Limits,
+    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+) -> Result<SpecialCurve, PeriodicError> {
+    let begun = begin(workshop, free, known)?;
+    let last = begun.at.len() - 1;
+    let mut sides = Vec::new();
+    let mut first = None;
+    for forward in [false, true] {
+        let mut shooting = begun.shooting.clone();
+        let bordered = (begun.condition)
+            .near(&mut shooting, &begun.at, None)
+            .map_err(failed)?;
+        let station = Station::near(&mut bordered.of(&mut shooting), &begun.at, last);
+        let station = station.map_err(failed)?;
+        let station = if forward { station } else { station.reversed() };
+        shooting.evaluate(&station.at).map_err(failed)?;
+        let follower = Follower {
+            shooting,
+            kind: known.kind,
+            condition: begun.condition,
+            grazing: begun.grazing,
+            limits: *limits,
+            points: Vec::new(),
+            special: Vec::new(),
+        };
+        first.get_or_insert_with(|| follower.told(&station));
+        sides.push(follower.follow((station, bordered), observer));
+    }
+    let (forward, back) = (sides.pop(), sides.pop());
+    let (Some((forward, end)), Some((back, begin))) = (forward, back) else {
+        return Err(PeriodicError::Interrupted);
+    };
+    let behind = back.points.len();
+    let mut points = back.points;
+    points.reverse();
+    points.extend(first);
+    points.extend(forward.points);
+    let mut special = back.special;
+    special.reverse();
+    for special in &mut special {
+        special.place = behind - special.place;
+    }
+    special.extend(forward.special.into_iter().map(|mut special| {
+        special.place += behind + 1;
+        special
+    }));
+    Ok(SpecialCurve {
+        kind: known.kind,
+        points,
+        special,
+        ends: [begin, end],
+    })
+}

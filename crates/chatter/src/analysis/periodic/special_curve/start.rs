@@ -1,0 +1,140 @@
+//! A special point as it was told, found again.
+
+use super::Known;
+use crate::analysis::continuation::{Condition as Row, Problem, newton};
+use crate::analysis::periodic::branch::SpecialKind;
+use crate::analysis::periodic::condition::Condition;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::itinerary::{Step, read};
+use crate::analysis::periodic::settle::{Cycle, from_first_turn};
+use crate::analysis::periodic::shooting::{Shooting, Workshop};
+use crate::analysis::periodic::trace::{Instant, Tracer};
+use crate::flow::{Closed, GuardKind};
+use core::ops::ControlFlow;
+use std::sync::Arc;
+
+/// Before a graze orbits are looked at without the impact, and with it: an impact slower than this part of the fastest is the
+/// grazing one.
+const SLOWEST: f64 = 1e-5;
+/// A period may be off by this part where an orbit is read again.
+const LATE: f64 = 1e-6;
+
+pub(super) fn failed(error: impl core::fmt::Display) -> PeriodicError {
+    PeriodicError::NoConvergence {
+        how: error.to_string(),
+    }
+}
+
+/// The cycle of an orbit that goes through a state.
+fn reread(workshop: &Workshop, free: &[f64], known: &Known) -> Result<Cycle, PeriodicError> {
+    let parameters = workshop.parameters(free);
+    let turns = workshop.closure.turns(&parameters)?;
+    let state = &known.state;
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let start = workshop.model.time.map_or(0.0, |index| state[index]);
+    let mut instants = vec![Instant {
+        time: start,
+        mode: tracer.trajectory.mode,
+        pieces: tracer.trajectory.pieces().to_vec(),
+        guard: None,
+        told: Vec::new(),
+        state: state.clone(),
+        closed: Closed::NONE,
+        mode_after: tracer.trajectory.mode,
+    }];
+    let mut quiet = |_: f64| ControlFlow::Continue(());
+    let until = start + known.period * (1.0 + LATE);
+    tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
+    let sizes: Vec<f64> = state.iter().map(|x| x.abs().max(1e-300)).collect();
+    let last = match instants.last() {
+        Some(last) if instants.len() > 1 => last.state.clone(),
+        _ => tracer.trajectory.state().to_vec(),
+    };
+    let difference = (workshop.closure).difference(&turns, (state, &last), &sizes);
+    let mut steps = read(&instants)?;
+    if steps.is_empty() {
+        steps.push(Step::timed(&tracer.trajectory, state.clone(), known.period));
+    }
+    from_first_turn(&mut steps, &turns);
+    Ok(Cycle {
+        steps,
+        counts: difference.turns,
+        distance: difference.distance,
+    })
+}
+
+/// Equations, a solution of them with the condition, and for grazes the step that grazes.
+pub(super) struct Begun {
+    pub shooting: Shooting<f64>,
+    pub at: Vec<f64>,
+    pub condition: Condition,
+    pub grazing: Option<usize>,
+}
+
+pub(super) fn begin(
+    workshop: &Arc<Workshop>,
+    free: &[f64],
+    known: &Known,
+) -> Result<Begun, PeriodicError> {
+    let unfollowed = || PeriodicError::Unfollowed {
+        what: format!("a {} in two parameters", known.kind.name()),
+    };
+    let cycle = reread(workshop, free, known)?;
+    let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
+    let mut at = shooting.guess(free);
+    let mut grazing = None;
+    let condition = match known.kind {
+        SpecialKind::Fold => Condition::Singular(1.0),
+        SpecialKind::PeriodDoubling => Condition::Singular(-1.0),
+        SpecialKind::NeimarkSacker => Condition::Monitor(shooting.pair_function()),
+        SpecialKind::Monitor => {
+            let index = known
+                .monitor
+                .filter(|index| *index < workshop.monitors.len());
+            Condition::Monitor(shooting.user_function(index.ok_or_else(unfollowed)?))
+        }
+        SpecialKind::FlightGraze | SpecialKind::ImpactGraze => {
+            let index = touched(&mut shooting, &mut at)?;
+            grazing = Some(index);
+            Condition::Monitor(index)
+        }
+        _ => return Err(unfollowed()),
+    };
+    let held = Row::held(&at, at.len() - 1..at.len());
+    let bordered = condition.near(&mut shooting, &at, None).map_err(failed)?;
+    let found = newton(&mut bordered.of(&mut shooting), &at, &held).map_err(failed)?;
+    shooting.evaluate(&found.at).map_err(failed)?;
+    Ok(Begun {
+        shooting,
+        at: found.at,
+        condition,
+        grazing,
+    })
+}
+
+/// The step that an impact without rate ends; where there is none yet, it comes in.
+fn touched(shooting: &mut Shooting<f64>, at: &mut Vec<f64>) -> Result<usize, PeriodicError> {
+    shooting.evaluate(at).map_err(failed)?;
+    let rates: Vec<f64> = (shooting.steps.iter().zip(&shooting.latest))
+        .map(|(step, landing)| {
+            let rate = step.impact().map(|_| landing.surface_rate.abs());
+            rate.unwrap_or(f64::INFINITY)
+        })
+        .collect();
+    let finite = rates.iter().filter(|rate| rate.is_finite());
+    let fastest = finite.fold(0.0_f64, |most, rate| most.max(*rate));
+    let slowest = (0..rates.len()).min_by(|&a, &b| rates[a].total_cmp(&rates[b]));
+    if let Some(index) = slowest.filter(|&index| rates[index] < SLOWEST * fastest) {
+        return Ok(index);
+    }
+    // The gap that is nearly zero.
+    let least = shooting.least(at).map_err(failed)?;
+    let touching = (least.iter().enumerate())
+        .flat_map(|(index, all)| all.iter().map(move |l| (index, l)))
+        .filter(|(_, l)| !l.at_end && matches!(l.guard, GuardKind::Gap(_)))
+        .min_by(|(_, a), (_, b)| a.value.total_cmp(&b.value));
+    let (index, least) = touching.ok_or_else(|| failed("no flight comes near a contact"))?;
+    let (longer, guess, index) = shooting.with_event(at, index, &least.clone())?;
+    (*shooting, *at) = (longer, guess);
+    Ok(index)
+}

@@ -1,0 +1,162 @@
+//! Curves in two parameters, and the points of codimension two on them.
+
+use super::{GRAZES, model, nearest, over, value, with};
+use chatter::analysis::periodic::{
+    End, Known, Limits, Spec, Special, SpecialCurve, SpecialKind, special_curve,
+};
+use chatter::model::Model;
+use std::ops::ControlFlow;
+
+const DUFFING: &str = "[parameters]\nw = 1.3\nf = 0.3\n[flight]\nx = 'v'\nv = '-0.2*v - x - x^3 + f*cos(w*t)'\n\
+                       [initial]\nx = 0\nv = 0\n";
+
+fn curve(
+    model: &Model,
+    free: [&str; 2],
+    special: &Special,
+    (range, longest_step): ((f64, f64), f64),
+) -> SpecialCurve {
+    let mut model = model.clone();
+    model
+        .set_parameter(free[0], &format!("{:?}", value(special)))
+        .unwrap();
+    let known = Known {
+        kind: special.kind,
+        monitor: special.monitor,
+        state: special.point.state.clone(),
+        period: special.point.period,
+    };
+    let limits = Limits {
+        range,
+        impacts: 60,
+        points: 3000,
+        longest_step,
+    };
+    let free = free.map(|name| model.parameter_index(name).unwrap());
+    let mut quiet = |_: &chatter::analysis::periodic::Point| ControlFlow::Continue(());
+    special_curve(
+        &model,
+        &Spec::default(),
+        (free, &known),
+        &limits,
+        &mut quiet,
+    )
+    .unwrap()
+}
+
+fn of(curve: &SpecialCurve, kind: SpecialKind) -> Vec<[f64; 2]> {
+    let all = curve.special.iter().filter(|special| special.kind == kind);
+    all.map(|special| [special.point.parameters[0], special.point.parameters[1]])
+        .collect()
+}
+
+/// Without a wall: both folds of the resonance meet in a cusp. Its place is that of SciPy's DOP853 with the fold's equations
+/// and differences along the null vector.
+#[test]
+fn the_folds_of_duffings_oscillator_meet_in_a_cusp() {
+    let duffing = with(DUFFING, &[]);
+    let found = over(&duffing, "f", (0.2, 0.4), (10, 0.02));
+    let folds: Vec<&Special> = (found[0].special.iter())
+        .filter(|special| special.kind == SpecialKind::Fold)
+        .collect();
+    assert_eq!(folds.len(), 2);
+    assert!(folds[0].above != folds[1].above);
+    let curve = curve(&duffing, ["f", "w"], folds[0], ((1.1, 1.4), 0.05));
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+    let cusps = of(&curve, SpecialKind::Cusp);
+    assert_eq!(cusps.len(), 1, "{:?}", curve.special);
+    assert!((cusps[0][0] - 0.164_702_26).abs() < 1e-7, "{cusps:?}");
+    assert!((cusps[0][1] - 1.187_299_86).abs() < 1e-7, "{cusps:?}");
+}
+
+/// x'' + c x' + x = cos(w t) below the wall s: the orbit without impacts touches it where its amplitude is s, and goes on
+/// with one impact.
+#[test]
+fn an_orbit_without_impacts_touches_where_its_amplitude_says() {
+    let text = "[parameters]\ns = 1.2\nc = 0.4\n[flight]\nx = 'v'\nv = '-x - c*v + cos(1.3*t)'\n[[contact]]\ngap = 's - x'\n\
+                impulse = { v = -1 }\nrestitution = 0.7\n[initial]\nx = -0.924\nv = 0.906\n";
+    let model = with(text, &[]);
+    let amplitude = |c: f64| 1.0 / ((1.0 - 1.69_f64).powi(2) + (1.3 * c).powi(2)).sqrt();
+    let found = over(&model, "s", (1.05, 1.3), (3, 0.05));
+    let graze = nearest(&found, &GRAZES, 1.15);
+    assert!((value(&graze) - amplitude(0.4)).abs() < 1e-13);
+    assert_eq!(graze.point.impacts, Some(0));
+    assert!(found[0].points.iter().any(|point| point.impacts == Some(1)));
+    let curve = curve(&model, ["s", "c"], &graze, ((0.2, 0.6), 0.1));
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+    for point in &curve.points {
+        let [s, c] = point.parameters[..] else {
+            panic!("{point:?}")
+        };
+        assert!((s - amplitude(c)).abs() < 1e-12, "{s} {c}");
+        // Those of the orbit without the impact.
+        let modulus = (-0.5 * c * core::f64::consts::TAU / 1.3).exp();
+        assert!((point.multipliers[0].modulus() - modulus).abs() < 1e-10);
+    }
+}
+
+/// On the curve of tori the angle of the pair is what the map says: at 1.2124… of two masses the pair is at 90.36 degrees, at
+/// 1.2631… at 89.34, and the curve between them passes a quarter of a turn.
+#[test]
+fn tori_of_two_masses_in_two_parameters() {
+    let text = super::branches::TWO_MASSES.replace("restitution = 0.8", "restitution = 'r'");
+    let text = text.replace("omega = 1.35", "omega = 1.35\nr = 0.8");
+    let model = with(&text, &[]);
+    let found = over(&model, "omega", (1.15, 1.4), (60, 0.02));
+    let torus = nearest(&found, &[SpecialKind::NeimarkSacker], 1.2124);
+    let curve = curve(&model, ["omega", "r"], &torus, ((0.7, 0.9), 0.05));
+    for point in &curve.points {
+        let neutral = point
+            .multipliers
+            .iter()
+            .any(|m| (m.modulus() - 1.0).abs() < 1e-10);
+        assert!(neutral, "{point:?}");
+    }
+    // Both tori of the branch at r = 0.8 are on it.
+    let both = curve
+        .points
+        .windows(2)
+        .filter(|pair| (pair[0].parameters[1] - 0.8) * (pair[1].parameters[1] - 0.8) <= 0.0);
+    assert!(both.count() >= 1);
+}
+
+/// The border of the valve at other parameters, in quadruple precision.
+#[test]
+fn the_border_of_the_valve_in_two_parameters() {
+    let valve = model("pressure_relief_valve", &[("q", "0.02")]);
+    let found = over(&valve, "q", (0.0199, 0.02008), (2, 0.1));
+    let border = nearest(&found, &[SpecialKind::ChatterBorder], 0.02005);
+    let curve = curve(&valve, ["q", "kappa"], &border, ((1.25, 1.3), 0.5));
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+    let last = curve.points.last().unwrap();
+    assert!((last.parameters[1] - 1.3).abs() < 1e-15);
+    assert!((last.parameters[0] - 0.014_453_978_036_535_98).abs() < 1e-11);
+}
+
+/// A function of the user's vanishes where it should, and its zeros are a curve.
+#[test]
+fn functions_of_the_user_are_watched() {
+    use chatter::analysis::periodic::{Beside, BranchSpec, branches};
+    let text = "[parameters]\nw = 1.3\nc = 0.1\n[flight]\nx = 'v'\nv = '-x - c*v + cos(w*t)'\n[section.top]\n\
+                surface = 'v'\ndirection = 'falling'\n[initial]\nx = 0\nv = 0\n";
+    let model = with(text, &[]);
+    let spec = Spec {
+        monitors: vec!["x - 2".to_owned()],
+        ..Spec::default()
+    };
+    let what = BranchSpec {
+        parameter: model.parameter_index("w").unwrap(),
+        limits: Limits {
+            range: (1.1, 1.5),
+            impacts: 5,
+            points: 1000,
+            longest_step: 0.05,
+        },
+        beside: Beside::default(),
+    };
+    let found = branches(&model, &spec, &what, &mut |_| ControlFlow::Continue(())).unwrap();
+    let zero = nearest(&found, &[SpecialKind::Monitor], 1.2);
+    let amplitude = |w: f64| 1.0 / ((1.0 - w * w).powi(2) + (0.1 * w).powi(2)).sqrt();
+    assert!((amplitude(value(&zero)) - 2.0).abs() < 1e-11);
+    assert_eq!(zero.monitor, Some(0));
+}
