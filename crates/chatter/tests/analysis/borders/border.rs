@@ -4,12 +4,12 @@ use chatter::analysis::border::*;
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real, Scalar};
 
-const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
-const LINEAR: &str = include_str!("../../../../models/linear_impacting_system.toml");
-const CAM: &str = include_str!("../../../../models/cam_follower.toml");
-const OSCILLATOR: &str = include_str!("../../../../models/impact_oscillator.toml");
-const TWO_SIDED: &str = include_str!("../../../../models/impact_oscillator_two_sided.toml");
-const BALL: &str = include_str!("../../../../models/bouncing_ball.toml");
+const VALVE: &str = include_str!("../../../../../models/pressure_relief_valve.toml");
+const LINEAR: &str = include_str!("../../../../../models/linear_impacting_system.toml");
+const CAM: &str = include_str!("../../../../../models/cam_follower.toml");
+const OSCILLATOR: &str = include_str!("../../../../../models/impact_oscillator.toml");
+const TWO_SIDED: &str = include_str!("../../../../../models/impact_oscillator_two_sided.toml");
+const BALL: &str = include_str!("../../../../../models/bouncing_ball.toml");
 
 fn read(text: &str) -> Model {
     Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"))

@@ -6,42 +6,42 @@ use chatter::numerics::{DoubleDouble, Real, Scalar};
 
 const MODELS: [(&str, &str, f64); 8] = [
     (
-        include_str!("../../../models/pressure_relief_valve.toml"),
+        include_str!("../../../../../models/pressure_relief_valve.toml"),
         "q",
         0.02,
     ),
     (
-        include_str!("../../../models/pressure_relief_valve.toml"),
+        include_str!("../../../../../models/pressure_relief_valve.toml"),
         "r",
         0.8,
     ),
     (
-        include_str!("../../../models/impact_oscillator.toml"),
+        include_str!("../../../../../models/impact_oscillator.toml"),
         "sigma",
         0.1234,
     ),
     (
-        include_str!("../../../models/impact_oscillator.toml"),
+        include_str!("../../../../../models/impact_oscillator.toml"),
         "sigma",
         0.777,
     ),
     (
-        include_str!("../../../models/impact_oscillator.toml"),
+        include_str!("../../../../../models/impact_oscillator.toml"),
         "omega",
         0.34,
     ),
     (
-        include_str!("../../../models/cam_follower.toml"),
+        include_str!("../../../../../models/cam_follower.toml"),
         "speed",
         622.0,
     ),
     (
-        include_str!("../../../models/linear_impacting_system.toml"),
+        include_str!("../../../../../models/linear_impacting_system.toml"),
         "r",
         0.848,
     ),
     (
-        include_str!("../../../models/bouncing_ball_on_table.toml"),
+        include_str!("../../../../../models/bouncing_ball_on_table.toml"),
         "r",
         0.275,
     ),

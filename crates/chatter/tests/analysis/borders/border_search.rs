@@ -4,11 +4,11 @@ use chatter::analysis::border::*;
 use chatter::model::Model;
 use std::ops::ControlFlow;
 
-const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
-const OSCILLATOR: &str = include_str!("../../../../models/impact_oscillator.toml");
-const CAM: &str = include_str!("../../../../models/cam_follower.toml");
-const TABLE: &str = include_str!("../../../../models/bouncing_ball_on_table.toml");
-const LINEAR: &str = include_str!("../../../../models/linear_impacting_system.toml");
+const VALVE: &str = include_str!("../../../../../models/pressure_relief_valve.toml");
+const OSCILLATOR: &str = include_str!("../../../../../models/impact_oscillator.toml");
+const CAM: &str = include_str!("../../../../../models/cam_follower.toml");
+const TABLE: &str = include_str!("../../../../../models/bouncing_ball_on_table.toml");
+const LINEAR: &str = include_str!("../../../../../models/linear_impacting_system.toml");
 
 fn read(text: &str) -> Model {
     Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"))

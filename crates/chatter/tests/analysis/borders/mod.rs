@@ -1,4 +1,5 @@
 //! Border orbits and their normal forms.
 
 mod border;
+mod border_errors;
 mod border_search;

@@ -1,0 +1,5 @@
+//! Questions asked of the flow: border orbits, periodic orbits and their branches. One program, since each would compile the
+//! flow anew.
+
+mod borders;
+mod periodic;
