@@ -223,9 +223,14 @@ def test_another_model_is_opened(view: View) -> None:
     page = view.open(SMALL).page
     before = view.motion()["end"]
     page.locator("header.top > select").select_option("bouncing_ball")
-    view.motion(before)
+    before = view.motion(before)["end"]
     assert "restitution" in page.locator(".editor textarea").input_value()
     assert page.locator("#set-g").count() == 1
+    # Its drawing has more parts than that of the one before.
+    page.locator("header.top > select").select_option("newtons_cradle")
+    view.motion(before)
+    assert page.locator("#set-g").count() == 0
+    assert len(json.loads(view.data("history")["end"])) == 6
 
 
 @pytest.mark.parametrize("view", [(390, 844)], indirect=True)

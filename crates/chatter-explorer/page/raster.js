@@ -9,6 +9,10 @@ const FAINTEST = 0.42;
 /** Times the mean density, at which a cell is nearly opaque. */
 const DENSE = 5;
 
+/** Opacities by density, in steps of this part of one at which a cell is nearly opaque. */
+const SHADES = 64;
+const OPACITY = Uint8Array.from({ length: 8 * SHADES }, (_, k) => Math.round(255 * (FAINTEST + (1 - FAINTEST) * (1 - Math.exp(-k / SHADES)))));
+
 export class Raster {
     constructor() {
         this.canvas = document.createElement("canvas");
@@ -53,8 +57,8 @@ export class Raster {
                 const unit = height / (weight[pass] * DENSE * dot);
                 for (let y = 0; y < height; y += 1) {
                     if (sum[y] === 0) continue;
-                    const alpha = FAINTEST + (1 - FAINTEST) * (1 - Math.exp(-sum[y] * unit));
-                    const word = ((Math.round(alpha * 255) << 24) | (b << 16) | (g << 8) | r) >>> 0;
+                    const alpha = OPACITY[Math.min(OPACITY.length - 1, (sum[y] * unit * SHADES) | 0)];
+                    const word = ((alpha << 24) | (b << 16) | (g << 8) | r) >>> 0;
                     for (let x = from; x < to; x += 1) {
                         const at = y * width + x;
                         // Of two passes the later one lies on top, half seen through where both are.
