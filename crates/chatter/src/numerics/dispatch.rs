@@ -19,8 +19,10 @@ pub(crate) enum InstructionSet {
     /// Whatever every processor of its kind has.
     Baseline,
     /// Four doubles a register, and fused multiply-add.
+    #[cfg(target_arch = "x86_64")]
     Avx2,
     /// Eight.
+    #[cfg(target_arch = "x86_64")]
     Avx512,
 }
 

@@ -4,6 +4,8 @@
 //! Memory is written while it cannot be executed, then made executable and never written again: by `memmap2`, whose
 //! interface for that is safe.
 
+use super::Places;
+use super::assembler::Width;
 use super::compile::{Layout, compile};
 use crate::expressions::graph::Function;
 use crate::expressions::series::MAX_ORDER;
@@ -13,8 +15,6 @@ use crate::numerics::{Lanes, Scalar};
 use core::any::TypeId;
 use core::fmt;
 use memmap2::{Mmap, MmapMut};
-
-use super::assembler::Width;
 
 /// So much code is written out for single numbers: all orders of the valve, and of the same with its derivative columns those
 /// that short flights ask for.
@@ -148,15 +148,6 @@ pub(super) fn lanes_of<S: 'static>() -> Option<usize> {
     } else {
         None
     }
-}
-
-/// What a run reads and writes.
-pub(crate) struct Places<'a, S> {
-    pub values: &'a mut [S],
-    pub lows: &'a mut [S],
-    pub auxiliaries: &'a mut [S],
-    pub constants: &'a [S],
-    pub tau: &'a S,
 }
 
 /// A tape's code for one kind of number.

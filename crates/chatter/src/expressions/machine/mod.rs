@@ -25,7 +25,7 @@ mod straight;
 use super::tape::Tape;
 use crate::numerics::dispatch::InstructionSet;
 use core::sync::atomic::{AtomicU8, Ordering};
-pub(super) use executable::{Executable, Places};
+pub(super) use executable::Executable;
 use std::sync::OnceLock;
 
 /// What runs tapes. The results are the same to the bit.
@@ -74,6 +74,16 @@ impl Backend {
             Self::Interpreter => Self::NEVER,
         }
     }
+}
+
+/// What a run reads and writes.
+#[cfg_attr(not(target_arch = "x86_64"), expect(dead_code))]
+pub(crate) struct Places<'a, S> {
+    pub values: &'a mut [S],
+    pub lows: &'a mut [S],
+    pub auxiliaries: &'a mut [S],
+    pub constants: &'a [S],
+    pub tau: &'a S,
 }
 
 /// The code of one tape, for each kind of number that it was run on often.

@@ -1,14 +1,7 @@
 //! In place of machine code on processors that none is made for.
 
+use super::Places;
 use crate::expressions::tape::Tape;
-
-pub(crate) struct Places<'a, S> {
-    pub values: &'a mut [S],
-    pub lows: &'a mut [S],
-    pub auxiliaries: &'a mut [S],
-    pub constants: &'a [S],
-    pub tau: &'a S,
-}
 
 /// There is none.
 #[derive(Debug)]
