@@ -8,7 +8,7 @@ use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
-use crate::numerics::{Complex, DoubleDouble, Real, Scalar};
+use crate::numerics::{Complex, DoubleDouble, Real};
 use std::sync::Arc;
 
 /// A periodic orbit.
@@ -188,12 +188,12 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
 }
 
 /// What is nothing but rounding of a state's size is nothing: a state on a contact at zero is told as zero.
-fn cleaned(state: &[DoubleDouble], sizes: &[f64]) -> Vec<DoubleDouble> {
-    let rounding = 64.0 * <DoubleDouble as Scalar>::ROUNDOFF;
+pub(crate) fn cleaned<R: Real>(state: &[R], sizes: &[f64]) -> Vec<R> {
+    let rounding = 64.0 * R::ROUNDOFF;
     (state.iter().zip(sizes))
         .map(|(&x, size)| {
             if x.to_f64().abs() <= rounding * size {
-                DoubleDouble::ZERO
+                R::ZERO
             } else {
                 x
             }

@@ -95,8 +95,7 @@ fn an_orbit_without_impacts_touches_where_its_amplitude_says() {
     }
 }
 
-/// On the curve of tori the angle of the pair is what the map says: at 1.2124… of two masses the pair is at 90.36 degrees, at
-/// 1.2631… at 89.34, and the curve between them passes a quarter of a turn.
+/// A curve of tori holds its pair on the unit circle, and passes a quarter of a turn where an independent computation does.
 #[test]
 fn tori_of_two_masses_in_two_parameters() {
     let text = super::branches::TWO_MASSES.replace("restitution = 0.8", "restitution = 'r'");
@@ -118,6 +117,15 @@ fn tori_of_two_masses_in_two_parameters() {
         .windows(2)
         .filter(|pair| (pair[0].parameters[1] - 0.8) * (pair[1].parameters[1] - 0.8) <= 0.0);
     assert!(both.count() >= 1);
+    // Where NumPy's matrix exponential and saltation matrix have the pair at i and -i.
+    let quarters = of(&curve, SpecialKind::Resonance14);
+    for at in [
+        [1.232_094_738_509_506_2, 0.749_321_669_527_529_4],
+        [1.202_254_778_022_405_3, 0.868_835_424_554_567],
+    ] {
+        let near = |found: &&[f64; 2]| (found[0] - at[0]).abs() + (found[1] - at[1]).abs() < 1e-11;
+        assert!(quarters.iter().any(|found| near(&found)), "{quarters:?}");
+    }
 }
 
 /// The border of the valve at other parameters, in quadruple precision.

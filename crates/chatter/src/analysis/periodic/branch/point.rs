@@ -2,6 +2,7 @@
 
 use crate::analysis::continuation::Station;
 use crate::analysis::periodic::multipliers::is_stable;
+use crate::analysis::periodic::orbit::cleaned;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
 
@@ -34,7 +35,7 @@ impl Point {
             period: shooting.period(),
             impacts: shooting.impacts(),
             multipliers: shooting.multipliers(),
-            state: shooting.node(&station.at, 0).to_vec(),
+            state: cleaned(shooting.node(&station.at, 0), &shooting.state_sizes()),
             monitors: (0..shooting.workshop.monitors.len())
                 .map(|index| shooting.monitored(index, &station.at))
                 .collect(),
