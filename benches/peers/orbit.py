@@ -18,7 +18,7 @@ from environment import ROOT, enter_environment
 
 KAPPA, DELTA, BETA, RESTITUTION = 1.25, 10.0, 20.0, 0.8
 Q, WIDTH = 0.0203, 2e-5
-TOLERANCE = 1e-9
+TOLERANCE = 1e-6
 ROUNDS, POINTS = 3, 4
 
 
@@ -107,7 +107,7 @@ class Collocation:
 
         started = time.perf_counter()
         found = solve_bvp(
-            field, ends, self.nodes, self.values, self.durations, fun_jac=field_slopes, tol=TOLERANCE, max_nodes=200
+            field, ends, self.nodes, self.values, self.durations, fun_jac=field_slopes, tol=TOLERANCE, max_nodes=1000
         )
         spent = time.perf_counter() - started
         if not found.success:
