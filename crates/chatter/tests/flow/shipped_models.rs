@@ -263,6 +263,8 @@ fn the_builder_makes_what_the_file_says() {
     let nodes = |model: &Model| {
         let mut model = model.clone();
         let graph = std::mem::take(&mut model.graph);
+        // The builder has none.
+        model.drawing.clear();
         let roots: Vec<Expr> = model.field();
         let nodes: Vec<_> = graph
             .reachable(&roots)

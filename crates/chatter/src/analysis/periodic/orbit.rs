@@ -8,7 +8,7 @@ use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
-use crate::numerics::{Complex, DoubleDouble, Real};
+use crate::numerics::{Complex, DoubleDouble, Real, Scalar};
 use std::sync::Arc;
 
 /// A periodic orbit.
@@ -187,9 +187,10 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     })
 }
 
-/// What is nothing but rounding of a state's size is nothing: a state on a contact at zero is told as zero.
+/// What is nothing but rounding of a state's size is nothing: a state on a contact at zero is told as zero. In doubles it is what
+/// longer numbers would round, since the rate at a graze is small without being nothing.
 pub(crate) fn cleaned<R: Real>(state: &[R], sizes: &[f64]) -> Vec<R> {
-    let rounding = 64.0 * R::ROUNDOFF;
+    let rounding = 64.0 * <DoubleDouble as Scalar>::ROUNDOFF;
     (state.iter().zip(sizes))
         .map(|(&x, size)| {
             if x.to_f64().abs() <= rounding * size {

@@ -285,7 +285,7 @@ impl<R: Real> ChatterTracker<R> {
         Some(Accumulation {
             after: time.distance,
             change,
-            error: time.error.max(floor).to_f64(),
+            error: time.error.max(time.expected).max(floor).to_f64(),
         })
     }
 

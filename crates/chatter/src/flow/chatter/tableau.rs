@@ -72,6 +72,8 @@ pub(super) struct Limit<R> {
     pub distance: R,
     /// By how much the last two entries of the tableau differ.
     pub error: R,
+    /// By how much those before them lead to expect that they differ: they may agree by chance.
+    pub expected: R,
     /// The largest distance of a sample.
     pub extent: R,
 }
@@ -86,10 +88,12 @@ pub(super) fn extrapolate<R: Real>(
     let extent = most(values);
     let extents: Vec<R> = derivatives.iter().map(|d| most(d)).collect();
     let mut before = R::ZERO;
+    let mut falls = [R::ZERO; 2];
     let mut befores = vec![R::ZERO; derivatives.len()];
     let samples = values.len();
     for (level, column) in weights.columns.iter().take(samples - 1).enumerate() {
         let entries = samples - level;
+        falls = [falls[1], (values[entries - 1] - before).abs()];
         before = values[entries - 1];
         for (derivative, before) in derivatives.iter().zip(&mut befores) {
             *before = derivative[entries - 1];
@@ -106,12 +110,24 @@ pub(super) fn extrapolate<R: Real>(
     let limit = |distance: R, before: R, extent: R| Limit {
         distance,
         error: (distance - before).abs(),
+        expected: R::ZERO,
         extent,
     };
     let along = (derivatives.iter().zip(befores).zip(extents))
         .map(|((derivative, before), extent)| limit(derivative[0], before, extent))
         .collect();
-    (limit(values[0], before, extent), along)
+    let [earlier, late] = falls;
+    let shrinks = samples > 3 && late < earlier;
+    let expected = if shrinks {
+        late * (late / earlier)
+    } else {
+        R::ZERO
+    };
+    let value = Limit {
+        expected,
+        ..limit(values[0], before, extent)
+    };
+    (value, along)
 }
 
 #[cfg(test)]

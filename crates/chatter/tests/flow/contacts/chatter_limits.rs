@@ -106,6 +106,41 @@ fn a_restitution_that_grows_with_time_ends_where_its_recurrence_does() {
     );
 }
 
+/// A ball whose restitution depends on time, place and incoming rate.
+fn check_recurrence(height: f64, r: f64, drift: f64, wave: f64, loss: f64) {
+    let parameters = [("r", r), ("d", drift), ("w", wave), ("c", loss)];
+    // Incoming rates are negative.
+    let model = ball(
+        &parameters,
+        "y",
+        "-1",
+        "(r + d*t + w*sin(x))*exp(c*v)",
+        (height, 0.0),
+    );
+    let [r, d, w, c] = [r, drift, wave, loss].map(Dd::from);
+    let truth = recurrence(height, |t, rate| {
+        let sine = (Dd::from(0.3125) * t).sin_cos().0;
+        (r + d * t + w * sine) * (-c * rate).exp()
+    });
+    // A restitution that reaches one on the way ends nothing.
+    if truth.to_f64() < 20.0 {
+        let (found, _) = accumulation::<f64>(&model, &[], &[], truth.to_f64() + 1.0);
+        assert_told(found.expect("an accumulation"), truth, "doubles");
+    }
+}
+
+/// Here the last two entries of the tableau agree to rounding, and are both off.
+#[test]
+fn entries_that_agree_by_chance_are_not_believed() {
+    check_recurrence(
+        0.619_723_982_700_620_6,
+        0.651_763_723_190_884_8,
+        -0.002_110_378_743_751_832_3,
+        0.097_622_232_776_814_5,
+        0.006_519_855_698_991_18,
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
@@ -136,18 +171,7 @@ proptest! {
         wave in 0.0_f64..0.1,
         loss in 0.0_f64..0.4,
     ) {
-        let parameters = [("r", r), ("d", drift), ("w", wave), ("c", loss)];
-        // Incoming rates are negative.
-        let model = ball(&parameters, "y", "-1", "(r + d*t + w*sin(x))*exp(c*v)", (height, 0.0));
-        let [r, d, w, c] = [r, drift, wave, loss].map(Dd::from);
-        let truth = recurrence(height, |t, rate| {
-            let sine = (Dd::from(0.3125) * t).sin_cos().0;
-            (r + d * t + w * sine) * (-c * rate).exp()
-        });
-        // A restitution that reaches one on the way ends nothing.
-        prop_assume!(truth.to_f64() < 20.0);
-        let (found, _) = accumulation::<f64>(&model, &[], &[], truth.to_f64() + 1.0);
-        assert_told(found.expect("an accumulation"), truth, "doubles");
+        check_recurrence(height, r, drift, wave, loss);
     }
 
     /// Forces of any kind, and restitution that drifts: doubles against double-double.
