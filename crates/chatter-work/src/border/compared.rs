@@ -9,17 +9,22 @@ use chatter::analysis::border::{
     Border, BorderSpec, Estimate, Prediction, Simulator, WindowComparison,
 };
 use chatter::numerics::Real;
+use core::ops::ControlFlow;
 
-/// The windows asked for, as far as the model has them.
+/// The windows asked for, as far as the model has them. The observer hears how much is done, of one.
+///
+/// # Errors
+/// There is no prediction, or the observer breaks off.
 pub fn compared<R: Real>(
     subject: &Subject,
     spec: &BorderSpec,
     border: &Border<R>,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Vec<WindowComparison>, Refusal> {
     let prediction = Prediction::exact(border).map_err(refused)?;
     let simulator = Simulator::new(subject.model, spec, border).map_err(refused)?;
     let (first, last) = subject.laps(border);
-    Ok(simulator.compare(&prediction, first, last))
+    (simulator.compare_until(&prediction, (first, last), observer)).ok_or(Refusal::Interrupted)
 }
 
 /// What is compared.

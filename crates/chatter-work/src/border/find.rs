@@ -49,10 +49,14 @@ fn near<R: Real + Argument<Real = R>>(
         observer.going_on()
     });
     let border = border.map_err(refused)?.ok_or(Refusal::Interrupted)?;
-    observer.progress(SEARCH, &|| "looking for its windows".to_owned());
-    let compared = match observer.going_on().is_continue() {
-        true => Some(compared(subject, spec, &border)?),
-        false => None,
+    let windows = compared(subject, spec, &border, &mut |done| {
+        let done = (1.0 - SEARCH).mul_add(done, SEARCH);
+        observer.progress(done, &|| "looking for its windows".to_owned());
+        observer.going_on()
+    });
+    let compared = match windows {
+        Err(Refusal::Interrupted) => None,
+        windows => Some(windows?),
     };
     Ok(Answer::One {
         border: Box::new(border),
@@ -82,7 +86,7 @@ fn range<R: Real + Argument<Real = R>>(
     observer.progress(SEARCH, &|| "looking for their windows".to_owned());
     let windows = match found.is_complete {
         true => parallel::each(&found.borders, observer.stop(), |border| {
-            compared(subject, spec, border)
+            compared(subject, spec, border, &mut |_| observer.going_on())
         }),
         false => Err(Refusal::Interrupted),
     };

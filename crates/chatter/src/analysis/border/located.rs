@@ -7,6 +7,7 @@ use super::return_map::ReturnMap;
 use super::simulated::Simulator;
 use super::window_curve::{LocatedWindow, WindowEnds};
 use super::windows::{PredictedPoint, PredictedWindow};
+use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 
 /// Predicted against found, for one number of impacts.
@@ -71,9 +72,25 @@ impl Simulator {
     /// border are left out. The prediction improves with n, so what is not found from it alone is looked for from the next
     /// window, whose offset from its prediction helps to find it.
     pub fn compare(&self, prediction: &Prediction, first: u32, last: u32) -> Vec<WindowComparison> {
+        let compared =
+            self.compare_until(
+                prediction,
+                (first, last),
+                &mut |_| ControlFlow::Continue(()),
+            );
+        compared.unwrap_or_default()
+    }
+
+    /// As [`compare`](Self::compare); the observer hears how much is done, of one, and may break off: then there is nothing.
+    pub fn compare_until(
+        &self,
+        prediction: &Prediction,
+        (first, last): (u32, u32),
+        observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Option<Vec<WindowComparison>> {
         let map = self.return_map(prediction);
         let Some(nearest) = last_resolved(prediction, map.free) else {
-            return Vec::new();
+            return Some(Vec::new());
         };
         let last = last.min(nearest);
         let alone = |predicted: PredictedWindow| {
@@ -81,10 +98,23 @@ impl Simulator {
             Some(Found { predicted, ends })
         };
         // Beyond the last one asked for, if need be, is where to begin.
-        let begin = (last..=nearest).find_map(|lap| alone(prediction.window(lap)));
+        let mut begin = None;
+        for lap in last..=nearest {
+            observer(0.0).is_continue().then_some(())?;
+            begin = alone(prediction.window(lap));
+            if begin.is_some() {
+                break;
+            }
+        }
+        let mut stopped = false;
+        let span = f64::from(last.saturating_sub(first).max(1));
         // Farther from the border than a window that is not found nothing but other orbits would be.
         let found = core::iter::successors(begin, |next| {
             let lap = next.predicted.lap;
+            stopped = observer(f64::from(last.saturating_sub(lap)) / span).is_break();
+            if stopped {
+                return None;
+            }
             let predicted = prediction.window((lap > first).then(|| lap - 1)?);
             (map.locate_beside(prediction, predicted, next)).or_else(|| alone(predicted))
         });
@@ -96,7 +126,7 @@ impl Simulator {
             })
             .collect();
         windows.reverse();
-        windows
+        (!stopped).then_some(windows)
     }
 
     fn return_map<'a>(&'a self, prediction: &'a Prediction) -> ReturnMap<'a> {
