@@ -1,9 +1,10 @@
 //! Periodic orbits, stable or not, through impacts, complete chatter, contact and release.
 //!
 //! ```text
-//! trace        a trajectory as instants and the modes between them
-//! settle       the latest return of a trajectory to where it was: a cycle, nearly closed
-//! itinerary    the cycle as legs of smooth flow, and stretches that are followed through complete chatter
+//! cycle/       what is read off the motion
+//!   trace      a trajectory as instants and the modes between them
+//!   settle     the latest return of a trajectory to where it was: a cycle, nearly closed
+//!   itinerary  the cycle as legs of smooth flow, and stretches that are followed through complete chatter
 //! closure      what a state is after one period: the same, but for turns of phases and distance covered
 //! shooting     the equations of an itinerary: nodes after events and the times between them
 //! special_curve  special points in two parameters
@@ -20,28 +21,27 @@ mod aside;
 mod branch;
 mod closure;
 mod condition;
+mod cycle;
 mod error;
-mod itinerary;
 mod multipliers;
 mod orbit;
 mod search;
-mod settle;
 mod shooting;
 mod special_curve;
 mod survey;
-mod trace;
 
 pub use branch::{Branch, End, Limits, Point, Special, SpecialKind};
+pub use cycle::settle::Patience;
 pub use error::PeriodicError;
 pub use orbit::{Margin, MarginKind, Orbit};
 pub use search::{Search, Searched};
-pub use settle::Patience;
 pub use special_curve::{Known, SpecialCurve};
 pub use survey::Beside;
 
 use crate::model::Model;
 use closure::Closure;
 use core::ops::ControlFlow;
+use cycle::settle::settle;
 use shooting::Workshop;
 use std::sync::Arc;
 
@@ -113,7 +113,7 @@ pub fn settled(
     let workshop = workshop(model, spec, (&[], &[]))?;
     let parameters = model.parameter_values::<f64>(&[]);
     let state = model.initial_state(&parameters);
-    let cycle = settle::settle(&workshop, &[], &state, spec.patience, observer)?;
+    let cycle = settle(&workshop, &[], &state, spec.patience, observer)?;
     orbit::close(&workshop, cycle, &[])
 }
 
@@ -166,7 +166,7 @@ pub fn branches(
         let parameters = model.parameter_values::<f64>(&[(what.parameter, here)]);
         let state = model.initial_state(&parameters);
         let mut settling = |_: f64| observer(None);
-        let found = settle::settle(&workshop, &[here], &state, spec.patience, &mut settling)
+        let found = settle(&workshop, &[here], &state, spec.patience, &mut settling)
             .and_then(|cycle| orbit::close(&workshop, cycle, &[here]));
         let orbit = match found {
             Ok(orbit) => orbit,

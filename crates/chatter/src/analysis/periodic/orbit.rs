@@ -1,9 +1,9 @@
 //! One periodic orbit, closed by Newton's method.
 
+use super::cycle::itinerary::Passage;
+use super::cycle::settle::Cycle;
 use super::error::PeriodicError;
-use super::itinerary::Passage;
 use super::multipliers::is_stable;
-use super::settle::Cycle;
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::GuardKind;

@@ -1,10 +1,10 @@
 //! Every periodic orbit that Newton's method finds from many starts, stable or not.
 
 use super::branch::is_broken;
+use super::cycle::itinerary::Step;
+use super::cycle::settle::{Patience, loops, settle};
 use super::error::PeriodicError;
-use super::itinerary::Step;
 use super::orbit::{Orbit, close};
-use super::settle::{Patience, loops, settle};
 use super::shooting::Workshop;
 use crate::analysis::diagram::Generator;
 use crate::flow::GuardKind;
@@ -167,7 +167,7 @@ fn extent(
     parameters: &[f64],
 ) -> Result<Vec<(f64, f64)>, PeriodicError> {
     let period = workshop.closure.forcing(parameters);
-    let mut tracer = super::trace::Tracer::new(&workshop.system, parameters, state, None)?;
+    let mut tracer = super::cycle::trace::Tracer::new(&workshop.system, parameters, state, None)?;
     let clock = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut ends: Vec<(f64, f64)> = state.iter().map(|&x| (x, x)).collect();
     let step = period.unwrap_or(1.0) / 64.0;

@@ -9,8 +9,8 @@
 //! Each is regular where an event grazes. A stretch through complete chatter is followed as it is, and its time eliminated.
 
 use super::closure::{Closure, Lap, Turn};
+use super::cycle::itinerary::{Passage, Step, held};
 use super::error::PeriodicError;
-use super::itinerary::{Passage, Step, held};
 use super::multipliers::neutral;
 use crate::analysis::continuation::{Left, Linearised, Problem, Wrap, differenced};
 use crate::expressions::{Expr, Symbol};

@@ -3,9 +3,9 @@
 
 use super::aside::Aside;
 use super::branch::{Branch, End, Limits, Point, Special, SpecialKind, follow};
+use super::cycle::settle::{Patience, settle};
 use super::error::PeriodicError;
 use super::orbit::close;
-use super::settle::{Patience, settle};
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::Singular;
 use core::ops::ControlFlow;

@@ -5,7 +5,7 @@ use super::limits::{End, Limits, station_at};
 use super::special::{Seed, Special};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, NewtonError, Problem, Station, StepError};
-use crate::analysis::periodic::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::shooting::Shooting;
 use core::ops::ControlFlow;
 

@@ -6,7 +6,7 @@ use crate::analysis::periodic::branch::{
     Broken, End, Limits, Point, Special, SpecialKind, broken_beside, first_break, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
-use crate::analysis::periodic::itinerary::Step;
+use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
 use core::ops::ControlFlow;

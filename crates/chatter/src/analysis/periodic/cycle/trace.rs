@@ -1,6 +1,6 @@
 //! A trajectory as the instants at which something happens, with the modes between them.
 
-use super::error::PeriodicError;
+use crate::analysis::periodic::error::PeriodicError;
 use crate::flow::{Closed, GuardKind, Occurrence, Settings, System, Trajectory, Workspace};
 use core::ops::ControlFlow;
 

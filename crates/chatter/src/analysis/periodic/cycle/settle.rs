@@ -1,10 +1,10 @@
 //! What a trajectory settles to: the latest return to where it was.
 
-use super::closure::{Closure, Turn};
-use super::error::PeriodicError;
 use super::itinerary::{Step, read, rotate};
-use super::shooting::{Workshop, without_zeros};
 use super::trace::{Instant, Tracer};
+use crate::analysis::periodic::closure::{Closure, Turn};
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::{Workshop, without_zeros};
 use crate::flow::GuardKind;
 use core::ops::ControlFlow;
 

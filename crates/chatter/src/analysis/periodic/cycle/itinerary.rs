@@ -1,8 +1,8 @@
 //! An orbit as a sequence of legs, read off a trajectory.
 
-use super::closure::Turn;
-use super::error::PeriodicError;
 use super::trace::Instant;
+use crate::analysis::periodic::closure::Turn;
+use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::Side;
 use crate::flow::leg::{Jump, LegKind, StretchKind};
 use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory};
