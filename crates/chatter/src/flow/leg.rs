@@ -579,6 +579,8 @@ pub(crate) struct Follower<R: Real> {
 pub(crate) enum Astray {
     /// Something else ended it.
     Otherwise,
+    /// Its flights cross a surface: with derivatives such chatter is followed impact by impact, and so has no end.
+    Crosses,
     /// It cannot be followed.
     Failed(FlowError),
 }
@@ -628,6 +630,7 @@ impl Stretch {
         };
         trajectory.set_horizon_parts(two_sum(clock, longest));
         let mut accumulations = 0;
+        let mut astray = Astray::Otherwise;
         for _ in 0..MOST_EVENTS {
             let mut told = None;
             for _ in 0..MOST_STEPS {
@@ -639,7 +642,7 @@ impl Stretch {
             match told {
                 Some(Occurrence::Horizon) => {
                     if self.ends_at.is_some() {
-                        return Err(Astray::Otherwise);
+                        return Err(astray);
                     }
                     let end = trajectory.state();
                     return Ok((self.edge).landing(
@@ -651,6 +654,9 @@ impl Stretch {
                 }
                 Some(Occurrence::Accumulation { .. } | Occurrence::Cascade { .. }) => {
                     accumulations += 1
+                }
+                Some(Occurrence::Switch { .. }) if accumulations < self.accumulations => {
+                    astray = Astray::Crosses;
                 }
                 _ => {}
             }
@@ -669,7 +675,7 @@ impl Stretch {
                 ));
             }
         }
-        Err(Astray::Otherwise)
+        Err(astray)
     }
 
     /// Takes a state that an impact has just left to where the gap is zero: off it by what the solution of the

@@ -424,6 +424,9 @@ impl<R: Real> Shooting<R> {
                     followed.map_err(|astray| match astray {
                         Astray::Failed(error) => Left::because(error),
                         Astray::Otherwise => Left::because("chatter is not complete"),
+                        Astray::Crosses => Left::because(
+                            "derivatives are not carried through complete chatter whose flights cross a surface",
+                        ),
                     })?
                 }
             };
