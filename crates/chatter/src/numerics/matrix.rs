@@ -103,6 +103,22 @@ impl<R: Real> Matrix<R> {
         product
     }
 
+    /// The second compound: all minors of two rows and two columns, pairs in lexical order. That of a product is the product of
+    /// those of its factors, in which large and small parts do not mix as in minors of the product.
+    pub fn minors(&self) -> Self {
+        let pairs = |size: usize| {
+            (0..size).flat_map(move |first| (first + 1..size).map(move |second| (first, second)))
+        };
+        let rows: Vec<Vec<R>> = pairs(self.rows())
+            .map(|(i, k)| {
+                pairs(self.columns())
+                    .map(|(j, l)| self[(i, j)] * self[(k, l)] - self[(i, l)] * self[(k, j)])
+                    .collect()
+            })
+            .collect();
+        Self::from_rows(&rows)
+    }
+
     /// Each number to double precision.
     pub fn to_f64(&self) -> Matrix<f64> {
         Matrix {

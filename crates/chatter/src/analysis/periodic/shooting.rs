@@ -483,19 +483,27 @@ impl<R: Real> Shooting<R> {
         }
         let left = found.len().saturating_sub(self.lost());
         if left == 2 && found.len() == 2 && has_events && found[0].im == 0.0 {
-            // The product of both is a sum of minors, which longer numbers know better than an eigenvalue.
-            let mut minors = R::ZERO;
-            for (a, &i) in kept.iter().enumerate() {
-                for &k in &kept[a + 1..] {
-                    minors += product[(i, i)] * product[(k, k)] - product[(i, k)] * product[(k, i)];
-                }
-            }
+            // The product of both is a sum of minors, known better than an eigenvalue that is far smaller than the other.
+            let minors = self.minors(&kept);
             found[1].re = minors.to_f64() / found[0].re;
         }
         for value in &mut found[left..] {
             *value = Complex::default();
         }
         found
+    }
+
+    /// The sum of the monodromy matrix's minors of two of these rows and columns.
+    fn minors(&self, kept: &[usize]) -> R {
+        let n = self.workshop.model.states.len();
+        let mut product = Matrix::identity(n * (n - 1) / 2);
+        for landing in &self.latest {
+            product = transfer(landing, n).minors().times(&product);
+        }
+        let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |k| (i, k)));
+        (pairs.enumerate())
+            .filter(|(_, (i, k))| kept.contains(i) && kept.contains(k))
+            .fold(R::ZERO, |sum, (place, _)| sum + product[(place, place)])
     }
 
     /// The phase that turns by itself, where no time does.

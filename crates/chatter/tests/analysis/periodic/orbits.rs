@@ -111,6 +111,23 @@ fn what_is_no_orbit_is_said() {
     assert!(error.to_string().contains("repeat after"), "{error}");
 }
 
+/// An orbit of hundreds of impacts stretches by 1e37 one way: what the other way is left does not drown in its rounding.
+#[test]
+fn small_multipliers_do_not_drown_in_large_ones() {
+    let text = "[flight]\nx = 'v'\nv = '-x - 0.362946697614734*v + cos(2.2757224799201263*t)'\n[[contact]]\n\
+        gap = '0.2207665698688728 - x'\nimpulse = { v = -1 }\nrestitution = 0.3\n[initial]\nx = -0.5\nv = 0\n";
+    let orbit = orbit(&with(text, &[]));
+    let [large, small] = orbit.multipliers[..] else {
+        panic!("{:?}", orbit.multipliers);
+    };
+    assert!(large.re.abs() > 1e30);
+    let impacts = orbit.impacts.unwrap();
+    let logarithm =
+        -0.362946697614734 * orbit.period.to_f64() + 2.0 * impacts as f64 * 0.3_f64.ln();
+    // Smaller than any double.
+    assert!(logarithm < -800.0 && (large.re * small.re).abs() < 1e-300);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
     /// Liouville: the product of multipliers is what a period shrinks volumes by, e^(-c P) r^2 for each impact.
