@@ -212,10 +212,12 @@ impl Question<'_> {
             }
         };
         told.print()?;
-        Ok(match answer.is_complete() {
-            true => failure::SUCCESS,
-            false => failure::INTERRUPTED,
-        })
+        match &answer {
+            answer if answer.is_complete() => Ok(failure::SUCCESS),
+            // That borders may be missing is said among them; that windows are is not.
+            Answer::One { .. } => Err(Failure::Interrupted),
+            Answer::All { .. } => Ok(failure::INTERRUPTED),
+        }
     }
 
     /// Figure and table of the orbits.
