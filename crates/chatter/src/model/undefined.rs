@@ -42,7 +42,12 @@ impl Model {
     /// The first formula that has no finite value for lack of one of what no state changes.
     pub(super) fn undefined(&self) -> Option<Undefined> {
         let parameters = self.parameter_values::<f64>(&[]);
-        (self.written().into_iter())
+        let written = self.written();
+        let all: Vec<Expr> = written.iter().map(|&(_, expr)| expr).collect();
+        if !has_undefined(&self.graph, &all, &parameters) {
+            return None;
+        }
+        (written.into_iter())
             .find_map(|(written, expr)| self.undefined_in(written, expr, &parameters))
     }
 
@@ -133,6 +138,20 @@ impl fmt::Display for Name<'_> {
             Written::Surface(k) => write!(f, "the surface of section `{}`", model.sections[k].name),
         }
     }
+}
+
+/// Whether any part that no state changes has no finite value: formulas share their parts, and are looked at one by one only then.
+fn has_undefined(graph: &Graph, all: &[Expr], parameters: &[f64]) -> bool {
+    let parts = graph.reachable(all);
+    let values = graph.evaluate_all::<f64>(&parts, &[], parameters);
+    let value = |part: Expr| parts.binary_search(&part).map_or(f64::NAN, |k| values[k]);
+    let mut moves = vec![false; parts.last().map_or(0, |part| part.index() + 1)];
+    parts.iter().zip(&values).any(|(&part, &own)| {
+        let mut moved = matches!(graph.node(part), Node::Symbol(Symbol::State(_)));
+        graph.for_each_operand(part, |operand| moved |= moves[operand.index()]);
+        moves[part.index()] = moved;
+        !moved && (!own.is_finite() || leaves_domain(graph, part, &value))
+    })
 }
 
 /// The first part of an expression that no state changes and that has no finite value at these parameters, as large as
