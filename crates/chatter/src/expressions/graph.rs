@@ -57,6 +57,23 @@ pub enum Function {
     Tanh,
 }
 
+impl Function {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Exp,
+        Self::Ln,
+        Self::Sin,
+        Self::Cos,
+        Self::Tan,
+        Self::Asin,
+        Self::Acos,
+        Self::Atan,
+        Self::Sinh,
+        Self::Cosh,
+        Self::Tanh,
+    ];
+}
+
 /// One operation and its operands.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub enum Node {

@@ -140,50 +140,74 @@ impl fmt::Display for Name<'_> {
     }
 }
 
+/// What formulas are made of, with values where no state is, and whether states change them.
+struct Parts {
+    parts: Vec<Expr>,
+    values: Vec<f64>,
+    /// By the index of the expression.
+    moves: Vec<bool>,
+}
+
+impl Parts {
+    fn new(graph: &Graph, roots: &[Expr], parameters: &[f64]) -> Self {
+        let parts = graph.reachable(roots);
+        let values = graph.evaluate_all::<f64>(&parts, &[], parameters);
+        let mut moves = vec![false; parts.last().map_or(0, |part| part.index() + 1)];
+        for &part in &parts {
+            let mut moved = matches!(graph.node(part), Node::Symbol(Symbol::State(_)));
+            graph.for_each_operand(part, |operand| moved |= moves[operand.index()]);
+            moves[part.index()] = moved;
+        }
+        Self {
+            parts,
+            values,
+            moves,
+        }
+    }
+
+    fn value(&self, part: Expr) -> f64 {
+        let found = self.parts.binary_search(&part);
+        found.map_or(f64::NAN, |place| self.values[place])
+    }
+
+    /// Those that no state changes, with their values.
+    fn fixed(&self) -> impl Iterator<Item = (Expr, f64)> {
+        let all = self.parts.iter().copied().zip(self.values.iter().copied());
+        all.filter(|(part, _)| !self.moves[part.index()])
+    }
+}
+
 /// Whether any part that no state changes has no finite value: formulas share their parts, and are looked at one by one only then.
 fn has_undefined(graph: &Graph, all: &[Expr], parameters: &[f64]) -> bool {
-    let parts = graph.reachable(all);
-    let values = graph.evaluate_all::<f64>(&parts, &[], parameters);
-    let value = |part: Expr| parts.binary_search(&part).map_or(f64::NAN, |k| values[k]);
-    let mut moves = vec![false; parts.last().map_or(0, |part| part.index() + 1)];
-    parts.iter().zip(&values).any(|(&part, &own)| {
-        let mut moved = matches!(graph.node(part), Node::Symbol(Symbol::State(_)));
-        graph.for_each_operand(part, |operand| moved |= moves[operand.index()]);
-        moves[part.index()] = moved;
-        !moved && (!own.is_finite() || leaves_domain(graph, part, &value))
-    })
+    let parts = Parts::new(graph, all, parameters);
+    parts
+        .fixed()
+        .any(|(part, own)| !own.is_finite() || leaves_domain(graph, part, &parts))
 }
 
 /// The first part of an expression that no state changes and that has no finite value at these parameters, as large as
 /// there is, with its value.
 fn undefined_part(graph: &Graph, expr: Expr, parameters: &[f64]) -> Option<(Expr, f64)> {
-    let parts = graph.reachable(&[expr]);
-    let values = graph.evaluate_all::<f64>(&parts, &[], parameters);
-    let value = |part: Expr| parts.binary_search(&part).map_or(f64::NAN, |k| values[k]);
+    let all = Parts::new(graph, &[expr], parameters);
     let size = expr.index() + 1;
-    let (mut moves, mut outside, mut undefined) =
-        (vec![false; size], vec![false; size], vec![None; size]);
-    for (&part, &own) in parts.iter().zip(&values) {
+    let (mut outside, mut undefined) = (vec![false; size], vec![None; size]);
+    for (&part, &own) in all.parts.iter().zip(&all.values) {
         let at = part.index();
-        moves[at] = matches!(graph.node(part), Node::Symbol(Symbol::State(_)));
         graph.for_each_operand(part, |operand| {
-            moves[at] |= moves[operand.index()];
             undefined[at] = undefined[at].or(undefined[operand.index()]);
         });
-        if !moves[at] && undefined[at].is_none() && leaves_domain(graph, part, &value) {
+        if !all.moves[at] && undefined[at].is_none() && leaves_domain(graph, part, &all) {
             undefined[at] = Some(own);
         }
     }
     // What something that moves is made of, or the whole.
     outside[expr.index()] = true;
-    for &part in &parts {
-        if moves[part.index()] {
-            graph.for_each_operand(part, |operand| outside[operand.index()] = true);
-        }
+    for part in all.parts.iter().filter(|part| all.moves[part.index()]) {
+        graph.for_each_operand(*part, |operand| outside[operand.index()] = true);
     }
-    (parts.iter().zip(&values))
-        .filter(|(part, _)| outside[part.index()] && !moves[part.index()])
-        .find_map(|(&part, &own)| match undefined[part.index()] {
+    all.fixed()
+        .filter(|(part, _)| outside[part.index()])
+        .find_map(|(part, own)| match undefined[part.index()] {
             _ if !own.is_finite() => Some((part, own)),
             Some(inside) => Some((part, inside)),
             None => None,
@@ -191,7 +215,8 @@ fn undefined_part(graph: &Graph, expr: Expr, parameters: &[f64]) -> Option<(Expr
 }
 
 /// Whether an operation on finite values has none, overflow aside.
-fn leaves_domain(graph: &Graph, part: Expr, value: &dyn Fn(Expr) -> f64) -> bool {
+fn leaves_domain(graph: &Graph, part: Expr, all: &Parts) -> bool {
+    let value = |part: Expr| all.value(part);
     match *graph.node(part) {
         Node::Power(base, exponent) => {
             let (base, exponent) = (value(base), value(exponent));

@@ -106,9 +106,6 @@ impl<R: Real> Matrix<R> {
     /// The second compound: all minors of two rows and two columns, pairs in lexical order. That of a product is the product of
     /// those of its factors, in which large and small parts do not mix as in minors of the product.
     pub fn minors(&self) -> Self {
-        let pairs = |size: usize| {
-            (0..size).flat_map(move |first| (first + 1..size).map(move |second| (first, second)))
-        };
         let rows: Vec<Vec<R>> = pairs(self.rows())
             .map(|(i, k)| {
                 pairs(self.columns())
@@ -145,6 +142,11 @@ impl<R> IndexMut<(usize, usize)> for Matrix<R> {
     fn index_mut(&mut self, (row, column): (usize, usize)) -> &mut R {
         &mut self.entries[row * self.columns + column]
     }
+}
+
+/// Pairs of different numbers below `size` in lexical order, each once.
+pub fn pairs(size: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..size).flat_map(move |first| (first + 1..size).map(move |second| (first, second)))
 }
 
 /// The scalar product of two vectors.

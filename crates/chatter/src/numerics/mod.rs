@@ -17,6 +17,6 @@ pub(crate) use double_double::two_sum;
 pub use double_double::{DoubleDouble, NotANumber};
 pub use eigenvalues::{Complex, eigenvalues};
 pub use lanes::{LaneMask, Lanes};
-pub use matrix::{Factored, Matrix, dot};
+pub use matrix::{Factored, Matrix, dot, pairs};
 pub use scalar::{Mask, Real, Scalar};
 pub(crate) use with_terms::WithTerms;

@@ -24,20 +24,6 @@ impl Draws {
 
 const PARAMETERS: usize = 3;
 
-const FUNCTIONS: [Function; 11] = [
-    Function::Exp,
-    Function::Ln,
-    Function::Sin,
-    Function::Cos,
-    Function::Tan,
-    Function::Asin,
-    Function::Acos,
-    Function::Atan,
-    Function::Sinh,
-    Function::Cosh,
-    Function::Tanh,
-];
-
 fn expression(graph: &mut Graph, draws: &mut Draws, dimension: usize, depth: usize) -> Expr {
     if depth == 0 {
         return match draws.next(4) {
@@ -74,7 +60,7 @@ fn expression(graph: &mut Graph, draws: &mut Draws, dimension: usize, depth: usi
             let exponent = graph.parameter(draws.next(PARAMETERS as u64) as usize);
             graph.power(first, exponent)
         }
-        _ => graph.call(FUNCTIONS[draws.next(11) as usize], first),
+        _ => graph.call(Function::ALL[draws.next(11) as usize], first),
     }
 }
 

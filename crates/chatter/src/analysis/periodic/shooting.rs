@@ -19,7 +19,7 @@ use crate::flow::leg::{
 };
 use crate::flow::{Closed, Settings, System};
 use crate::model::Model;
-use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues};
+use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues, pairs};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A model with its compiled legs, shared by all orbits that are looked at.
@@ -500,8 +500,7 @@ impl<R: Real> Shooting<R> {
         for landing in &self.latest {
             product = transfer(landing, n).minors().times(&product);
         }
-        let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |k| (i, k)));
-        (pairs.enumerate())
+        (pairs(n).enumerate())
             .filter(|(_, (i, k))| kept.contains(i) && kept.contains(k))
             .fold(R::ZERO, |sum, (place, _)| sum + product[(place, place)])
     }

@@ -36,20 +36,6 @@ struct Machine {
     callees: HashMap<u64, Callee>,
 }
 
-const FUNCTIONS: [Function; 11] = [
-    Function::Exp,
-    Function::Ln,
-    Function::Sin,
-    Function::Cos,
-    Function::Tan,
-    Function::Asin,
-    Function::Acos,
-    Function::Atan,
-    Function::Sinh,
-    Function::Cosh,
-    Function::Tanh,
-];
-
 fn number(register: Register) -> usize {
     let of = |first: Register, count: usize| {
         let number = (register as usize).wrapping_sub(first as usize);
@@ -64,7 +50,7 @@ fn number(register: Register) -> usize {
 
 impl Machine {
     fn new() -> Self {
-        let named = FUNCTIONS.map(Callee::Function);
+        let named = Function::ALL.map(Callee::Function);
         let callees = named.into_iter().chain([Callee::SineCosine, Callee::Power]);
         let mut machine = Self {
             words: [0x5555; 16],

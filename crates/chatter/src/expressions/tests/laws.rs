@@ -1,6 +1,6 @@
 //! Laws of simplification, differentiation, formulas and parsing, on random expressions.
 
-use super::plain::{FUNCTIONS, Plain, plain, point};
+use super::plain::{Plain, plain, point};
 use super::{names, read};
 use crate::expressions::{Function, Graph, Names, Symbol};
 use crate::numerics::{DoubleDouble, Real, Scalar};
@@ -104,7 +104,7 @@ proptest! {
     /// with an argument of either sign.
     #[test]
     fn each_function_keeps_its_value_and_slope(
-        function in proptest::sample::select(FUNCTIONS.to_vec()),
+        function in proptest::sample::select(Function::ALL.to_vec()),
         factor in prop_oneof![Just(-0.5), Just(0.25), Just(-1.0), Just(1.0)],
         size in 0.05_f64..0.95,
     ) {

@@ -21,20 +21,6 @@ pub(super) enum Plain {
     Call(Function, Box<Plain>),
 }
 
-pub(super) const FUNCTIONS: [Function; 11] = [
-    Function::Exp,
-    Function::Ln,
-    Function::Sin,
-    Function::Cos,
-    Function::Tan,
-    Function::Asin,
-    Function::Acos,
-    Function::Atan,
-    Function::Sinh,
-    Function::Cosh,
-    Function::Tanh,
-];
-
 /// Random expressions with few names, so that terms and bases often meet their like.
 pub(super) fn plain() -> impl Strategy<Value = Plain> {
     let leaf = prop_oneof![
@@ -66,8 +52,8 @@ pub(super) fn plain() -> impl Strategy<Value = Plain> {
             inner.clone().prop_map(|a| Plain::Negate(Box::new(a))),
             (inner.clone(), exponent).prop_map(|(a, b)| Plain::Power(Box::new(a), Box::new(b))),
             inner.clone().prop_map(|a| Plain::Root(Box::new(a))),
-            (0_usize..FUNCTIONS.len(), inner.clone())
-                .prop_map(|(function, a)| Plain::Call(FUNCTIONS[function], Box::new(a))),
+            (0_usize..Function::ALL.len(), inner.clone())
+                .prop_map(|(function, a)| Plain::Call(Function::ALL[function], Box::new(a))),
         ]
     })
 }
