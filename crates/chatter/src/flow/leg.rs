@@ -11,8 +11,9 @@
 //! What else ends the mode is watched apart: the least value of each of its guards on the way.
 
 use super::error::FlowError;
+use super::guard::GuardKind;
 use super::limits::Limits;
-use super::program::{GuardKind, ModeExprs, guard_functions};
+use super::program::{ModeExprs, guard_functions};
 use super::step::Workspace;
 use super::system::{Settings, System};
 use super::trajectory::Trajectory;

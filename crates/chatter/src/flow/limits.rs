@@ -1,6 +1,7 @@
 //! Where a mode ends at a corner: functions that are positive while its sides, pieces and sliding hold (MATH.md 9).
 
-use super::program::{Closed, GuardKind, ModeExprs};
+use super::guard::GuardKind;
+use super::program::{Closed, ModeExprs};
 use crate::expressions::{Corners, Expr, Graph, Side, Sides};
 use crate::model::{Mechanics, OnSides, Rubbing};
 

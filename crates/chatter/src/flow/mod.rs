@@ -5,6 +5,7 @@
 //!          touch       all contacts at one state: rates, couplings, directions, for impacts of several at one instant
 //!          variation derivatives as further states of the same system: columns, saltation at impacts
 //!       -> Trajectory  the mode machine: one state, its mode, what happened (Occurrence)
+//!            flight    what ordinary steps in free flight change beside the state, for one trajectory or lanes of many
 //!            step      expand, locate the first guard, move, collide: branch-free, any number type
 //!            resolve   the rare cases a step cannot certify, settled with full root isolation
 //!            crossing  where a section is crossed, by the side of it that the trajectory comes from (sides)
@@ -17,6 +18,8 @@ mod crossing;
 mod dense;
 mod error;
 mod fleet;
+mod flight;
+mod guard;
 pub(crate) mod leg;
 mod limits;
 mod looked_up;
@@ -36,8 +39,9 @@ mod variation;
 pub use dense::Dense;
 pub use error::FlowError;
 pub use fleet::{Next, run_fleet};
+pub use guard::GuardKind;
 pub use occurrence::{EventKind, Occurrence, Place};
-pub use program::{Closed, GuardKind, Held};
+pub use program::{Closed, Held};
 pub use step::Workspace;
 pub use system::{Settings, System, SystemError};
 pub use trajectory::Trajectory;

@@ -1,12 +1,12 @@
 //! What runs in one mode: the field that holds while a given set of contacts is closed, and its guards.
 
 use super::chatter::{SequenceConstants, SequenceExprs, SequenceTapes};
+use super::guard::{Guard, GuardKind, Transition};
 use super::limits::{Corner, Limits};
 use super::looked_up::LookedUp;
 use super::reset::ResetTapes;
-use super::touching::Touching;
 use super::variation::Direction as Along;
-use crate::expressions::{Expr, Graph, Names, Node, Operand, Side, Symbol, Tape};
+use crate::expressions::{Expr, Graph, Names, Node, Symbol, Tape};
 use crate::model::{ContactMechanics, Direction, Mechanics, Section, Sticking};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
@@ -63,6 +63,11 @@ impl Grip {
         idle: Closed::NONE,
     };
 
+    /// Whether a closed contact carries nothing.
+    pub fn has_idle(self) -> bool {
+        self.idle != Closed::NONE
+    }
+
     /// Contacts whose forces hold all.
     pub fn carrying(self) -> Closed {
         Closed(self.closed.0 & !self.idle.0)
@@ -78,55 +83,12 @@ pub struct Held {
     pub contacts: Vec<usize>,
 }
 
-/// What happens where a guard vanishes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum GuardKind {
-    /// The gap of an open contact closes: an impact.
-    Gap(usize),
-    /// The contact force of a closed contact vanishes: release. The guard is minus the reaction.
-    Reaction(usize),
-    /// A section is crossed.
-    Section(usize),
-    /// A surface is met from one of its sides.
-    Switch(usize),
-    /// Sliding along a surface, or sticking, ends towards a side.
-    Leave(usize, Side),
-    /// The argument of a lookup reaches the end of its piece on a side.
-    Piece(usize, Side),
-    /// The impulse of a contact that slides, with the friction that it brings about, ceases to change its rate.
-    Jam(usize),
-}
-
-/// A function of state whose zero ends a step. Gaps and reactions are positive until then.
-#[derive(Clone, Copy, Debug)]
-pub struct Guard {
-    /// What its zero means.
-    pub kind: GuardKind,
-    /// Which zeros count, after a rising section's sign was turned.
-    pub crossing: Crossing,
-    pub(crate) series: Operand,
-    /// Whether its series may need shorter steps than those of the states.
-    pub(crate) is_expanded: bool,
-    /// Whether it is a combination of states, which are summed without rounding.
-    pub(crate) is_affine: bool,
-}
-
-impl Guard {
-    /// Whether this is the reaction of a contact that stays closed without a force, and so no guard.
-    pub(crate) fn is_balanced(&self, roots: u8) -> bool {
-        roots == Touching::BALANCED
-            && !matches!(self.kind, GuardKind::Gap(_) | GuardKind::Section(_))
-    }
-}
-
 /// What an impact at one contact does, as a tape of order zero on the state before it.
 #[derive(Clone, Debug)]
 pub struct ImpactTape {
     pub(crate) tape: Tape,
     /// Components that change; their new values are the outputs after the scalars.
     pub(crate) changed: Vec<usize>,
-    /// Whether its impulse leaves the rates of all closed contacts as they are. Else it is one of several collisions.
-    pub(crate) is_alone: bool,
 }
 
 /// A formula longer than this is no help in a message.
@@ -146,6 +108,8 @@ pub struct Program {
     /// What must not vanish, in the order of the tape's singular points.
     pub(crate) vanishing: Vec<String>,
     pub(crate) guards: Vec<Guard>,
+    /// Whether nothing holds the state: no contact is closed, no surface slid along.
+    pub(crate) is_free: bool,
     /// How many of them are gaps.
     pub(crate) gaps: usize,
     /// Per contact; none where it is closed.
@@ -282,9 +246,6 @@ impl Program {
         let graph = &mut mechanics.graph;
         let listed = guard_functions(graph, &contacts, (sections, limits), mode);
         let functions: Vec<Expr> = listed.iter().map(|&(.., function)| function).collect();
-        let kinds = listed
-            .into_iter()
-            .map(|(kind, crossing, _)| (kind, crossing));
         let tape = Tape::new(graph, dimension, field, &functions);
         let vanishing = (tape.singular.iter())
             .map(|singular| {
@@ -293,22 +254,12 @@ impl Program {
                     .unwrap_or_default()
             })
             .collect();
-        let guards = (kinds.zip(&functions).zip(&tape.outputs))
-            .map(|(((kind, crossing), &function), &series)| Guard {
-                kind,
-                crossing,
-                series,
-                is_affine: is_affine(graph, function, dimension),
-                is_expanded: match kind {
-                    GuardKind::Gap(_) => !is_state(graph, function),
-                    _ => !is_affine(graph, function, dimension),
-                },
-            })
-            .collect();
         let mut impacts = Vec::new();
         let mut sequences = Vec::new();
         let mut locals = Vec::new();
         let mut captures = Vec::new();
+        // Contacts whose impulse leaves the rates of all closed ones as they are.
+        let mut alone = Closed::NONE;
         for (index, contact) in contacts.iter().enumerate() {
             let rate = graph.lie_derivative(contact.gap, field);
             let acceleration = graph.lie_derivative(rate, field);
@@ -377,12 +328,32 @@ impl Program {
                         .as_number(change)
                         .is_some_and(|value| value.high() == 0.0)
                 });
+            if is_alone {
+                alone = alone.with(index);
+            }
             impacts.push(Some(ImpactTape {
                 tape: Tape::new(graph, dimension, &[], &outputs),
                 changed,
-                is_alone,
             }));
         }
+        let guards = (listed.into_iter().zip(&tape.outputs))
+            .map(|((kind, crossing, function), &series)| Guard {
+                kind,
+                transition: Transition::new(
+                    kind,
+                    *grip,
+                    |contact| alone.contains(contact),
+                    |section| sections[section].reset.is_some(),
+                ),
+                crossing,
+                series,
+                is_affine: is_affine(graph, function, dimension),
+                is_expanded: match kind {
+                    GuardKind::Gap(_) => !is_state(graph, function),
+                    _ => !is_affine(graph, function, dimension),
+                },
+            })
+            .collect();
         let mut residuals: Vec<Expr> = (carrying.contacts())
             .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
             .collect();
@@ -402,6 +373,7 @@ impl Program {
             }
         }
         residuals.extend(&held);
+        let is_free = closed == Closed::NONE && residuals.is_empty();
         let residuals = Tape::new(graph, dimension, &[], &residuals);
         let mut gradients = Vec::new();
         for &held in &held {
@@ -448,6 +420,7 @@ impl Program {
             vanishing,
             gaps: contacts.len() - closed.contacts().count(),
             guards,
+            is_free,
             impacts,
             sequences,
             locals,

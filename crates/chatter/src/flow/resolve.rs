@@ -2,7 +2,8 @@
 
 use super::crossing::SectionPath;
 use super::error::FlowError;
-use super::program::{Guard, GuardKind, Program};
+use super::guard::Guard;
+use super::program::Program;
 use super::step::{LEAST_GROWTH, NO_EVENT, Workspace, least_step};
 use super::touching::{Left, Touching};
 use crate::expressions::Operand;
@@ -95,14 +96,13 @@ fn first_event<R: Real>(
             continue;
         };
         // A contact may keep the state exactly on a corner that it was leaving when it closed.
-        let is_corner = matches!(guard.kind, GuardKind::Switch(_) | GuardKind::Piece(..));
-        if is_corner && p.iter().all(|&coefficient| coefficient == R::ZERO) {
+        if guard.meets_corner() && p.iter().all(|&coefficient| coefficient == R::ZERO) {
             continue;
         }
         let width = work.scaled_step;
         let busy = touched.is_some() || work.event >= R::ZERO;
         let at_end = ends_the_run && !busy;
-        let found = if let GuardKind::Section(section) = guard.kind {
+        let found = if let Some(section) = guard.section() {
             let path = section_path(work, program, guard, (p, section), touching.get(index));
             (path.first(width)).or_else(|| path.at_end(width).filter(|_| at_end))
         } else {
@@ -161,8 +161,8 @@ pub(crate) fn crossed_here<R: Real>(
     work.scaled_step = R::ZERO;
     work.event = R::splat(NO_EVENT);
     for (index, guard) in program.guards.iter().enumerate() {
-        let (GuardKind::Section(section), Some(p)) = (
-            guard.kind,
+        let (Some(section), Some(p)) = (
+            guard.section(),
             work.guard_series(guard.series, touching.get(index)),
         ) else {
             continue;
@@ -215,8 +215,8 @@ fn find_sides<R: Real>(work: &mut Workspace<R>, program: &Program, touching: Tou
     let width = work.scaled_step;
     let mut jumped = false;
     for (index, guard) in program.guards.iter().enumerate() {
-        let (GuardKind::Section(section), Some(p)) = (
-            guard.kind,
+        let (Some(section), Some(p)) = (
+            guard.section(),
             work.guard_series(guard.series, touching.get(index)),
         ) else {
             continue;
@@ -264,13 +264,8 @@ impl Unsettled {
             },
             Self::Stuck => FlowError::UndecidedRelease {
                 time: time.to_f64(),
-                contact: program
-                    .guards
-                    .iter()
-                    .find_map(|guard| match guard.kind {
-                        GuardKind::Gap(contact) | GuardKind::Reaction(contact) => Some(contact),
-                        _ => None,
-                    })
+                contact: (program.guards.iter())
+                    .find_map(|guard| guard.closing().or_else(|| guard.opening()))
                     .unwrap_or(0),
             },
         }

@@ -5,7 +5,9 @@
 //! [`resolve`](super::resolve) for that trajectory alone, so a lane's result does not depend on its neighbours.
 
 use super::chatter::Tail;
-use super::program::{GuardKind, IMPACT_SCALARS, Program, ProgramConstants};
+use super::flight::Outcome;
+use super::guard::Transition;
+use super::program::{IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
 use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
@@ -43,6 +45,10 @@ const GRAZE: f64 = 2.0 * (MAX_ORDER * MAX_ORDER) as f64;
 /// Newton's method stops once a correction is this small relative to the root: the next would be its square.
 const NEWTON_DONE: f64 = 1e-8;
 const NEWTON_STEPS: usize = 6;
+
+/// It begins with so many steps on so many leading terms, where there are twice as many.
+const NEWTON_FIRST_STEPS: usize = 2;
+const NEWTON_LEADING: usize = 6;
 
 /// A restitution computed from rates may leave [0, 1] by this much.
 const RESTITUTION_SLACK: f64 = 1e-12;
@@ -156,6 +162,16 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
+    /// What the latest step came to.
+    #[inline(always)]
+    pub(crate) fn outcome(&self) -> Outcome<S> {
+        Outcome {
+            step: self.step,
+            impact: self.impact,
+            flight_time: self.flight_time,
+        }
+    }
+
     /// Relative size below which a polynomial's value is noise: it is known to rounding wherever it is evaluated, however
     /// far from the solution its truncation may be.
     pub(crate) const NOISE: f64 = NOISE_ROUNDOFFS * S::ROUNDOFF;
@@ -242,7 +258,7 @@ impl<S: Scalar> Workspace<S> {
             let rest = short_magnitude(&p[1..], end) * end;
             let noise = (rest + start.abs()) * S::splat(Self::NOISE);
             let mut settled = (rest + noise).less(start.abs());
-            let must_be_positive = if let GuardKind::Section(section) = guard.kind {
+            let must_be_positive = if let Some(section) = guard.section() {
                 let side = &mut self.sides[section];
                 let here = sign(start);
                 let is_known = S::splat(0.0).less(side.abs());
@@ -317,7 +333,7 @@ impl<S: Scalar> Workspace<S> {
         let mut certain = S::Mask::splat(true);
         let end = self.scaled_step;
         for (index, guard) in program.guards.iter().enumerate() {
-            let (GuardKind::Section(section), true) = (guard.kind, guards >> index & 1 == 1) else {
+            let (Some(section), true) = (guard.section(), guards >> index & 1 == 1) else {
                 continue;
             };
             let Some(p) = self.guard_series(guard.series, touching.get(index)) else {
@@ -341,7 +357,7 @@ impl<S: Scalar> Workspace<S> {
             return crowded;
         }
         for (index, guard) in program.guards.iter().enumerate() {
-            if matches!(guard.kind, GuardKind::Gap(_)) {
+            if guard.closing().is_some() {
                 let here = self.ends_step(index);
                 for other in 0..program.guards.len() {
                     if other != index && here.any() {
@@ -355,7 +371,7 @@ impl<S: Scalar> Workspace<S> {
 
     /// Where this guard ended the step.
     #[inline(always)]
-    fn ends_step(&self, index: usize) -> S::Mask {
+    pub(crate) fn ends_step(&self, index: usize) -> S::Mask {
         let code = S::splat(index as f64);
         code.at_most(self.event) & self.event.at_most(code)
     }
@@ -369,7 +385,7 @@ impl<S: Scalar> Workspace<S> {
         touching: Touching,
     ) -> S::Mask {
         let guard = &program.guards[index];
-        let (GuardKind::Gap(_), Operand::Series(slot)) = (guard.kind, guard.series) else {
+        let (Some(_), Operand::Series(slot)) = (guard.closing(), guard.series) else {
             return S::Mask::splat(false);
         };
         let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
@@ -400,7 +416,7 @@ impl<S: Scalar> Workspace<S> {
     #[inline(always)]
     pub(crate) fn collide(&mut self, program: &Program) {
         for (index, guard) in program.guards.iter().enumerate() {
-            let GuardKind::Gap(contact) = guard.kind else {
+            let Transition::Impact { contact } = guard.transition else {
                 continue;
             };
             let here = self.ends_step(index);
@@ -413,7 +429,7 @@ impl<S: Scalar> Workspace<S> {
     /// Applies the impact map (M1) of a contact in the lanes of `here`, and predicts how long the next flight lasts.
     #[inline(always)]
     fn collide_at(&mut self, program: &Program, contact: usize, here: S::Mask) {
-        let Some(impact) = program.impacts[contact].as_ref().filter(|i| i.is_alone) else {
+        let Some(impact) = program.impacts[contact].as_ref() else {
             return;
         };
         let constants = &self.impact_constants[contact];
@@ -486,6 +502,15 @@ fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
     let usable = S::splat(0.0).less(guess) & guess.at_most(end + end);
     let mut at = S::select(usable, guess, end);
     let mut done = !usable;
+    // The leading terms bring the guess close at a part of the cost.
+    if p.len() >= 2 * NEWTON_LEADING {
+        for _ in 0..NEWTON_FIRST_STEPS {
+            let (value, slope) = horner_with_slope(&p[..NEWTON_LEADING], at);
+            let nearer = at - value / slope;
+            let helps = usable & S::splat(0.0).less(nearer) & nearer.at_most(end + end);
+            at = S::select(helps, nearer, at);
+        }
+    }
     let mut last_slope = S::splat(0.0);
     for _ in 0..NEWTON_STEPS {
         let (value, slope) = horner_with_slope(p, at);
@@ -515,12 +540,19 @@ fn falls_steadily<S: Scalar>(p: &[S], s: S) -> S::Mask {
     };
     // Even and odd powers need not wait for each other.
     let square = s * s;
-    let mut sums = [S::splat(0.0); 2];
-    for (k, &c) in p.iter().enumerate().skip(3).rev() {
-        let sum = &mut sums[k % 2];
-        *sum = sum.mul_add(square, c.abs() * S::splat(k as f64));
+    let (mut even, mut odd) = (S::splat(0.0), S::splat(0.0));
+    let high = p.get(3..).unwrap_or_default();
+    let pairs = high.chunks_exact(2);
+    let mut k = 3 + high.len() - pairs.remainder().len();
+    if let [c] = pairs.remainder() {
+        odd = c.abs() * S::splat(k as f64);
     }
-    let rest = sums[0].mul_add(s, sums[1]) * square;
+    for pair in pairs.rev() {
+        k -= 2;
+        even = even.mul_add(square, pair[1].abs() * S::splat((k + 1) as f64));
+        odd = odd.mul_add(square, pair[0].abs() * S::splat(k as f64));
+    }
+    let rest = even.mul_add(s, odd) * square;
     let last = bend.mul_add(s, first);
     (first.max(last) + rest).less(S::splat(0.0))
 }

@@ -15,6 +15,16 @@ impl Touching {
     /// Every guard is away from zero.
     pub const NONE: Self = Self([0; WORDS]);
 
+    /// After an ordinary step, which ended at a guard or nowhere: that one vanishes.
+    #[inline(always)]
+    pub fn after(guard: Option<usize>) -> Self {
+        let mut touching = Self::NONE;
+        if let Some(index) = guard {
+            touching.set(index, 1);
+        }
+        touching
+    }
+
     /// In place of a number, for the reaction of a closed contact: it vanishes as long as nothing else happens.
     pub const BALANCED: u8 = 3;
 

@@ -3,7 +3,7 @@
 use super::direction::Direction;
 use super::drawing::Shape;
 use super::simultaneous::Simultaneous;
-use crate::expressions::{Expr, Graph};
+use crate::expressions::{Expr, Graph, Symbol};
 use crate::numerics::Real;
 
 /// An impacting system (MATH.md 1): `dx/dt = f(x, p)` in flight, and contacts that change the state at impacts.
@@ -184,6 +184,23 @@ impl Model {
             };
         }
         values
+    }
+
+    /// The parameters at these positions and those defined through them.
+    pub fn with_dependents(&self, positions: &[usize]) -> Vec<usize> {
+        let mut moving = positions.to_vec();
+        loop {
+            let depends = |value: Expr| {
+                let symbols = self.graph.symbols(value);
+                (moving.iter()).any(|&index| symbols.contains(&Symbol::Parameter(index)))
+            };
+            let found = (0..self.parameters.len())
+                .find(|index| !moving.contains(index) && depends(self.parameters[*index].value));
+            match found {
+                Some(index) => moving.push(index),
+                None => return moving,
+            }
+        }
     }
 
     /// The state a trajectory starts from, at these parameter values.

@@ -23,15 +23,31 @@ fn lanes<T: Copy, const L: usize>(first: T, function: impl Fn(usize) -> T) -> [T
 #[repr(C, align(64))]
 pub struct Lanes<const L: usize>(pub [f64; L]);
 
-/// Truth values of `L` lanes.
+/// Truth values of `L` lanes, all bits or none: what a comparison of AVX2 gives and a selection takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LaneMask<const L: usize>(pub [bool; L]);
+#[repr(C, align(64))]
+pub struct LaneMask<const L: usize>([u64; L]);
+
+const TRUE: u64 = u64::MAX;
+
+impl<const L: usize> LaneMask<L> {
+    #[inline(always)]
+    fn of(function: impl Fn(usize) -> bool) -> Self {
+        Self(lanes(0, |i| if function(i) { TRUE } else { 0 }))
+    }
+
+    /// Whether a lane is true.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> bool {
+        self.0[lane] != 0
+    }
+}
 
 impl<const L: usize> BitAnd for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
-        Self(lanes(false, |i| self.0[i] & other.0[i]))
+        Self(lanes(0, |i| self.0[i] & other.0[i]))
     }
 }
 
@@ -39,7 +55,7 @@ impl<const L: usize> BitOr for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
-        Self(lanes(false, |i| self.0[i] | other.0[i]))
+        Self(lanes(0, |i| self.0[i] | other.0[i]))
     }
 }
 
@@ -47,30 +63,30 @@ impl<const L: usize> Not for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        Self(lanes(false, |i| !self.0[i]))
+        Self(lanes(0, |i| !self.0[i]))
     }
 }
 
 impl<const L: usize> Mask for LaneMask<L> {
     #[inline(always)]
     fn splat(value: bool) -> Self {
-        Self([value; L])
+        Self([if value { TRUE } else { 0 }; L])
     }
     #[inline(always)]
     fn any(self) -> bool {
-        let mut any = false;
+        let mut any = 0;
         for lane in self.0 {
             any |= lane;
         }
-        any
+        any != 0
     }
     #[inline(always)]
     fn all(self) -> bool {
-        let mut all = true;
+        let mut all = TRUE;
         for lane in self.0 {
             all &= lane;
         }
-        all
+        all == TRUE
     }
 }
 
@@ -190,44 +206,61 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
-        LaneMask(lanes(false, |i| self.0[i] < other.0[i]))
+        LaneMask::of(|i| self.0[i] < other.0[i])
     }
     #[inline(always)]
     fn at_most(self, other: Self) -> Self::Mask {
-        LaneMask(lanes(false, |i| self.0[i] <= other.0[i]))
+        LaneMask::of(|i| self.0[i] <= other.0[i])
     }
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
-        LaneMask(lanes(false, |i| self.0[i].abs() < f64::INFINITY))
+        LaneMask::of(|i| self.0[i].abs() < f64::INFINITY)
     }
     #[inline(always)]
     fn is_whole(self) -> Self::Mask {
-        LaneMask(lanes(false, |i| libm::rint(self.0[i]) == self.0[i]))
+        LaneMask::of(|i| libm::rint(self.0[i]) == self.0[i])
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Self(lanes(0.0, |i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
+        Self(lanes(
+            0.0,
+            |i| {
+                if mask.0[i] != 0 { yes.0[i] } else { no.0[i] }
+            },
+        ))
     }
-    /// Eight lanes at a time: two running sums of sixteen lanes each make the compiler shuffle between registers.
+    /// Eight lanes at a time: four running sums of sixteen lanes each are more than there are registers.
     #[inline(always)]
     fn horner_with_slope(coefficients: &[Self], at: Self) -> (Self, Self) {
         const CHUNK: usize = 8;
         let mut value = Self::splat(0.0);
         let mut slope = Self::splat(0.0);
         for first in (0..L).step_by(CHUNK) {
-            let end = L.min(first + CHUNK);
-            let mut v = [0.0; CHUNK];
-            let mut d = [0.0; CHUNK];
-            let mut x = [0.0; CHUNK];
-            x[..end - first].copy_from_slice(&at.0[first..end]);
-            for c in coefficients.iter().rev() {
-                for i in 0..end - first {
-                    d[i] = f64::mul_add(d[i], x[i], v[i]);
-                    v[i] = f64::mul_add(v[i], x[i], c.0[first + i]);
+            let count = CHUNK.min(L - first);
+            let mut square = [0.0; CHUNK];
+            let (mut even, mut even_slope) = ([0.0; CHUNK], [0.0; CHUNK]);
+            let (mut odd, mut odd_slope) = ([0.0; CHUNK], [0.0; CHUNK]);
+            for (square, &s) in square.iter_mut().zip(&at.0[first..first + count]) {
+                *square = s * s;
+            }
+            let pairs = coefficients.chunks_exact(2);
+            if let [last] = pairs.remainder() {
+                even[..count].copy_from_slice(&last.0[first..first + count]);
+            }
+            for pair in pairs.rev() {
+                for i in 0..count {
+                    even_slope[i] = f64::mul_add(even_slope[i], square[i], even[i]);
+                    odd_slope[i] = f64::mul_add(odd_slope[i], square[i], odd[i]);
+                    even[i] = f64::mul_add(even[i], square[i], pair[0].0[first + i]);
+                    odd[i] = f64::mul_add(odd[i], square[i], pair[1].0[first + i]);
                 }
             }
-            value.0[first..end].copy_from_slice(&v[..end - first]);
-            slope.0[first..end].copy_from_slice(&d[..end - first]);
+            for i in 0..count {
+                let s = at.0[first + i];
+                value.0[first + i] = f64::mul_add(odd[i], s, even[i]);
+                let both = f64::mul_add(odd_slope[i], s, even_slope[i]);
+                slope.0[first + i] = f64::mul_add(s + s, both, odd[i]);
+            }
         }
         (value, slope)
     }

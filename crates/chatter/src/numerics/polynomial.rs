@@ -25,14 +25,20 @@ static INVERSE_BINOMIALS: LazyLock<Vec<Vec<DoubleDouble>>> = LazyLock::new(|| {
 
 // Loops, not folds: an iterator's method is not always inlined into a kernel, and then it is compiled for the baseline.
 
-/// p(s).
+/// p(s), the even and the odd powers each by Horner's rule: two sums that need not wait for each other.
 #[inline(always)]
 pub fn horner<S: Scalar>(coefficients: &[S], s: S) -> S {
-    let mut sum = S::splat(0.0);
-    for &c in coefficients.iter().rev() {
-        sum = sum.mul_add(s, c);
+    let square = s * s;
+    let (mut even, mut odd) = (S::splat(0.0), S::splat(0.0));
+    let pairs = coefficients.chunks_exact(2);
+    if let &[last] = pairs.remainder() {
+        even = last;
     }
-    sum
+    for pair in pairs.rev() {
+        even = even.mul_add(square, pair[0]);
+        odd = odd.mul_add(square, pair[1]);
+    }
+    odd.mul_add(s, even)
 }
 
 /// p(s) and p'(s).
@@ -56,15 +62,18 @@ pub fn magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
 pub(crate) fn short_magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
     let square = s * s;
     let fourth = square * square;
-    let mut sums = [S::splat(0.0); 4];
     let chunks = coefficients.chunks_exact(4);
     let rest = chunks.remainder();
-    for (sum, &c) in sums.iter_mut().zip(rest) {
-        *sum = c.abs();
-    }
+    let size = |place: usize| rest.get(place).map_or(S::splat(0.0), |c| c.abs());
+    let mut sums = [size(0), size(1), size(2), S::splat(0.0)];
     for chunk in chunks.rev() {
-        for (sum, &c) in sums.iter_mut().zip(chunk) {
-            *sum = sum.mul_add(fourth, c.abs());
+        if let &[first, second, third, last] = chunk {
+            sums = [
+                sums[0].mul_add(fourth, first.abs()),
+                sums[1].mul_add(fourth, second.abs()),
+                sums[2].mul_add(fourth, third.abs()),
+                sums[3].mul_add(fourth, last.abs()),
+            ];
         }
     }
     let low = sums[1].mul_add(s, sums[0]);

@@ -124,15 +124,26 @@ pub trait Scalar:
         Self::select(other.less(self), self, other)
     }
 
-    /// Value and slope of a polynomial, lowest coefficient first, by Horner's rule.
+    /// Value and slope of a polynomial, lowest coefficient first, by Horner's rule for the even powers and for the odd ones: two
+    /// sums that need not wait for each other.
     #[inline(always)]
     fn horner_with_slope(coefficients: &[Self], at: Self) -> (Self, Self) {
-        let mut value = Self::splat(0.0);
-        let mut slope = Self::splat(0.0);
-        for &c in coefficients.iter().rev() {
-            slope = slope.mul_add(at, value);
-            value = value.mul_add(at, c);
+        let zero = Self::splat(0.0);
+        let square = at * at;
+        let (mut even, mut even_slope) = (zero, zero);
+        let (mut odd, mut odd_slope) = (zero, zero);
+        let pairs = coefficients.chunks_exact(2);
+        if let &[last] = pairs.remainder() {
+            even = last;
         }
+        for pair in pairs.rev() {
+            even_slope = even_slope.mul_add(square, even);
+            odd_slope = odd_slope.mul_add(square, odd);
+            even = even.mul_add(square, pair[0]);
+            odd = odd.mul_add(square, pair[1]);
+        }
+        let value = odd.mul_add(at, even);
+        let slope = (at + at).mul_add(odd_slope.mul_add(at, even_slope), odd);
         (value, slope)
     }
 

@@ -83,11 +83,10 @@ impl<'m, 'v> Follower<'m, 'v> {
             }
         }
         let map = self.map;
-        let moving = map.moving(self.swept);
         run_fleet(
             &map.system,
             &map.settings,
-            &moving,
+            self.swept,
             &mut trajectories,
             stop,
             |place, trajectory, told| self.hear(&mut orbits[place], trajectory, told),
@@ -206,7 +205,16 @@ impl<'m, 'v> Follower<'m, 'v> {
             },
         };
         self.set_horizon(orbit, trajectory);
+        self.let_pass(orbit, trajectory);
         Ok(())
+    }
+
+    /// Impacts that nobody looks at are counted, not told, as long as they are not too many.
+    fn let_pass(&self, orbit: &Orbit, trajectory: &mut Trajectory<f64>) {
+        trajectory.let_pass(match self.map.look.looks_at(EventKind::Impact) {
+            true => 0,
+            false => self.map.most_impacts.saturating_sub(orbit.passage.impacts),
+        });
     }
 
     /// A period that a return can take.
@@ -242,9 +250,28 @@ impl<'m, 'v> Follower<'m, 'v> {
         trajectory.set_horizon_parts(horizon);
     }
 
-    /// Takes in what happened to a trajectory.
+    /// Takes in what happened to a trajectory, and the impacts before that of which nothing was told.
     #[inline]
     fn hear(
+        &mut self,
+        orbit: &mut Orbit,
+        trajectory: &mut Trajectory<f64>,
+        told: Result<&Occurrence<f64>, FlowError>,
+    ) -> Next {
+        if let Some((count, latest, before)) = trajectory.untold() {
+            orbit.passage.impacts += count;
+            orbit.passage.flight_time = latest - before.unwrap_or(orbit.takeoff);
+            orbit.takeoff = latest;
+        }
+        let next = self.take_in(orbit, trajectory, told);
+        if next == Next::Continue {
+            self.let_pass(orbit, trajectory);
+        }
+        next
+    }
+
+    #[inline]
+    fn take_in(
         &mut self,
         orbit: &mut Orbit,
         trajectory: &mut Trajectory<f64>,

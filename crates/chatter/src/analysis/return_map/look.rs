@@ -111,6 +111,11 @@ impl Look {
         }
     }
 
+    /// Whether anything of this kind is looked at.
+    pub(super) fn looks_at(&self, what: EventKind) -> bool {
+        matches!(self, Self::Event { kind, .. } if *kind == what)
+    }
+
     /// The surface that points of the map lie on, if there is just one.
     pub(super) fn surface(&self) -> Option<GuardKind> {
         match self {

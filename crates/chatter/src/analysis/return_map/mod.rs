@@ -23,7 +23,6 @@ use crate::analysis::map::{
     Start,
 };
 use crate::analysis::simulate::check_tolerance;
-use crate::expressions::{Expr, Symbol};
 use crate::flow::{Settings, System};
 use crate::model::Model;
 use core::sync::atomic::AtomicBool;
@@ -88,26 +87,6 @@ impl ReturnMap {
             Look::Event { .. } => None,
         }
     }
-
-    /// The parameters at these positions and those defined through them.
-    fn moving(&self, swept: &[usize]) -> Vec<usize> {
-        let mut moving = swept.to_vec();
-        let parameters = &self.model.parameters;
-        loop {
-            let depends = |value: Expr| {
-                let symbols = self.model.graph.symbols(value);
-                moving
-                    .iter()
-                    .any(|&index| symbols.contains(&Symbol::Parameter(index)))
-            };
-            let found = (0..parameters.len())
-                .find(|index| !moving.contains(index) && depends(parameters[*index].value));
-            match found {
-                Some(index) => moving.push(index),
-                None => return moving,
-            }
-        }
-    }
 }
 
 impl ReturnMapError {
@@ -157,7 +136,7 @@ impl Map for ReturnMap {
         let Some(time) = self.model.time else {
             return Ok(());
         };
-        let moving = self.moving(swept);
+        let moving = self.model.with_dependents(swept);
         let look = |parameters: &[f64]| self.period(parameters);
         if self.phases.can_carry(&self.model, &moving, values, &look) {
             return Ok(());

@@ -20,10 +20,16 @@ use tableau::{Limit, Weights, extrapolate};
 
 use super::border_value::border_value;
 use super::step::FOREVER;
-use crate::numerics::{Real, two_sum};
+use crate::numerics::{Real, Scalar, two_sum};
 
 /// Chatter is completed only where u lies below this fraction of the border value u*: no question is left there.
 const SAFE_FRACTION: f64 = 0.5;
+
+/// Whether an impact with these local coordinates belongs to no sequence that can be completed yet.
+#[inline(always)]
+pub(crate) fn is_far_from_border<S: Scalar>(u: S, border: S) -> S::Mask {
+    !(u.less(S::splat(SAFE_FRACTION) * border) & S::splat(SAFE_NEGATIVE).less(u))
+}
 
 /// For decelerating release (negative jerk) chatter is complete anyway; extrapolation waits until |u| is small.
 const SAFE_NEGATIVE: f64 = -0.25;
@@ -145,6 +151,11 @@ impl<R: Real> ChatterTracker<R> {
         self.pace.observe(contact, time, rest);
     }
 
+    /// Restitution that the border of complete chatter was computed for last, and that border.
+    pub(crate) fn border(&self) -> (f64, f64) {
+        (self.restitution, self.border)
+    }
+
     /// How long the impacts of a contact may still go on after the latest, whatever came between them.
     pub(crate) fn rest_of_impacts(&self, contact: usize) -> R {
         self.pace.rest(contact, R::splat(FOREVER))
@@ -164,7 +175,7 @@ impl<R: Real> ChatterTracker<R> {
             self.restitution = restitution;
             self.border = border_value(restitution);
         }
-        let may_complete = u < SAFE_FRACTION * self.border && u > SAFE_NEGATIVE;
+        let may_complete = !is_far_from_border(u, self.border);
         if !may_complete {
             self.interrupt();
         }

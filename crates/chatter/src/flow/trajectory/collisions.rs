@@ -13,6 +13,7 @@ use super::cascade::Cascade;
 use super::corners::Candidate;
 use super::sequence::BURST;
 use crate::flow::error::FlowError;
+use crate::flow::flight;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::Closed;
 use crate::flow::step::{FOREVER, Workspace, flight_time, legal_rates};
@@ -395,7 +396,7 @@ impl<R: Real> Trajectory<R> {
 
     /// Flights shorter than this are a roundoff of the time, or of the longest step before.
     pub(super) fn negligible(&self) -> R {
-        self.time.abs().max(self.longest_step) * R::splat(R::ROUNDOFF)
+        flight::negligible(self.time, self.longest_step)
     }
 
     /// All contacts at the present state.

@@ -6,8 +6,9 @@
 use super::Trajectory;
 use crate::expressions::Operand;
 use crate::flow::error::FlowError;
+use crate::flow::guard::GuardKind;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, Grip, GuardKind, LOCAL_SCALARS};
+use crate::flow::program::{Closed, Grip, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
@@ -234,7 +235,7 @@ impl<R: Real> Trajectory<R> {
         let guard = program
             .guards
             .iter()
-            .find(|guard| guard.kind == GuardKind::Gap(contact));
+            .find(|guard| guard.closing() == Some(contact));
         let (Some(constants), Some(Operand::Series(slot))) =
             (&self.constants[self.mode], guard.map(|guard| guard.series))
         else {

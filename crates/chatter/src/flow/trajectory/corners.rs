@@ -8,9 +8,10 @@ use super::Trajectory;
 use super::start::{is_inside, slack};
 use crate::expressions::{LookedUpIn, Side, Sides};
 use crate::flow::error::FlowError;
+use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, GuardKind, Held, STANDING_ORDERS};
+use crate::flow::program::{Closed, Held, STANDING_ORDERS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
@@ -816,20 +817,14 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// A corner was met by the motion itself.
+    /// A corner was met by the motion itself; `jumps` where the field does there, which it does not where sliding ends.
     pub(super) fn meet_corner(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-        kind: GuardKind,
+        (corner, jumps): (Corner, bool),
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let (corner, ends_sliding) = match kind {
-            GuardKind::Switch(index) => (Corner::Surface(index), false),
-            GuardKind::Leave(index, _) => (Corner::Surface(index), true),
-            GuardKind::Piece(index, _) => (Corner::Lookup(index), false),
-            _ => return Ok(None),
-        };
-        if !self.is_top(system, kind)? {
+        if !(jumps && self.is_top(system, corner)?) {
             self.tracker.interrupt();
             self.tops.interrupt();
         }
@@ -842,10 +837,10 @@ impl<R: Real> Trajectory<R> {
             });
         }
         // Sliding ends where its field is that of the side it ends to: columns go on as they are.
-        let shifts = if ends_sliding {
-            Vec::new()
-        } else {
+        let shifts = if jumps {
             self.corner_shifts(system, corner)?
+        } else {
+            Vec::new()
         };
         self.shift_columns(system, work, &shifts, R::ONE)?;
         self.met = Some(corner);

@@ -9,6 +9,7 @@ mod collisions;
 mod contact;
 mod corners;
 mod grazing;
+mod ordinary;
 mod projection;
 mod redundant;
 mod reset;
@@ -18,11 +19,11 @@ mod tops;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
+use super::flight::{self, Outcome};
+use super::guard::{GuardKind, Transition};
 use super::limits::Corner;
 use super::occurrence::Occurrence;
-use super::program::{
-    Closed, Grip, GuardKind, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes,
-};
+use super::program::{Closed, Grip, Program, ProgramConstants, StandingTapes};
 use super::resolve::{Resolution, crossed_here, resolve};
 use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
@@ -31,13 +32,11 @@ use super::touch::TouchConstants;
 use super::touching::{Left, Touching};
 use crate::expressions::Sides as SurfaceSides;
 use crate::model::Simultaneous;
-use crate::numerics::{Real, two_sum};
+use crate::numerics::Real;
 use collisions::Collisions;
+use ordinary::Untold;
 use std::collections::VecDeque;
 use tops::Tops;
-
-/// An order is used up to this part of the time that it reaches: a prediction is not exact.
-const REACH_USED: f64 = 0.95;
 
 /// A trajectory, at a time and state, in a mode.
 #[derive(Clone, Debug)]
@@ -106,12 +105,14 @@ pub struct Trajectory<R> {
     /// The guard whose zero ended the latest step.
     ended_by: Option<GuardKind>,
     pending: VecDeque<Occurrence<R>>,
+    untold: Untold<R>,
 }
 
 /// What the kernel found for one trajectory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepResult<R> {
-    pub step: R,
+    pub outcome: Outcome<R>,
+    /// The guard that ended it.
     pub event: Option<usize>,
     pub touched: Option<usize>,
     /// Other contacts that close at the same instant: the impact has not been applied then.
@@ -119,15 +120,6 @@ pub(crate) struct StepResult<R> {
     /// A section was crossed by a jump: the state does not lie on it.
     pub jumped: bool,
     pub at_horizon: bool,
-    pub impact: [R; IMPACT_SCALARS],
-    pub flight_time: R,
-}
-
-impl<R: Real> StepResult<R> {
-    /// Whether a step without event goes all the way of the time left, whose product with a unit of time is rounded.
-    pub(crate) fn reaches(step: R, remaining: R) -> bool {
-        step >= remaining * R::splat(1.0 - 4.0 * R::ROUNDOFF)
-    }
 }
 
 impl<R: Real> Trajectory<R> {
@@ -186,7 +178,8 @@ impl<R: Real> Trajectory<R> {
     }
 
     pub(crate) fn remaining(&self) -> R {
-        (self.horizon - self.time) + (self.horizon_low - self.time_low)
+        let horizon = (self.horizon, self.horizon_low);
+        flight::remaining(horizon, (self.time, self.time_low))
     }
 
     /// Whether the next call to [`advance`](Self::advance) needs no step.
@@ -310,7 +303,7 @@ impl<R: Real> Trajectory<R> {
         let at = |index: usize| index as f64 == event;
         let mut crowd = Closed::NONE;
         for (index, guard) in program.guards.iter().enumerate() {
-            if let GuardKind::Gap(contact) = guard.kind
+            if let Some(contact) = guard.closing()
                 && !at(index)
                 && work.closes_too(program, index, self.touching)
             {
@@ -318,7 +311,7 @@ impl<R: Real> Trajectory<R> {
             }
         }
         let impact = (program.guards.iter().enumerate())
-            .any(|(index, guard)| at(index) && matches!(guard.kind, GuardKind::Gap(_)));
+            .any(|(index, guard)| at(index) && guard.closing().is_some());
         if impact { crowd } else { Closed::NONE }
     }
 
@@ -336,12 +329,10 @@ impl<R: Real> Trajectory<R> {
         let Some(jumped) = crossed_here(work, program, class, self.touching) else {
             return Ok(None);
         };
-        let result = StepResult {
-            step: R::ZERO,
-            event: Some(work.event.to_f64() as usize),
-            jumped,
-            ..self.result(work)
-        };
+        let mut result = self.result(work);
+        result.outcome.step = R::ZERO;
+        result.event = Some(work.event.to_f64() as usize);
+        result.jumped = jumped;
         self.keep_sides(work);
         let told = self.digest(system, work, program, &result)?;
         // There may be another.
@@ -357,16 +348,8 @@ impl<R: Real> Trajectory<R> {
 
     /// The order class of the next step and its unit of time.
     pub(crate) fn plan(&self) -> (usize, R) {
-        // Every order is asked: where the answer cannot be foreseen, a branch costs more.
-        let mut covers = 0_u32;
-        for (class, &reach) in self.reach.iter().enumerate() {
-            covers |= u32::from(self.flight_time <= reach * R::splat(REACH_USED)) << class;
-        }
-        if covers == 0 {
-            let top = ORDER_CLASSES - 1;
-            return (top, self.reach[top]);
-        }
-        (covers.trailing_zeros() as usize, self.flight_time)
+        let (class, unit) = flight::plan(self.flight_time, &self.reach);
+        (class.to_f64() as usize, unit)
     }
 
     fn load(&self, work: &mut Workspace<R>) -> usize {
@@ -390,14 +373,12 @@ impl<R: Real> Trajectory<R> {
         let remaining = self.remaining();
         let event = work.event.to_f64();
         StepResult {
-            step: work.step,
+            outcome: work.outcome(),
             event: (event >= 0.0).then_some(event as usize),
             touched: None,
             crowd: Closed::NONE,
             jumped: false,
-            at_horizon: event == NO_EVENT && StepResult::reaches(work.step, remaining),
-            impact: work.impact,
-            flight_time: work.flight_time,
+            at_horizon: event == NO_EVENT && flight::reaches(work.step, remaining),
         }
     }
 
@@ -424,15 +405,21 @@ impl<R: Real> Trajectory<R> {
         program: &Program,
         result: &StepResult<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        self.advance_time(result.step);
+        if let Some(told) = self.digest_ordinary(system, program, result) {
+            return Ok(told);
+        }
+        let Outcome {
+            step,
+            impact,
+            flight_time,
+        } = result.outcome;
+        self.advance_time(step);
         self.met = None;
-        let undisturbed = match result.event {
-            Some(index) => matches!(program.guards[index].kind, GuardKind::Section(_)),
-            None => true,
-        };
+        let undisturbed =
+            (result.event).is_none_or(|index| program.guards[index].section().is_some());
         self.may_have_crossed = !undisturbed || result.touched.is_some();
         self.left = if undisturbed {
-            self.left.after(self.touching, result.step)
+            self.left.after(self.touching, step)
         } else {
             Left::NONE
         };
@@ -440,13 +427,13 @@ impl<R: Real> Trajectory<R> {
         let balanced = self.balanced(program);
         if !undisturbed {
             self.touching = Touching::NONE;
-        } else if result.step > negligible {
+        } else if step > negligible {
             self.touching = balanced;
         }
-        if result.step > negligible {
+        if step > negligible {
             self.burst = 0;
             self.rates_of_instant.clear();
-            self.longest_step = self.longest_step.max(result.step);
+            self.longest_step = self.longest_step.max(step);
         }
         if !program.residuals.outputs.is_empty() {
             self.stay_on_contacts(system, work)?;
@@ -458,7 +445,7 @@ impl<R: Real> Trajectory<R> {
         }
         let Some(index) = result.event else {
             // The rest of a predicted flight, if a section or the horizon cut it.
-            self.flight_time = self.rest_of_flight(result.step);
+            self.flight_time = self.rest_of_flight(step);
             if result.at_horizon {
                 // The state is where the step led, a rounding error of it off: the remainder keeps that, or it would add up
                 // from one horizon to the next.
@@ -469,68 +456,57 @@ impl<R: Real> Trajectory<R> {
             }
             return Ok(None);
         };
-        self.ended_by = Some(program.guards[index].kind);
-        match program.guards[index].kind {
-            GuardKind::Section(section) if system.is_event(section) => {
-                self.flight_time = self.rest_of_flight(result.step);
+        let guard = &program.guards[index];
+        self.ended_by = Some(guard.kind);
+        match guard.transition {
+            Transition::Reset { section } => {
+                self.flight_time = self.rest_of_flight(step);
                 self.reset(system, work, section).map(Some)
             }
-            GuardKind::Section(section) => {
+            Transition::Cross { section } => {
                 if !result.jumped {
                     self.touching.set(index, 1);
                 }
-                self.flight_time = self.rest_of_flight(result.step);
+                self.flight_time = self.rest_of_flight(step);
                 Ok(Some(Occurrence::Section { section }))
             }
-            GuardKind::Reaction(contact) if self.idle != Closed::NONE => {
+            Transition::HandOver { contact } => {
                 self.tracker.interrupt();
                 self.hand_over(system, work, contact)
             }
-            GuardKind::Reaction(contact) => {
+            Transition::Open { contact } => {
                 self.open(system, contact, 3)?;
                 self.tracker.interrupt();
                 Ok(Some(Occurrence::Release { contact }))
             }
-            kind @ (GuardKind::Switch(_) | GuardKind::Leave(..) | GuardKind::Piece(..)) => {
-                self.meet_corner(system, work, kind)
-            }
-            GuardKind::Jam(contact) => Err(FlowError::Jammed {
+            Transition::Meet(corner) => self.meet_corner(system, work, (corner, true)),
+            Transition::Part(corner) => self.meet_corner(system, work, (corner, false)),
+            Transition::Jam { contact } => Err(FlowError::Jammed {
                 time: self.time.to_f64(),
                 contact,
             }),
-            GuardKind::Gap(contact) if !self.is_alone(program, contact, result.crowd) => {
-                let touching = Closed(self.closed.0 | result.crowd.0).with(contact);
-                self.collide(system, work, contact, touching)
-            }
-            GuardKind::Gap(contact) => {
-                self.flight_time = result.flight_time;
+            Transition::Impact { contact } if result.crowd == Closed::NONE => {
+                self.flight_time = flight_time;
                 self.touching.set(index, 1);
-                if result.impact[2] > R::ZERO && self.only_touches(&result.impact) {
-                    return self.pass_by(system, (index, contact), &result.impact);
+                if impact[2] > R::ZERO && self.only_touches(&impact) {
+                    return self.pass_by(system, (index, contact), &impact);
                 }
                 self.touched_at = self.time;
                 if system.corners().is_empty() {
-                    return self.after_impact(system, work, program, (contact, &result.impact));
+                    return self.after_impact(system, work, program, (contact, &impact));
                 }
-                self.after_impact_at_corners(system, work, contact, result.impact)
+                self.after_impact_at_corners(system, work, contact, impact)
+            }
+            Transition::Impact { contact } | Transition::Collide { contact } => {
+                let touching = Closed(self.closed.0 | result.crowd.0).with(contact);
+                self.collide(system, work, contact, touching)
             }
         }
-    }
-
-    /// Whether an impact here was applied by the step itself.
-    #[inline(always)]
-    fn is_alone(&self, program: &Program, contact: usize, crowd: Closed) -> bool {
-        crowd == Closed::NONE
-            && (program.impacts[contact].as_ref()).is_some_and(|impact| impact.is_alone)
     }
 
     /// What is left of a predicted flight after a step that did not end it.
     fn rest_of_flight(&self, step: R) -> R {
-        if self.flight_time < R::splat(FOREVER) && self.flight_time > step {
-            self.flight_time - step
-        } else {
-            R::splat(FOREVER)
-        }
+        flight::rest_of_flight(self.flight_time, step)
     }
 
     /// The closed contacts whose reaction vanishes for good.
@@ -548,10 +524,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     fn advance_time(&mut self, step: R) {
-        let (time, error) = two_sum(self.time, step);
-        let (time, low) = two_sum(time, error + self.time_low);
-        self.time = time;
-        self.time_low = low;
+        (self.time, self.time_low) = flight::later((self.time, self.time_low), step);
     }
 
     fn graze(
@@ -561,13 +534,11 @@ impl<R: Real> Trajectory<R> {
         index: usize,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         self.tracker.interrupt();
-        match program.guards[index].kind {
-            GuardKind::Gap(contact) => {
-                let rate = self.local(system, contact)?[1].value;
-                Ok(Some(Occurrence::Graze { contact, rate }))
-            }
-            _ => Ok(None),
-        }
+        let Some(contact) = program.guards[index].closing() else {
+            return Ok(None);
+        };
+        let rate = self.local(system, contact)?[1].value;
+        Ok(Some(Occurrence::Graze { contact, rate }))
     }
 
     fn left_domain(&self) -> FlowError {

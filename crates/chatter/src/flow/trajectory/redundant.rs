@@ -6,8 +6,9 @@ use super::Trajectory;
 use super::start::{PENETRATION, is_inside};
 use crate::expressions::Operand;
 use crate::flow::error::FlowError;
+use crate::flow::guard::GuardKind;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, Grip, GuardKind};
+use crate::flow::program::{Closed, Grip};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::numerics::linear::independent;
@@ -144,7 +145,7 @@ impl<R: Real> Trajectory<R> {
         work.expand_at(&program.tape, &constants.tape, start, R::ONE);
         let mut begin = Vec::new();
         for guard in &program.guards {
-            let GuardKind::Reaction(contact) = guard.kind else {
+            let Some(contact) = guard.opening() else {
                 continue;
             };
             let (value, slope) = match guard.series {

@@ -4,9 +4,10 @@ use super::Trajectory;
 use crate::expressions::Operand;
 use crate::flow::chatter::{Accumulation, LocalPoint, SequenceMap};
 use crate::flow::error::FlowError;
+use crate::flow::flight::{self, ASKED_ROUNDOFFS};
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, GuardKind, Program};
-use crate::flow::step::{FOREVER, Workspace, legal_rates};
+use crate::flow::program::{Closed, Program};
+use crate::flow::step::{Workspace, legal_rates};
 use crate::flow::system::System;
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::{Real, two_sum};
@@ -17,9 +18,6 @@ const AT_REST: f64 = 1e-12;
 
 /// Rounding errors of the flights of a sequence add up like the steps of a random walk of this many roundoffs each.
 const WALK_ROUNDOFFS: f64 = 4.0;
-
-/// Rates smaller than so many roundoffs of the largest state are asked for their terms.
-const ASKED_ROUNDOFFS: f64 = 1024.0;
 
 /// After so many impacts in a time that is below rounding it is asked which contacts have come to rest together; …
 pub(super) const BURST: usize = 64;
@@ -67,12 +65,7 @@ impl<R: Real> Trajectory<R> {
                 value: (-rate_after / rate_before).to_f64(),
             });
         }
-        let continues = |(before, rate)| before == contact && rate_before > rate;
-        if !self.latest_impact.is_some_and(continues) {
-            self.sequence = 0;
-        }
-        self.latest_impact = Some((contact, rate_before));
-        self.sequence += 1;
+        self.count_impact(contact, rate_before);
         // What the impulse leaves of a plastic impact's rate is rounding.
         let is_plastic = restitution == R::ZERO;
         let rate_after = if is_plastic { R::ZERO } else { rate_after };
@@ -106,11 +99,7 @@ impl<R: Real> Trajectory<R> {
         if is_short && system.model().contacts[contact].reset.is_some() {
             return Err(self.resets_without_end(contact));
         }
-        let rest_of_sequence = if self.flight_time < R::splat(FOREVER) && at_rest < R::ONE {
-            self.flight_time / (R::ONE - at_rest)
-        } else {
-            R::splat(FOREVER)
-        };
+        let rest_of_sequence = flight::rest_of_sequence(self.flight_time, at_rest);
         self.tracker.keep_pace(contact, self.time, rest_of_sequence);
         let local = LocalPoint {
             rate: rate_after,
@@ -140,11 +129,19 @@ impl<R: Real> Trajectory<R> {
         Ok(Some(told(false)))
     }
 
+    /// An impact goes on with a sequence where it is slower than the one before, at the same contact.
+    #[inline(always)]
+    pub(super) fn count_impact(&mut self, contact: usize, rate: R) {
+        let continues = |(before, faster)| before == contact && rate > faster;
+        let goes_on = self.latest_impact.is_some_and(continues);
+        self.sequence = if goes_on { self.sequence + 1 } else { 1 };
+        self.latest_impact = Some((contact, rate));
+    }
+
     /// Whether a rate is so small that it is worth asking what terms it is the sum of.
     #[inline(always)]
     fn may_be_rounding(&self, rate: R) -> bool {
-        let states = self.state[..self.coordinates].iter();
-        let largest = states.fold(R::ZERO, |most, x| most.max(x.abs()));
+        let (largest, _) = flight::largest(&self.state, self.coordinates);
         rate.abs() <= largest * R::splat(ASKED_ROUNDOFFS * R::ROUNDOFF)
     }
 
@@ -215,7 +212,7 @@ impl<R: Real> Trajectory<R> {
         let guards = program
             .guards
             .iter()
-            .filter(|guard| guard.kind != GuardKind::Gap(contact));
+            .filter(|guard| guard.closing() != Some(contact));
         let moving = guards.filter_map(|guard| match guard.series {
             Operand::Series(slot) => {
                 let p = work.point.series(slot);

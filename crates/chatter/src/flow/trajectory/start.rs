@@ -1,10 +1,12 @@
 //! Where a trajectory starts: the contacts that a state lies on are classified.
 
+use super::ordinary::Untold;
 use super::tops::Tops;
 use super::{ORDER_CLASSES, Trajectory};
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
-use crate::flow::program::{Closed, GuardKind};
+use crate::flow::guard::GuardKind;
+use crate::flow::program::Closed;
 use crate::flow::sides::Sides;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::{FLIGHT, System};
@@ -81,6 +83,7 @@ impl<R: Real> Trajectory<R> {
             may_have_crossed: false,
             ended_by: None,
             pending: VecDeque::new(),
+            untold: Untold::NONE,
         };
         trajectory.restart(system, work, time, state)?;
         Ok(trajectory)

@@ -7,7 +7,8 @@
 use super::Trajectory;
 use crate::flow::chatter::Turn;
 use crate::flow::error::FlowError;
-use crate::flow::program::{Closed, GuardKind, IMPACT_SCALARS, ProgramConstants};
+use crate::flow::limits::Corner;
+use crate::flow::program::{Closed, IMPACT_SCALARS, ProgramConstants};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::numerics::Real;
@@ -69,9 +70,9 @@ impl Tops {
 }
 
 impl<R: Real> Trajectory<R> {
-    /// Whether the corner that is met is one at the top of a flight between impacts.
-    pub(super) fn is_top(&mut self, system: &System, kind: GuardKind) -> Result<bool, FlowError> {
-        let (GuardKind::Switch(_), Some((contact, before))) = (kind, self.latest_impact) else {
+    /// Whether the corner that is crossed is one at the top of a flight between impacts.
+    pub(super) fn is_top(&mut self, system: &System, corner: Corner) -> Result<bool, FlowError> {
+        let (Corner::Surface(_), Some((contact, before))) = (corner, self.latest_impact) else {
             return Ok(false);
         };
         if self.sequence == 0 || self.closed != Closed::NONE {

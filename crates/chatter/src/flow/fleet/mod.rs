@@ -4,17 +4,17 @@
 //! order with the same roots divided out wait in one queue; a full queue makes a full vector. What a lane computes does
 //! not depend on its neighbours, so results do not depend on packing, width or thread count.
 
+mod shared;
+mod vector;
+
 use super::error::FlowError;
 use super::occurrence::Occurrence;
-use super::program::{Closed, IMPACT_SCALARS, ImpactTape, Program, ProgramConstants};
-use super::step::{NO_EVENT, ORDER_CLASSES, Workspace};
+use super::step::{ORDER_CLASSES, Workspace};
 use super::system::{Settings, System};
 use super::touching::Touching;
-use super::trajectory::{StepResult, Trajectory};
-use crate::expressions::Tape;
-use crate::numerics::dispatch::{Kernel, dispatch};
-use crate::numerics::{LaneMask, Lanes, Scalar};
+use super::trajectory::Trajectory;
 use core::sync::atomic::{AtomicBool, Ordering};
+use vector::{Ended, Vector, VectorStep};
 
 /// What becomes of a trajectory after an occurrence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,43 +25,12 @@ pub enum Next {
     Retire,
 }
 
-/// Constants of the tapes of a mode: which of them differ between the trajectories of a fleet, and the others.
-#[derive(Debug)]
-struct Shared<const L: usize> {
-    varying_tape: Vec<usize>,
-    varying_impacts: Vec<Vec<usize>>,
-    tape: Vec<Lanes<L>>,
-    impacts: Vec<Vec<Lanes<L>>>,
-}
-
-impl<const L: usize> Shared<L> {
-    /// Takes what does not differ from any of the trajectories.
-    fn new(
-        system: &System,
-        mode: usize,
-        program: &Program,
-        swept: &[usize],
-        any: &ProgramConstants<f64>,
-    ) -> Self {
-        let splat = |values: &[f64]| values.iter().map(|&value| Lanes::splat(value)).collect();
-        let depending = |tape: &Tape| system.constants_depending_on(mode, tape, swept);
-        let of_impact = |impact: &Option<ImpactTape>| {
-            (impact.as_ref()).map_or_else(Vec::new, |impact| depending(&impact.tape))
-        };
-        Self {
-            varying_tape: depending(&program.tape),
-            varying_impacts: program.impacts.iter().map(of_impact).collect(),
-            tape: splat(&any.tape),
-            impacts: any.impacts.iter().map(|impact| splat(impact)).collect(),
-        }
-    }
-}
-
 /// Runs trajectories of one system side by side until each retires, or until `stop` is set: then it returns after the step
 /// it is at.
 ///
-/// `visit` hears of every occurrence of every trajectory, by index, and may replace the trajectory. All may differ in
-/// the parameters named in `swept` (by index) and in nothing else of the model.
+/// `visit` hears of every occurrence of every trajectory, by index, but of impacts that may pass
+/// ([`Trajectory::let_pass`]), and may replace the trajectory. All may differ in the parameters named in `swept` (by index), with
+/// what is defined through them, and in nothing else of the model.
 pub fn run_fleet<V>(
     system: &System,
     settings: &Settings,
@@ -91,90 +60,34 @@ struct Queue {
     waiting: [Vec<(usize, f64)>; ORDER_CLASSES],
 }
 
-struct Fleet<'a, const L: usize, V> {
-    system: &'a System,
-    trajectories: &'a mut [Trajectory<f64>],
+struct Fleet<'s, 't, const L: usize, V> {
+    system: &'s System,
+    trajectories: &'t mut [Trajectory<f64>],
     visit: V,
-    swept: Vec<usize>,
-    /// By number of the mode.
-    shared: Vec<Option<Shared<L>>>,
-    wide: Workspace<Lanes<L>>,
+    vector: Vector<'s, L>,
     single: Workspace<f64>,
     queues: Vec<Queue>,
     /// The queue that was joined last: often the next one, too.
     joined: usize,
-    loaded: Option<usize>,
 }
 
-struct LaneStep<'a, const L: usize> {
-    work: &'a mut Workspace<Lanes<L>>,
-    program: &'a Program,
-    class: usize,
-    touching: Touching,
-}
-
-impl<const L: usize> Kernel for LaneStep<'_, L> {
-    type Output = LaneMask<L>;
-    #[inline(always)]
-    fn run(self) -> LaneMask<L> {
-        self.work.expand(self.program, self.class);
-        let certain = self.work.locate(self.program, self.touching);
-        self.work.finish(self.program);
-        certain
-    }
-}
-
-/// The step of a vector. Not generic, so that it is compiled here and not again for every visitor of every user.
-trait VectorStep<const L: usize> {
-    /// Makes the step; returns where it is certain.
-    fn vector_step(&mut self, program: &Program, class: usize, touching: Touching) -> LaneMask<L>;
-}
-
-macro_rules! vector_step {
-    ($width:expr) => {
-        impl VectorStep<{ $width }> for Workspace<Lanes<{ $width }>> {
-            fn vector_step(
-                &mut self,
-                program: &Program,
-                class: usize,
-                touching: Touching,
-            ) -> LaneMask<{ $width }> {
-                dispatch(LaneStep {
-                    work: self,
-                    program,
-                    class,
-                    touching,
-                })
-            }
-        }
-    };
-}
-
-vector_step!(WIDTH);
-
-impl<'a, const L: usize, V> Fleet<'a, L, V>
+impl<'s, 't, const L: usize, V> Fleet<'s, 't, L, V>
 where
-    Workspace<Lanes<L>>: VectorStep<L>,
+    Vector<'s, L>: VectorStep<L>,
     V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {
     fn new(
-        system: &'a System,
+        system: &'s System,
         settings: &Settings,
         swept: &[usize],
-        trajectories: &'a mut [Trajectory<f64>],
+        trajectories: &'t mut [Trajectory<f64>],
         visit: V,
     ) -> Self {
-        // Each trajectory is on pieces of its own of what is looked up.
-        let corners = system.corners();
-        let slots = corners.first_slot..corners.first_slot + corners.slots();
         Self {
-            swept: swept.iter().copied().chain(slots).collect(),
-            shared: Vec::new(),
-            wide: system.workspace(settings),
+            vector: Vector::new(system, settings, swept, trajectories.len()),
             single: system.workspace(settings),
             queues: Vec::new(),
             joined: 0,
-            loaded: None,
             system,
             trajectories,
             visit,
@@ -224,7 +137,14 @@ where
         }
         let trajectory = &self.trajectories[index];
         let (mode, touching) = (trajectory.mode, trajectory.touching);
-        let (class, tau) = trajectory.plan();
+        let (class, unit) = trajectory.plan();
+        let place = self.queue(mode, touching);
+        self.queues[place].waiting[class].push((index, unit));
+    }
+
+    /// The queue of trajectories in this mode with so many roots to divide out.
+    #[inline]
+    fn queue(&mut self, mode: usize, touching: Touching) -> usize {
         let same = |queue: &Queue| queue.mode == mode && queue.touching == touching;
         if !self.queues.get(self.joined).is_some_and(same) {
             self.joined = self.queues.iter().position(same).unwrap_or_else(|| {
@@ -236,7 +156,7 @@ where
                 self.queues.len() - 1
             });
         }
-        self.queues[self.joined].waiting[class].push((index, tau));
+        self.joined
     }
 
     /// Takes up to a vector of trajectories from a queue and moves each by one step.
@@ -262,18 +182,39 @@ where
             }
             return;
         }
-        for lane in count..L {
-            members[lane] = members[0];
+        self.vector
+            .enter(mode, program, &self.trajectories[members[0].0]);
+        for (lane, &(index, unit)) in members[..count].iter().enumerate() {
+            let trajectory = &self.trajectories[index];
+            self.vector.load(lane, mode, (index, trajectory, unit));
         }
-        let remaining = self.gather(mode, program, &members);
-        let certain = self.wide.vector_step(program, class, touching);
+        self.vector.step(count, program, class, touching);
+        // What ordinary steps lead to is the same for all that end at the same guard.
+        let mut known = None;
         for (lane, &(index, _)) in members[..count].iter().enumerate() {
-            if certain.0[lane] {
-                self.store(index, lane, class);
-            }
-        }
-        for (lane, &(index, _)) in members[..count].iter().enumerate() {
-            let outcome = self.digest(program, index, lane, certain.0[lane], remaining[lane]);
+            let trajectory = &mut self.trajectories[index];
+            let outcome = match self.vector.store(lane, program, trajectory) {
+                Ended::Ordinary {
+                    at,
+                    told: None,
+                    next: Some((class, unit)),
+                } => {
+                    let place = match known {
+                        Some((before, place)) if before == at => place,
+                        _ => self.queue(mode, Touching::after(at)),
+                    };
+                    known = Some((at, place));
+                    self.queues[place].waiting[class].push((index, unit));
+                    continue;
+                }
+                Ended::Ordinary { told, .. } => Ok(told),
+                Ended::Digest(result) => {
+                    trajectory.digest(self.system, &mut self.single, program, &result)
+                }
+                Ended::Uncertain => {
+                    trajectory.advance_settled(self.system, &mut self.single, program)
+                }
+            };
             self.hand_on(index, &outcome);
         }
     }
@@ -281,121 +222,11 @@ where
     /// Tells the visitor what happened to a trajectory, and lets it wait for its next step.
     #[inline]
     fn hand_on(&mut self, index: usize, outcome: &Told) {
+        self.vector.forget(index);
         let trajectory = &mut self.trajectories[index];
         if tell(&mut self.visit, index, trajectory, outcome) == Next::Continue {
             self.enqueue(index);
         }
-    }
-
-    /// Loads states and constants into lanes; returns the time left to each.
-    #[inline]
-    fn gather(&mut self, mode: usize, program: &Program, members: &[(usize, f64); L]) -> [f64; L] {
-        if self.shared.len() <= mode {
-            self.shared.resize_with(mode + 1, || None);
-        }
-        if self.shared[mode].is_none()
-            && let Some(any) = &self.trajectories[members[0].0].constants[mode]
-        {
-            let shared = Shared::new(self.system, mode, program, &self.swept, any);
-            self.shared[mode] = Some(shared);
-        }
-        let Some(shared) = &self.shared[mode] else {
-            return [0.0; L];
-        };
-        if self.loaded != Some(mode) {
-            self.wide.constants.clone_from(&shared.tape);
-            self.wide.impact_constants.clone_from(&shared.impacts);
-            self.loaded = Some(mode);
-        }
-        let mut remaining = [0.0; L];
-        for (lane, &(index, tau)) in members.iter().enumerate() {
-            let trajectory = &self.trajectories[index];
-            for (wide, &value) in self.wide.state.iter_mut().zip(&trajectory.state) {
-                wide.0[lane] = value;
-            }
-            for (wide, &value) in self.wide.low.iter_mut().zip(&trajectory.low) {
-                wide.0[lane] = value;
-            }
-            for (section, wide) in self.wide.sides.iter_mut().enumerate() {
-                wide.0[lane] = trajectory.sides.get(section);
-            }
-            self.wide.tau.0[lane] = tau;
-            self.wide.time.0[lane] = trajectory.time();
-            remaining[lane] = trajectory.remaining();
-            let Some(own) = &trajectory.constants[mode] else {
-                continue;
-            };
-            for &place in &shared.varying_tape {
-                self.wide.constants[place].0[lane] = own.tape[place];
-            }
-            for ((wide, own), places) in self
-                .wide
-                .impact_constants
-                .iter_mut()
-                .zip(&own.impacts)
-                .zip(&shared.varying_impacts)
-            {
-                for &place in places {
-                    wide[place].0[lane] = own[place];
-                }
-            }
-        }
-        self.wide.horizon = Lanes(remaining);
-        remaining
-    }
-
-    /// Gives the end of a lane's step to its trajectory.
-    #[inline(always)]
-    fn store(&mut self, index: usize, lane: usize, class: usize) {
-        let trajectory = &mut self.trajectories[index];
-        for (value, wide) in trajectory.state.iter_mut().zip(&self.wide.state) {
-            *value = wide.0[lane];
-        }
-        for (value, wide) in trajectory.low.iter_mut().zip(&self.wide.low) {
-            *value = wide.0[lane];
-        }
-        for (section, wide) in self.wide.sides.iter().enumerate() {
-            trajectory.sides.set(section, wide.0[lane]);
-        }
-        for (reach, wide) in trajectory
-            .reach
-            .iter_mut()
-            .zip(&self.wide.reach)
-            .take(class + 1)
-        {
-            *reach = wide.0[lane];
-        }
-    }
-
-    /// Says what a lane's step means for its trajectory; an uncertain one is settled by itself.
-    #[inline(always)]
-    fn digest(
-        &mut self,
-        program: &Program,
-        index: usize,
-        lane: usize,
-        certain: bool,
-        remaining: f64,
-    ) -> Told {
-        let trajectory = &mut self.trajectories[index];
-        if !certain {
-            return trajectory.advance_settled(self.system, &mut self.single, program);
-        }
-        let event = self.wide.event.0[lane];
-        let mut result = StepResult {
-            step: self.wide.step.0[lane],
-            event: (event >= 0.0).then_some(event as usize),
-            touched: None,
-            crowd: Closed::NONE,
-            jumped: false,
-            at_horizon: event == NO_EVENT && StepResult::reaches(self.wide.step.0[lane], remaining),
-            impact: [0.0; IMPACT_SCALARS],
-            flight_time: self.wide.flight_time.0[lane],
-        };
-        for (scalar, wide) in result.impact.iter_mut().zip(&self.wide.impact) {
-            *scalar = wide.0[lane];
-        }
-        trajectory.digest(self.system, &mut self.single, program, &result)
     }
 }
 
@@ -422,11 +253,12 @@ mod tests {
     use crate::expressions::Backend;
     use crate::model::Model;
 
-    const VALVE: &str = include_str!("../../../../models/pressure_relief_valve.toml");
-    const OSCILLATOR: &str = include_str!("../../../../models/impact_oscillator_two_sided.toml");
-    const CAM: &str = include_str!("../../../../models/dwell_cam.toml");
-    const BELT: &str = include_str!("../../../../models/mass_on_belt.toml");
-    const DRILL: &str = include_str!("../../../../models/percussive_drill.toml");
+    const VALVE: &str = include_str!("../../../../../models/pressure_relief_valve.toml");
+    const OSCILLATOR: &str = include_str!("../../../../../models/impact_oscillator_two_sided.toml");
+    const CAM: &str = include_str!("../../../../../models/dwell_cam.toml");
+    const BELT: &str = include_str!("../../../../../models/mass_on_belt.toml");
+    const DRILL: &str = include_str!("../../../../../models/percussive_drill.toml");
+    const BALL: &str = include_str!("../../../../../models/bouncing_ball_on_table.toml");
 
     /// Time and state of every trajectory after so many occurrences, to the bit.
     type End = (u64, Vec<u64>);
@@ -464,12 +296,9 @@ mod tests {
         }
     }
 
-    vector_step!(4);
-    vector_step!(8);
-
-    fn in_lanes<const L: usize>(columns: &Columns, occurrences: usize) -> Vec<End>
+    fn in_lanes<'a, const L: usize>(columns: &'a Columns, occurrences: usize) -> Vec<End>
     where
-        Workspace<Lanes<L>>: VectorStep<L>,
+        Vector<'a, L>: VectorStep<L>,
     {
         let mut trajectories = columns.trajectories.clone();
         let mut told = vec![0; trajectories.len()];
@@ -517,6 +346,8 @@ mod tests {
             (CAM, 1.5, 2.5, 100),
             (BELT, 0.1, 0.5, 40),
             (DRILL, 0.1, 0.2, 40),
+            // The table's amplitude is defined through gravity.
+            (BALL, 9.0, 10.0, 100),
         ];
         for (text, low, high, occurrences) in cases {
             let mut columns = columns(text, low, high, 37);
@@ -528,6 +359,79 @@ mod tests {
             assert_eq!(in_lanes::<WIDTH>(&columns, occurrences), expected);
             assert_eq!(in_lanes::<8>(&columns, occurrences), expected);
             assert_eq!(in_lanes::<4>(&columns, occurrences), expected);
+        }
+    }
+
+    /// Impacts, the times of the latest two, and the end after so many other occurrences.
+    type Passed = (u64, [u64; 2], End);
+
+    #[test]
+    fn impacts_that_pass_untold_are_counted_alone_and_in_lanes() {
+        const OTHERS: usize = 12;
+        let columns = columns(VALVE, 0.0195, 0.0225, 37);
+        let mut work = columns.system.workspace::<f64>(&columns.settings);
+        let mut follow = |most: Option<u64>| -> Vec<Passed> {
+            let mut passed = Vec::new();
+            for trajectory in &columns.trajectories {
+                let mut trajectory = trajectory.clone();
+                let (mut impacts, mut times, mut others) = (0, [0; 2], 0);
+                trajectory.let_pass(most.unwrap_or(0));
+                while others < OTHERS {
+                    let told = trajectory.advance_to_horizon(&columns.system, &mut work);
+                    let Some(told) = told.expect("a finite field") else {
+                        continue;
+                    };
+                    count_untold(&mut trajectory, &mut impacts, &mut times);
+                    trajectory.let_pass(most.unwrap_or(0));
+                    match told {
+                        Occurrence::Impact { .. } => {
+                            impacts += 1;
+                            times = [times[1], trajectory.time().to_bits()];
+                        }
+                        _ => others += 1,
+                    }
+                }
+                passed.push((impacts, times, end(&trajectory)));
+            }
+            passed
+        };
+        let expected = follow(None);
+        assert_eq!(follow(Some(3)), expected);
+        assert_eq!(follow(Some(u64::MAX)), expected);
+
+        let mut trajectories = columns.trajectories.clone();
+        trajectories.iter_mut().for_each(|one| one.let_pass(7));
+        let mut counts = vec![(0, [0; 2], 0); trajectories.len()];
+        let mut found = vec![(0, [0; 2], (0, Vec::new())); trajectories.len()];
+        let visit =
+            |index: usize, trajectory: &mut Trajectory<f64>, told: Result<&_, FlowError>| {
+                let (impacts, times, others) = &mut counts[index];
+                count_untold(trajectory, impacts, times);
+                trajectory.let_pass(7);
+                match told.expect("a finite field") {
+                    Occurrence::Impact { .. } => {
+                        *impacts += 1;
+                        *times = [times[1], trajectory.time().to_bits()];
+                    }
+                    _ => *others += 1,
+                }
+                if *others < OTHERS {
+                    return Next::Continue;
+                }
+                found[index] = (*impacts, *times, end(trajectory));
+                Next::Retire
+            };
+        let (system, settings) = (&columns.system, &columns.settings);
+        Fleet::<8, _>::new(system, settings, &[0], &mut trajectories, visit)
+            .run(&AtomicBool::new(false));
+        assert_eq!(found, expected);
+    }
+
+    fn count_untold(trajectory: &mut Trajectory<f64>, impacts: &mut u64, times: &mut [u64; 2]) {
+        if let Some((count, latest, before)) = trajectory.untold() {
+            *impacts += count;
+            let before = before.map_or(times[1], f64::to_bits);
+            *times = [before, latest.to_bits()];
         }
     }
 }
