@@ -43,7 +43,7 @@ impl<R: Real> Bracket<R> {
     }
 
     /// Where to look next; `None` where nothing lies between its ends but rounding.
-    pub fn next(&mut self) -> Option<R> {
+    pub fn place(&mut self) -> Option<R> {
         let ((a, fa), (b, fb)) = (self.old, self.new);
         let size = a.abs().max(b.abs());
         if (b - a).abs() <= size * R::splat(CLOSED * R::ROUNDOFF) {
@@ -92,7 +92,7 @@ pub fn root_between<R: Real>(function: impl Fn(R) -> R, a: R, b: R) -> Option<R>
     }
     let mut bracket = Bracket::new((a, fa), (b, fb))?;
     for _ in 0..LONGEST {
-        let Some(at) = bracket.next() else {
+        let Some(at) = bracket.place() else {
             break;
         };
         let value = function(at);

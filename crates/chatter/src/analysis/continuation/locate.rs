@@ -32,7 +32,7 @@ pub fn locate(
     let mut bracket = Bracket::new((0.0, ends.0), (step, far))?;
     let mut best: Option<(Station, f64, f64)> = None;
     for _ in 0..MOST_STEPS {
-        let Some(at) = bracket.next().filter(|_| bracket.width() > DONE * step) else {
+        let Some(at) = bracket.place().filter(|_| bracket.width() > DONE * step) else {
             break;
         };
         let found = from.ahead(problem, at).ok().and_then(|(station, _)| {

@@ -175,7 +175,7 @@ impl ReturnMap<'_> {
             if miss(&best) <= MULTIPLIER_DONE || idle == PATIENCE {
                 break;
             }
-            let Some(rate) = bracket.as_mut().and_then(Bracket::next) else {
+            let Some(rate) = bracket.as_mut().and_then(Bracket::place) else {
                 break;
             };
             let off = |end: &FixedPoint| (end.rate - rate).abs();
