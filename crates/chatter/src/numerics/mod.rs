@@ -1,22 +1,28 @@
 //! Numbers, truncated series and polynomials. Knows nothing of models.
 
+mod bracket;
 pub(crate) mod complementarity;
 pub mod dispatch;
 mod double_double;
 mod eigenvalues;
+mod extrapolation;
 mod lanes;
 pub mod linear;
 mod matrix;
+mod newton;
 pub mod polynomial;
 pub mod roots;
 mod scalar;
 mod stored;
 mod with_terms;
 
+pub use bracket::{Bracket, root_between};
 pub(crate) use double_double::two_sum;
 pub use double_double::{DoubleDouble, NotANumber};
 pub use eigenvalues::{Complex, eigenvalues};
+pub use extrapolation::{Estimate, Plan, limit};
 pub use lanes::{LaneMask, Lanes};
 pub use matrix::{Factored, Matrix, dot, pairs};
+pub use newton::{Equations, Linearised, Newton, NewtonError, Solution};
 pub use scalar::{Mask, Real, Scalar};
 pub(crate) use with_terms::WithTerms;

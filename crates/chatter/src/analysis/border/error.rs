@@ -1,6 +1,6 @@
 //! What can keep a border orbit from being found.
 
-use super::leading_order::ReleaseSection;
+use super::normal_form::leading_order::ReleaseSection;
 use crate::flow::{FlowError, SystemError};
 use core::fmt;
 use serde::{Deserialize, Serialize};

@@ -1,74 +1,61 @@
 //! Border orbits: complete chatter that ends exactly at release, and the one-dimensional map around them (MATH.md 4).
 //!
 //! ```text
-//! spec         the question
-//! release      the point h = v = a = 0, j > 0
-//! releases     all of them at a parameter value
-//! branches     all of them over the parameter
-//! forcing      states known up to whole periods: time, angles
-//! sequence     the impacts that follow it, and the verdict complete / incomplete
-//! coordinate   X and N: limits along the sequence, with derivatives
-//! samples      the verdict at many parameter values
-//! closing_in   from a change of the verdict to the root between
-//! search       all of them, or the nearest first
-//! range        all borders of a range, stretch by stretch
-//! breaks       what ends complete chatter where no border is
-//! root         the smooth equation X(p) = 0
-//! exact        (M5): K, M and what they are made of
-//! leading_order   the paper's A to F
-//! rounded      the same in another number type
-//! prediction   the one-dimensional map: impacts per passage, states after the first impact
-//! windows      fold, period doubling and graze of the n-impact orbit, predicted
-//! simulated    passages of the flow itself
-//! return_map   its return map and the fixed points
-//! window_curve the windows of these
-//! located      predicted windows and those beside each other
+//! spec           the question
+//! problem        a model and its parameter, compiled for it
+//! release/       where contact ends
+//!   equations    the point h = v = a = 0, j > 0
+//!   all          all of them at a parameter value
+//!   branches     all of them over the parameter
+//!   forcing      states known up to whole periods: time, angles
+//! coordinate/    X, whose root is the border
+//!   local        u and nu after an impact, with derivatives from impact to impact
+//!   sequence     the impacts that follow release, and the verdict complete / incomplete
+//!   limits       X and N: limits along the sequence, with derivatives
+//!   root         the smooth equation X(p) = 0
+//! search/        borders of a parameter
+//!   samples      the verdict at many parameter values
+//!   closing_in   from a change of the verdict to the root between
+//!   changes      all of them, or the nearest first
+//!   near, range  the border nearest to a value; all borders of a range, stretch by stretch
+//!   breaks       what ends complete chatter where no border is
+//! orbit          a border orbit with its normal form
+//! normal_form/   K, M and what they are made of
+//!   exact        (M5)
+//!   leading_order   the paper's A to F
+//!   section      states on a section of the model
+//! rounded        the same in another number type
+//! prediction/
+//!   map          the one-dimensional map: impacts per passage, states after the first impact
+//!   windows      fold, period doubling and graze of the n-impact orbit, predicted
+//!   simulated    passages of the flow itself
+//!   return_map   its return map and the fixed points
+//!   window_curve the windows of these
+//!   located      predicted windows and those beside each other
 //! ```
 
-mod branches;
-mod breaks;
-mod closing_in;
 mod coordinate;
 mod error;
-mod exact;
-mod extrapolate;
-mod forcing;
-mod leading_order;
-mod local;
-mod located;
+mod normal_form;
 mod orbit;
 mod prediction;
 mod problem;
-mod range;
 mod release;
-mod releases;
-mod return_map;
-mod root;
 mod rounded;
-mod samples;
 mod search;
-mod section;
-mod sequence;
-mod simulated;
 mod spec;
-mod window_curve;
-mod windows;
 
-pub use coordinate::Extrapolation;
+pub use crate::numerics::Estimate;
+pub use coordinate::{Extrapolation, LocalCoordinate, Verdict};
 pub use error::{BorderError, Break, BreakCause};
-pub use exact::Exact;
-pub use extrapolate::Estimate;
-pub use forcing::Turn;
-pub use leading_order::{LeadingOrder, ReleaseSection};
-pub use local::LocalCoordinate;
-pub use located::{Discrepancy, WindowComparison};
-pub use orbit::{Border, FirstImpact, border_near, leading_order_at, search_near, verdicts_in};
-pub use prediction::{AffineStates, ImpactCounts, PredictedPassage, Prediction, Settled};
-pub use range::{Borders, SearchProgress, borders_in, search_range};
-pub use release::ReleasePoint;
-pub use section::section_states;
-pub use sequence::Verdict;
-pub use simulated::{Passage, Simulated, Simulator};
+pub use normal_form::{Exact, LeadingOrder, ReleaseSection, leading_order_at, section_states};
+pub use orbit::{Border, FirstImpact};
+pub use prediction::{
+    AffineStates, Discrepancy, ImpactCounts, LocatedWindow, Passage, PredictedPassage,
+    PredictedPoint, PredictedWindow, Prediction, Settled, Simulated, Simulator, WindowComparison,
+};
+pub use release::{ReleasePoint, Turn};
+pub use search::{
+    Borders, SearchProgress, border_near, borders_in, search_near, search_range, verdicts_in,
+};
 pub use spec::BorderSpec;
-pub use window_curve::LocatedWindow;
-pub use windows::{PredictedPoint, PredictedWindow};

@@ -1,9 +1,9 @@
 //! A model and one of its parameters, compiled for the search of border orbits.
 
+use super::coordinate::local::LocalTape;
+use super::coordinate::sequence::{Follower, Impact, Sequence, Until, Verdict};
 use super::error::BorderError;
-use super::local::LocalTape;
-use super::release::{ReleaseEquations, ReleasePoint};
-use super::sequence::{Follower, Impact, Sequence, Until, Verdict};
+use super::release::equations::{ReleaseEquations, ReleasePoint};
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
 use crate::expressions::nearest;

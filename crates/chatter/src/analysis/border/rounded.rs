@@ -1,12 +1,12 @@
 //! A border orbit rounded to another number type.
 
-use super::exact::Exact;
-use super::extrapolate::Estimate;
-use super::forcing::Turn;
-use super::leading_order::LeadingOrder;
+use super::normal_form::exact::Exact;
+use super::normal_form::leading_order::LeadingOrder;
 use super::orbit::{Border, FirstImpact};
-use super::release::ReleasePoint;
+use super::release::equations::ReleasePoint;
+use super::release::forcing::Turn;
 use crate::analysis::universal::Constants;
+use crate::numerics::Estimate;
 use crate::numerics::{DoubleDouble, Real, Scalar};
 
 type Wide = DoubleDouble;

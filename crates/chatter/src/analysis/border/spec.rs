@@ -1,8 +1,8 @@
 //! The question.
 
-use super::coordinate::Extrapolation;
-use super::leading_order::ReleaseSection;
-use super::local::LocalCoordinate;
+use super::coordinate::limits::Extrapolation;
+use super::coordinate::local::LocalCoordinate;
+use super::normal_form::leading_order::ReleaseSection;
 use serde::{Deserialize, Serialize};
 
 /// How borders are looked for and normal forms computed.

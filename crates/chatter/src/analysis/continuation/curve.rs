@@ -2,7 +2,7 @@
 
 use super::newton::{Condition, NewtonError, newton};
 use super::problem::Problem;
-use crate::numerics::{Factored, dot};
+use crate::numerics::{Factored, Real, dot};
 
 /// How a curve is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,11 +27,11 @@ impl Default for Settings {
 
 /// A point of a curve.
 #[derive(Clone, Debug)]
-pub struct Station {
+pub struct Station<R = f64> {
     /// The unknowns, free parameters last.
-    pub at: Vec<f64>,
+    pub at: Vec<R>,
     /// Direction of the curve, of length one where each unknown is measured by its size.
-    pub tangent: Vec<f64>,
+    pub tangent: Vec<R>,
     /// Of the correction that led to it.
     pub residual: f64,
     /// The latest correction against the solution's size: an estimate of the error.
@@ -49,9 +49,9 @@ pub enum StepError {
 
 /// A curve that is being followed: the latest station, and the step to the next one.
 #[derive(Clone, Debug)]
-pub struct Curve {
+pub struct Curve<R = f64> {
     /// Where it is.
-    pub station: Station,
+    pub station: Station<R>,
     /// The next step.
     pub step: f64,
     settings: Settings,
@@ -64,16 +64,16 @@ const HARD: usize = 7;
 const LEAST_COSINE: f64 = 0.94;
 
 /// The tangent from the factors of equations bordered by a row that is not orthogonal to it.
-fn along(factors: &Factored<f64>, scales: &[f64]) -> Option<Vec<f64>> {
+fn along<R: Real>(factors: &Factored<R>, scales: &[f64]) -> Option<Vec<R>> {
     let size = scales.len();
-    let mut right = vec![0.0; size];
-    right[size - 1] = 1.0;
+    let mut right = vec![R::ZERO; size];
+    right[size - 1] = R::ONE;
     let mut tangent = factors.solve(&right);
     let length = length(&tangent, scales);
-    if !(length > 0.0 && length.is_finite()) {
+    if !(length > R::ZERO && length.is_finite()) {
         return None;
     }
-    tangent.iter_mut().for_each(|x| *x /= length);
+    tangent.iter_mut().for_each(|x| *x = *x / length);
     Some(tangent)
 }
 
@@ -81,48 +81,50 @@ fn along(factors: &Factored<f64>, scales: &[f64]) -> Option<Vec<f64>> {
 ///
 /// # Errors
 /// The equations have no meaning there, or are singular with that row.
-pub fn tangent(
-    problem: &mut dyn Problem<f64>,
-    at: &[f64],
-    row: &[f64],
-) -> Result<Vec<f64>, NewtonError> {
+pub fn tangent<R: Real>(
+    problem: &mut dyn Problem<R>,
+    at: &[R],
+    row: &[R],
+) -> Result<Vec<R>, NewtonError> {
     let linearised = problem.evaluate(at).map_err(NewtonError::Left)?;
     let factors = linearised.bordered([row]).factored();
     let factors = factors.ok_or(NewtonError::Singular)?;
     along(&factors, problem.scales()).ok_or(NewtonError::Singular)
 }
 
-fn length(vector: &[f64], scales: &[f64]) -> f64 {
-    (vector.iter().zip(scales))
-        .map(|(x, scale)| (x / scale) * (x / scale))
-        .sum::<f64>()
-        .sqrt()
+fn length<R: Real>(vector: &[R], scales: &[f64]) -> R {
+    let measured = vector.iter().zip(scales);
+    let square = measured.fold(R::ZERO, |sum, (&x, &scale)| {
+        let x = x / R::splat(scale);
+        sum + x * x
+    });
+    square.sqrt()
 }
 
 /// The condition of moving so far along its tangent.
-fn ahead(station: &Station, step: f64, scales: &[f64]) -> Condition<f64> {
-    let row: Vec<f64> = (station.tangent.iter().zip(scales))
-        .map(|(x, scale)| x / (scale * scale))
+fn ahead<R: Real>(station: &Station<R>, step: f64, scales: &[f64]) -> Condition<R> {
+    let row: Vec<R> = (station.tangent.iter().zip(scales))
+        .map(|(&x, scale)| x / R::splat(scale * scale))
         .collect();
-    let value = dot(&row, &station.at) + step;
+    let value = dot(&row, &station.at) + R::splat(step);
     Condition { row, value }
 }
 
-impl Station {
+impl<R: Real> Station<R> {
     /// A point of the curve near `start` at which one unknown has its value; the tangent lets the parameter grow.
     ///
     /// # Errors
     /// There is none nearby.
     pub fn near(
-        problem: &mut dyn Problem<f64>,
-        start: &[f64],
+        problem: &mut dyn Problem<R>,
+        start: &[R],
         fixed: usize,
     ) -> Result<Self, NewtonError> {
         let size = problem.unknowns();
         let condition = Condition::fixed(size, fixed, start[fixed]);
         let found = newton(problem, start, &[condition])?;
         let mut along = along(&found.factors, problem.scales()).ok_or(NewtonError::Singular)?;
-        if along[size - 1] < 0.0 {
+        if along[size - 1] < R::ZERO {
             along.iter_mut().for_each(|x| *x = -*x);
         }
         Ok(Self {
@@ -140,12 +142,12 @@ impl Station {
     /// There is none nearby.
     pub fn ahead(
         &self,
-        problem: &mut dyn Problem<f64>,
+        problem: &mut dyn Problem<R>,
         step: f64,
     ) -> Result<(Self, usize), NewtonError> {
         let scales = problem.scales().to_vec();
-        let guess: Vec<f64> = (self.at.iter().zip(&self.tangent))
-            .map(|(x, t)| x + step * t)
+        let guess: Vec<R> = (self.at.iter().zip(&self.tangent))
+            .map(|(&x, &t)| x + R::splat(step) * t)
             .collect();
         let condition = ahead(self, step, &scales);
         let found = newton(problem, &guess, &[condition])?;
@@ -169,14 +171,14 @@ impl Station {
     }
 
     /// The last unknown.
-    pub fn parameter(&self) -> f64 {
-        self.at.last().copied().unwrap_or(f64::NAN)
+    pub fn parameter(&self) -> R {
+        self.at.last().copied().unwrap_or(R::splat(f64::NAN))
     }
 }
 
-impl Curve {
+impl<R: Real> Curve<R> {
     /// From a station, along its tangent.
-    pub fn new(station: Station, settings: Settings) -> Self {
+    pub fn new(station: Station<R>, settings: Settings) -> Self {
         Self {
             station,
             step: settings.first_step,
@@ -189,7 +191,7 @@ impl Curve {
     ///
     /// # Errors
     /// Even the shortest step leads to none.
-    pub fn next(&mut self, problem: &mut dyn Problem<f64>) -> Result<(Station, f64), StepError> {
+    pub fn next(&mut self, problem: &mut dyn Problem<R>) -> Result<(Station<R>, f64), StepError> {
         let scales = problem.scales().to_vec();
         loop {
             let step = self.step;
@@ -197,7 +199,7 @@ impl Curve {
                 Ok((station, steps)) => {
                     let cosine: f64 = (station.tangent.iter().zip(&self.station.tangent))
                         .zip(&scales)
-                        .map(|((a, b), scale)| a / scale * (b / scale))
+                        .map(|((a, b), scale)| a.to_f64() / scale * (b.to_f64() / scale))
                         .sum();
                     if cosine >= LEAST_COSINE {
                         if steps <= EASY {
@@ -222,7 +224,7 @@ impl Curve {
     }
 
     /// Goes to a station.
-    pub fn moves(&mut self, station: Station) {
+    pub fn moves(&mut self, station: Station<R>) {
         self.station = station;
     }
 }

@@ -1,31 +1,40 @@
 //! Cycles of a map as a problem.
 
 use super::problem::{Left, Linearised, Problem, Wrap};
-use crate::numerics::Matrix;
+use crate::numerics::{Matrix, Real};
 
 /// Image of a point and its derivatives by point and parameters, a row for each coordinate.
-pub type MapWithSlopes<'m> = dyn Fn(&[f64], &[f64]) -> Result<(Vec<f64>, Matrix<f64>), Left> + 'm;
+pub type MapWithSlopes<'m, R = f64> = dyn Fn(&[R], &[R]) -> Result<(Vec<R>, Matrix<R>), Left> + 'm;
 
 /// The points of a cycle of a map, one after the other, then the free parameters.
-pub struct MapOrbit<'m> {
-    map: &'m MapWithSlopes<'m>,
+pub struct MapOrbit<'m, R = f64> {
+    map: &'m MapWithSlopes<'m, R>,
     dimension: usize,
     period: usize,
     parameters: usize,
     scales: Vec<f64>,
 }
 
-impl<'m> MapOrbit<'m> {
+impl<'m, R: Real> MapOrbit<'m, R> {
     /// Of a map of so many coordinates and parameters; `sizes` are those of coordinates, then of parameters.
-    pub fn new(map: &'m MapWithSlopes<'m>, period: usize, sizes: (&[f64], &[f64])) -> Self {
-        let dimension = sizes.0.len();
-        let mut scales = sizes.0.repeat(period);
-        scales.extend(sizes.1);
+    pub fn new(map: &'m MapWithSlopes<'m, R>, period: usize, sizes: (&[f64], &[f64])) -> Self {
+        Self::with_sizes(map, sizes.0.len(), sizes.0.repeat(period), sizes.1)
+    }
+
+    /// Of a map of so many coordinates, with a size for each coordinate of each point.
+    pub fn with_sizes(
+        map: &'m MapWithSlopes<'m, R>,
+        dimension: usize,
+        mut scales: Vec<f64>,
+        parameters: &[f64],
+    ) -> Self {
+        let period = scales.len() / dimension;
+        scales.extend(parameters);
         Self {
             map,
             dimension,
             period,
-            parameters: sizes.1.len(),
+            parameters: parameters.len(),
             scales,
         }
     }
@@ -34,7 +43,7 @@ impl<'m> MapOrbit<'m> {
     ///
     /// # Errors
     /// The map has no image of one of the points.
-    pub fn monodromy(&self, at: &[f64]) -> Result<Matrix<f64>, Left> {
+    pub fn monodromy(&self, at: &[R]) -> Result<Matrix<R>, Left> {
         let n = self.dimension;
         let free = &at[n * self.period..];
         let mut product = Matrix::identity(n);
@@ -50,7 +59,7 @@ impl<'m> MapOrbit<'m> {
     }
 }
 
-impl Problem<f64> for MapOrbit<'_> {
+impl<R: Real> Problem<R> for MapOrbit<'_, R> {
     fn unknowns(&self) -> usize {
         self.dimension * self.period + self.parameters
     }
@@ -63,10 +72,10 @@ impl Problem<f64> for MapOrbit<'_> {
         &self.scales
     }
 
-    fn evaluate(&mut self, at: &[f64]) -> Result<Linearised<f64>, Left> {
+    fn evaluate(&mut self, at: &[R]) -> Result<Linearised<R>, Left> {
         let (n, equations) = (self.dimension, self.dimension * self.period);
         let (points, free) = at.split_at(equations);
-        let mut residual = vec![0.0; equations];
+        let mut residual = vec![R::ZERO; equations];
         let mut jacobian = Matrix::zeros(equations, self.unknowns());
         for (index, point) in points.chunks(n).enumerate() {
             let (image, slopes) = (self.map)(point, free)?;
@@ -74,7 +83,7 @@ impl Problem<f64> for MapOrbit<'_> {
             for i in 0..n {
                 let row = n * index + i;
                 residual[row] = points[n * next + i] - image[i];
-                jacobian[(row, n * next + i)] += 1.0;
+                jacobian[(row, n * next + i)] += R::ONE;
                 for k in 0..n {
                     jacobian[(row, n * index + k)] -= slopes[(i, k)];
                 }

@@ -1,7 +1,7 @@
 //! Newton's method on a problem that is bordered by linear conditions.
 
 use super::problem::{Left, Problem};
-use crate::numerics::{Factored, Real, dot};
+use crate::numerics::{Equations, Factored, Linearised, Newton, Real, dot};
 use core::fmt;
 use core::ops::Range;
 
@@ -46,20 +46,7 @@ pub struct Corrected<R> {
 }
 
 /// Why there is no solution nearby.
-#[derive(Clone, Debug, PartialEq)]
-pub enum NewtonError {
-    /// The equations have no meaning where it led.
-    Left(Left),
-    /// The bordered equations are singular there.
-    Singular,
-    /// Corrections do not become smaller.
-    Stalled {
-        /// The latest correction against the sizes of the unknowns.
-        correction: f64,
-        /// How many were made.
-        steps: usize,
-    },
-}
+pub type NewtonError = crate::numerics::NewtonError<Left>;
 
 impl fmt::Display for NewtonError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -76,58 +63,61 @@ impl fmt::Display for NewtonError {
 
 impl core::error::Error for NewtonError {}
 
-/// More corrections are never needed near a solution.
-const MOST_STEPS: usize = 16;
 /// A correction is none below so many roundoffs of the solution's size.
 const DONE_ROUNDOFFS: f64 = 64.0;
 /// Where corrections no longer shrink, rounding does it; so large may they be then.
 const STALLED: f64 = 1e-7;
-/// A first correction beyond this is a leap to somewhere else.
-const LEAP: f64 = 0.5;
 
-/// What a point is to be moved by, backwards.
-struct Correction<R> {
-    step: Vec<R>,
-    factors: Factored<R>,
-    /// Largest residual of the equations.
-    residual: f64,
-    /// Against the sizes of the unknowns.
-    size: f64,
-}
-
-fn correction<R: Real>(
-    problem: &mut dyn Problem<R>,
-    at: &[R],
-    conditions: &[Condition<R>],
-) -> Result<Correction<R>, NewtonError> {
-    let linearised = problem.evaluate(at).map_err(NewtonError::Left)?;
-    let bordered = linearised.bordered(conditions.iter().map(|condition| &*condition.row));
-    let mut right = linearised.residual;
-    let residual = (right.iter()).fold(0.0_f64, |most, x| most.max(x.abs().to_f64()));
-    let off = |condition: &Condition<R>| dot(&condition.row, at) - condition.value;
-    right.extend(conditions.iter().map(off));
-    let factors = bordered.factored().ok_or(NewtonError::Singular)?;
-    let step = factors.solve(&right);
-    if !step.iter().all(|x| x.is_finite()) {
-        return Err(NewtonError::Singular);
+/// Near a solution few corrections are needed, and a large one is a leap to somewhere else.
+fn near<R: Real>() -> Newton {
+    Newton {
+        steps: 16,
+        leap: 0.5,
+        settled: STALLED.min(R::ROUNDOFF.sqrt()),
+        shrinks: 0.5,
+        patience: 4,
+        ..Newton::to_rounding::<R>(DONE_ROUNDOFFS)
     }
-    let size = (step.iter().zip(problem.scales())).fold(0.0_f64, |most, (x, scale)| {
-        most.max(x.abs().to_f64() / scale)
-    });
-    Ok(Correction {
-        step,
-        factors,
-        residual,
-        size,
-    })
 }
 
-/// Corrections of a wild first guess: no longer than so much of the solution's size, and halved where they lead nowhere.
-const DAMPED: usize = 30;
-const LONGEST: f64 = 0.2;
-const HALVINGS: usize = 8;
-/// What is left for [`newton`].
-const NEAR: f64 = 1e-6;
+/// Corrections of a wild first guess: short ones, halved where they lead nowhere; what is left is for [`newton`].
+const FAR: Newton = Newton {
+    steps: 30,
+    leap: f64::INFINITY,
+    longest: 0.2,
+    halvings: 7,
+    done: 1e-6,
+    settled: 0.0,
+    shrinks: 1.0,
+    patience: usize::MAX,
+};
+
+/// A problem with as many conditions as it has free parameters.
+struct Bordered<'p, R: Real> {
+    problem: &'p mut dyn Problem<R>,
+    conditions: &'p [Condition<R>],
+}
+
+impl<R: Real> Equations<R> for Bordered<'_, R> {
+    type Left = Left;
+
+    fn evaluate(&mut self, at: &[R]) -> Result<Linearised<R>, Left> {
+        let linearised = self.problem.evaluate(at)?;
+        let rows = self.conditions.iter().map(|condition| &*condition.row);
+        let jacobian = linearised.bordered(rows);
+        let mut residual = linearised.residual;
+        let off = |condition: &Condition<R>| dot(&condition.row, at) - condition.value;
+        residual.extend(self.conditions.iter().map(off));
+        Ok(Linearised { residual, jacobian })
+    }
+
+    fn size(&self, _: &[R], correction: &[R]) -> f64 {
+        let parts = correction.iter().zip(self.problem.scales());
+        parts.fold(0.0_f64, |most, (x, scale)| {
+            most.max(x.abs().to_f64() / scale)
+        })
+    }
+}
 
 /// A point near a solution, from a guess that may be far off.
 ///
@@ -138,35 +128,11 @@ pub fn approach<R: Real>(
     start: &[R],
     conditions: &[Condition<R>],
 ) -> Result<Vec<R>, NewtonError> {
-    let mut at = start.to_vec();
-    let mut latest = f64::NAN;
-    for _ in 0..DAMPED {
-        let Correction { step, size, .. } = correction(problem, &at, conditions)?;
-        if size < NEAR {
-            return Ok(at);
-        }
-        latest = size;
-        let mut part = (LONGEST / size).min(1.0);
-        let mut moved = None;
-        for _ in 0..HALVINGS {
-            let next: Vec<R> = (at.iter().zip(&step))
-                .map(|(&x, &s)| x - R::splat(part) * s)
-                .collect();
-            if problem.evaluate(&next).is_ok() {
-                moved = Some(next);
-                break;
-            }
-            part *= 0.5;
-        }
-        at = moved.ok_or(NewtonError::Stalled {
-            correction: size,
-            steps: DAMPED,
-        })?;
-    }
-    Err(NewtonError::Stalled {
-        correction: latest,
-        steps: DAMPED,
-    })
+    let mut equations = Bordered {
+        problem,
+        conditions,
+    };
+    Ok(FAR.solve(&mut equations, start)?.at)
 }
 
 /// The solution near a point.
@@ -178,39 +144,17 @@ pub fn newton<R: Real>(
     start: &[R],
     conditions: &[Condition<R>],
 ) -> Result<Corrected<R>, NewtonError> {
-    let mut at = start.to_vec();
-    let mut latest = f64::INFINITY;
-    for steps in 1..=MOST_STEPS {
-        let Correction {
-            step,
-            factors,
-            residual,
-            size: correction,
-        } = correction(problem, &at, conditions)?;
-        if correction > LEAP {
-            return Err(NewtonError::Stalled { correction, steps });
-        }
-        let grows = correction >= 0.5 * latest;
-        for (x, step) in at.iter_mut().zip(&step) {
-            *x -= *step;
-        }
-        let rounding = DONE_ROUNDOFFS * R::ROUNDOFF;
-        if correction <= rounding || (grows && correction < STALLED.min(R::ROUNDOFF.sqrt())) {
-            return Ok(Corrected {
-                at,
-                residual,
-                correction,
-                steps,
-                factors,
-            });
-        }
-        if grows && steps > 4 {
-            return Err(NewtonError::Stalled { correction, steps });
-        }
-        latest = correction;
-    }
-    Err(NewtonError::Stalled {
-        correction: latest,
-        steps: MOST_STEPS,
+    let mut equations = Bordered {
+        problem,
+        conditions,
+    };
+    let found = near::<R>().solve(&mut equations, start)?;
+    let own = &found.residual[..found.residual.len() - conditions.len()];
+    Ok(Corrected {
+        residual: (own.iter()).fold(0.0_f64, |most, x| most.max(x.abs().to_f64())),
+        at: found.at,
+        correction: found.correction,
+        steps: found.steps,
+        factors: found.factors,
     })
 }

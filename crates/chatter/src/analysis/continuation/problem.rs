@@ -1,7 +1,9 @@
 //! What a curve is a solution of.
 
-use crate::numerics::{Matrix, Real};
+use crate::numerics::Real;
 use core::fmt;
+
+pub use crate::numerics::Linearised;
 
 /// A system of equations with more unknowns than equations, the free parameters last among the unknowns.
 pub trait Problem<R: Real> {
@@ -32,27 +34,6 @@ pub trait Problem<R: Real> {
     /// Which entries of the Jacobian close the cycle, where the equations are those of one.
     fn wrap(&self) -> Wrap {
         Wrap::default()
-    }
-}
-
-/// Equations at a point.
-#[derive(Clone, Debug)]
-pub struct Linearised<R> {
-    /// What is to be zero.
-    pub residual: Vec<R>,
-    /// Its derivatives: a row for each equation, a column for each unknown.
-    pub jacobian: Matrix<R>,
-}
-
-impl<R: Real> Linearised<R> {
-    /// The derivatives, and one more row for each condition.
-    pub fn bordered<'r>(&self, rows: impl IntoIterator<Item = &'r [R]>) -> Matrix<R>
-    where
-        R: 'r,
-    {
-        let mut bordered = self.jacobian.clone();
-        rows.into_iter().for_each(|row| bordered.push(row));
-        bordered
     }
 }
 

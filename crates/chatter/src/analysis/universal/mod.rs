@@ -17,7 +17,6 @@ mod lap;
 mod map;
 #[cfg(test)]
 mod reference;
-mod root;
 mod scales;
 mod scaling;
 mod sequence;

@@ -7,7 +7,7 @@
 use super::argument::Argument;
 use super::error::UniversalError;
 use super::evaluate::Universal;
-use super::root;
+use crate::numerics::root_between;
 use crate::numerics::{DoubleDouble, Real, Scalar};
 use core::ops::RangeInclusive;
 
@@ -141,7 +141,7 @@ impl<'a, R: Real + Argument<Real = R>> OnLap<'a, R> {
             low *= R::splat(SHRINK);
         }
         let high = (low * R::splat(1.0 / SHRINK)).min(R::ONE);
-        let root = root::between(
+        let root = root_between(
             |root| (self.slope_by_phase(root) - target) * root,
             low,
             high,

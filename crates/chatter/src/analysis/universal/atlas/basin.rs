@@ -180,7 +180,7 @@ mod tests {
             // x = mu + Upsilon(x) between the lap's beginning and the fold.
             let begin = double.window_of(1.0, lap + 1).grazing.x;
             let off = |x: f64| double.value(x) + basin.mu - x;
-            let partner = super::super::super::root::between(off, begin, fold).unwrap();
+            let partner = crate::numerics::root_between(off, begin, fold).unwrap();
             let found = basin.from + basin.mu;
             assert!(
                 (found - partner).abs() < 1e-12 * partner,

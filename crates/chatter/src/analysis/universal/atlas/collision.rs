@@ -43,12 +43,12 @@ impl<R: Real + Argument<Real = R>> Atlas<'_, R> {
         let beside = R::splat(libm::cbrt(R::ROUNDOFF * R::ROUNDOFF));
         let x = end.located.x * (R::ONE + beside);
         let (place, _) = self.family.recurrent(x, end.located.mu, period)?;
-        let multiplier = self.family.jet(place, period).by_start;
-        let stable = multiplier.abs() < R::ONE;
+        let points = self.family.orbit(place, period);
+        let stable = self.family.multiplier(&points).abs() < R::ONE;
         if !stable || universal.at(x).lap.to_f64() != (end.lap - 1) as f64 {
             return None;
         }
-        let word = self.family.word(&self.family.orbit(place, period));
+        let word = self.family.word(&points);
         if word[1..] != end.word[1..] {
             return None;
         }

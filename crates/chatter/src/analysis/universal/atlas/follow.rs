@@ -1,7 +1,9 @@
 //! A family of periodic orbits, followed through its stable part to either end.
 
 use super::super::argument::Argument;
+use super::cycle::{Cycle, place};
 use super::orbit::{Family, Place};
+use crate::analysis::continuation::{Curve, Settings, Station, tangent};
 use crate::numerics::Real;
 
 /// Where the stable part of a family ends.
@@ -25,78 +27,23 @@ pub(super) struct Followed<R> {
     pub passed_zero: bool,
 }
 
-/// By how much the multiplier is to change in a step, and may.
-const CHANGE: f64 = 0.1;
+/// By how much the multiplier may change in a step.
 const LARGEST_CHANGE: f64 = 0.3;
 /// Steps, relative to x, that are too long and too short to be tried.
-const LONGEST: f64 = 0.1;
-const SHORTEST: f64 = 1e-13;
+const SETTINGS: Settings = Settings {
+    first_step: 1e-2,
+    longest_step: 0.1,
+    shortest_step: 1e-13,
+};
 /// More steps than any family takes whose points do not come to a lap's end.
 const STEPS: usize = 400;
-/// Newton's steps back to the family.
-const CORRECTIONS: usize = 12;
-/// A correction below this part of the step leaves the point on the family as well as its use demands.
-const LARGEST_SLIP: f64 = 1e-10;
 /// The halves of an orbit have met where they are this much nearer to each other than a step before.
 const MET: f64 = 1e-6;
 
-/// A point of the family with its tangent and multiplier.
-#[derive(Clone, Copy)]
-struct Station<R> {
-    at: Place<R>,
-    /// Unit tangent.
-    tangent: (R, R),
-    multiplier: R,
-    /// Change of the multiplier along the tangent.
-    rate: R,
-}
-
 impl<R: Real + Argument<Real = R>> Family<'_, R> {
-    fn laps(&self, at: Place<R>, period: usize) -> Vec<i64> {
-        let word = self.word(&self.orbit(at, period));
+    fn laps(&self, points: &[R]) -> Vec<i64> {
+        let word = self.word(points);
         word.iter().map(|branch| branch.lap).collect()
-    }
-
-    fn station(&self, at: Place<R>, period: usize, along: (R, R)) -> Option<Station<R>> {
-        let jet = self.jet(at, period);
-        let (a, b) = (jet.by_mu, R::ONE - jet.by_start);
-        let mut size = (a * a + b * b).sqrt();
-        if a * along.0 + b * along.1 < R::ZERO {
-            size = -size;
-        }
-        let tangent = (a / size, b / size);
-        let rate = jet.by_start_twice * tangent.0 + jet.by_start_and_mu * tangent.1;
-        let finite = tangent.0.is_finite() && tangent.1.is_finite() && rate.is_finite();
-        finite.then_some(Station {
-            at,
-            tangent,
-            multiplier: jet.by_start,
-            rate,
-        })
-    }
-
-    /// The point of the family at this distance along the tangent.
-    fn step(&self, from: &Station<R>, distance: R, period: usize) -> Option<Place<R>> {
-        let (tx, tmu) = from.tangent;
-        let mut at = Place {
-            x: from.at.x + distance * tx,
-            mu: from.at.mu + distance * tmu,
-        };
-        for _ in 0..CORRECTIONS {
-            let jet = self.jet(at, period);
-            let (g, g_x) = (jet.x - at.x, jet.by_start - R::ONE);
-            // Orthogonal to the tangent.
-            let along = -g / (g_x * -tmu + jet.by_mu * tx);
-            at.x -= along * tmu;
-            at.mu += along * tx;
-            if !along.is_finite() {
-                return None;
-            }
-            if along.abs() <= distance.abs() * R::splat(LARGEST_SLIP) {
-                return Some(at);
-            }
-        }
-        None
     }
 
     /// Follows the family of a stable orbit of some period, starting towards larger x (or smaller).
@@ -106,64 +53,64 @@ impl<R: Real + Argument<Real = R>> Family<'_, R> {
         towards: f64,
         period: usize,
     ) -> Option<Followed<R>> {
-        let laps = self.laps(from, period);
+        let start = self.unknowns(from, period);
+        let laps = self.laps(&start[..period]);
         let half = period / 2;
         let twice = period.is_multiple_of(2) && laps[..half] == laps[half..];
-        let parted = |at: Place<R>| at.x - self.orbit(at, half + 1)[half];
-        let mut here = self.station(from, period, (R::splat(towards), R::ZERO))?;
+        let parted = |at: &[R]| at[0] - at[half];
+        let map = self.with_slopes();
+        let mut cycle = Cycle::new(self, &map, &start);
+        let mut curve = Curve::new(self.beginning(&mut cycle, start, towards)?, SETTINGS);
         let mut passed_zero = false;
-        let mut longest = LONGEST * from.x.to_f64();
         for _ in 0..STEPS {
-            let wanted = CHANGE / here.rate.abs().to_f64();
-            let mut distance = wanted.min(longest);
+            let here = curve.station.clone();
+            let multiplier = cycle.multiplier(&here.at);
             let next = loop {
-                if distance < SHORTEST * here.at.x.to_f64().abs() {
+                let Ok((there, step)) = curve.next(&mut cycle) else {
+                    break None;
+                };
+                let reached = cycle.multiplier(&there.at);
+                let change = (reached - multiplier).abs().to_f64();
+                if self.laps(&there.at[..period]) == laps && change <= LARGEST_CHANGE {
+                    break Some((there, reached));
+                }
+                curve.step = 0.5 * step;
+                if curve.step < SETTINGS.shortest_step {
                     break None;
                 }
-                let there = self.step(&here, R::splat(distance), period).and_then(|at| {
-                    let station = self.station(at, period, here.tangent)?;
-                    let change = (station.multiplier - here.multiplier).abs();
-                    let same = self.laps(at, period) == laps;
-                    (same && change.to_f64() <= LARGEST_CHANGE).then_some(station)
-                });
-                if there.is_some() {
-                    break there;
-                }
-                distance *= 0.5;
             };
-            let Some(there) = next else {
+            let Some((there, reached)) = next else {
                 return Some(Followed {
-                    end: End::Border(here.at),
+                    end: End::Border(place(&here.at)),
                     passed_zero,
                 });
             };
-            longest = 2.0 * distance;
             if twice {
-                let (a, b) = (parted(here.at), parted(there.at));
+                let (a, b) = (parted(&here.at), parted(&there.at));
                 // The step goes past the point where the halves meet, or from there on along the shorter orbit.
                 if (a > R::ZERO) != (b > R::ZERO) || b.abs() < R::splat(MET) * a.abs() {
                     let middle = Place {
-                        x: here.at.x - a * R::splat(0.5),
-                        mu: here.at.mu,
+                        x: here.at[0] - a * R::splat(0.5),
+                        mu: here.at[period],
                     };
-                    let (at, left) = self.with_multiplier(-R::ONE, middle, half)?;
+                    let near = self.unknowns(middle, half);
+                    let mut shorter = Cycle::new(self, &map, &near);
+                    let (at, left) = shorter.with_multiplier(-1.0, &near)?;
                     return Some(Followed {
                         end: End::Doubled(at, left),
                         passed_zero,
                     });
                 }
             }
-            let zero = here.multiplier != R::ZERO
-                && (here.multiplier > R::ZERO) != (there.multiplier > R::ZERO);
-            for limit in [R::ONE, -R::ONE] {
-                if (there.multiplier - limit) * limit > R::ZERO {
-                    let share = (limit - here.multiplier) / (there.multiplier - here.multiplier);
-                    let guess = Place {
-                        x: here.at.x + (there.at.x - here.at.x) * share,
-                        mu: here.at.mu + (there.at.mu - here.at.mu) * share,
-                    };
-                    let (at, left) = self.with_multiplier(limit, guess, period)?;
-                    let end = if limit > R::ZERO {
+            for limit in [1.0, -1.0] {
+                let exact = R::splat(limit);
+                if (reached - exact) * exact > R::ZERO {
+                    let share = (exact - multiplier) / (reached - multiplier);
+                    let guess: Vec<R> = (here.at.iter().zip(&there.at))
+                        .map(|(&a, &b)| a + (b - a) * share)
+                        .collect();
+                    let (at, left) = cycle.with_multiplier(limit, &guess)?;
+                    let end = if limit > 0.0 {
                         End::Fold(at, left)
                     } else {
                         End::PeriodDoubling(at, left)
@@ -171,9 +118,22 @@ impl<R: Real + Argument<Real = R>> Family<'_, R> {
                     return Some(Followed { end, passed_zero });
                 }
             }
-            passed_zero |= zero;
-            here = there;
+            passed_zero |= multiplier != R::ZERO && (multiplier > R::ZERO) != (reached > R::ZERO);
+            curve.moves(there);
         }
         None
+    }
+
+    /// Where a family is begun to be followed, towards larger x or smaller.
+    fn beginning(&self, cycle: &mut Cycle<'_, R>, at: Vec<R>, towards: f64) -> Option<Station<R>> {
+        let mut along = vec![R::ZERO; at.len()];
+        along[0] = R::splat(towards);
+        Some(Station {
+            tangent: tangent(cycle, &at, &along).ok()?,
+            at,
+            residual: 0.0,
+            correction: 0.0,
+            orientation: 1.0,
+        })
     }
 }

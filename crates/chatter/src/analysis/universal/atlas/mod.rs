@@ -5,7 +5,8 @@
 //! ```text
 //! enclosure    where F takes an interval, and between which bounds its slope is: tight, since laps are concave
 //! recurrence   all mu at which a given point is periodic, by bisection with these enclosures
-//! orbit        an orbit with its first and second derivatives: what Newton's method needs
+//! orbit        an orbit, and mu at which a point is periodic
+//! cycle        periodic orbits as a problem of continuation
 //! follow       a family of periodic orbits through its stable part
 //! window       windows of periodic orbits, as values: fold or doubling, superstable point, period doubling, graze
 //! periodic     all windows of given laps and periods
@@ -21,6 +22,7 @@ mod basin;
 mod cascade;
 mod chaos;
 mod collision;
+mod cycle;
 mod enclosure;
 mod follow;
 mod orbit;

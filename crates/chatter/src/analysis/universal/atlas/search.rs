@@ -1,13 +1,13 @@
 //! Where orbits are looked for, and all mu at which a point is periodic.
 
 use super::super::argument::Argument;
-use super::super::root;
 use super::super::windows::Located;
 use super::enclosure::{Enclosing, Interval};
 use super::orbit::Place;
 use super::periodic::Atlas;
 use super::recurrence::Recurrence;
 use crate::numerics::Real;
+use crate::numerics::root_between;
 
 /// Laps that an orbit may extend over to either side of the point in question.
 const WIDEST: i64 = 24;
@@ -71,7 +71,7 @@ impl<R: Real + Argument<Real = R>> Atlas<'_, R> {
         let found = search.all(self.range(lap));
         let places = found.brackets.iter().filter_map(|bracket| {
             let residual = |mu: f64| search.residual(mu);
-            let mu = root::between(residual, bracket.low, bracket.high)?;
+            let mu = root_between(residual, bracket.low, bracket.high)?;
             let (place, left) = self.family.recurrent(point, R::splat(mu), period)?;
             let points = self.family.orbit(place, period);
             let again = points[1..].iter().any(|&x| {

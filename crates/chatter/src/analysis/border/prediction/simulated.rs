@@ -1,11 +1,11 @@
 //! The system itself near a border orbit, passage by passage, beside the prediction.
 
-use super::error::BorderError;
-use super::orbit::Border;
-use super::prediction::{Settled, settle, to_f64};
-use super::problem::{Problem, exactly};
-use super::sequence::{Until, Verdict};
-use super::spec::BorderSpec;
+use super::super::coordinate::sequence::{Until, Verdict};
+use super::super::error::BorderError;
+use super::super::orbit::Border;
+use super::super::problem::{Problem, exactly};
+use super::super::spec::BorderSpec;
+use super::map::{Settled, settle, to_f64};
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real};
 use serde::{Deserialize, Serialize};
@@ -13,13 +13,13 @@ use serde::{Deserialize, Serialize};
 /// Passages of the flow through the neighbourhood of release.
 #[derive(Clone, Debug)]
 pub struct Simulator {
-    pub(super) problem: Problem,
-    pub(super) long_flights: usize,
-    pub(super) release: Vec<DoubleDouble>,
+    pub(in crate::analysis::border) problem: Problem,
+    pub(in crate::analysis::border) long_flights: usize,
+    pub(in crate::analysis::border) release: Vec<DoubleDouble>,
     /// By how many periods the phases of the border orbit advance.
-    pub(super) turns: Vec<(usize, i64)>,
+    pub(in crate::analysis::border) turns: Vec<(usize, i64)>,
     /// Flights at least this long come before the chatter of the border orbit, or early in it, and how many there are.
-    pub(super) long_flight: (f64, usize),
+    pub(in crate::analysis::border) long_flight: (f64, usize),
 }
 
 /// One passage: a chatter sequence between two long flights.
@@ -50,7 +50,7 @@ impl Simulator {
     /// For the system that a border was found in.
     ///
     /// # Errors
-    /// As for [`borders_in`](super::borders_in).
+    /// As for [`borders_in`](super::super::borders_in).
     pub fn new<R: Real>(
         model: &Model,
         spec: &BorderSpec,

@@ -1,6 +1,6 @@
 //! The impact sequence that follows a state, and how it ends.
 
-use super::error::BorderError;
+use super::super::error::BorderError;
 use super::local::{Local, LocalTape};
 use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::numerics::Real;

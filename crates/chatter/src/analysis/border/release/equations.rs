@@ -1,33 +1,21 @@
 //! The release point: where contact ends, h = v = a = 0 and j > 0.
 
-use super::error::BorderError;
+use super::super::error::BorderError;
 use super::forcing::{Forcing, Turn};
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::linear::solve;
-use crate::numerics::{DoubleDouble, Real, Scalar};
+use crate::numerics::{DoubleDouble, Equations, Linearised, Matrix, Newton, Real};
 use serde::{Deserialize, Serialize};
 
 /// A state this small against the largest is zero: far below rounding of any number type.
 const NOTHING: f64 = 1e-50;
-
-/// Newton's method gives up after so many steps.
-const NEWTON_STEPS: usize = 40;
 
 /// A correction this many roundoffs of the state is no correction.
 const NEWTON_DONE: f64 = 8.0;
 
 /// Place of the acceleration among the functions.
 const ACCELERATION: usize = 2;
-
-/// What is asked of a state with h = v = 0.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Third<R> {
-    /// a = 0.
-    Release,
-    /// A state has this value.
-    State(usize, R),
-}
 
 /// Equations of the release point of a model with one contact.
 #[derive(Clone, Debug)]
@@ -127,24 +115,17 @@ impl ReleaseEquations {
         [0, 1].map(|row| self.values(&self.jacobian[row], state, parameters))
     }
 
-    /// Sets one state such that the gap is zero; false where Newton's method does not get there.
-    pub(crate) fn onto_surface(&self, state: &mut [f64], bound: usize, parameters: &[f64]) -> bool {
-        for _ in 0..NEWTON_STEPS {
-            let [gap, _] = self.gap_and_rate(state, parameters);
-            let slope = self
-                .graph
-                .evaluate(self.jacobian[0][bound], state, parameters);
-            let before = state[bound];
-            state[bound] -= gap / slope;
-            if !state[bound].is_finite() {
-                return false;
-            }
-            let moved = (state[bound] - before).abs();
-            if moved <= NEWTON_DONE * f64::ROUNDOFF * (before.abs() + 1.0) {
-                return true;
-            }
-        }
-        false
+    /// The state with these values of all states but one, that one such that the gap is zero; `None` where Newton's method
+    /// does not get there.
+    pub(crate) fn onto_surface(
+        &self,
+        parameters: &[f64],
+        state: &[f64],
+        bound: usize,
+    ) -> Option<Vec<f64>> {
+        let others = (0..state.len()).filter(|&i| i != bound);
+        let held: Vec<(usize, f64)> = others.map(|i| (i, state[i])).collect();
+        self.converge(parameters, state, &held)
     }
 
     /// Fails where the forcing has no period.
@@ -162,53 +143,31 @@ impl ReleaseEquations {
         [0, 1].map(|i| self.graph.evaluate(self.functions[i], state, parameters))
     }
 
-    /// Newton's method on h = v = 0 and a third equation.
+    /// The state where some states have given values, and as many of gap, rate and acceleration as that leaves are zero, by
+    /// Newton's method from a guess.
     pub(crate) fn converge<R: Real>(
         &self,
         parameters: &[R],
         guess: &[R],
-        third: Third<R>,
+        held: &[(usize, R)],
     ) -> Option<Vec<R>> {
-        let states = guess.len();
-        let mut state = guess.to_vec();
-        let mut before = f64::INFINITY;
-        let mut functions = self.functions.clone();
-        functions.extend(self.jacobian.iter().flat_map(|row| &row[..states]));
-        for _ in 0..NEWTON_STEPS {
-            let mut values = self.values(&functions, &state, parameters);
-            let slopes = values.split_off(self.functions.len());
-            let mut rows: Vec<Vec<R>> = slopes.chunks(states).map(<[R]>::to_vec).collect();
-            if let Third::State(held, value) = third {
-                values[ACCELERATION] = state[held] - value;
-                rows[ACCELERATION].fill(R::ZERO);
-                rows[ACCELERATION][held] = R::ONE;
-            }
-            let correction = solve(&rows, &values)?;
-            let mut size = 0.0_f64;
-            for (x, &dx) in state.iter_mut().zip(&correction) {
-                *x -= dx;
-                size = size.max((dx.abs() / (x.abs() + R::ONE)).to_f64());
-            }
-            if !size.is_finite() {
-                return None;
-            }
-            let done = NEWTON_DONE * R::ROUNDOFF;
-            if size <= done || (size < done.sqrt() && size >= before) {
-                return Some(state);
-            }
-            before = size;
-        }
-        None
+        let mut equations = Held {
+            release: self,
+            parameters,
+            held,
+        };
+        let newton = Newton::to_rounding::<R>(NEWTON_DONE);
+        Some(newton.solve(&mut equations, guess).ok()?.at)
     }
 
     /// The release point that Newton's method finds from a guess, in the first forcing period; `None` where it does not
     /// converge to a point with positive jerk.
     pub(crate) fn solve<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<ReleasePoint<R>> {
         let states = guess.len();
-        let mut state = self.converge(parameters, guess, Third::Release)?;
+        let mut state = self.converge(parameters, guess, &[])?;
         if self.forcing.reduce(&self.graph, parameters, &mut state) {
             // A shift by many periods has lost digits.
-            state = self.converge(parameters, &state, Third::Release)?;
+            state = self.converge(parameters, &state, &[])?;
         }
         // What Newton's method leaves of a zero.
         let largest = state.iter().fold(R::ONE, |most, x| most.max(x.abs()));
@@ -290,5 +249,42 @@ impl ReleaseEquations {
     ) -> Option<ReleasePoint<R>> {
         let guess: Vec<R> = near.iter().map(|&x| R::from_double_double(x)).collect();
         self.solve(parameters, &guess)
+    }
+}
+
+/// Gap, rate and acceleration, as many as leave room for states that are held at a value.
+struct Held<'a, R> {
+    release: &'a ReleaseEquations,
+    parameters: &'a [R],
+    held: &'a [(usize, R)],
+}
+
+impl<R: Real> Equations<R> for Held<'_, R> {
+    type Left = core::convert::Infallible;
+
+    fn evaluate(&mut self, at: &[R]) -> Result<Linearised<R>, Self::Left> {
+        let states = at.len();
+        let count = states - self.held.len();
+        let (functions, rows) = (&self.release.functions, &self.release.jacobian);
+        let mut exprs = functions[..count].to_vec();
+        exprs.extend(rows[..count].iter().flat_map(|row| &row[..states]));
+        let mut residual = self.release.values(&exprs, at, self.parameters);
+        let slopes = residual.split_off(count);
+        let mut jacobian = Matrix::zeros(0, states);
+        slopes.chunks(states).for_each(|row| jacobian.push(row));
+        for &(state, value) in self.held {
+            residual.push(at[state] - value);
+            let mut row = vec![R::ZERO; states];
+            row[state] = R::ONE;
+            jacobian.push(&row);
+        }
+        Ok(Linearised { residual, jacobian })
+    }
+
+    fn size(&self, at: &[R], correction: &[R]) -> f64 {
+        let parts = at.iter().zip(correction);
+        parts.fold(0.0_f64, |most, (x, dx)| {
+            most.max((dx.abs() / (x.abs() + R::ONE)).to_f64())
+        })
     }
 }

@@ -1,16 +1,17 @@
 //! Exact coefficients of the one-dimensional return map near a border orbit, (M5).
 
-use super::error::BorderError;
-use super::extrapolate::Estimate;
-use super::problem::{PARAMETER_COLUMN, Problem, STATES};
-use super::root::Point;
+use super::super::coordinate::local::Slopes;
+use super::super::coordinate::root::Point;
+use super::super::error::BorderError;
+use super::super::problem::{PARAMETER_COLUMN, Problem, STATES};
+use crate::numerics::Estimate;
 use crate::numerics::Real;
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of z -> Upsilon(K z + mu), mu = M (p - p*), and what they are made of.
 ///
 /// States after the first impact lie on the contact surface. They are given by two of the model's states, the
-/// [`section`](super::Border::section) coordinates.
+/// [`section`](super::super::Border::section) coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exact<R> {
     /// K = C A B.
@@ -91,7 +92,7 @@ impl<R: Real> SectionChart<R> {
 }
 
 /// Sum of columns times weights, for the state after an impact.
-pub(crate) fn combine<R: Real>(slopes: &[super::local::Slopes<R>], weights: &[R]) -> Vec<R> {
+pub(crate) fn combine<R: Real>(slopes: &[Slopes<R>], weights: &[R]) -> Vec<R> {
     (0..STATES)
         .map(|i| {
             (slopes.iter().zip(weights)).fold(R::ZERO, |sum, (slope, &weight)| {

@@ -3,8 +3,8 @@
 //! The orbit is followed as a curve over the rate w after its last impact. Over w everything is smooth, the graze w = 0
 //! included, where over the parameter it is a root: a multiplier m goes to infinity like 1 / w.
 
-use super::extrapolate::{Estimate, Plan, limit};
 use super::return_map::{FixedPoint, ReturnMap};
+use crate::numerics::{Bracket, Estimate, Plan, limit};
 use serde::{Deserialize, Serialize};
 
 /// A window of the system.
@@ -27,7 +27,7 @@ impl LocatedWindow {
 
 /// The fixed points at which a window begins and ends.
 #[derive(Clone, Copy)]
-pub(super) struct WindowEnds {
+pub(in crate::analysis::border) struct WindowEnds {
     pub fold: Option<FixedPoint>,
     pub period_doubling: Option<FixedPoint>,
     grazing: Option<Estimate<f64>>,
@@ -58,6 +58,8 @@ const SECANT_STEPS: usize = 60;
 /// A multiplier is met to this, or to what rounding leaves of it, which may not be more than a hundredth.
 const MULTIPLIER_DONE: f64 = 1e-9;
 const MULTIPLIER_VAGUE: f64 = 1e-2;
+/// However well it is met, it is known no better than this: a derivative of a flow of many impacts.
+const MULTIPLIER_KNOWN: f64 = 1e-8;
 /// So many secant steps without gain are enough.
 const PATIENCE: usize = 3;
 
@@ -84,14 +86,6 @@ const NEARER: Walk = Walk {
     factor: 1.0 / AWAY.factor,
     ..AWAY
 };
-
-/// The end of a bracket that moved.
-#[derive(Clone, Copy, PartialEq)]
-enum Side {
-    Neither,
-    Low,
-    High,
-}
 
 impl ReturnMap<'_> {
     /// The fixed point at another rate, from a neighbour.
@@ -127,7 +121,7 @@ impl ReturnMap<'_> {
             };
             let mut branches = [&towards, &nearer, &away].into_iter();
             let pair = branches.find_map(|branch| branch.windows(2).find(crossed))?;
-            self.meet(pair[0], pair[1], multiplier)
+            self.meet((pair[0], pair[1]), multiplier)
         };
         WindowEnds {
             fold: end(1.0),
@@ -161,17 +155,12 @@ impl ReturnMap<'_> {
         points
     }
 
-    /// Between two fixed points the one where the multiplier takes a value: the Illinois method in the rate on
-    /// w times its excess, which has no pole at the graze. Its error is what the last change makes of the multiplier's miss.
-    fn meet(
-        &self,
-        mut low: FixedPoint,
-        mut high: FixedPoint,
-        multiplier: f64,
-    ) -> Option<FixedPoint> {
+    /// Between two fixed points the one where the multiplier takes a value: a root over the rate of w times its excess, which
+    /// has no pole at the graze. Its error is what the last change makes of the multiplier's miss, and of what it is
+    /// known to.
+    fn meet(&self, (low, high): (FixedPoint, FixedPoint), multiplier: f64) -> Option<FixedPoint> {
         let value = |point: &FixedPoint| point.rate * point.excess(multiplier);
         let miss = |point: &FixedPoint| point.excess(multiplier).abs();
-        let (mut at_low, mut at_high) = (value(&low), value(&high));
         let (mut best, other) = if miss(&low) < miss(&high) {
             (low, high)
         } else {
@@ -183,15 +172,18 @@ impl ReturnMap<'_> {
         };
         let mut slope = change(&other, &best);
         let mut idle = 0;
-        let mut moved = Side::Neither;
+        let mut bracket = Bracket::new((low.rate, value(&low)), (high.rate, value(&high)));
+        let mut ends = [low, high];
         for _ in 0..SECANT_STEPS {
             if miss(&best) <= MULTIPLIER_DONE || idle == PATIENCE {
                 break;
             }
-            let part = at_low / (at_low - at_high);
-            let rate = low.rate + (high.rate - low.rate) * part;
-            let near = if part < 0.5 { low } else { high };
-            let point = self.at_rate(&near, rate)?;
+            let Some(rate) = bracket.as_mut().and_then(Bracket::place) else {
+                break;
+            };
+            let off = |end: &FixedPoint| (end.rate - rate).abs();
+            let near = usize::from(off(&ends[1]) < off(&ends[0]));
+            let point = self.at_rate(&ends[near], rate)?;
             if miss(&point) < miss(&best) {
                 slope = change(&best, &point);
                 best = point;
@@ -200,18 +192,12 @@ impl ReturnMap<'_> {
                 idle += usize::from(miss(&best) <= MULTIPLIER_VAGUE);
             }
             let there = value(&point);
-            // An end that stays twice would stay for ever: it is given half its weight.
-            if there * at_low > 0.0 {
-                (low, at_low) = (point, there);
-                at_high *= if moved == Side::Low { 0.5 } else { 1.0 };
-                moved = Side::Low;
-            } else {
-                (high, at_high) = (point, there);
-                at_low *= if moved == Side::High { 0.5 } else { 1.0 };
-                moved = Side::High;
+            ends[usize::from(there * value(&ends[0]) <= 0.0)] = point;
+            if let Some(bracket) = &mut bracket {
+                bracket.narrow(rate, there);
             }
         }
-        best.error = best.error.max(slope * miss(&best));
+        best.error = best.error.max(slope * miss(&best).max(MULTIPLIER_KNOWN));
         (miss(&best) <= MULTIPLIER_VAGUE).then_some(best)
     }
 }

@@ -1,6 +1,6 @@
 //! Limits of sequences whose error is a sum of known geometric sequences.
 
-use crate::numerics::Real;
+use super::Real;
 use serde::{Deserialize, Serialize};
 
 /// A number and the estimate of its error.
@@ -24,7 +24,7 @@ impl<R: Real> Estimate<R> {
 
 /// How a limit is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Plan {
+pub struct Plan {
     /// Terms lie this many impacts apart.
     pub stride: usize,
     /// At most so many ratios are eliminated.
@@ -35,7 +35,7 @@ pub(crate) struct Plan {
 ///
 /// Eliminates one ratio after the other, largest first, and keeps the order at which successive results agree best: more
 /// orders remove more of the tail but amplify rounding. `None` for an empty sequence.
-pub(crate) fn limit<R: Real>(terms: &[R], ratios: &[R], plan: Plan) -> Option<Estimate<R>> {
+pub fn limit<R: Real>(terms: &[R], ratios: &[R], plan: Plan) -> Option<Estimate<R>> {
     let mut column: Vec<R> = terms.iter().rev().step_by(plan.stride).copied().collect();
     column.reverse();
     let last = *column.last()?;

@@ -1,10 +1,10 @@
 //! What ends complete chatter where no border is.
 
-use super::error::{Break, BreakCause};
-use super::release::ReleasePoint;
-use super::root::Point;
+use super::super::coordinate::root::Point;
+use super::super::coordinate::sequence::{SHORTEST, Sequence, Verdict};
+use super::super::error::{Break, BreakCause};
+use super::super::release::equations::ReleasePoint;
 use super::samples::Sample;
-use super::sequence::{SHORTEST, Sequence, Verdict};
 use crate::numerics::Real;
 
 /// At a break an impact counts as a graze if its rate is this small against the largest rate of the sequence: rates go

@@ -1,12 +1,12 @@
 //! The border as the smooth root X(p) = 0.
 
-use super::coordinate::{Extrapolation, Limits};
-use super::error::BorderError;
-use super::extrapolate::Estimate;
-use super::forcing::Turn;
-use super::problem::{PARAMETER_COLUMN, Problem, STATES, exactly};
-use super::release::ReleasePoint;
+use super::super::error::BorderError;
+use super::super::problem::{PARAMETER_COLUMN, Problem, STATES, exactly};
+use super::super::release::equations::ReleasePoint;
+use super::super::release::forcing::Turn;
+use super::limits::{Extrapolation, Limits};
 use super::sequence::Sequence;
+use crate::numerics::Estimate;
 use crate::numerics::{DoubleDouble, Real};
 
 /// Newton's method gives up after so many steps: from where it starts each gains two digits at first.
@@ -189,12 +189,12 @@ impl Problem {
 
 #[cfg(test)]
 mod tests {
-    use super::super::spec::BorderSpec;
+    use super::super::super::spec::BorderSpec;
     use super::*;
     use crate::model::Model;
     use crate::numerics::Scalar;
 
-    const VALVE: &str = include_str!("../../../../../models/pressure_relief_valve.toml");
+    const VALVE: &str = include_str!("../../../../../../models/pressure_relief_valve.toml");
 
     /// X(p) and X(x) by differences, against the columns.
     #[test]

@@ -1,12 +1,12 @@
 //! All borders of a range of the parameter, stretch by stretch.
 
+use super::super::coordinate::root::Root;
+use super::super::error::{BorderError, Break};
+use super::super::orbit::{Border, complete};
+use super::super::problem::Problem;
+use super::super::spec::BorderSpec;
 use super::closing_in::Found;
-use super::error::{BorderError, Break};
-use super::orbit::{Border, complete};
-use super::problem::Problem;
-use super::root::Root;
 use super::samples::Sample;
-use super::spec::BorderSpec;
 use crate::model::Model;
 use crate::numerics::Real;
 use core::ops::ControlFlow;

@@ -1,7 +1,7 @@
 //! The system's own return map from first impact to first impact, and its fixed points by Newton's method.
 
-use super::exact::SectionChart;
-use super::sequence::Until;
+use super::super::coordinate::sequence::Until;
+use super::super::normal_form::exact::SectionChart;
 use super::simulated::Simulator;
 use crate::flow::with_identity;
 use crate::numerics::linear::solve;
@@ -28,7 +28,7 @@ impl Loop {
 
 /// A fixed point of the return map.
 #[derive(Clone, Copy)]
-pub(super) struct FixedPoint {
+pub(in crate::analysis::border) struct FixedPoint {
     /// Two coordinates and the parameter.
     pub at: [f64; 3],
     /// After the last impact.
@@ -64,7 +64,7 @@ const VAGUE: f64 = 1e-6;
 
 /// The return map of the system near its border orbit.
 #[derive(Clone, Copy)]
-pub(super) struct ReturnMap<'a> {
+pub(in crate::analysis::border) struct ReturnMap<'a> {
     pub simulator: &'a Simulator,
     pub border: f64,
     /// The state after the first impact of the border orbit.
@@ -98,12 +98,7 @@ impl ReturnMap<'_> {
         let mut state = self.origin.to_vec();
         state[self.free[0]] = at[0];
         state[self.free[1]] = at[1];
-        if !problem
-            .release
-            .onto_surface(&mut state, self.bound, &parameters)
-        {
-            return None;
-        }
+        let state = (problem.release).onto_surface(&parameters, &state, self.bound)?;
         let chart = SectionChart::with_bound(problem, &parameters, &state, self.bound);
         let start = with_identity(&state, state.len() + 1);
         let count = self.impacts;

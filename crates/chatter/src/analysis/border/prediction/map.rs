@@ -1,9 +1,9 @@
 //! What the one-dimensional map says about the system near a border orbit.
 
-use super::error::BorderError;
-use super::extrapolate::Estimate;
-use super::orbit::Border;
+use super::super::error::BorderError;
+use super::super::orbit::Border;
 use crate::analysis::universal::Universal;
+use crate::numerics::Estimate;
 use crate::numerics::Real;
 use serde::{Deserialize, Serialize};
 
@@ -105,7 +105,7 @@ impl AffineStates {
     }
 }
 
-pub(super) fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
+pub(in crate::analysis::border) fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
     values.iter().map(|x| x.to_f64()).collect()
 }
 

@@ -1,8 +1,8 @@
 //! All release points at one parameter value.
 
+use super::super::coordinate::sequence::NO_HORIZON;
+use super::equations::{ReleaseEquations, ReleasePoint};
 use super::forcing::Turn;
-use super::release::{ReleaseEquations, ReleasePoint, Third};
-use super::sequence::NO_HORIZON;
 use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
 
@@ -75,7 +75,7 @@ impl ReleaseEquations {
         turn: &Turn<f64>,
     ) -> Vec<Vec<f64>> {
         let held_at = |near: &[f64], phase: f64| {
-            let state = self.converge(parameters, near, Third::State(turn.state, phase))?;
+            let state = self.converge(parameters, near, &[(turn.state, phase)])?;
             let acceleration = self.acceleration(&state, parameters);
             Some((state, acceleration))
         };

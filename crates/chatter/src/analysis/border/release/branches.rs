@@ -1,8 +1,8 @@
 //! Release points over the parameter: each follows its own branch as far as it exists.
 
-use super::error::BorderError;
-use super::problem::Problem;
-use super::release::ReleasePoint;
+use super::super::error::BorderError;
+use super::super::problem::Problem;
+use super::equations::ReleasePoint;
 
 /// All release points are looked for at every so manieth value; in between they are followed.
 const LOOK_EVERY: usize = 8;

@@ -1,6 +1,6 @@
 //! The phase of a forced system: states that the equations know up to whole periods.
 
-use super::error::BorderError;
+use super::super::error::BorderError;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Model, Phase};
 use crate::numerics::Real;

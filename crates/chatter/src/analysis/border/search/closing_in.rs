@@ -1,12 +1,12 @@
 //! From samples of different verdict to the root of X between them, or to what else ends chatter there.
 
+use super::super::coordinate::limits::Limits;
+use super::super::coordinate::root::Root;
+use super::super::coordinate::sequence::Verdict;
+use super::super::error::Break;
+use super::super::problem::{Problem, exactly};
 use super::breaks::break_between;
-use super::coordinate::Limits;
-use super::error::Break;
-use super::problem::{Problem, exactly};
-use super::root::Root;
 use super::samples::{Sample, Search};
-use super::sequence::Verdict;
 
 /// Newton's method starts once the sequence comes this near to u*, relative to u*.
 const NEAR: f64 = 0.1;

@@ -18,12 +18,12 @@
 //!
 //! If lambda and eta depend on what is varied, k times each power occurs as well: a ratio to be eliminated twice.
 
-use super::extrapolate::{Estimate, Plan, limit};
-use super::problem::STATES;
-use super::release::ReleasePoint;
+use super::super::problem::STATES;
+use super::super::release::equations::ReleasePoint;
 use super::sequence::Sequence;
 use crate::analysis::universal::Constants;
 use crate::numerics::Real;
+use crate::numerics::{Estimate, Plan, limit};
 use serde::{Deserialize, Serialize};
 
 /// Terms of an extrapolation lie so many impacts apart that the first ratio is about this: then rounding errors are

@@ -2,17 +2,19 @@
 //!
 //! They replace X by u = j_R w / nu^2 at the first impact, with nu at rest on the contact, and the flight after release by
 //! its leading order h = j t^3 / 6, v = j t^2 / 2 up to a section through which the trajectory passes. Both choices show
-//! in the result: see [`Exact`](super::Exact) for coefficients that depend on neither.
+//! in the result: see [`Exact`](super::super::Exact) for coefficients that depend on neither.
 
-use super::error::BorderError;
+use super::super::coordinate::limits::Limits;
+use super::super::coordinate::local::{LocalCoordinate, LocalTape, Slopes};
+use super::super::coordinate::root::Point;
+use super::super::error::BorderError;
+use super::super::problem::{PARAMETER_COLUMN, Problem, STATES, exactly};
+use super::super::spec::BorderSpec;
 use super::exact::{SectionChart, combine};
-use super::local::{LocalCoordinate, LocalTape};
-use super::problem::{PARAMETER_COLUMN, Problem, STATES};
-use super::root::Point;
 use crate::expressions::Graph;
 use crate::flow::with_identity;
 use crate::flow::{Column, Occurrence, Settings, System, SystemError, Trajectory};
-use crate::model::{Direction, Section};
+use crate::model::{Direction, Model, Section};
 use crate::numerics::Real;
 use crate::numerics::linear::solve;
 use serde::{Deserialize, Serialize};
@@ -35,7 +37,7 @@ const SECTION_DISTANCE: f64 = 0.01;
 const AT_REST: f64 = 1e-9;
 
 /// Coefficients of (17) to (24). Offsets on the section are (gap, rate), states after the first impact the
-/// [`section`](super::Border::section) coordinates.
+/// [`section`](super::super::Border::section) coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LeadingOrder<R> {
     /// The section y3 = 10.1 in the paper.
@@ -195,7 +197,7 @@ pub(crate) fn leading_order<R: Real>(
     let number = |value: f64| R::splat(value);
     let u_slope = |along: usize| {
         let weights = chart.weights(along);
-        let total = |part: &dyn Fn(&super::local::Slopes<R>) -> R| {
+        let total = |part: &dyn Fn(&Slopes<R>) -> R| {
             (local.slopes.iter().zip(&weights))
                 .fold(R::ZERO, |sum, (slope, &weight)| sum + part(slope) * weight)
         };
@@ -231,4 +233,40 @@ pub(crate) fn leading_order<R: Real>(
         e,
         f,
     }))
+}
+
+/// The leading-order coefficients at a parameter value near a border, as the paper has them at q = 0.020056: for the
+/// release point whose chatter is nearest to one.
+///
+/// # Errors
+/// As for [`borders_in`](super::super::borders_in), and [`BorderError::Section`] if the section is not crossed.
+pub fn leading_order_at<R: Real>(
+    model: &Model,
+    spec: &BorderSpec,
+    value: R,
+) -> Result<LeadingOrder<R>, BorderError> {
+    let problem = Problem::new(model, spec)?;
+    let at = value.to_f64();
+    let releases = problem.release_points(at)?;
+    let mut nearest = (f64::INFINITY, 0, &releases[0]);
+    for release in &releases {
+        let sequence = problem.sequence(at, release, releases.len() > 1)?;
+        let limits = Limits::new(
+            Problem::constants(at, release)?,
+            release,
+            spec.extrapolation,
+        );
+        let distance = limits.rough_distance(&sequence);
+        if distance < nearest.0 {
+            nearest = (distance, limits.settles(&sequence), release);
+        }
+    }
+    let (_, settles, release) = nearest;
+    let near = exactly(&release.state);
+    let point = problem.point(value, &near, settles, spec.extrapolation)?;
+    let parameters = problem.parameters(value);
+    let first = &point.sequence.impacts[0].state[..STATES];
+    let chart = SectionChart::new(&problem, &parameters, first);
+    let form = leading_order(&problem, &point, &chart, spec.section.as_ref())??;
+    Ok(form)
 }

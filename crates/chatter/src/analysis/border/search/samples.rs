@@ -1,10 +1,10 @@
 //! What the impact sequences over a parameter do.
 
-use super::coordinate::{Extrapolation, Limits};
-use super::error::BorderError;
-use super::problem::{Problem, exactly};
-use super::release::ReleasePoint;
-use super::sequence::{Sequence, Verdict};
+use super::super::coordinate::limits::{Extrapolation, Limits};
+use super::super::coordinate::sequence::{Sequence, Verdict};
+use super::super::error::BorderError;
+use super::super::problem::{Problem, exactly};
+use super::super::release::equations::ReleasePoint;
 use core::ops::ControlFlow;
 
 /// What the sequence at one parameter value does.

@@ -1,12 +1,12 @@
 //! The predicted windows beside those of the system itself.
 
-use super::exact::SectionChart;
-use super::extrapolate::Estimate;
-use super::prediction::Prediction;
+use super::super::normal_form::exact::SectionChart;
+use super::map::Prediction;
 use super::return_map::ReturnMap;
 use super::simulated::Simulator;
 use super::window_curve::{LocatedWindow, WindowEnds};
 use super::windows::{PredictedPoint, PredictedWindow};
+use crate::numerics::Estimate;
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 

@@ -1,10 +1,10 @@
 //! States on a section of the flight after release, predicted by the one-dimensional map.
 
-use super::error::BorderError;
-use super::orbit::Border;
-use super::prediction::AffineStates;
-use super::problem::{PARAMETER_COLUMN, Problem, STATES};
-use super::spec::BorderSpec;
+use super::super::error::BorderError;
+use super::super::orbit::Border;
+use super::super::prediction::AffineStates;
+use super::super::problem::{PARAMETER_COLUMN, Problem, STATES};
+use super::super::spec::BorderSpec;
 use crate::expressions::{Expr, Symbol, nearest};
 use crate::flow::with_identity;
 use crate::flow::{Column, Occurrence, Settings, System, Trajectory};

@@ -1,11 +1,11 @@
 //! Finding borders: close in on each change of the verdict and on each near miss, all of them or the nearest first, and
 //! ask whether it is a root of X.
 
+use super::super::coordinate::limits::Extrapolation;
+use super::super::coordinate::root::Root;
+use super::super::error::{BorderError, Break};
+use super::super::problem::Problem;
 use super::closing_in::Found;
-use super::coordinate::Extrapolation;
-use super::error::{BorderError, Break};
-use super::problem::Problem;
-use super::root::Root;
 use super::samples::{Sample, Search};
 
 /// Where the verdict changes from sample to sample, as it may where passages before the sequence are chaotic, no more than

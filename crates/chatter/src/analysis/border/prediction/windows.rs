@@ -1,6 +1,6 @@
 //! Where the n-impact orbit is predicted to be born, to double its period and to graze.
 
-use super::prediction::Prediction;
+use super::map::Prediction;
 use crate::analysis::universal::Located;
 use serde::{Deserialize, Serialize};
 
@@ -55,12 +55,12 @@ impl Prediction {
 
 #[cfg(test)]
 mod tests {
-    use super::super::orbit::border_near;
-    use super::super::spec::BorderSpec;
+    use super::super::super::border_near;
+    use super::super::super::spec::BorderSpec;
     use super::*;
     use crate::model::Model;
 
-    const VALVE: &str = include_str!("../../../../../models/pressure_relief_valve.toml");
+    const VALVE: &str = include_str!("../../../../../../models/pressure_relief_valve.toml");
 
     #[test]
     fn predicted_points_are_fixed_points_with_their_multipliers() {
