@@ -57,6 +57,9 @@ pub struct Spec {
     pub monitors: Vec<String>,
     /// How long the trajectory may take to settle.
     pub patience: Patience,
+    /// The orbit that a branch is followed from, at the model's value of the parameter: a state on it, and its period. Without
+    /// it the one that the motion settles to.
+    pub through: Option<(Vec<f64>, f64)>,
 }
 
 fn workshop(
@@ -159,6 +162,17 @@ pub fn branches(
     let (low, high) = what.limits.range;
     let workshop = workshop(model, spec, (&[what.parameter], &[high - low]))?;
     let own = model.parameter_values::<f64>(&[])[what.parameter];
+    if let Some((state, period)) = &spec.through {
+        let cycle = special_curve::start::reread(&workshop, &[own], (state, *period))?;
+        let orbit = orbit::close(&workshop, cycle, &[own])?;
+        return survey::survey(
+            &workshop,
+            (&orbit.shooting, &orbit.at),
+            (&what.limits, what.beside),
+            (state, spec.patience),
+            &mut |point| observer(Some(point)),
+        );
+    }
     let inside = (low..=high).contains(&own).then_some(own);
     let others = STARTS.iter().map(|part| low + part * (high - low));
     let mut failed = None;
