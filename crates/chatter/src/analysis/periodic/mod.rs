@@ -103,8 +103,8 @@ pub fn forcing(model: &Model) -> Option<f64> {
     closure.forcing(&model.parameter_values(&[]))
 }
 
-/// The orbit that the trajectory from the model's initial state settles to. The observer hears of the time that it has
-/// come to.
+/// The orbit that the trajectory from the model's initial state settles to; in chaos, where it settles to none, an unstable one that it
+/// comes near to, of a single period if there is one. The observer hears of the time that it has come to.
 ///
 /// # Errors
 /// There is none, or none was found.
@@ -117,7 +117,8 @@ pub fn settled(
     let parameters = model.parameter_values::<f64>(&[]);
     let state = model.initial_state(&parameters);
     let cycle = settle(&workshop, &[], &state, spec.patience, observer)?;
-    orbit::close(&workshop, cycle, &[])
+    let orbit = orbit::close(&workshop, cycle, &[])?;
+    Ok(search::simplest(&workshop, orbit, &[]))
 }
 
 /// All periodic orbits found from many starts, those of short period first.
@@ -183,7 +184,7 @@ pub fn branches(
         let found = settle(&workshop, &[here], &state, spec.patience, &mut settling)
             .and_then(|cycle| orbit::close(&workshop, cycle, &[here]));
         let orbit = match found {
-            Ok(orbit) => orbit,
+            Ok(orbit) => search::simplest(&workshop, orbit, &[here]),
             Err(PeriodicError::Interrupted) => return Err(PeriodicError::Interrupted),
             Err(error) => {
                 failed.get_or_insert(error);
