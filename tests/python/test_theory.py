@@ -105,7 +105,8 @@ def test_an_unstable_orbit_is_followed_and_no_other():
     branch = unstable.follow("omega", to=2.79)
     begins = int(np.argmax(branch["omega"]))
     assert branch["omega"][begins] == pytest.approx(2.8, abs=1e-12)
-    for name in unstable.start:
+    # Time is known up to whole periods.
+    for name in unstable.start.keys() - {"t"}:
         assert branch[name][begins] == pytest.approx(unstable.start[name], abs=1e-9), name
     assert branch["impacts"][begins] == unstable.impacts and not branch["stable"][begins]
     with pytest.raises(ch.InputError, match="step"):
