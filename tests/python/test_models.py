@@ -214,12 +214,6 @@ def test_progress_is_told():
     assert [done for done, _ in heard] == sorted(done for done, _ in heard)
 
 
-def test_nothing_heavy_is_imported_before_it_is_asked_for():
-    program = "import sys, chatter; print([m for m in ('pandas', 'xarray', 'matplotlib', 'sympy', 'tqdm') if m in sys.modules])"
-    said = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True)
-    assert said.stdout == "[]\n"
-
-
 def test_the_command_is_there():
     said = subprocess.run([sys.executable, "-m", "chatter", "--version"], capture_output=True, text=True)
     assert said.stdout == f"chatter {ch.__version__}\n" and said.returncode == 0

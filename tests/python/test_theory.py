@@ -99,6 +99,22 @@ def test_a_branch_holds_the_orbits_of_its_parameter():
         assert all(0.0203 <= one["value"] <= 0.0204 for one in found), kind
 
 
+def test_an_unstable_orbit_is_followed_and_no_other():
+    oscillator = ch.Model.shipped("impact_oscillator").with_values(omega=2.8)
+    unstable = next(orbit for orbit in oscillator.orbits(1, starts=20) if not orbit.stable)
+    branch = unstable.follow("omega", to=2.79)
+    begins = int(np.argmax(branch["omega"]))
+    assert branch["omega"][begins] == pytest.approx(2.8, abs=1e-12)
+    # Time is known up to whole periods.
+    for name in unstable.start.keys() - {"t"}:
+        assert branch[name][begins] == pytest.approx(unstable.start[name], abs=1e-9), name
+    assert branch["impacts"][begins] == unstable.impacts and not branch["stable"][begins]
+    with pytest.raises(ch.InputError, match="step"):
+        unstable.follow("omega", to=2.79, step=2)
+    with pytest.raises(ch.InputError, match="periods"):
+        oscillator.orbits(0)
+
+
 def test_exponents_are_the_logarithms_of_the_multipliers_of_a_stable_orbit():
     valve = ch.Model.shipped("pressure_relief_valve")
     orbit = valve.orbit(q=0.0203)

@@ -274,11 +274,6 @@ pub fn interrupt_flag() -> &'static AtomicBool {
     &INTERRUPTED
 }
 
-/// Whether Ctrl-C was pressed.
-pub fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
-}
-
 /// A bar on the error stream for runs that last, if that is a terminal.
 pub struct Progress {
     began: Instant,

@@ -187,7 +187,7 @@ pub struct BranchesQuestion {
     pub period: Option<String>,
     /// Whether branches are followed that leave at period doublings.
     #[serde(default)]
-    pub doublings: usize,
+    pub doublings: u64,
 }
 
 /// What is asked about the border orbits of a range.

@@ -105,7 +105,11 @@ impl fmt::Display for FigureError {
                 if !label.is_empty() {
                     write!(f, " `{label}`")?;
                 }
-                write!(f, ": range {low} to {high} {what}")
+                let told = |end: f64| match end.abs() {
+                    0.0 | 1e-4..1e6 => format!("{end}"),
+                    _ => format!("{end:e}"),
+                };
+                write!(f, ": range {} to {} {what}", told(*low), told(*high))
             }
             FigureError::UnequalLengths { layer, x, y } => {
                 write!(

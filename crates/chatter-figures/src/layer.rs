@@ -74,30 +74,6 @@ impl Line {
             label: None,
         }
     }
-
-    /// In this colour.
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// So many points thick.
-    pub fn width(mut self, width: f64) -> Self {
-        self.width = width;
-        self
-    }
-
-    /// Broken in this way.
-    pub fn dash(mut self, dash: Dash) -> Self {
-        self.dash = dash;
-        self
-    }
-
-    /// With an entry in the legend.
-    pub fn label(mut self, label: impl Into<String>) -> Self {
-        self.label = Some(label.into());
-        self
-    }
 }
 
 /// Shape of a marker.
@@ -155,18 +131,6 @@ impl Markers {
         self.size = size;
         self
     }
-
-    /// In this colour.
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// With an entry in the legend.
-    pub fn label(mut self, label: impl Into<String>) -> Self {
-        self.label = Some(label.into());
-        self
-    }
 }
 
 /// Which way a line or band runs.
@@ -203,18 +167,6 @@ impl Spans {
         self.orientation = Orientation::Horizontal;
         self
     }
-
-    /// In this colour.
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = color;
-        self
-    }
-
-    /// With an entry in the legend.
-    pub fn label(mut self, label: impl Into<String>) -> Self {
-        self.label = Some(label.into());
-        self
-    }
 }
 
 /// A straight line across the whole panel. It does not enter an automatic range.
@@ -248,31 +200,44 @@ impl Rule {
             ..Rule::vertical(at)
         }
     }
-
-    /// In this colour.
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = color;
-        self
-    }
-
-    /// So many points thick.
-    pub fn width(mut self, width: f64) -> Self {
-        self.width = width;
-        self
-    }
-
-    /// Broken in this way.
-    pub fn dash(mut self, dash: Dash) -> Self {
-        self.dash = dash;
-        self
-    }
-
-    /// With an entry in the legend.
-    pub fn label(mut self, label: impl Into<String>) -> Self {
-        self.label = Some(label.into());
-        self
-    }
 }
+
+/// What several kinds of layers let one choose.
+macro_rules! choices {
+    ($(#[$about:meta] $choice:ident($given:ty) of $($kind:ident),+;)+) => {
+        $($(impl $kind {
+            #[$about]
+            pub fn $choice(mut self, $choice: $given) -> Self {
+                self.$choice = $choice.into();
+                self
+            }
+        })+)+
+    };
+}
+
+choices! {
+    /// In this colour.
+    color(Color) of Line, Markers, Density, Spans, Rule;
+    /// So many points thick.
+    width(f64) of Line, Rule;
+    /// Broken in this way.
+    dash(Dash) of Line, Rule;
+}
+
+/// What has a place in the legend.
+macro_rules! labelled {
+    ($($kind:ident),*) => {
+        $(impl $kind {
+            /// With an entry in the legend.
+            pub fn label(mut self, label: impl Into<String>) -> Self {
+                self.label = Some(label.into());
+                self
+            }
+        })*
+    };
+}
+
+labelled!(Line, Markers, Density, Spans, Rule);
 
 macro_rules! into_layer {
     ($($kind:ident),*) => {

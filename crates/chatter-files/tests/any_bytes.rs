@@ -195,7 +195,6 @@ fn archives_of_any_bytes_are_read_or_refused() {
     let table = Table::new("columns")
         .column("q", vec![0.1, f64::NAN, 3.0])
         .column("n", vec![1_i64, -2, i64::MAX])
-        .column("ok", vec![true, false, true])
         .column("outcome", vec!["chaotic", "", "périodique Ω"]);
     let data = Dataset::new().table(table).text("model", "y = \"v\"\n");
     data.write(&whole).unwrap();

@@ -7,7 +7,7 @@ use chatter::analysis::border::BorderSpec;
 use chatter::analysis::universal::Argument;
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
-use chatter_work::border::{Place, Subject, document, find};
+use chatter_work::border::{Place, Question, Subject, document, find};
 use chatter_work::numbers::Digits;
 use chatter_work::options::{Counts, Precision, Quantity, SectionOption};
 use chatter_work::{Observer, Refusal};
@@ -16,11 +16,10 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 /// What was asked, but for the digits.
-struct Question {
+struct Asked {
     model: Arc<Model>,
     source: String,
-    spec: BorderSpec,
-    place: Place,
+    question: Question,
     windows: Option<Counts>,
     digits: Digits,
 }
@@ -77,40 +76,39 @@ pub fn border(
         let message = format!("--windows {first} to {last}: expected 0 <= first <= last");
         return Err(raised(Refusal::input(message)));
     }
-    let question = Question {
+    let asked = Asked {
         model: Arc::clone(&core.model),
         source: core.name.clone(),
-        spec,
-        place,
+        question: Question { spec, place },
         windows: windows.map(|(first, last)| Counts { first, last }),
         digits,
     };
     let found = interruptible(py, progress, move |listener| {
-        if question.digits.fit_double() {
-            answer::<f64>(&question, listener)
+        if asked.digits.fit_double() {
+            answer::<f64>(&asked, listener)
         } else {
-            answer::<DoubleDouble>(&question, listener)
+            answer::<DoubleDouble>(&asked, listener)
         }
     })?;
     found.map_err(raised)
 }
 
 fn answer<R: Real + Argument<Real = R>>(
-    question: &Question,
+    asked: &Asked,
     listener: &Listener,
 ) -> Result<String, Refusal> {
-    let (model, spec) = (&*question.model, &question.spec);
+    let (model, spec) = (&*asked.model, &asked.question.spec);
     let subject = Subject {
         model,
-        source: &question.source,
+        source: &asked.source,
         parameter: &spec.parameter,
-        digits: question.digits,
-        text_digits: question.digits,
+        digits: asked.digits,
+        text_digits: asked.digits,
         samples: spec.samples,
         excursions: spec.excursions,
-        windows: question.windows,
+        windows: asked.windows,
     };
-    let found = find::<R>(&subject, spec, question.place, listener)?;
+    let found = find::<R>(&subject, &asked.question, listener)?;
     if listener.going_on().is_break() {
         return Err(Refusal::Interrupted);
     }

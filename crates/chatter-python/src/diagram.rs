@@ -8,8 +8,8 @@ use chatter::analysis::diagram::{Record, Share, Threads};
 use chatter_work::Observer;
 use chatter_work::Refusal;
 use chatter_work::diagram::{
-    Beginning, Begun, Columns, Order, Produced, Request, columns, journal_of, merge as merged,
-    produce, produce_in_memory, produce_share, shard_journal, small_share,
+    Beginning, Begun, Columns, Order, Produced, Request, Work, columns, journal_of,
+    merge as merged, produce, produce_in_memory, shard_journal, small_share,
 };
 use chatter_work::options::{
     AtOption, Count, ObserveOption, Quantity, SpanOption, StartOption, SweepOption, ThreadCount,
@@ -164,8 +164,12 @@ fn only(order: &Order, share: Share, threads: Threads, listener: &Listener) -> R
             "--shard needs --out, which its journal is named after",
         ));
     };
-    let beginning = Beginning::At(shard_journal(out, share));
-    let produced = produce_share(order, share, beginning, threads, listener)?;
+    let work = Work {
+        share,
+        beginning: Beginning::At(shard_journal(out, share)),
+        threads,
+    };
+    let produced = produce(order, work, listener)?;
     if let Some(remark) = small_share(&produced.ready.sweep, share) {
         listener.remark(&remark);
     }
@@ -187,7 +191,7 @@ pub fn merge<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let threads = threads(threads_wanted.as_deref())?;
     let answer = interruptible(py, progress, move |listener| {
-        let order = merged(&journals, &out, None, listener)?;
+        let order = merged(&journals, (&out, None), listener)?;
         kept(order, Beginning::At(journal_of(&out)), threads, listener)
     })?;
     told(py, answer.map_err(raised)?)
@@ -269,11 +273,11 @@ fn kept(
     threads: Threads,
     listener: &Listener,
 ) -> Result<Answer, Refusal> {
-    let mut produced = produce(&order, beginning, threads, listener)?;
+    let mut produced = produce(&order, Work::whole(beginning, threads), listener)?;
     if !produced.complete {
         return Err(Refusal::Interrupted);
     }
-    produced.write(&order)?;
+    produced.write(&order, listener)?;
     let Produced { mut store, .. } = produced;
     let columns = columns(&mut store)?;
     if order.target().is_some() {

@@ -12,6 +12,8 @@ fn notation(option: &str) -> String {
         "set" => "value of".to_owned(),
         "initial" => "initial value of".to_owned(),
         "until" => "t".to_owned(),
+        "all" => "periods".to_owned(),
+        "depth" => "doublings or branch_points".to_owned(),
         option => option.replace('-', "_"),
     }
 }

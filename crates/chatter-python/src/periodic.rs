@@ -3,18 +3,15 @@
 use crate::errors::{raised, unreadable};
 use crate::interruptible::interruptible;
 use crate::model::Core;
-use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Point, Search, SpecialKind, all,
-    branches as follow, settled, special_curve,
-};
+use chatter::analysis::periodic::{BranchSpec, End, Known, Spec, SpecialKind};
 use chatter::model::Model;
+use chatter_work::Refusal;
 use chatter_work::numbers::Digits;
 use chatter_work::options::{Precision, Quantity};
 use chatter_work::periodic::{
-    IMPACTS, POINTS, STEP, Subject, branch_document, curves_document, free_parameter,
-    orbit_document, refused, specification,
+    Branches, Curve, Orbits, Reach, Subject, beside, branch_document, curves_document,
+    find_branches, find_curve, find_orbits, free_parameter, orbit_document, search, specification,
 };
-use chatter_work::{Observer, Refusal};
 use pyo3::prelude::*;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -36,15 +33,15 @@ fn written(document: &impl serde::Serialize) -> Result<String, Refusal> {
 
 /// The document of the orbit that the motion settles to, or of all that are found from `starts` starts.
 #[pyfunction]
-#[pyo3(signature = (core, *, period=None, section=None, periods=None, starts=200, seed=0, digits=17, progress=None))]
+#[pyo3(signature = (core, *, period=None, section=None, periods=None, starts=None, seed=0, digits=17, progress=None))]
 #[allow(clippy::too_many_arguments)]
 pub fn orbit(
     py: Python<'_>,
     core: &Core,
     period: Option<String>,
     section: Option<String>,
-    periods: Option<usize>,
-    starts: u64,
+    periods: Option<u64>,
+    starts: Option<u64>,
     seed: u64,
     digits: u32,
     progress: Option<Py<PyAny>>,
@@ -55,32 +52,22 @@ pub fn orbit(
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
         let spec = specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?;
-        let orbits = match periods {
-            None => settled(&model, &spec, &mut |_| listener.going_on()).map(|orbit| vec![orbit]),
-            Some(periods) => {
-                let what = Search {
-                    periods,
-                    starts,
-                    seed,
-                };
-                all(&model, &spec, &what, &mut |reached| {
-                    let done = reached.starts as f64 / starts as f64;
-                    listener.progress(done, &|| format!("{} orbits", reached.orbits));
-                    listener.going_on()
-                })
-            }
+        let search = match periods {
+            Some(periods) => Some(search(periods, starts, Some(seed))?),
+            None => None,
         };
-        let orbits = orbits.map_err(|error| refused(&error, &model))?;
+        let orbits = find_orbits(&model, &Orbits { spec, search }, listener)?;
         let subject = subject(&about, Vec::new(), digits);
         written(&orbit_document(&subject, &orbits, periods.is_some())?)
     })?;
     found.map_err(raised)
 }
 
-/// The document of the branches of periodic orbits over a range of a parameter.
+/// The document of the branches of periodic orbits over a range of a parameter; `through` is an orbit at the model's value of it:
+/// all its states in order where it starts, and its period.
 #[pyfunction]
-#[pyo3(signature = (core, parameter, low, high, *, period=None, section=None, doublings=0, branch_points=0, impacts=IMPACTS,
-                    points=POINTS, step=STEP, progress=None))]
+#[pyo3(signature = (core, parameter, low, high, *, period=None, section=None, through=None, doublings=0, branch_points=0,
+                    impacts=None, points=None, step=None, progress=None))]
 #[allow(clippy::too_many_arguments)]
 pub fn branches(
     py: Python<'_>,
@@ -90,37 +77,36 @@ pub fn branches(
     high: String,
     period: Option<String>,
     section: Option<String>,
-    doublings: usize,
-    branch_points: usize,
-    impacts: u64,
-    points: u64,
-    step: f64,
+    through: Option<(Vec<f64>, f64)>,
+    doublings: u64,
+    branch_points: u64,
+    impacts: Option<u64>,
+    points: Option<u64>,
+    step: Option<f64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    check_step(step)?;
+    let reach = Reach {
+        impacts,
+        points,
+        step,
+    };
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?;
+        let spec = Spec {
+            through,
+            ..specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?
+        };
         let parameter = free_parameter(&model, &parameter)?;
-        let limits = limits(&mut model, (low, high), impacts, points, step)?;
-        let range = limits.range;
-        let what = BranchSpec {
-            parameter,
-            limits,
-            beside: Beside {
-                doublings,
-                branch_points,
+        let wanted = Branches {
+            spec,
+            over: BranchSpec {
+                parameter,
+                limits: reach.over(ends(&mut model, (low, high))?)?,
+                beside: beside(doublings, branch_points)?,
             },
         };
-        let found = follow(&model, &spec, &what, &mut |point: Option<&Point>| {
-            if let Some(at) = point.map(Point::parameter) {
-                let done = ((at - range.0) / (range.1 - range.0)).clamp(0.0, 1.0);
-                listener.progress(done, &|| format!("{at}"));
-            }
-            listener.going_on()
-        });
-        let found = found.map_err(|error| refused(&error, &model))?;
+        let found = find_branches(&model, &wanted, listener)?;
         if (found.iter()).any(|branch| branch.ends.contains(&End::Interrupted)) {
             return Err(Refusal::Interrupted);
         }
@@ -135,8 +121,8 @@ pub fn branches(
 /// The document of the curve of a special point in two parameters: the first, which is left free, and the second, which is
 /// followed over a range. The model is at the values of the point; `state` has all its states in order.
 #[pyfunction]
-#[pyo3(signature = (core, kind, state, orbit_period, parameters, low, high, *, period=None, section=None, impacts=IMPACTS,
-                    points=POINTS, step=STEP, progress=None))]
+#[pyo3(signature = (core, kind, state, orbit_period, parameters, low, high, *, period=None, section=None, impacts=None,
+                    points=None, step=None, progress=None))]
 #[allow(clippy::too_many_arguments)]
 pub fn curve(
     py: Python<'_>,
@@ -149,12 +135,16 @@ pub fn curve(
     high: String,
     period: Option<String>,
     section: Option<String>,
-    impacts: u64,
-    points: u64,
-    step: f64,
+    impacts: Option<u64>,
+    points: Option<u64>,
+    step: Option<f64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
-    check_step(step)?;
+    let reach = Reach {
+        impacts,
+        points,
+        step,
+    };
     let mut kinds = SpecialKind::ALL.into_iter();
     let kind = kinds.find(|known| known.name() == kind);
     let kind =
@@ -177,52 +167,23 @@ pub fn curve(
             let message = format!("`{}` is named twice: expected two parameters", parameters.0);
             return Err(Refusal::input(message));
         }
-        let limits = limits(&mut model, (low, high), impacts, points, step)?;
-        let (low, high) = limits.range;
-        let curve = special_curve(&model, &spec, (free, &known), &limits, &mut |point| {
-            let at = point.parameter();
-            listener.progress(((at - low) / (high - low)).clamp(0.0, 1.0), &|| {
-                format!("{at}")
-            });
-            listener.going_on()
-        });
-        let curve = curve.map_err(|error| refused(&error, &model))?;
-        if curve.ends.contains(&End::Interrupted) {
+        let wanted = Curve {
+            spec,
+            free,
+            known,
+            limits: reach.over(ends(&mut model, (low, high))?)?,
+        };
+        let curve = find_curve(&model, &wanted, listener)?;
+        if curve.1.ends.contains(&End::Interrupted) {
             return Err(Refusal::Interrupted);
         }
-        let branch = Branch {
-            points: curve.points,
-            special: curve.special,
-            ends: curve.ends,
-        };
         let subject = subject(&about, free.to_vec(), Digits::DOUBLE);
-        written(&curves_document(&subject, &[(kind, branch)]))
+        written(&curves_document(&subject, &[curve]))
     })?;
     found.map_err(raised)
 }
 
-fn check_step(step: f64) -> PyResult<()> {
-    if step > 0.0 && step <= 1.0 {
-        return Ok(());
-    }
-    Err(unreadable(
-        "step",
-        format!("{step} is no part of the range, above 0 and at most 1"),
-    ))
-}
-
-fn limits(
-    model: &mut Model,
-    (low, high): (String, String),
-    impacts: u64,
-    points: u64,
-    longest_step: f64,
-) -> Result<Limits, Refusal> {
+fn ends(model: &mut Model, (low, high): (String, String)) -> Result<(f64, f64), Refusal> {
     let mut end = |text: String| Quantity(text).value(model, "--sweep");
-    Ok(Limits {
-        range: (end(low)?.high(), end(high)?.high()),
-        impacts,
-        points: usize::try_from(points).unwrap_or(usize::MAX),
-        longest_step,
-    })
+    Ok((end(low)?.high(), end(high)?.high()))
 }

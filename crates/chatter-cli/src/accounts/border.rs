@@ -4,7 +4,7 @@ use crate::aligned::{Side, aligned};
 use crate::border::{Answer, NAMES, Subject, ends, known, prediction};
 use crate::numbers::{Digits, concise, full};
 use crate::terminal::Style;
-use crate::universal::window_rows;
+use crate::universal::window_sheet;
 use chatter::analysis::border::{
     Border, BorderError, Borders, Estimate, LeadingOrder, WindowComparison,
 };
@@ -217,7 +217,7 @@ fn blocks<R: Real + Argument<Real = R>>(
     if let Some(windows) = prediction(subject, border) {
         let title = format!("values of {parameter} predicted for the orbit with n + 1 impacts");
         const SIDES: &[Side] = &[Side::Right];
-        blocks.push((title, window_rows(&windows, digits), SIDES));
+        blocks.push((title, window_sheet(&windows).text(digits), SIDES));
     }
     if !compared.is_empty() {
         let title = format!(

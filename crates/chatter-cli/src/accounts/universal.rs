@@ -4,7 +4,7 @@ use crate::aligned::{Side, aligned};
 use crate::numbers::{Digits, full};
 use crate::terminal::Style;
 use crate::universal::atlas::limits;
-use crate::universal::{Findings, window_rows};
+use crate::universal::{Findings, window_sheet};
 use chatter::analysis::diagram::Outcome;
 use chatter::analysis::universal::Universal;
 use chatter::numerics::{DoubleDouble, Real};
@@ -17,25 +17,14 @@ pub fn account<R: Real>(findings: &Findings<R>, style: Style) -> String {
     };
     let constants = constant_rows(findings.universal, digits);
     let mut text = block("universal map", &constants, &[]);
-    if let Some(values) = &findings.values {
-        let heading = ["x", "Upsilon", "derivative", "n", "u_1"];
-        let mut rows = vec![heading.map(str::to_owned).to_vec()];
-        for &(x, at) in values {
-            rows.push(vec![
-                full(x, digits),
-                full(at.value, digits),
-                full(at.derivative, digits),
-                format!("{}", at.lap.to_f64()),
-                full(at.u1, digits),
-            ]);
-        }
+    if let Some(values) = findings.value_sheet() {
         text.push('\n');
-        text += &block("values", &rows, &[]);
+        text += &block(values.title, &values.text(digits), &[]);
     }
     if let Some(windows) = &findings.windows {
         let title = format!("windows in mu, K = {}", full(findings.slope, digits));
         text.push('\n');
-        text += &block(&title, &window_rows(windows, digits), &[Side::Right]);
+        text += &block(&title, &window_sheet(windows).text(digits), &[Side::Right]);
     }
     if let Some(scaling) = &findings.scaling {
         let row = |&(name, value, meaning): &(&str, DoubleDouble, &str)| {

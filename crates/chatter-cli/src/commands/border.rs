@@ -1,7 +1,7 @@
 //! `chatter border`: border orbits and their normal form.
 
 use crate::accounts::border::account;
-use crate::border::{Answer, Place, Subject, document, find, overlay, picture};
+use crate::border::{Answer, Place, Question, Subject, document, find, overlay, picture};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
@@ -173,30 +173,28 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     };
     // What was found is told.
     terminal::catch_interrupts();
-    let question = Question {
+    let asked = Asked {
         subject: &subject,
-        spec: &spec,
-        place,
+        question: Question { spec, place },
         arguments,
     };
     if digits.fit_double() {
-        question.answer::<f64>()
+        asked.answer::<f64>()
     } else {
-        question.answer::<DoubleDouble>()
+        asked.answer::<DoubleDouble>()
     }
 }
 
-struct Question<'a> {
+struct Asked<'a> {
     subject: &'a Subject<'a>,
-    spec: &'a BorderSpec,
-    place: Place,
+    question: Question,
     arguments: &'a Arguments,
 }
 
-impl Question<'_> {
+impl Asked<'_> {
     fn answer<R: Real + Argument<Real = R>>(&self) -> Result<u8, Failure> {
-        let (subject, spec) = (self.subject, self.spec);
-        let answer = find::<R>(subject, spec, self.place, &Console::new())?;
+        let subject = self.subject;
+        let answer = find::<R>(subject, &self.question, &Console::new())?;
         let written = match answer.is_complete() {
             true => self.write(&answer)?,
             false => Vec::new(),
@@ -230,7 +228,8 @@ impl Question<'_> {
             return Ok(Vec::new());
         }
         let windows = compared.as_deref().unwrap_or_default();
-        let overlay = overlay(self.subject, self.spec, border, windows, &Console::new())?;
+        let wanted = (&self.question.spec, &**border, windows);
+        let overlay = overlay(self.subject, wanted, &Console::new())?;
         let mut written = Vec::new();
         if let Some(TableFile(path)) = out {
             let table = overlay.dataset(self.subject).write(path);

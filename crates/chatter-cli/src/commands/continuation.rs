@@ -1,26 +1,21 @@
 //! `chatter continue`: branches of periodic orbits over a parameter.
 
-use super::going_on;
 use crate::accounts::periodic::{branches as account, curves as curves_account};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{Count, FigureFile, Loaded, PeriodicOptions, Quantity, TableFile, Window};
-use crate::terminal::{self, Progress, Style};
-use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, SpecialCurve, SpecialKind,
-    branches, special_curve,
-};
+use crate::terminal::{self, Console, Style};
+use chatter::analysis::periodic::{Branch, BranchSpec, End, Known, Spec, SpecialKind};
 use chatter::expressions::nearest;
 use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_work::periodic::{
-    IMPACTS, POINTS, STEP, Subject, Vertical, beneath, branch_document, curves_document,
-    first_that_changes, free_parameter, picture, plane, refused, restore, write,
+    Branches, Curve, Reach, Subject, Vertical, beneath, beside, branch_document, curves_document,
+    find_branches, find_curve, first_that_changes, free_parameter, picture, plane, restore, write,
 };
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::time::Instant;
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -201,63 +196,33 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         None => None,
     };
     terminal::catch_interrupts();
-    let mut progress = Progress::new();
-    let began = Instant::now();
-    let mut count = 0_u64;
-    let (low, high) = what.limits.range;
-    let mut listen = |point: Option<&Point>| {
-        if let Some(point) = point {
-            count += 1;
-            let at = point.parameter();
-            progress.show(((at - low) / (high - low)).clamp(0.0, 1.0), || {
-                let impacts = match point.impacts {
-                    Some(impacts) => format!("{impacts} impacts"),
-                    None => "complete chatter".to_owned(),
-                };
-                let rate = count as f64 / began.elapsed().as_secs_f64();
-                format!(
-                    "{} = {at:.8}, {impacts}, {count} orbits, {rate:.0} orbits/s",
-                    arguments.sweep.name
-                )
-            });
-        }
-        going_on()
-    };
-    let found = if arguments.from.is_empty() {
-        branches(&model, &spec, &what, &mut listen).map(Found::Branches)
+    let console = Console::new();
+    let monitors = spec.monitors.clone();
+    let (found, monitors) = if arguments.from.is_empty() {
+        let wanted = Branches { spec, over: what };
+        let found = find_branches(&model, &wanted, &console)?;
+        (Found::Branches(found), monitors)
     } else {
-        let mut curves = Ok(Vec::new());
+        let mut curves = Vec::new();
         for seed in &arguments.from {
             let mut model = model.clone();
             let known = known_point((&mut model, &mut spec), seed)?;
-            let pair = [free[0], what.parameter];
-            let mut listen = |point: &Point| listen(Some(point));
-            let curve = special_curve(&model, &spec, (pair, &known), &what.limits, &mut listen);
-            curves = curves.and_then(|mut curves| {
-                let SpecialCurve {
-                    kind,
-                    points,
-                    special,
-                    ends,
-                } = curve?;
-                let curve = Branch {
-                    points,
-                    special,
-                    ends,
-                };
-                curves.push((kind, curve));
-                Ok(curves)
-            });
+            let wanted = Curve {
+                spec: spec.clone(),
+                free: [free[0], what.parameter],
+                known,
+                limits: what.limits,
+            };
+            curves.push(find_curve(&model, &wanted, &console)?);
         }
-        curves.map(Found::Curves)
+        (Found::Curves(curves), spec.monitors)
     };
-    progress.finish();
-    let found = found.map_err(|error| refused(&error, &model))?;
+    drop(console);
     let subject = Subject {
         model: &model,
         source: &arguments.orbits.model.model,
         text: &text,
-        monitors: &spec.monitors,
+        monitors: &monitors,
         free,
         digits: Digits::DOUBLE,
     };
@@ -358,39 +323,22 @@ fn branch_spec(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, F
     let parameter = free_parameter(model, &arguments.sweep.name)?;
     let range = arguments.sweep.range.ends(model, "--sweep")?;
     let step = match &arguments.step {
-        Some(step) => step.value(model, "--step")?.to_f64(),
-        None => STEP,
+        Some(step) => Some(step.value(model, "--step")?.to_f64()),
+        None => None,
     };
-    if !(step > 0.0 && step <= 1.0) {
-        return Err(Failure::input(format!(
-            "--step {step}: expected a part of the range, above 0 and at most 1"
-        )));
-    }
+    let reach = Reach {
+        impacts: arguments.impacts.map(|impacts| impacts.0),
+        points: arguments.points.map(|points| points.0),
+        step,
+    };
     let depth = arguments.depth.map_or(1, |depth| depth.0);
-    if depth > 16 {
-        return Err(Failure::input(format!(
-            "--depth {depth}: expected at most 16"
-        )));
-    }
-    let to = |kind: Switch| {
-        if arguments.switch.contains(&kind) {
-            depth as usize
-        } else {
-            0
-        }
+    let to = |kind: Switch| match arguments.switch.contains(&kind) {
+        true => depth,
+        false => 0,
     };
-    let points = arguments.points.map_or(POINTS, |points| points.0);
     Ok(BranchSpec {
         parameter,
-        limits: Limits {
-            range,
-            impacts: arguments.impacts.map_or(IMPACTS, |impacts| impacts.0),
-            points: usize::try_from(points).unwrap_or(usize::MAX),
-            longest_step: step,
-        },
-        beside: Beside {
-            doublings: to(Switch::PeriodDoubling),
-            branch_points: to(Switch::BranchPoint),
-        },
+        limits: reach.over(range)?,
+        beside: beside(to(Switch::PeriodDoubling), to(Switch::BranchPoint))?,
     })
 }

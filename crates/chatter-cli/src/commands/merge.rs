@@ -41,7 +41,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let out = &arguments.out.0;
     let plot = arguments.plot.as_ref().map(|file| file.0.clone());
-    let order = diagram::merge(&arguments.journals, out, plot, &Console::new())?;
+    let order = diagram::merge(&arguments.journals, (out, plot), &Console::new())?;
     let beginning = Beginning::At(journal_of(out));
     produce(&order, beginning, threads_of(arguments.threads), false)
 }

@@ -16,7 +16,6 @@ mod universal;
 
 use crate::failure::Failure;
 use clap::Subcommand;
-use core::ops::ControlFlow;
 
 /// What can be asked for.
 #[derive(Subcommand, Debug)]
@@ -54,13 +53,5 @@ impl Command {
             Self::Universal(arguments) => universal::run(arguments),
             Self::Models(arguments) => models::run(arguments),
         }
-    }
-}
-
-/// Goes on unless Ctrl-C was pressed.
-fn going_on() -> ControlFlow<()> {
-    match crate::terminal::interrupted() {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
     }
 }

@@ -1,16 +1,12 @@
 //! `chatter orbit`: periodic orbits.
 
-use super::going_on;
 use crate::accounts::periodic::orbits as account;
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{Count, Loaded, PeriodicOptions, Precision};
-use crate::terminal::{self, Progress, Style, Waiting};
-use chatter::analysis::periodic::{Orbit, Search, Spec, all, settled};
-use chatter::model::Model;
-use chatter_work::periodic::{Subject, orbit_document, refused};
+use crate::terminal::{self, Console, Style};
+use chatter_work::periodic::{Orbits, Subject, find_orbits, orbit_document, search};
 use clap::Args;
-use std::time::Instant;
 
 const EXAMPLES: &str = "\
 EXAMPLES
@@ -57,25 +53,19 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Starts of a search.
-const STARTS: u64 = 200;
-
-/// Longer cycles take too long to be found by chance.
-const MOST_PERIODS: u64 = 64;
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let (Loaded { model, text, .. }, spec) = arguments.orbits.load(&[])?;
-    terminal::catch_interrupts();
-    let orbits = match &arguments.all {
-        Some(periods) => search(arguments, &model, &spec, *periods)?,
-        None => {
-            let waiting = Waiting::new("following the motion until it settles");
-            let found = settled(&model, &spec, &mut |_| going_on());
-            drop(waiting);
-            vec![found.map_err(|error| refused(&error, &model))?]
-        }
+    let search = match &arguments.all {
+        Some(periods) => Some(search(
+            periods.0,
+            arguments.starts.map(|count| count.0),
+            arguments.seed,
+        )?),
+        None => None,
     };
+    terminal::catch_interrupts();
+    let orbits = find_orbits(&model, &Orbits { spec, search }, &Console::new())?;
     let digits = arguments
         .digits
         .map_or(Digits::DOUBLE, |precision| precision.0);
@@ -94,35 +84,4 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     };
     answer.print()?;
     Ok(failure::SUCCESS)
-}
-
-fn search(
-    arguments: &Arguments,
-    model: &Model,
-    spec: &Spec,
-    periods: Count,
-) -> Result<Vec<Orbit>, Failure> {
-    if periods.0 == 0 || periods.0 > MOST_PERIODS {
-        return Err(Failure::input(format!(
-            "--all {}: expected a number of periods from 1 to {MOST_PERIODS}",
-            periods.0
-        )));
-    }
-    let starts = arguments.starts.map_or(STARTS, |count| count.0);
-    let what = Search {
-        periods: periods.0 as usize,
-        starts,
-        seed: arguments.seed.unwrap_or(0),
-    };
-    let mut progress = Progress::new();
-    let began = Instant::now();
-    let found = all(model, spec, &what, &mut |reached| {
-        progress.show(reached.starts as f64 / starts as f64, || {
-            let rate = reached.starts as f64 / began.elapsed().as_secs_f64();
-            format!("{} orbits, {rate:.0} starts/s", reached.orbits)
-        });
-        going_on()
-    });
-    progress.finish();
-    found.map_err(|error| refused(&error, model))
 }

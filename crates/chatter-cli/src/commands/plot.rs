@@ -4,7 +4,7 @@ use crate::diagram::picture::{self, Picture, Words};
 use crate::diagram::{Job, Order, Show, Stored, Subject, View, Zoom, produce_in_memory};
 use crate::failure::{self, Failure};
 use crate::options::{FigureFile, ShearOption, SpanOption};
-use crate::terminal::{self, Console, Waiting};
+use crate::terminal::{self, Console};
 use crate::universal::{self, UniversalJob};
 use chatter::analysis::diagram::{Sweep, Threads};
 use chatter_figures::Axis;
@@ -138,8 +138,7 @@ fn flow(
     // Before anything is computed.
     check(arguments, &ready.sweep, &view)?;
     if !arguments.recompute {
-        let _waiting = Waiting::new("drawing");
-        return picture::draw(&words, &ready.sweep, stored, &view);
+        return picture::draw(&words, (&ready.sweep, stored), &view, &Console::new());
     }
     let order = Order {
         job: Job {
@@ -151,16 +150,9 @@ fn flow(
         plot: None,
         shear: None,
     };
-    let console = Console::new();
-    let (again, rows, complete) = produce_in_memory(&order, Threads::available(), &console)?;
-    drop(console);
-    let _waiting = Waiting::new("drawing");
-    picture::draw(
-        &words,
-        &again.sweep,
-        &mut again.source(&rows, complete),
-        &view,
-    )
+    let (again, rows, complete) = produce_in_memory(&order, Threads::available(), &Console::new())?;
+    let mut source = again.source(&rows, complete);
+    picture::draw(&words, (&again.sweep, &mut source), &view, &Console::new())
 }
 
 fn universal(
@@ -183,8 +175,7 @@ fn universal(
     };
     check(arguments, &sweep, &view)?;
     if !arguments.recompute {
-        let _waiting = Waiting::new("drawing");
-        return picture::draw(&words, &sweep, stored, &view);
+        return picture::draw(&words, (&sweep, stored), &view, &Console::new());
     }
     let (map, sweep) = UniversalJob {
         diagram: picture::zoomed(sweep.spec(), &view),
@@ -198,6 +189,5 @@ fn universal(
         .filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
     let (_, mut store) = universal::compute(&map, &sweep, folder, &Console::new())?;
-    let _waiting = Waiting::new("drawing");
-    picture::draw(&words, &sweep, &mut store, &view)
+    picture::draw(&words, (&sweep, &mut store), &view, &Console::new())
 }

@@ -9,16 +9,14 @@ use crate::options::{
 };
 use crate::simulation::picture::Axes;
 use crate::simulation::{
-    Record, Request, Rows, SampleOption, Subject, document, follow, part_done, picture, refused,
-    sentence, start_time, verification,
+    Record, Request, Rows, SampleOption, Subject, document, follow, picture, sentence, start_time,
+    verification,
 };
 use crate::terminal::{self, Console, Printer, Waiting};
-use chatter::analysis::simulate::{Outcome, Progress as Reached, Simulation, Spec, Verification};
+use chatter::analysis::simulate::{Outcome, Simulation, Spec, Verification};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
-use chatter_work::Observer;
 use clap::Args;
-use core::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -179,26 +177,10 @@ fn verification(
     subject: &Subject,
     (simulation, record): (&Simulation<f64>, &Record<f64>),
 ) -> Result<Option<Verified>, Failure> {
-    if !arguments.verify || simulation.outcome == Outcome::Interrupted {
+    if !arguments.verify {
         return Ok(None);
     }
-    let console = Console::new();
-    let mut unread = None;
-    let mut events = record.events().map_while(|noted| match noted {
-        Ok(noted) => Some(noted.event),
-        Err(error) => {
-            unread = Some(error);
-            None
-        }
-    });
-    let mut observer = |reached: &Reached| observe(&console, reached);
-    let (model, spec) = (subject.model, subject.spec);
-    let verified = Verification::beside(model, spec, simulation, &mut events, &mut observer);
-    let verification = verified.map_err(|error| refused(&error, subject.model))?;
-    if let Some(error) = unread {
-        return Err(error.into());
-    }
-    drop(console);
+    let verification = verification::verify(subject, (simulation, record), &Console::new())?;
     let told = verification.map(|verification| {
         let text = verification::text(subject, (simulation, record), &verification)?;
         Ok(Verified { verification, text })
@@ -209,14 +191,6 @@ fn verification(
 struct Verified {
     verification: Verification,
     text: String,
-}
-
-/// Shows how far a run is, and lets the user break it off.
-fn observe(console: &Console, reached: &Reached) -> ControlFlow<()> {
-    console.progress(part_done(reached), &|| {
-        format!("time {:.6}, {} impacts", reached.time, reached.impacts)
-    });
-    console.going_on()
 }
 
 fn specification(

@@ -62,6 +62,14 @@ fn a_stiff_model_says_what_limits_its_steps() {
             .contains("the model is stiff")
     );
     let said = folder.interrupt(
+        "diagram impact_oscillator --set zeta=1e8 --sweep omega=2:3:10 --observe x --out a.npz",
+        second,
+    );
+    assert!(
+        said.contains("the model is stiff") && said.contains("the diagram takes some"),
+        "{said}"
+    );
+    let said = folder.interrupt(
         "simulate impact_oscillator --until 1e40 --impacts 100000000000",
         second,
     );

@@ -3,17 +3,17 @@
 use super::Answering;
 use super::file::{Extension, stem};
 use crate::question::BranchesQuestion;
-use chatter::analysis::periodic::{Beside, Branch, BranchSpec, End, Limits, Point, branches};
+use chatter::analysis::periodic::{Branch, BranchSpec, End};
+use chatter_work::Refusal;
 use chatter_work::numbers::Digits;
 use chatter_work::periodic::{
-    IMPACTS, POINTS, STEP, Subject, branch_document, first_that_changes, free_parameter, picture,
-    refused, specification, write,
+    Branches, Reach, Subject, beside, branch_document, find_branches, first_that_changes,
+    free_parameter, picture, specification, write,
 };
 use chatter_work::source::Loaded;
-use chatter_work::{Observer as _, Refusal};
 
 /// Doublings of doublings.
-const MOST_DOUBLINGS: usize = 4;
+const MOST_DOUBLINGS: u64 = 4;
 
 struct Found {
     loaded: Loaded,
@@ -47,32 +47,15 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
     if !(question.from < question.to && question.from.is_finite() && question.to.is_finite()) {
         return Err(Refusal::input("expected a range, the smaller end first"));
     }
-    let what = BranchSpec {
-        parameter,
-        limits: Limits {
-            range: (question.from, question.to),
-            impacts: IMPACTS,
-            points: POINTS as usize,
-            longest_step: STEP,
-        },
-        beside: Beside {
-            doublings: question.doublings.min(MOST_DOUBLINGS),
-            branch_points: 0,
+    let wanted = Branches {
+        spec,
+        over: BranchSpec {
+            parameter,
+            limits: Reach::default().over((question.from, question.to))?,
+            beside: beside(question.doublings.min(MOST_DOUBLINGS), 0)?,
         },
     };
-    let mut orbits = 0_u64;
-    let mut listen = |point: Option<&Point>| {
-        if let Some(point) = point {
-            orbits += 1;
-            let at = point.parameter();
-            answering.progress(orbits as f64 / POINTS as f64, &|| {
-                format!("{orbits} orbits, {} = {at:.6}", question.parameter)
-            });
-        }
-        answering.going_on()
-    };
-    let found = branches(model, &spec, &what, &mut listen);
-    let branches = found.map_err(|error| refused(&error, model))?;
+    let branches = find_branches(model, &wanted, answering)?;
     if branches
         .iter()
         .any(|branch| branch.ends.contains(&End::Interrupted))

@@ -39,9 +39,9 @@ pub fn answer(answering: &Answering, question: &DiagramQuestion) -> Result<(), R
         }
         let columns: u64 = spec.sweeps.iter().map(|range| range.count).product();
         let passes = ready.sweep.rows() / columns.max(1);
-        let all = produce_rows(&ready, answering.context.threads, answering, &mut |row| {
-            answering.numbers(Kind::Row, &numbers(run, passes, &ready.sweep, &row))
-        })?;
+        let take =
+            &mut |row| answering.numbers(Kind::Row, &numbers(run, passes, &ready.sweep, &row));
+        let all = produce_rows(&ready, (answering.context.threads, take), answering)?;
         if !all || answering.going_on().is_break() {
             return Err(Refusal::Interrupted);
         }
@@ -119,7 +119,12 @@ pub fn file(
             version: &job.version,
             axis: &|name| picture::axis(&ready.model, name),
         };
-        let picture = picture::draw(&words, &ready.sweep, &mut source, &View::default())?;
+        let picture = picture::draw(
+            &words,
+            (&ready.sweep, &mut source),
+            &View::default(),
+            answering,
+        )?;
         return answering.figure(&stem, kind, &picture.figure);
     }
     table::check_names(&ready.sweep)?;

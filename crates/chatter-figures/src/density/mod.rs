@@ -84,18 +84,6 @@ impl Density {
         self
     }
 
-    /// In this colour.
-    pub fn color(mut self, color: Color) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// With an entry in the legend.
-    pub fn label(mut self, label: impl Into<String>) -> Self {
-        self.label = Some(label.into());
-        self
-    }
-
     /// With counts compared in this way.
     pub fn normalisation(mut self, normalisation: Normalisation) -> Self {
         self.normalisation = normalisation;

@@ -9,7 +9,7 @@ pub enum Kind {
     Float,
     /// `<i8`: integers.
     Integer,
-    /// `|b1`: truth values.
+    /// `|b1`: truth values, which others write.
     Boolean,
     /// `<U…`: text of at most so many characters, four bytes each.
     Text {
@@ -100,7 +100,6 @@ mod sealed {
     pub trait Sealed {}
     impl Sealed for f64 {}
     impl Sealed for i64 {}
-    impl Sealed for bool {}
 }
 
 impl Element for f64 {
@@ -120,16 +119,6 @@ impl Element for i64 {
     }
     fn take(bytes: &[u8]) -> Self {
         i64::from_le_bytes(bytes.try_into().expect("eight bytes"))
-    }
-}
-
-impl Element for bool {
-    const KIND: Kind = Kind::Boolean;
-    fn put(self, bytes: &mut Vec<u8>) {
-        bytes.push(u8::from(self));
-    }
-    fn take(bytes: &[u8]) -> Self {
-        bytes[0] != 0
     }
 }
 

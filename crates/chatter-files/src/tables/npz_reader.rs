@@ -70,12 +70,15 @@ impl NpzReader {
         Ok(&self.entry(name)?.info)
     }
 
-    /// The values of a column, whatever their kind.
+    /// The values of a column, whatever their kind; truth values as integers.
     pub fn column(&self, name: &str) -> Result<Column, Error> {
         let values = match self.entry(name)?.info.kind {
             Kind::Float => Values::Floats(self.floats(name)?),
             Kind::Integer => Values::Integers(self.integers(name)?),
-            Kind::Boolean => Values::Booleans(self.booleans(name)?),
+            Kind::Boolean => {
+                let bytes = self.bytes(name, Kind::Boolean)?;
+                Values::Integers(bytes.iter().map(|&byte| i64::from(byte != 0)).collect())
+            }
             Kind::Text { .. } => Values::Texts(self.texts(name)?),
         };
         Ok(Column {
@@ -114,15 +117,6 @@ impl NpzReader {
             .0
             .iter()
             .map(|b| i64::from_le_bytes(*b))
-            .collect())
-    }
-
-    /// An array of truth values, row after row.
-    pub fn booleans(&self, name: &str) -> Result<Vec<bool>, Error> {
-        Ok(self
-            .bytes(name, Kind::Boolean)?
-            .iter()
-            .map(|&b| b != 0)
             .collect())
     }
 

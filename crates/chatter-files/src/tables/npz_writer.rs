@@ -119,7 +119,6 @@ impl NpzWriter {
         match &column.values {
             Values::Floats(v) => self.array(&column.name, v),
             Values::Integers(v) => self.array(&column.name, v),
-            Values::Booleans(v) => self.array(&column.name, v),
             Values::Texts(v) => self.texts(&column.name, v),
         }
     }

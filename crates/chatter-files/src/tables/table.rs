@@ -15,8 +15,6 @@ pub enum Values {
     Floats(Vec<f64>),
     /// Integers.
     Integers(Vec<i64>),
-    /// Truth values.
-    Booleans(Vec<bool>),
     /// Text.
     Texts(Vec<String>),
 }
@@ -27,7 +25,6 @@ impl Values {
         match self {
             Values::Floats(v) => v.len(),
             Values::Integers(v) => v.len(),
-            Values::Booleans(v) => v.len(),
             Values::Texts(v) => v.len(),
         }
     }
@@ -47,12 +44,6 @@ impl From<Vec<f64>> for Values {
 impl From<Vec<i64>> for Values {
     fn from(v: Vec<i64>) -> Self {
         Values::Integers(v)
-    }
-}
-
-impl From<Vec<bool>> for Values {
-    fn from(v: Vec<bool>) -> Self {
-        Values::Booleans(v)
     }
 }
 
@@ -95,7 +86,7 @@ impl Table {
         }
     }
 
-    /// Appends a column of `f64`, `i64`, `bool`, `String` or `&str`.
+    /// Appends a column of `f64`, `i64`, `String` or `&str`.
     pub fn column(mut self, name: impl Into<String>, values: impl Into<Values>) -> Self {
         self.columns.push(Column {
             name: name.into(),

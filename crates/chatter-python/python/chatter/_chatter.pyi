@@ -89,7 +89,7 @@ def orbit(
     period: str | None = None,
     section: str | None = None,
     periods: int | None = None,
-    starts: int = 200,
+    starts: int | None = None,
     seed: int = 0,
     digits: int = 17,
     progress: _Progress = None,
@@ -102,11 +102,12 @@ def branches(
     *,
     period: str | None = None,
     section: str | None = None,
+    through: tuple[Sequence[float], float] | None = None,
     doublings: int = 0,
     branch_points: int = 0,
-    impacts: int = ...,
-    points: int = ...,
-    step: float = ...,
+    impacts: int | None = None,
+    points: int | None = None,
+    step: float | None = None,
     progress: _Progress = None,
 ) -> str: ...
 def curve(
@@ -120,9 +121,9 @@ def curve(
     *,
     period: str | None = None,
     section: str | None = None,
-    impacts: int = ...,
-    points: int = ...,
-    step: float = ...,
+    impacts: int | None = None,
+    points: int | None = None,
+    step: float | None = None,
     progress: _Progress = None,
 ) -> str: ...
 def exponents(

@@ -285,6 +285,7 @@ class Model(Frozen):
         period: Any = None,
         section: str | None = None,
         digits: int = 17,
+        progress: bool | Progress = False,
         **more: Any,
     ) -> PeriodicOrbit:
         """The periodic orbit that the motion settles to at these values, closed by Newton's method.
@@ -294,7 +295,9 @@ class Model(Frozen):
         """
         model = self.with_values(values, **more)
         how: dict[str, Any] = {"period": _maybe(period), "section": section}
-        return _periodic.read_orbits(model, how, _chatter.orbit(model._core, digits=digits, **how))[0]
+        with shown(progress) as hears:
+            text = _chatter.orbit(model._core, digits=digits, progress=hears, **how)
+        return _periodic.read_orbits(model, how, text)[0]
 
     def orbits(
         self,

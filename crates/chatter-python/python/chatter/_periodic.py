@@ -51,10 +51,15 @@ class PeriodicOrbit(Frozen):
         self._set(model=model, document=document, _how=dict(how), multipliers=frozen(_complex(document["multipliers"])))
 
     def follow(self, parameter: str, to: Any, *, progress: bool | Progress = False, **limits: Any) -> Branch:
-        """The branch of this orbit from its own value of a parameter to another; as for `branches`, the first found."""
+        """The branch of this orbit, stable or not, from its own value of a parameter to another.
+
+        limits: as for `branches`.
+        """
         own = self.model.parameters[parameter]
         ends = sorted((own, float(self.model.with_values({parameter: to}).parameters[parameter])))
-        return branches(self.model, parameter, *ends, how=self._how, progress=progress, **limits)[0]
+        through = (list(self.start.values()), self.period)
+        found = branches(self.model, parameter, *ends, how=self._how, through=through, progress=progress, **limits)
+        return found[0]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (PeriodicOrbit, (self.model, self._how, self.document))
@@ -312,10 +317,12 @@ def branches(
     high: Any,
     *,
     how: Mapping[str, Any] | None = None,
+    through: tuple[list[float], float] | None = None,
     progress: bool | Progress = False,
     **limits: Any,
 ) -> list[Branch]:
-    """All branches that are found over a range of a parameter, from the orbit that the motion settles to.
+    """All branches that are found over a range of a parameter, from the orbit that the motion settles to, or from the one through
+    these states and of this period.
 
     limits: `doublings` and `branch_points`, how often a branch is left for another there (0), `impacts` (80) a period at most,
         `points` (20000), and the longest `step` in parts of the range (0.01).
@@ -323,7 +330,7 @@ def branches(
     _check(limits, {"doublings", "branch_points", "impacts", "points", "step"})
     with shown(progress) as hears:
         text = _chatter.branches(
-            model._core, parameter, text_of(low), text_of(high), progress=hears, **{**(how or {}), **limits}
+            model._core, parameter, text_of(low), text_of(high), through=through, progress=hears, **{**(how or {}), **limits}
         )
     found = json.loads(text)["branches"]
     return [Branch(model, parameter, how or {}, one) for one in found]

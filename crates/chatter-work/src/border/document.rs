@@ -3,7 +3,7 @@
 use super::compared::list;
 use super::{Answer, Subject};
 use crate::json::{Json, Object};
-use crate::universal::window_list;
+use crate::universal::window_sheet;
 use chatter::analysis::border::{
     Border, BorderError, BreakCause, Estimate, LeadingOrder, WindowComparison,
 };
@@ -193,7 +193,7 @@ fn leading_order<R: Real>(subject: &Subject, form: &LeadingOrder<R>) -> Object {
 /// Predicted windows, in the parameter.
 fn windows<R: Real + Argument<Real = R>>(subject: &Subject, border: &Border<R>) -> Json {
     match super::prediction(subject, border) {
-        Some(windows) => window_list(&windows, subject.digits),
+        Some(windows) => window_sheet(&windows).json(subject.digits),
         None => Json::Null,
     }
 }

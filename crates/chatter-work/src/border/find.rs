@@ -19,17 +19,26 @@ pub enum Place {
     Range(f64, f64),
 }
 
+/// What is looked for, and where.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// How.
+    pub spec: BorderSpec,
+    /// Where.
+    pub place: Place,
+}
+
 /// What is found at a place. Once the observer stops, windows are missing, and borders of the rest of a range.
 ///
 /// # Errors
 /// There is no border near the value, the place is none, or the search was stopped before anything was found.
 pub fn find<R: Real + Argument<Real = R>>(
     subject: &Subject,
-    spec: &BorderSpec,
-    place: Place,
+    question: &Question,
     observer: &dyn Observer,
 ) -> Result<Answer<R>, Refusal> {
-    match place {
+    let spec = &question.spec;
+    match question.place {
         Place::Near(value) => near(subject, spec, value, observer),
         Place::Range(low, high) => range(subject, spec, (low, high), observer),
     }

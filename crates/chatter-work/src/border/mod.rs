@@ -9,7 +9,7 @@ mod refused;
 
 pub use compared::{NAMES, compared, ends};
 pub use document::document;
-pub use find::{Place, find};
+pub use find::{Place, Question, find};
 pub use overlay::{Orbits, Overlay, overlay};
 pub use picture::picture;
 pub use refused::refused;

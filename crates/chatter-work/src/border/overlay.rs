@@ -77,9 +77,7 @@ impl Orbits {
 /// The border has no prediction, or the observer stopped the work.
 pub fn overlay<R: Real>(
     subject: &Subject,
-    spec: &BorderSpec,
-    border: &Border<R>,
-    compared: &[WindowComparison],
+    (spec, border, compared): (&BorderSpec, &Border<R>, &[WindowComparison]),
     observer: &dyn Observer,
 ) -> Result<Overlay, Refusal> {
     let prediction = Prediction::exact(border).map_err(refused)?;

@@ -2,6 +2,7 @@
 
 mod columns;
 pub mod document;
+mod expectation;
 mod hysteresis;
 pub mod job;
 mod order;
@@ -13,6 +14,7 @@ mod store;
 mod stored;
 pub mod table;
 pub mod tally;
+mod watched;
 
 pub use columns::{Columns, columns};
 pub use hysteresis::{Hysteresis, hysteresis};
@@ -20,7 +22,7 @@ pub use job::{Header, Job, Order, Ready};
 pub use order::Request;
 pub use picture::{Shear, Show, View, Zoom};
 pub use produce::{
-    Beginning, Produced, Written, produce, produce_in_memory, produce_rows, produce_share, rows_of,
+    Beginning, Produced, Take, Work, Written, produce, produce_in_memory, produce_rows, rows_of,
 };
 pub use shards::{merge, shard_journal, small_share};
 pub use source::{Class, InMemory, Rows, Source};

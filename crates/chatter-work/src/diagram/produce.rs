@@ -1,5 +1,6 @@
 //! Computes what is missing of a diagram, then writes its files.
 
+use super::expectation::stiffness;
 use super::job::{Order, Ready};
 use super::picture::{self, Words};
 use super::source::InMemory;
@@ -24,6 +25,27 @@ pub enum Beginning {
     Resumed(Box<Begun>),
 }
 
+/// What of a diagram is computed, and how.
+pub struct Work {
+    /// Which share of it.
+    pub share: Share,
+    /// What is gone on with.
+    pub beginning: Beginning,
+    /// On how many threads.
+    pub threads: Threads,
+}
+
+impl Work {
+    /// All of it.
+    pub fn whole(beginning: Beginning, threads: Threads) -> Self {
+        Self {
+            share: Share::WHOLE,
+            beginning,
+            threads,
+        }
+    }
+}
+
 /// A diagram in its journal.
 pub struct Produced {
     /// Its model and map.
@@ -46,39 +68,28 @@ pub struct Written {
 ///
 /// # Errors
 /// The order is wrong, or its journal is another's or cannot be written.
-pub fn produce(
-    order: &Order,
-    beginning: Beginning,
-    threads: Threads,
-    observer: &dyn Observer,
-) -> Result<Produced, Refusal> {
-    produce_share(order, Share::WHOLE, beginning, threads, observer)
-}
-
-/// Computes what is missing of a share of the diagram.
-///
-/// # Errors
-/// As for [`produce`].
-pub fn produce_share(
-    order: &Order,
-    share: Share,
-    beginning: Beginning,
-    threads: Threads,
-    observer: &dyn Observer,
-) -> Result<Produced, Refusal> {
+pub fn produce(order: &Order, work: Work, observer: &dyn Observer) -> Result<Produced, Refusal> {
+    let Work {
+        share,
+        beginning,
+        threads,
+    } = work;
     let ready = order.ready()?;
     check(order, &ready.sweep)?;
-    let work = Work {
+    let wanted = Wanted {
         map: &ready.map,
         sweep: &ready.sweep,
         share,
     };
     let (mut store, standing) = open(order, beginning, &ready, share, observer)?;
+    if let Some(remark) = stiffness(&ready) {
+        observer.remark(&remark);
+    }
     let keep = &mut |row: Row| {
         let kept = store.append(&row);
         kept.map_err(|error| Refusal::Output(error.to_string()))
     };
-    let ending = fill(&work, &standing, threads, keep, observer)?;
+    let ending = fill(&wanted, &standing, (threads, keep), observer)?;
     let complete = ending == Ending::Complete;
     Ok(Produced {
         ready,
@@ -92,9 +103,9 @@ impl Produced {
     ///
     /// # Errors
     /// A file cannot be written, or the journal not be read.
-    pub fn write(&mut self, order: &Order) -> Result<Written, Refusal> {
+    pub fn write(&mut self, order: &Order, observer: &dyn Observer) -> Result<Written, Refusal> {
         self.store.compare(&self.ready.map)?;
-        write(order, &self.ready, &mut self.store)
+        write(order, (&self.ready, &mut self.store), observer)
     }
 }
 
@@ -109,13 +120,17 @@ pub fn produce_in_memory(
 ) -> Result<(Ready, Vec<Row>, bool), Refusal> {
     let ready = order.ready()?;
     let mut rows: Vec<Row> = Vec::new();
-    let complete = produce_rows(&ready, threads, observer, &mut |row| {
+    let take = &mut |row| {
         rows.push(row);
         Ok(())
-    })?;
+    };
+    let complete = produce_rows(&ready, (threads, take), observer)?;
     rows.sort_unstable_by_key(|row| row.row);
     Ok((ready, rows, complete))
 }
+
+/// What takes each row as it is done.
+pub type Take<'a> = &'a mut (dyn FnMut(Row) -> Result<(), Refusal> + Send);
 
 /// Computes a diagram and hands over each row as it is done, in any order; whether all are.
 ///
@@ -123,17 +138,19 @@ pub fn produce_in_memory(
 /// The order asks for too much, or `take` refuses a row, which ends the work.
 pub fn produce_rows(
     ready: &Ready,
-    threads: Threads,
+    (threads, take): (Threads, Take),
     observer: &dyn Observer,
-    take: &mut (dyn FnMut(Row) -> Result<(), Refusal> + Send),
 ) -> Result<bool, Refusal> {
     check_size(&ready.sweep, false)?;
-    let work = Work {
+    if let Some(remark) = stiffness(ready) {
+        observer.remark(&remark);
+    }
+    let wanted = Wanted {
         map: &ready.map,
         sweep: &ready.sweep,
         share: Share::WHOLE,
     };
-    let ending = fill(&work, &Standing::default(), threads, take, observer)?;
+    let ending = fill(&wanted, &Standing::default(), (threads, take), observer)?;
     Ok(ending == Ending::Complete)
 }
 
@@ -165,7 +182,11 @@ fn check(order: &Order, sweep: &Sweep) -> Result<(), Refusal> {
 }
 
 /// Writes table and figure.
-fn write(order: &Order, ready: &Ready, store: &mut Store) -> Result<Written, Refusal> {
+fn write(
+    order: &Order,
+    (ready, store): (&Ready, &mut Store),
+    observer: &dyn Observer,
+) -> Result<Written, Refusal> {
     let job = &order.job;
     let mut files = Vec::new();
     let mut slanted = false;
@@ -185,7 +206,7 @@ fn write(order: &Order, ready: &Ready, store: &mut Store) -> Result<Written, Ref
             version: &job.version,
             axis: &|name| picture::axis(&ready.model, name),
         };
-        let picture = picture::draw(&words, &ready.sweep, store, &view)?;
+        let picture = picture::draw(&words, (&ready.sweep, store), &view, observer)?;
         picture.figure.write(path)?;
         files.push(path.clone());
         slanted = picture.slanted;
@@ -245,8 +266,8 @@ pub fn rows_of(sweep: &Sweep, share: Share) -> u64 {
     pieces.map(|piece| sweep.piece_rows(piece)).sum()
 }
 
-/// What is computed.
-struct Work<'a> {
+/// Which rows of what are computed.
+struct Wanted<'a> {
     map: &'a ReturnMap,
     sweep: &'a Sweep,
     share: Share,
@@ -254,14 +275,13 @@ struct Work<'a> {
 
 /// Computes what is missing; `keep` takes each row as it is done.
 fn fill(
-    work: &Work,
+    wanted: &Wanted,
     standing: &Standing,
-    threads: Threads,
-    keep: &mut (dyn FnMut(Row) -> Result<(), Refusal> + Send),
+    (threads, keep): (Threads, Take),
     observer: &dyn Observer,
 ) -> Result<Ending, Refusal> {
     let began = Instant::now();
-    let &Work { map, sweep, share } = work;
+    let &Wanted { map, sweep, share } = wanted;
     let rows = rows_of(sweep, share);
     let spec = sweep.spec();
     let returns = (spec.transient as f64 + spec.keep as f64) * spec.every as f64;

@@ -41,8 +41,7 @@ pub fn small_share(sweep: &Sweep, share: Share) -> Option<String> {
 /// A journal is of another diagram, cannot be read, or is in use.
 pub fn merge(
     journals: &[PathBuf],
-    out: &Path,
-    plot: Option<PathBuf>,
+    (out, plot): (&Path, Option<PathBuf>),
     observer: &dyn Observer,
 ) -> Result<Order, Refusal> {
     let own = journal_of(out);

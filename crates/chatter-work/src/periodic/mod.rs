@@ -1,6 +1,7 @@
 //! Periodic orbits and their branches: as documents, tables and figures.
 
 mod branch_document;
+mod find;
 mod orbit_document;
 mod over;
 mod picture;
@@ -10,11 +11,14 @@ mod restored;
 mod table;
 
 pub use branch_document::{curves_document, document as branch_document};
+pub use find::{
+    Branches, Curve, Orbits, Reach, beside, find_branches, find_curve, find_orbits, search,
+};
 pub use orbit_document::{document as orbit_document, events_of};
 pub use over::{Beneath, beneath};
 pub use picture::{Vertical, first_that_changes, picture, plane};
 pub use refused::refused;
-pub use request::{IMPACTS, POINTS, STEP, free_parameter, specification};
+pub use request::{free_parameter, specification};
 pub use restored::{Restored, restore};
 pub use table::write;
 

@@ -6,13 +6,6 @@ use chatter::analysis::periodic::Spec;
 use chatter::expressions::nearest;
 use chatter::model::{Model, ModelError, Warning, check};
 
-/// Impacts a period of orbits that are followed, unless another number is asked for, …
-pub const IMPACTS: u64 = 80;
-/// … orbits of one branch to either side, …
-pub const POINTS: u64 = 20_000;
-/// … and the longest step, in parts of the range.
-pub const STEP: f64 = 0.01;
-
 /// The section of a model that is meant.
 fn section_of(model: &Model, name: Option<&str>) -> Result<Option<usize>, Refusal> {
     let Some(name) = name else {

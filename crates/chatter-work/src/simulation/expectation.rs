@@ -3,6 +3,7 @@
 use super::Subject;
 use crate::numbers::{Digits, full};
 use chatter::analysis::simulate::{FastestRate, Progress, Sampling};
+use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_files::atomic_file::free_space;
 use core::cell::OnceCell;
@@ -121,19 +122,7 @@ impl<'a> StepWatch<'a> {
         }
         let model = self.subject.model;
         let why = match limit {
-            Some(fastest) => {
-                let name = |index: usize| &model.states[index].name;
-                let (state, with) = (name(fastest.state), name(fastest.with));
-                let between = match fastest.state == fastest.with {
-                    true => format!("`{state}` changes"),
-                    false => format!("`{state}` and `{with}` change each other"),
-                };
-                let stiff = if stiff { "the model is stiff: " } else { "" };
-                format!(
-                    "{stiff}{between} at a rate of {:.1e}, which limits the steps; they are",
-                    fastest.rate
-                )
-            }
+            Some(fastest) => format!("{}; they are", limiting(model, &fastest)),
             None => "steps are".to_owned(),
         };
         Some(format!(
@@ -142,6 +131,25 @@ impl<'a> StepWatch<'a> {
             full(reached.until, Digits::DOUBLE)
         ))
     }
+}
+
+/// What limits the steps, in words.
+pub fn limiting(model: &Model, fastest: &FastestRate) -> String {
+    let name = |index: usize| &model.states[index].name;
+    let (state, with) = (name(fastest.state), name(fastest.with));
+    let between = match fastest.state == fastest.with {
+        true => format!("`{state}` changes"),
+        false => format!("`{state}` and `{with}` change each other"),
+    };
+    let stiff = if fastest.is_stiff() {
+        "the model is stiff: "
+    } else {
+        ""
+    };
+    format!(
+        "{stiff}{between} at a rate of {:.1e}, which limits the steps",
+        fastest.rate
+    )
 }
 
 /// A rate limits steps that are longer than this part of its reciprocal: below it something else does, such as impacts.

@@ -215,14 +215,14 @@ fn folder(path: Option<&Path>) -> PathBuf {
 }
 
 /// By time or by impacts, whichever is nearer to its end.
-pub fn part_done(reached: &Reached) -> f64 {
+pub(super) fn part_done(reached: &Reached) -> f64 {
     let by_time = (reached.time - reached.start) / (reached.until - reached.start);
     let by_impacts = reached.impacts as f64 / reached.impact_budget as f64;
     by_time.max(by_impacts)
 }
 
 /// A run that could not begin: what was asked for is wrong.
-pub fn refused(error: &SimulateError, model: &Model) -> Refusal {
+pub(super) fn refused(error: &SimulateError, model: &Model) -> Refusal {
     match error {
         SimulateError::Spec(error) => {
             let refusal = Refusal::input(error);

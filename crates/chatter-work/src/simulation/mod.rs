@@ -16,8 +16,8 @@ pub mod verification;
 
 pub use beginning::why_none_begins;
 pub use columns::rates;
-pub use expectation::Expectation;
-pub use follow::{Followed, Rows, follow, part_done, refused};
+pub use expectation::{Expectation, limiting};
+pub use follow::{Followed, Rows, follow};
 pub use record::{Noted, Record};
 pub use request::{Request, start_time};
 pub use sample::SampleOption;

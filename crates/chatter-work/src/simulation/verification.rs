@@ -1,10 +1,12 @@
 //! How a run compares with its twin in double-double, as text and as JSON.
 
+use super::follow::{part_done, refused};
 use super::{Record, Subject};
 use crate::named::Named;
 use crate::numbers::{concise, significant};
+use crate::observer::Observer;
 use crate::refusal::Refusal;
-use chatter::analysis::simulate::{Simulation, Verification, digits};
+use chatter::analysis::simulate::{Outcome, Progress, Simulation, Verification, digits};
 use chatter::flow::{EventKind, Occurrence};
 use serde::Serialize;
 
@@ -12,6 +14,44 @@ use serde::Serialize;
 const ERROR_DIGITS: u32 = 2;
 /// Digits of the times at which runs part ways.
 const TIME_DIGITS: u32 = 9;
+
+/// Follows the twin of a run and compares; none where the run or its twin was interrupted.
+///
+/// # Errors
+/// The twin cannot begin, or the run's events cannot be read back.
+pub fn verify(
+    subject: &Subject,
+    (simulation, record): (&Simulation<f64>, &Record<f64>),
+    observer: &dyn Observer,
+) -> Result<Option<Verification>, Refusal> {
+    if simulation.outcome == Outcome::Interrupted {
+        return Ok(None);
+    }
+    let mut unread = None;
+    let mut events = record.events().map_while(|noted| match noted {
+        Ok(noted) => Some(noted.event),
+        Err(error) => {
+            unread = Some(error);
+            None
+        }
+    });
+    let (model, spec) = (subject.model, subject.spec);
+    let mut show = |reached: &Progress| {
+        observer.progress(part_done(reached), &|| {
+            format!(
+                "the twin: time {:.6}, {} impacts",
+                reached.time, reached.impacts
+            )
+        });
+        observer.going_on()
+    };
+    let verified = Verification::beside(model, spec, simulation, &mut events, &mut show);
+    let verified = verified.map_err(|error| refused(&error, model))?;
+    match unread {
+        Some(error) => Err(error.into()),
+        None => Ok(verified),
+    }
+}
 
 /// The comparison, for a document.
 #[derive(Serialize)]

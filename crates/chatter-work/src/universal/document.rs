@@ -1,7 +1,7 @@
 //! The universal map as one JSON document.
 
 use super::atlas::limits;
-use super::{Findings, window_list};
+use super::{Findings, window_sheet};
 use crate::json::{Json, Object};
 use chatter::analysis::diagram::{Row, Sweep};
 use chatter::numerics::Real;
@@ -19,28 +19,14 @@ pub fn document<R: Real>(findings: &Findings<R>) -> Object {
         .number("exponent", constants.exponent)
         .number("lap_end", end)
         .number("lap_begin", begin);
-    if let Some(values) = &findings.values {
-        let values = values.iter().map(|&(x, at)| {
-            let n = match at.lap.to_f64() {
-                lap if lap.is_finite() => Json::Integer(lap as i64),
-                // Upsilon is zero for x <= 0, where the impacts never end.
-                _ => Json::Null,
-            };
-            Object::new(digits)
-                .number("x", x)
-                .number("upsilon", at.value)
-                .number("derivative", at.derivative)
-                .with("n", n)
-                .number("u1", at.u1)
-                .into()
-        });
-        object = object.with("values", values.collect::<Vec<Json>>());
+    if let Some(values) = findings.value_sheet() {
+        object = object.with(values.name, values.json(digits));
     }
     if findings.windows.is_some() || findings.diagram.is_some() {
         object = object.number("slope", findings.slope);
     }
     if let Some(windows) = &findings.windows {
-        object = object.with("windows", window_list(windows, digits));
+        object = object.with("windows", window_sheet(windows).json(digits));
     }
     if let Some(scaling) = &findings.scaling {
         let start = Object::new(digits);

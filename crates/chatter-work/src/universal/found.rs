@@ -1,7 +1,8 @@
 //! The atlas, as far as it was asked for.
 
-use super::atlas::{self, Sheet};
+use super::atlas;
 use super::request::{Request, refused};
+use super::sheet::Sheet;
 use super::windows::Window;
 use crate::observer::Observer;
 use crate::parallel;

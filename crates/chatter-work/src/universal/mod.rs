@@ -9,6 +9,7 @@ mod job;
 mod orbits;
 pub mod picture;
 mod request;
+mod sheet;
 pub mod table;
 mod windows;
 
@@ -18,13 +19,13 @@ pub use found::Atlas;
 pub use job::UniversalJob;
 pub use orbits::compute;
 pub use request::{Request, refused};
-pub use windows::{Window, window_list, window_rows, window_table};
+pub use sheet::{Cell, Sheet};
+pub use windows::{Window, window_sheet};
 
 use crate::numbers::Digits;
-use atlas::Sheet;
 use chatter::analysis::diagram::{Row, Sweep};
 use chatter::analysis::universal::{Evaluation, PeriodicWindow, Scaling, Universal};
-use chatter::numerics::DoubleDouble;
+use chatter::numerics::{DoubleDouble, Real};
 
 /// What was found.
 pub struct Findings<'a, R> {
@@ -48,4 +49,31 @@ pub struct Findings<'a, R> {
     pub diagram: Option<(&'a Sweep, &'a [Row])>,
     /// How many digits the user wants.
     pub digits: Digits,
+}
+
+impl<R: Real> Findings<'_, R> {
+    /// Upsilon where it was asked for, as a sheet.
+    pub fn value_sheet(&self) -> Option<Sheet> {
+        let number = |value: R| Cell::Number(Some(value.to_double_double()));
+        let row = |&(x, at): &(R, Evaluation<R>)| {
+            let lap = at.lap.to_f64();
+            vec![
+                number(x),
+                number(at.value),
+                number(at.derivative),
+                match lap.is_finite() {
+                    true => Cell::Whole(lap as i64),
+                    // Upsilon is zero for x <= 0, where the impacts never end.
+                    false => Cell::Rough(Some(lap)),
+                },
+                number(at.u1),
+            ]
+        };
+        Some(Sheet {
+            name: "values",
+            title: "values",
+            columns: vec!["x", "upsilon", "derivative", "n", "u1"],
+            rows: self.values.as_ref()?.iter().map(row).collect(),
+        })
+    }
 }

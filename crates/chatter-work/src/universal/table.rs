@@ -1,11 +1,11 @@
 //! What `chatter universal --out` writes.
 
-use super::{Findings, UniversalJob, window_table};
+use super::{Findings, UniversalJob, window_sheet};
 use crate::diagram::{Store, table as orbit_table};
 use crate::named::Named;
 use crate::refusal::Refusal;
 use chatter::numerics::Real;
-use chatter_files::tables::{Dataset, Table};
+use chatter_files::tables::Dataset;
 use std::path::{Path, PathBuf};
 
 /// Writes what `--out` holds: the last thing asked for.
@@ -47,31 +47,16 @@ fn dataset<R: Real>(findings: &Findings<R>, path: &Path) -> Result<Dataset, Refu
                 String::new()
             }
         };
-        let start = data.table(window_table(windows, &prefix("windows")));
+        let start = data.table(window_sheet(windows).table(&prefix("windows")));
         let sheets = findings.sheets.iter();
         return Ok(sheets.fold(start, |data, sheet| {
             data.table(sheet.table(&prefix(sheet.name)))
         }));
     }
-    Ok(data.table(value_table(findings)?))
-}
-
-fn value_table<R: Real>(findings: &Findings<R>) -> Result<Table, Refusal> {
-    let Some(values) = &findings.values else {
+    let Some(values) = findings.value_sheet() else {
         return Err(
             Refusal::input("--out has nothing to write").help("ask for --at, --windows or --sweep")
         );
     };
-    let column = |part: &dyn Fn(usize) -> R| {
-        let places = 0..values.len();
-        places
-            .map(|place| part(place).to_f64())
-            .collect::<Vec<f64>>()
-    };
-    Ok(Table::new("values")
-        .column("x", column(&|k| values[k].0))
-        .column("upsilon", column(&|k| values[k].1.value))
-        .column("derivative", column(&|k| values[k].1.derivative))
-        .column("n", column(&|k| values[k].1.lap))
-        .column("u1", column(&|k| values[k].1.u1)))
+    Ok(data.table(values.table("")))
 }

@@ -1,11 +1,9 @@
 //! Windows of the map: fold, period doubling, superstable point and graze of the fixed point on each lap.
 
-use crate::json::{Json, Object};
-use crate::numbers::{Digits, full};
+use super::sheet::{Cell, Sheet};
 use crate::options::Counts;
 use chatter::analysis::universal::{Argument, Universal, UniversalError};
 use chatter::numerics::Real;
-use chatter_files::tables::Table;
 
 /// One window, in mu or in a model's parameter. What there is none of is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,41 +65,18 @@ impl<R: Real> Window<R> {
     }
 }
 
-/// As JSON.
-pub fn window_list<R: Real>(windows: &[Window<R>], digits: Digits) -> Json {
-    let object = |window: &Window<R>| {
-        let start = Object::new(digits).with(NAMES[0], window.n);
-        let named = NAMES[1..].iter().zip(window.values());
-        named
-            .fold(start, |object, (name, value)| object.maybe(name, value))
-            .into()
+/// As a sheet.
+pub fn window_sheet<R: Real>(windows: &[Window<R>]) -> Sheet {
+    let row = |window: &Window<R>| {
+        let values = window.values().into_iter();
+        let cells = values.map(|value| Cell::Number(value.map(Real::to_double_double)));
+        let all = core::iter::once(Cell::Whole(window.n)).chain(cells);
+        all.collect()
     };
-    Json::List(windows.iter().map(object).collect())
-}
-
-/// As rows of text with a heading.
-pub fn window_rows<R: Real>(windows: &[Window<R>], digits: Digits) -> Vec<Vec<String>> {
-    let mut rows = vec![NAMES.map(|name| name.replace('_', " ")).to_vec()];
-    for window in windows {
-        let mut row = vec![window.n.to_string()];
-        let text = |value: Option<R>| value.map_or_else(|| "-".to_owned(), |v| full(v, digits));
-        row.extend(window.values().map(text));
-        rows.push(row);
+    Sheet {
+        name: "windows",
+        title: "windows",
+        columns: NAMES.to_vec(),
+        rows: windows.iter().map(row).collect(),
     }
-    rows
-}
-
-/// As a table; what there is none of is NaN. Names of columns begin with the prefix.
-pub fn window_table<R: Real>(windows: &[Window<R>], prefix: &str) -> Table {
-    let laps: Vec<i64> = windows.iter().map(|window| window.n).collect();
-    let named = |name: &str| format!("{prefix}{name}");
-    let start = Table::new("windows").column(named(NAMES[0]), laps);
-    let names = NAMES[1..].iter().enumerate();
-    names.fold(start, |table, (place, name)| {
-        let values = windows.iter().map(|window| window.values()[place]);
-        let doubles: Vec<f64> = values
-            .map(|value| value.map_or(f64::NAN, Real::to_f64))
-            .collect();
-        table.column(named(name), doubles)
-    })
 }

@@ -4,11 +4,10 @@ use crate::accounts::diagram::account;
 use crate::diagram::document::{self, Subject};
 use crate::diagram::tally::Tally;
 use crate::diagram::{
-    self, Beginning, Order, picture, produce_in_memory, produce_share, rows_of, shard_journal,
-    small_share,
+    self, Beginning, Order, Work, picture, produce_in_memory, rows_of, shard_journal, small_share,
 };
 use crate::failure::{self, Failure};
-use crate::terminal::{self, Console, Style, Waiting};
+use crate::terminal::{self, Console, Style};
 use chatter::analysis::diagram::{Outcome, Share, Threads};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,7 +21,7 @@ pub fn produce(
 ) -> Result<u8, Failure> {
     terminal::catch_interrupts();
     let console = Console::new();
-    let produced = diagram::produce(order, beginning, threads, &console);
+    let produced = diagram::produce(order, Work::whole(beginning, threads), &console);
     drop(console);
     let mut produced = produced?;
     if !produced.complete {
@@ -36,9 +35,9 @@ pub fn produce(
     }
     // The journal has everything: what is being written now can be written again.
     terminal::end_on_interrupt();
-    let waiting = Waiting::new("writing");
-    let written = produced.write(order)?;
-    drop(waiting);
+    let console = Console::new();
+    let written = produced.write(order, &console)?;
+    drop(console);
     let (job, ready, mut store) = (&order.job, &produced.ready, produced.store);
     if json {
         let subject = Subject {
@@ -83,10 +82,14 @@ pub fn produce_shard(
     threads: Threads,
 ) -> Result<u8, Failure> {
     let journal = shard_journal(out, share);
-    let beginning = Beginning::At(journal.clone());
+    let work = Work {
+        share,
+        beginning: Beginning::At(journal.clone()),
+        threads,
+    };
     terminal::catch_interrupts();
     let console = Console::new();
-    let produced = produce_share(order, share, beginning, threads, &console);
+    let produced = diagram::produce(order, work, &console);
     drop(console);
     let produced = produced?;
     let sweep = &produced.ready.sweep;

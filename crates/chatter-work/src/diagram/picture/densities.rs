@@ -16,9 +16,11 @@ use chatter_figures::{Axis, Density, Grain, Legend, Normalisation, Panel, Scale}
 const COLUMNS: u64 = 2048;
 const ROWS: usize = 1200;
 
-/// Fewer values than these are told apart by the eye. Their samples are shown as dots, of which so many would stand side by
-/// side and above each other: as wide as they are high.
+/// Fewer values than these are few for a part of a diagram.
 pub const FEW: u64 = 150;
+
+/// The samples of fewer values than these are shown as dots, of which so many would stand side by side and above each other: as
+/// wide as they are high. As cells they would be dashes.
 const DOTS: (u64, usize) = (500, 300);
 
 /// Room above and below the samples, as a part of their extent.
@@ -95,7 +97,7 @@ pub fn densities(
     })?;
     let (columns, rows, grain) = match window.count {
         // An odd number of cells for each value: the dot is in the middle.
-        few @ 0..FEW => (few * ((DOTS.0 / few.max(1)) | 1), DOTS.1, Grain::Points),
+        few if few < DOTS.0 => (few * ((DOTS.0 / few.max(1)) | 1), DOTS.1, Grain::Points),
         count => (count.min(COLUMNS), ROWS, Grain::Smooth),
     };
     let mut drawn = Vec::new();

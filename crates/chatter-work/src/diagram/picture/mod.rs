@@ -10,6 +10,8 @@ pub use cells::{check_cells, panel as map_panel};
 pub use densities::densities;
 
 use super::source::Source;
+use super::watched::Watched;
+use crate::observer::Observer;
 use crate::refusal::Refusal;
 use crate::simulation::picture::axis_of;
 use chatter::analysis::diagram::{Exponent, Range, Record, Spec, Sweep, Swept, initial_name};
@@ -146,15 +148,26 @@ impl Words<'_> {
     }
 }
 
+/// How often the samples of a diagram are gone through: for the slope of their band, for their extent, and to be drawn.
+const PASSES: u32 = 3;
+
 /// Draws a finished diagram.
+///
+/// # Errors
+/// The view does not fit it, it cannot be read, or the observer stopped the work.
 pub fn draw(
     words: &Words<'_>,
-    sweep: &Sweep,
-    source: &mut dyn Source,
+    (sweep, source): (&Sweep, &mut dyn Source),
     view: &View,
+    observer: &dyn Observer,
 ) -> Result<Picture, Refusal> {
     check(sweep, view)?;
     let axis = words.axis;
+    let passes = match sweep.spec().sweeps.len() {
+        1 => PASSES,
+        _ => 1,
+    } + u32::from(sweep.compares());
+    let source = &mut Watched::new(source, (sweep.rows(), passes), observer);
     let (figure, slanted, few) = match &sweep.spec().sweeps[..] {
         [range] => {
             let drawn = densities(sweep, range, axis, source, view)?;

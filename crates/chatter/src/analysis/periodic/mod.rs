@@ -57,6 +57,9 @@ pub struct Spec {
     pub monitors: Vec<String>,
     /// How long the trajectory may take to settle.
     pub patience: Patience,
+    /// The orbit that a branch is followed from, at the model's value of the parameter: a state on it, and its period. Without
+    /// it the one that the motion settles to.
+    pub through: Option<(Vec<f64>, f64)>,
 }
 
 fn workshop(
@@ -100,8 +103,8 @@ pub fn forcing(model: &Model) -> Option<f64> {
     closure.forcing(&model.parameter_values(&[]))
 }
 
-/// The orbit that the trajectory from the model's initial state settles to. The observer hears of the time that it has
-/// come to.
+/// The orbit that the trajectory from the model's initial state settles to; in chaos, where it settles to none, an unstable one that it
+/// comes near to, of a single period if there is one. The observer hears of the time that it has come to.
 ///
 /// # Errors
 /// There is none, or none was found.
@@ -114,7 +117,8 @@ pub fn settled(
     let parameters = model.parameter_values::<f64>(&[]);
     let state = model.initial_state(&parameters);
     let cycle = settle(&workshop, &[], &state, spec.patience, observer)?;
-    orbit::close(&workshop, cycle, &[])
+    let orbit = orbit::close(&workshop, cycle, &[])?;
+    Ok(search::simplest(&workshop, orbit, &[]))
 }
 
 /// All periodic orbits found from many starts, those of short period first.
@@ -159,6 +163,17 @@ pub fn branches(
     let (low, high) = what.limits.range;
     let workshop = workshop(model, spec, (&[what.parameter], &[high - low]))?;
     let own = model.parameter_values::<f64>(&[])[what.parameter];
+    if let Some((state, period)) = &spec.through {
+        let cycle = special_curve::start::reread(&workshop, &[own], (state, *period))?;
+        let orbit = orbit::close(&workshop, cycle, &[own])?;
+        return survey::survey(
+            &workshop,
+            (&orbit.shooting, &orbit.at),
+            (&what.limits, what.beside),
+            (state, spec.patience),
+            &mut |point| observer(Some(point)),
+        );
+    }
     let inside = (low..=high).contains(&own).then_some(own);
     let others = STARTS.iter().map(|part| low + part * (high - low));
     let mut failed = None;
@@ -169,7 +184,7 @@ pub fn branches(
         let found = settle(&workshop, &[here], &state, spec.patience, &mut settling)
             .and_then(|cycle| orbit::close(&workshop, cycle, &[here]));
         let orbit = match found {
-            Ok(orbit) => orbit,
+            Ok(orbit) => search::simplest(&workshop, orbit, &[here]),
             Err(PeriodicError::Interrupted) => return Err(PeriodicError::Interrupted),
             Err(error) => {
                 failed.get_or_insert(error);

@@ -115,6 +115,37 @@ pub(crate) fn search(
     Ok(found)
 }
 
+/// Loops of one period that are tried beside an unstable orbit.
+const LOOPS: usize = 8;
+
+/// The orbit, or the one of a single period beside it where it is unstable: nothing settles to an unstable orbit, so that it is one
+/// of those of chaos, as a trajectory happened to come near to it.
+pub(crate) fn simplest(workshop: &Arc<Workshop>, orbit: Orbit, free: &[f64]) -> Orbit {
+    if orbit.is_stable() {
+        return orbit;
+    }
+    let start: Vec<f64> = orbit.start.iter().map(|x| x.to_f64()).collect();
+    let period = orbit.period.to_f64();
+    for passed in 0..LOOPS {
+        let Ok(cycles) = loops(workshop, free, &start, (passed, 1)) else {
+            break;
+        };
+        for cycle in cycles {
+            let Ok(mut other) = close(workshop, cycle, free) else {
+                continue;
+            };
+            let shorter = other.period.to_f64() < SHORTER * period;
+            if shorter && is_broken(&mut other.shooting, &other.at).is_ok_and(|broken| !broken) {
+                return other;
+            }
+        }
+    }
+    orbit
+}
+
+/// An orbit of fewer periods is shorter than this part of another.
+const SHORTER: f64 = 0.75;
+
 /// Adds an orbit unless it is known, or no motion of the system.
 fn add(workshop: &Workshop, found: &mut Vec<Orbit>, mut orbit: Orbit) {
     let Ok(broken) = is_broken(&mut orbit.shooting, &orbit.at) else {

@@ -11,7 +11,7 @@
 pub(crate) mod border;
 mod degenerate;
 mod follower;
-mod start;
+pub(super) mod start;
 
 use super::branch::{End, Limits, Point, Special, SpecialKind};
 use super::error::PeriodicError;

@@ -25,11 +25,14 @@ pub(super) fn failed(error: impl core::fmt::Display) -> PeriodicError {
     }
 }
 
-/// The cycle of an orbit that goes through a state.
-fn reread(workshop: &Workshop, free: &[f64], known: &Known) -> Result<Cycle, PeriodicError> {
+/// The cycle of an orbit that goes through a state and has this period.
+pub(crate) fn reread(
+    workshop: &Workshop,
+    free: &[f64],
+    (state, period): (&Vec<f64>, f64),
+) -> Result<Cycle, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
-    let state = &known.state;
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut instants = vec![Instant {
@@ -43,7 +46,7 @@ fn reread(workshop: &Workshop, free: &[f64], known: &Known) -> Result<Cycle, Per
         mode_after: tracer.trajectory.mode,
     }];
     let mut quiet = |_: f64| ControlFlow::Continue(());
-    let until = start + known.period * (1.0 + LATE);
+    let until = start + period * (1.0 + LATE);
     tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
     let sizes: Vec<f64> = state.iter().map(|x| x.abs().max(1e-300)).collect();
     let last = match instants.last() {
@@ -53,7 +56,7 @@ fn reread(workshop: &Workshop, free: &[f64], known: &Known) -> Result<Cycle, Per
     let difference = (workshop.closure).difference(&turns, (state, &last), &sizes);
     let mut steps = read(&instants)?;
     if steps.is_empty() {
-        steps.push(Step::timed(&tracer.trajectory, state.clone(), known.period));
+        steps.push(Step::timed(&tracer.trajectory, state.clone(), period));
     }
     from_first_turn(&mut steps, &turns);
     Ok(Cycle {
@@ -79,7 +82,7 @@ pub(super) fn begin(
     let unfollowed = || PeriodicError::Unfollowed {
         what: format!("a {} in two parameters", known.kind.name()),
     };
-    let cycle = reread(workshop, free, known)?;
+    let cycle = reread(workshop, free, (&known.state, known.period))?;
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     let mut at = shooting.guess(free);
     let mut grazing = None;
