@@ -3,8 +3,11 @@
 use super::problem::{Left, Linearised, Problem, Wrap};
 use crate::numerics::{Matrix, Real};
 
+/// A map that tells its derivatives too.
+pub type MapWithSlopes<'m, R = f64> = dyn Fn(&[R], &[R]) -> ImageWithSlopes<R> + 'm;
+
 /// Image of a point and its derivatives by point and parameters, a row for each coordinate.
-pub type MapWithSlopes<'m, R = f64> = dyn Fn(&[R], &[R]) -> Result<(Vec<R>, Matrix<R>), Left> + 'm;
+pub type ImageWithSlopes<R = f64> = Result<(Vec<R>, Matrix<R>), Left>;
 
 /// The points of a cycle of a map, one after the other, then the free parameters.
 pub struct MapOrbit<'m, R = f64> {

@@ -24,6 +24,6 @@ pub use curve::{Curve, Settings, Station, StepError, tangent};
 pub use differences::differenced;
 pub use held::{Held, Singular};
 pub use locate::locate;
-pub use map_orbit::{MapOrbit, MapWithSlopes};
+pub use map_orbit::{ImageWithSlopes, MapOrbit, MapWithSlopes};
 pub use newton::{Condition, Corrected, NewtonError, approach, newton};
 pub use problem::{Left, Linearised, Problem, Wrap};

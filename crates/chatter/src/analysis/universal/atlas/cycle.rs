@@ -3,7 +3,7 @@
 use super::super::argument::Argument;
 use super::orbit::{Family, Place};
 use crate::analysis::continuation::{
-    Held, Left, Linearised, MapOrbit, MapWithSlopes, Problem, Wrap, newton,
+    Held, ImageWithSlopes, Left, Linearised, MapOrbit, MapWithSlopes, Problem, Wrap, newton,
 };
 use crate::numerics::{Matrix, Real};
 
@@ -18,9 +18,7 @@ const LIMITS: [f64; 2] = [1.0, -1.0];
 
 impl<'a, R: Real + Argument<Real = R>> Family<'a, R> {
     /// The map, as cycles ask for it.
-    pub(super) fn with_slopes(
-        &self,
-    ) -> impl Fn(&[R], &[R]) -> Result<(Vec<R>, Matrix<R>), Left> + '_ {
+    pub(super) fn with_slopes(&self) -> impl Fn(&[R], &[R]) -> ImageWithSlopes<R> + '_ {
         |x, mu| {
             let at = self.universal.at(x[0]);
             let slopes = vec![self.slope * at.derivative, R::ONE];
