@@ -53,9 +53,9 @@ def test_orbits_and_branches():
     orbit = valve.orbit(q=0.0215)
     assert not orbit.stable and orbit.period == pytest.approx(3.52, abs=0.01)
     branch = orbit.follow("q", to=0.0235)
-    # A part of the range that it would have without bounds, which takes long.
-    curve = branch.special["fold"][0].follow("q", "r", low=0.799, high=0.8)
-    assert curve.kind == "fold" and len(curve) > 2
+    # It turns back at a graze. A part of the range that the curve would have without bounds, which takes long.
+    curve = branch.special["flight_graze"][0].follow("q", "r", low=0.799, high=0.8)
+    assert curve.kind == "flight_graze" and len(curve) > 2
     d = valve.diagram(q=(0.0201, 0.0235, 20), observe="y2", keep=20, transient=20)
     axes = branch.plot(ax=d.plot())
     assert len(axes.lines) >= 3 and axes.get_xlabel() == "flow rate $q$"

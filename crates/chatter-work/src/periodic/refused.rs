@@ -16,7 +16,7 @@ pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
         PeriodicError::NoPeriod => Some("give it with --period, such as --period '2*pi/omega'".to_owned()),
         PeriodicError::Autonomous => Some("leave out --period".to_owned()),
         PeriodicError::NotSettled { .. } => Some(
-            "the motion may be chaotic or quasi-periodic: --all finds unstable orbits from many starts".to_owned(),
+            "the motion may be chaotic or quasi-periodic, and no short orbit was found beside it: --all looks from many starts".to_owned(),
         ),
         PeriodicError::Equilibrium { .. } => Some("start elsewhere with --initial, or choose other parameters".to_owned()),
         _ => None,

@@ -118,9 +118,9 @@ pub fn settled(
     let workshop = workshop(model, spec, (&[], &[]))?;
     let parameters = model.parameter_values::<f64>(&[]);
     let state = model.initial_state(&parameters);
-    let cycle = settle(&workshop, &[], &state, spec.patience, observer)?;
-    let orbit = orbit::close(&workshop, cycle, &[])?;
-    Ok(search::simplest(&workshop, orbit, &[]))
+    let found = settle(&workshop, &[], &state, spec.patience, observer)
+        .and_then(|cycle| orbit::close(&workshop, cycle, &[]));
+    search::simplest(&workshop, found, &state, &[])
 }
 
 /// All periodic orbits found from many starts, those of short period first.
@@ -185,8 +185,8 @@ pub fn branches(
         let mut settling = |_: f64| observer(None);
         let found = settle(&workshop, &[here], &state, spec.patience, &mut settling)
             .and_then(|cycle| orbit::close(&workshop, cycle, &[here]));
-        let orbit = match found {
-            Ok(orbit) => search::simplest(&workshop, orbit, &[here]),
+        let orbit = match search::simplest(&workshop, found, &state, &[here]) {
+            Ok(orbit) => orbit,
             Err(PeriodicError::Interrupted) => return Err(PeriodicError::Interrupted),
             Err(error) => {
                 failed.get_or_insert(error);

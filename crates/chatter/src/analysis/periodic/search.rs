@@ -115,32 +115,54 @@ pub(crate) fn search(
     Ok(found)
 }
 
-/// Loops of one period that are tried beside an unstable orbit.
-const LOOPS: usize = 8;
+/// Loops that are tried where nothing settles, each of up to so many periods, after so many more of them.
+const LOOPS: usize = 16;
+const LONGEST: usize = 4;
+const APART: usize = 3;
 
-/// The orbit, or the one of a single period beside it where it is unstable: nothing settles to an unstable orbit, so that it is one
-/// of those of chaos, as a trajectory happened to come near to it.
-pub(crate) fn simplest(workshop: &Arc<Workshop>, orbit: Orbit, free: &[f64]) -> Orbit {
-    if orbit.is_stable() {
-        return orbit;
-    }
-    let start: Vec<f64> = orbit.start.iter().map(|x| x.to_f64()).collect();
-    let period = orbit.period.to_f64();
-    for passed in 0..LOOPS {
-        let Ok(cycles) = loops(workshop, free, &start, (passed, 1)) else {
+/// What the motion settles to; where that is an unstable orbit, or none, the orbit of fewest periods beside it: nothing settles
+/// to an unstable orbit, so that it is one of those of chaos, as a trajectory happened to come near to it.
+pub(crate) fn simplest(
+    workshop: &Arc<Workshop>,
+    settled: Result<Orbit, PeriodicError>,
+    state: &[f64],
+    free: &[f64],
+) -> Result<Orbit, PeriodicError> {
+    let (start, longest) = match &settled {
+        Ok(orbit) if orbit.is_stable() => return settled,
+        Ok(orbit) => {
+            let start: Vec<f64> = orbit.start.iter().map(|x| x.to_f64()).collect();
+            (start, SHORTER * orbit.period.to_f64())
+        }
+        Err(PeriodicError::NotSettled { .. } | PeriodicError::NoConvergence { .. }) => {
+            (state.to_vec(), f64::INFINITY)
+        }
+        Err(_) => return settled,
+    };
+    let mut best: Option<(usize, Orbit)> = None;
+    for passed in (0..LOOPS).map(|k| APART * k) {
+        let most = best.as_ref().map_or(LONGEST, |(periods, _)| periods - 1);
+        if most == 0 {
+            break;
+        }
+        let Ok(cycles) = loops(workshop, free, &start, (passed, most)) else {
             break;
         };
-        for cycle in cycles {
+        for (index, cycle) in cycles.into_iter().enumerate() {
             let Ok(mut other) = close(workshop, cycle, free) else {
                 continue;
             };
-            let shorter = other.period.to_f64() < SHORTER * period;
+            let shorter = other.period.to_f64() < longest;
             if shorter && is_broken(&mut other.shooting, &other.at).is_ok_and(|broken| !broken) {
-                return other;
+                best = Some((index + 1, other));
+                break;
             }
         }
     }
-    orbit
+    match best {
+        Some((_, orbit)) => Ok(orbit),
+        None => settled,
+    }
 }
 
 /// An orbit of fewer periods is shorter than this part of another.

@@ -1,7 +1,8 @@
 //! Orbits against reference values in quadruple precision, and against laws.
 
 use super::{model, orbit, with};
-use chatter::analysis::periodic::{Search, Spec, all, settled};
+use chatter::analysis::border::{BorderSpec, border_near};
+use chatter::analysis::periodic::{MarginKind, Search, Spec, all, settled};
 use chatter::numerics::Real;
 use proptest::prelude::*;
 use std::ops::ControlFlow;
@@ -44,6 +45,45 @@ fn a_valve_of_four_states_with_complete_chatter() {
         "{found:?}"
     );
     assert!(orbit.multipliers[1..].iter().all(|m| m.modulus() == 0.0));
+}
+
+/// Next to a border X is M times how far the parameter is from it, where the orbit begins at the release point.
+#[test]
+fn the_margin_of_a_border_is_its_coordinate() {
+    let x = |q: f64| {
+        let orbit = orbit(&model("pressure_relief_valve", &[("q", &format!("{q:?}"))]));
+        let margins = orbit.margins.iter();
+        let border = margins.filter(|margin| margin.kind == MarginKind::Border);
+        border.map(|margin| margin.value).next().unwrap()
+    };
+    let valve = model("pressure_relief_valve", &[]);
+    let border = border_near::<f64>(&valve, &BorderSpec::new("q"), 0.02).unwrap();
+    let (value, slope) = (border.value.value, border.exact.unfolding_rate.value);
+    for off in [-1e-6, -1e-7] {
+        let found = x(value + off) / (slope * off);
+        assert!((found - 1.0).abs() < 1e-2, "{off}: {found}");
+    }
+    assert!(x(0.0195) < -1e-7, "{}", x(0.0195));
+    // Incomplete chatter, and much nearer than the sequence's own first u.
+    let beyond = x(0.0203);
+    assert!(beyond > 0.0 && beyond < 1e-2, "{beyond}");
+}
+
+/// Where the motion comes back to nothing, an orbit of few periods beside it is told.
+#[test]
+fn chaos_and_tori_have_short_orbits() {
+    for omega in ["2.35", "2.4", "2.7"] {
+        let text = "[parameters]\nw = 2.4\n[flight]\nx = 'v'\nv = '-x - 0.1*v + cos(w*t)'\n[[contact]]\ngap = '0.15 - x'\n\
+            impulse = { v = -1 }\nrestitution = '0.8/(1 + 0.2*v^2)'\n[initial]\nx = 0\nv = 0\n";
+        let found = orbit(&with(text, &[("w", omega)]));
+        let periods =
+            found.period.to_f64() * omega.parse::<f64>().unwrap() / core::f64::consts::TAU;
+        assert!(
+            (periods - periods.round()).abs() < 1e-12 && periods < 4.5,
+            "{periods}"
+        );
+        assert!(found.residual < 1e-25);
+    }
 }
 
 /// A section is no part of the motion: multipliers and period are the same wherever they are taken.
