@@ -39,11 +39,12 @@ export class ImpactsView {
             this.by_hand = false;
             this.fit();
         });
+        const axes = () => `${this.over === "time" ? commands.time() : "impact"},rate_before`;
         const menu = gifts(ask, {
-            files: () => null,
-            command: () => `${commands.history().replace(/ --plot.*$/, "")} --sample events --out events.csv`,
-            python: () => `${commands.python_history().replace(/; run.plot\(\)$/, "")}; run.events["impact"].rate_before`,
-            csv: () => ["number,time,rate_before,contact", ...this.points().map((point, place) => `${place + 1},${point.time},${point.rate},${point.contact}`)].join("\n"),
+            name: "impacts",
+            files: () => ({ asked: "history", question: { ...motions.question(), axes: [axes()], sample: "events" } }),
+            command: () => commands.history("impacts", [axes()], { sample: "events" }),
+            python: () => commands.python_history(`e = ${commands.python_events("at:impact")}; plt.semilogy(${this.over === "time" ? "e.time, " : "range(1, len(e) + 1), "}-e.rate_before, ".")`),
         }, say);
         this.element = panel("impacts", "Impacts", [field("over", over)], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
         motions.on((motion) => {
