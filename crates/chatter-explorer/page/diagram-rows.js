@@ -11,8 +11,8 @@ import { extent } from "./plot.js";
 
 /** Numbers of a row before its samples. */
 const HEAD = 8;
-/** Columns of the first picture. */
-export const COARSE = 64;
+/** Columns of the first picture: so few that it is there at once. */
+export const COARSE = 16;
 /** Cells across a map's first picture, and of its last for so many columns. */
 const COARSE_MAP = 16;
 export const fine_map = (/** @type {number} */ columns) => Math.max(COARSE_MAP, Math.min(512, columns / 4));

@@ -87,7 +87,7 @@ export class HistoryView {
         dataset.time = String(motion.about.time);
         dataset.end = JSON.stringify(motion.about.state);
         dataset.impacts = String(counts.impacts);
-        dataset.picked = String(this.store.state.picked);
+        dataset.picked = String(motion.picked);
         this.fit();
     }
 

@@ -3,11 +3,11 @@
 import { disc } from "./curves.js";
 import { choice, field, make } from "./dom.js";
 import { gifts, panel } from "./panel.js";
-import { BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION } from "./palette.js";
+import { BLUE, GREEN, ORANGE, PURPLE, VERMILION } from "./palette.js";
 import { Plot, extent } from "./plot.js";
 import { shown } from "./ticks.js";
 
-const COLORS = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
+const COLORS = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, "#999999"];
 
 export class ImpactsView {
     /**
@@ -25,7 +25,7 @@ export class ImpactsView {
         this.readout = make("output", { class: "readout" });
         this.plot = new Plot({
             label: "Rates of impacts in logarithmic scale. Arrow keys move the view, plus and minus zoom, 0 shows all.",
-            draw: (context, plot) => this.draw(context, plot),
+            draw: (context, plot, colors) => this.draw(context, plot, colors),
             moved: () => (this.by_hand = true),
             reset: () => {
                 this.by_hand = false;
@@ -83,11 +83,14 @@ export class ImpactsView {
     /**
      * @param {CanvasRenderingContext2D} context
      * @param {Plot} plot
+     * @param {import("./palette.js").Theme} colors
      */
-    draw(context, plot) {
+    draw(context, plot, colors) {
         const contacts = this.motion?.about.contacts ?? [];
         this.points().forEach(({ time, rate, contact }, place) => {
-            context.fillStyle = COLORS[Math.max(0, contacts.indexOf(contact)) % COLORS.length];
+            const index = Math.max(0, contacts.indexOf(contact)) % COLORS.length;
+            // The first is the curves', which is brighter in the dark.
+            context.fillStyle = index === 0 ? colors.curve : COLORS[index];
             const x = this.over === "number" ? place + 1 : time;
             if (rate > 0) disc(context, plot.px(x), plot.py(Math.log10(rate)), 2.3);
         });
