@@ -142,3 +142,21 @@ def test_special_points_can_be_followed_in_two_parameters():
     assert pickle.loads(pickle.dumps(branch)).special["period_doubling"][0]["value"] == special["value"]
     with pytest.raises(ch.InputError, match="two parameters"):
         special.follow("q", "q")
+
+
+def test_a_branch_tells_its_arcs_and_watches_functions():
+    oscillator = ch.Model.shipped("impact_oscillator").with_values(omega=0.6081, r=0.5)
+    branch = oscillator.orbit().follow("omega", to=0.609, impacts=11, monitors=["omega - 0.6085"])
+    assert len(branch.arcs) > 1 and all(len(branch["period"][arc.points]) for arc in branch.arcs)
+    for arc in branch.arcs:
+        assert np.all(branch["impacts"][arc.points] == arc.impacts)
+        values = branch["omega"][arc.points]
+        assert arc.low <= values.min() and values.max() <= arc.high
+    # From arc to arc by a graze, which is one of both.
+    for one, other in zip(branch.arcs, branch.arcs[1:]):
+        assert abs(one.impacts - other.impacts) == 1
+        assert one.special[-1] is other.special[0] and "graze" in one.special[-1]["kind"]
+    for zero in branch.special["monitor"]:
+        assert zero["value"] == pytest.approx(0.6085, abs=1e-13) and zero["monitor"] == "omega - 0.6085"
+    np.testing.assert_allclose(branch["omega - 0.6085"], branch["omega"] - 0.6085, atol=1e-15)
+    assert pickle.loads(pickle.dumps(branch)).arcs[0].impacts == branch.arcs[0].impacts

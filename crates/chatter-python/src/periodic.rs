@@ -16,12 +16,17 @@ use pyo3::prelude::*;
 use std::str::FromStr;
 use std::sync::Arc;
 
-fn subject<'a>(core: &'a (Arc<Model>, String), free: Vec<usize>, digits: Digits) -> Subject<'a> {
+fn subject<'a>(
+    core: &'a (Arc<Model>, String),
+    monitors: &'a [String],
+    free: Vec<usize>,
+    digits: Digits,
+) -> Subject<'a> {
     Subject {
         model: &core.0,
         source: &core.1,
         text: "",
-        monitors: &[],
+        monitors,
         free,
         digits,
     }
@@ -57,7 +62,7 @@ pub fn orbit(
             None => None,
         };
         let orbits = find_orbits(&model, &Orbits { spec, search }, listener)?;
-        let subject = subject(&about, Vec::new(), digits);
+        let subject = subject(&about, &[], Vec::new(), digits);
         written(&orbit_document(&subject, &orbits, periods.is_some())?)
     })?;
     found.map_err(raised)
@@ -66,8 +71,8 @@ pub fn orbit(
 /// The document of the branches of periodic orbits over a range of a parameter; `through` is an orbit at the model's value of it:
 /// all its states in order where it starts, and its period.
 #[pyfunction]
-#[pyo3(signature = (core, parameter, low, high, *, period=None, section=None, through=None, doublings=0, branch_points=0,
-                    impacts=None, points=None, step=None, progress=None))]
+#[pyo3(signature = (core, parameter, low, high, *, period=None, section=None, through=None, monitors=Vec::new(), doublings=0,
+                    branch_points=0, impacts=None, points=None, step=None, progress=None))]
 #[allow(clippy::too_many_arguments)]
 pub fn branches(
     py: Python<'_>,
@@ -78,6 +83,7 @@ pub fn branches(
     period: Option<String>,
     section: Option<String>,
     through: Option<(Vec<f64>, f64)>,
+    monitors: Vec<String>,
     doublings: u64,
     branch_points: u64,
     impacts: Option<u64>,
@@ -95,7 +101,11 @@ pub fn branches(
         let mut model = (*about.0).clone();
         let spec = Spec {
             through,
-            ..specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?
+            ..specification(
+                &mut model,
+                period.as_deref(),
+                (section.as_deref(), &monitors),
+            )?
         };
         let parameter = free_parameter(&model, &parameter)?;
         let wanted = Branches {
@@ -111,7 +121,7 @@ pub fn branches(
             return Err(Refusal::Interrupted);
         }
         written(&branch_document(
-            &subject(&about, vec![parameter], Digits::DOUBLE),
+            &subject(&about, &monitors, vec![parameter], Digits::DOUBLE),
             &found,
         ))
     })?;
@@ -119,10 +129,11 @@ pub fn branches(
 }
 
 /// The document of the curve of a special point in two parameters: the first, which is left free, and the second, which is
-/// followed over a range. The model is at the values of the point; `state` has all its states in order.
+/// followed over a range. The model is at the values of the point; `state` has all its states in order; of a zero of a function
+/// of the user's `monitor` is that function.
 #[pyfunction]
-#[pyo3(signature = (core, kind, state, orbit_period, parameters, low, high, *, period=None, section=None, impacts=None,
-                    points=None, step=None, progress=None))]
+#[pyo3(signature = (core, kind, state, orbit_period, parameters, low, high, *, period=None, section=None, monitor=None,
+                    impacts=None, points=None, step=None, progress=None))]
 #[allow(clippy::too_many_arguments)]
 pub fn curve(
     py: Python<'_>,
@@ -135,6 +146,7 @@ pub fn curve(
     high: String,
     period: Option<String>,
     section: Option<String>,
+    monitor: Option<String>,
     impacts: Option<u64>,
     points: Option<u64>,
     step: Option<f64>,
@@ -151,14 +163,19 @@ pub fn curve(
         kind.ok_or_else(|| unreadable("kind", "no special point is called so".to_owned()))?;
     let known = Known {
         kind,
-        monitor: None,
+        monitor: monitor.as_ref().map(|_| 0),
         state,
         period: orbit_period,
     };
     let about = (Arc::clone(&core.model), core.name.clone());
     let found = interruptible(py, progress, move |listener| {
         let mut model = (*about.0).clone();
-        let spec = specification(&mut model, period.as_deref(), (section.as_deref(), &[]))?;
+        let monitors: Vec<String> = monitor.into_iter().collect();
+        let spec = specification(
+            &mut model,
+            period.as_deref(),
+            (section.as_deref(), &monitors),
+        )?;
         let free = [
             free_parameter(&model, &parameters.0)?,
             free_parameter(&model, &parameters.1)?,
@@ -177,7 +194,7 @@ pub fn curve(
         if curve.1.ends.contains(&End::Interrupted) {
             return Err(Refusal::Interrupted);
         }
-        let subject = subject(&about, free.to_vec(), Digits::DOUBLE);
+        let subject = subject(&about, &monitors, free.to_vec(), Digits::DOUBLE);
         written(&curves_document(&subject, &[curve]))
     })?;
     found.map_err(raised)

@@ -6,7 +6,7 @@ use crate::numbers::{Digits, concise, full as to_digits};
 use crate::terminal::Style;
 use chatter::analysis::periodic::{Branch, Orbit, Point, Special, SpecialKind};
 use chatter::numerics::{Complex, Real};
-use chatter_work::periodic::{Subject, events_of};
+use chatter_work::periodic::{Subject, arcs, events_of};
 
 /// Digits of numbers in tables.
 const DIGITS: u32 = 10;
@@ -195,8 +195,61 @@ fn listed(subject: &Subject, branches: &[(String, &Branch)]) -> String {
         let mut sides = vec![Side::Left; 1 + subject.free.len()];
         sides.extend([Side::Right, Side::Right, Side::Left, Side::Left]);
         text += &aligned(&rows, &sides);
+        text += &by_impacts(branch, &name);
     }
     text
+}
+
+/// The arcs of a branch that has several.
+fn by_impacts(branch: &Branch, name: &str) -> String {
+    let arcs = arcs(branch);
+    if arcs.len() < 2 {
+        return String::new();
+    }
+    let heading = [
+        "arc",
+        "impacts",
+        &format!("{name} from"),
+        "to",
+        "orbits",
+        "special points",
+    ];
+    let mut rows: Vec<Vec<String>> = vec![heading.map(str::to_owned).to_vec()];
+    for (index, arc) in arcs.iter().enumerate() {
+        let mut kinds: Vec<(&str, usize)> = Vec::new();
+        for special in arc.special.iter().map(|&place| &branch.special[place]) {
+            let kind = if special.kind.is_graze() {
+                "graze"
+            } else {
+                special.kind.name()
+            };
+            match kinds.iter_mut().find(|(known, _)| *known == kind) {
+                Some((_, count)) => *count += 1,
+                None => kinds.push((kind, 1)),
+            }
+        }
+        let special: Vec<String> = (kinds.iter())
+            .map(|(kind, count)| format!("{count} {}", kind.replace('_', " ")))
+            .collect();
+        rows.push(vec![
+            (index + 1).to_string(),
+            arc.impacts
+                .map_or("infinite".to_owned(), |count| count.to_string()),
+            concise(arc.range.0, DIGITS),
+            concise(arc.range.1, DIGITS),
+            (arc.points.1 - arc.points.0).to_string(),
+            special.join(", "),
+        ]);
+    }
+    let sides = [
+        Side::Right,
+        Side::Right,
+        Side::Left,
+        Side::Left,
+        Side::Right,
+        Side::Left,
+    ];
+    aligned(&rows, &sides)
 }
 
 fn row(special: &Special) -> Vec<String> {

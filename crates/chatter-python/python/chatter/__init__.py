@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     )
     from chatter._explorer import explore
     from chatter._model import Model, shipped_models
-    from chatter._periodic import Branch, Curve, Exponents, PeriodicOrbit, Special, branches
+    from chatter._periodic import Arc, Branch, Curve, Exponents, PeriodicOrbit, Special, branches
     from chatter._run import ContactPhases, Events, Run
     from chatter._universal import Universal
 
 __all__ = [
-    "Border", "Borders", "Branch", "ChatterError", "ChatterWarning", "ContactPhases", "Curve", "Diagram", "Events", "Exponents",
+    "Arc", "Border", "Borders", "Branch", "ChatterError", "ChatterWarning", "ContactPhases", "Curve", "Diagram", "Events", "Exponents",
     "Expr", "InputError", "Model", "ModelBuilder", "ModelError", "ModelIssue", "Orbit", "OutputError", "PeriodicOrbit", "Run",
     "RunError", "Special", "UnfinishedError", "Universal", "__version__", "abs_", "acos", "asin", "atan", "atan2", "branches",
     "clamp", "cos", "cosh", "exp", "explore", "expr", "floor",
@@ -50,7 +50,7 @@ _HOMES = {
     "_errors": "ChatterError ChatterWarning InputError ModelError ModelIssue OutputError RunError UnfinishedError",
     "_explorer": "explore",
     "_model": "Model shipped_models",
-    "_periodic": "Branch Curve Exponents PeriodicOrbit Special branches",
+    "_periodic": "Arc Branch Curve Exponents PeriodicOrbit Special branches",
     "_run": "ContactPhases Events Run",
     "_universal": "Universal",
 }

@@ -109,7 +109,7 @@ class Special(Mapping[str, Any]):
         with shown(progress) as hears:
             text = _chatter.curve(
                 model._core, self["kind"], list(self["state"].values()), self["period"], (branch.parameter, name),
-                text_of(low), text_of(high), progress=hears, **{**branch._how, **limits},
+                text_of(low), text_of(high), monitor=self["monitor"], progress=hears, **{**branch._how, **limits},
             )  # fmt: skip
         return Curve(model, (branch.parameter, name), json.loads(text)["branches"][0])
 
@@ -205,11 +205,42 @@ class Exponents(Frozen):
         return f"<Exponents {self.values.tolist()}>"
 
 
+class Arc(Frozen):
+    """A part of a branch from graze to graze."""
+
+    impacts: int | None
+    """Impacts in a period; None where they are infinitely many."""
+    low: float
+    """The least value of the parameter on it, …"""
+    high: float
+    """… and the greatest."""
+    points: slice
+    """Which orbits of the branch: `branch["period"][arc.points]`."""
+    special: tuple[Special, ...]
+    """Its special points; a graze is one of both arcs that meet there."""
+
+    def __init__(self, document: Mapping[str, Any], special: tuple[Special, ...]) -> None:
+        first = document["first"]
+        self._set(
+            impacts=document["impacts"], low=document["low"], high=document["high"],
+            points=slice(first, first + document["points"]), special=special, _document=document,
+        )  # fmt: skip
+
+    _document: Mapping[str, Any]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Arc, (self._document, self.special))
+
+    def __repr__(self) -> str:
+        impacts = "complete chatter" if self.impacts is None else f"{self.impacts} impacts"
+        return f"<Arc of {impacts}, from {self.low!r} to {self.high!r}>"
+
+
 class Branch(Frozen):
     """A branch of periodic orbits: n of them.
 
     Indexed with a name it gives a column, of shape (n,): the parameter, "period", "impacts" (-1 where infinitely many), "stable",
-    and the states at the section.
+    the states at the section, and the functions that were watched, by their text.
     """
 
     parameter: str
@@ -219,6 +250,8 @@ class Branch(Frozen):
     special: Mapping[str, tuple[Special, ...]]
     """Special points by kind: "fold", "period_doubling", "neimark_sacker", "branch_point", "impact_graze", …; each has
     "value", "error", "impacts", "multipliers", "state" and more, and can be followed in two parameters."""
+    arcs: tuple[Arc, ...]
+    """Its parts from graze to graze, each with one number of impacts."""
     ends: tuple[str, ...]
     """How each end came about."""
     model: Model
@@ -229,10 +262,12 @@ class Branch(Frozen):
 
     def __init__(self, model: Model, parameter: str, how: Mapping[str, Any], document: Mapping[str, Any]) -> None:
         special: dict[str, tuple[Special, ...]] = {}
-        for one in document["special"]:
-            special[one["kind"]] = (*special.get(one["kind"], ()), Special(self, one))
+        points = [Special(self, one) for one in document["special"]]
+        for one in points:
+            special[one["kind"]] = (*special.get(one["kind"], ()), one)
+        arcs = tuple(Arc(one, tuple(points[place] for place in one["special"])) for one in document["arcs"])
         self._set(
-            model=model, parameter=parameter, points=_columns(document["points"]), special=special,
+            model=model, parameter=parameter, points=_columns(document["points"]), special=special, arcs=arcs,
             ends=tuple(document["ends"]), _document=document, _how=dict(how),
         )  # fmt: skip
 
@@ -325,9 +360,11 @@ def branches(
     these states and of this period.
 
     limits: `doublings` and `branch_points`, how often a branch is left for another there (0), `impacts` (80) a period at most,
-        `points` (20000), and the longest `step` in parts of the range (0.01).
+        `points` (20000), and the longest `step` in parts of the range (0.01). `monitors`: functions of the state at the
+        section and of parameters, whose zeros are special points.
     """
-    _check(limits, {"doublings", "branch_points", "impacts", "points", "step"})
+    _check(limits, {"doublings", "branch_points", "impacts", "points", "step", "monitors"})
+    limits = {**limits, "monitors": [text_of(one) for one in limits.get("monitors", ())]}
     with shown(progress) as hears:
         text = _chatter.branches(
             model._core, parameter, text_of(low), text_of(high), through=through, progress=hears, **{**(how or {}), **limits}

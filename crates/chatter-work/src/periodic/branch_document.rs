@@ -1,6 +1,7 @@
 //! Branches of periodic orbits as one JSON document.
 
 use super::Subject;
+use super::arcs::arcs;
 use super::orbit_document::{about, multipliers};
 use crate::json::{Json, Object};
 use chatter::analysis::periodic::{Branch, Point, Special, SpecialKind};
@@ -72,6 +73,27 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
     let special: Vec<Json> = (branch.special.iter())
         .map(|special| special_object(subject, special))
         .collect();
+    let arcs: Vec<Json> = (arcs(branch).iter())
+        .map(|arc| {
+            Object::new(subject.digits)
+                .with(
+                    "impacts",
+                    arc.impacts.map_or(Json::Null, |n| Json::Integer(n as i64)),
+                )
+                .with("low", arc.range.0)
+                .with("high", arc.range.1)
+                .with("first", arc.points.0 as i64)
+                .with("points", (arc.points.1 - arc.points.0) as i64)
+                .with(
+                    "special",
+                    arc.special
+                        .iter()
+                        .map(|&k| Json::Integer(k as i64))
+                        .collect::<Vec<Json>>(),
+                )
+                .into()
+        })
+        .collect();
     let ends: Vec<Json> = branch
         .ends
         .iter()
@@ -80,6 +102,7 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
     Object::new(subject.digits)
         .with("points", columns)
         .with("special", special)
+        .with("arcs", arcs)
         .with("ends", ends)
 }
 

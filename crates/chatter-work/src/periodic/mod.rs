@@ -1,5 +1,6 @@
 //! Periodic orbits and their branches: as documents, tables and figures.
 
+mod arcs;
 mod branch_document;
 mod find;
 mod orbit_document;
@@ -10,6 +11,7 @@ mod request;
 mod restored;
 mod table;
 
+pub use arcs::{Arc, arcs};
 pub use branch_document::{curves_document, document as branch_document};
 pub use find::{
     Branches, Curve, Orbits, Reach, beside, find_branches, find_curve, find_orbits, search,

@@ -69,9 +69,11 @@ pub(crate) struct Edge {
 /// What must stay positive on the way.
 #[derive(Clone, Debug)]
 struct Watch {
-    /// Stops where a guard's rate rises through zero; none where nothing is watched.
+    /// Stops where a guard's rate rises through zero, and at the section; none where nothing is watched.
     system: Option<System>,
     guards: Vec<GuardKind>,
+    /// The section whose crossings are told, after the guards.
+    section: Option<usize>,
     graph: Graph,
     values: Tape,
 }
@@ -94,7 +96,8 @@ pub(crate) struct Landing<R> {
     pub image_slopes: Matrix<R>,
 }
 
-/// An inner least value of a guard, or its value at the end of a leg that another guard ends.
+/// An inner least value of a guard, or its value at the end of a leg that another guard ends; a crossing of the section that is
+/// watched, with the value zero.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Least {
     pub guard: GuardKind,
@@ -212,8 +215,9 @@ impl System {
         })
     }
 
-    /// Compiles a leg; `self` carries no columns. None where the mode holds no motion.
-    pub(crate) fn leg(&self, kind: LegKind, free: &[usize]) -> Option<Leg> {
+    /// Compiles a leg on which crossings of a section are told, too; `self` carries no columns. None where the mode holds no
+    /// motion.
+    pub(crate) fn leg(&self, kind: LegKind, free: &[usize], section: Option<usize>) -> Option<Leg> {
         let Ending {
             mut graph,
             field,
@@ -226,6 +230,11 @@ impl System {
         let coordinates = field.len();
         let map = on_contacts(graph, &closed, &map, self.model().time);
         let columns = columns(coordinates, free);
+        let section = section.filter(|&section| kind.ends_at != Some(GuardKind::Section(section)));
+        let crossed = section.and_then(|section| {
+            let of = |(guard, _): &&(GuardKind, Expr)| *guard == GuardKind::Section(section);
+            Some((section, guards.iter().find(of)?.1))
+        });
         let watched: Vec<(GuardKind, Expr)> = (guards.into_iter())
             .filter(|(guard, _)| match guard {
                 GuardKind::Section(index) => self.is_event(*index),
@@ -252,14 +261,22 @@ impl System {
             ..self.model().clone()
         };
         let flow = System::with_columns(&bare(graph, Vec::new()), &columns).ok()?;
-        let turning: Vec<Section> = (rates.iter())
-            .map(|&rate| Section {
-                name: String::new(),
-                surface: rate,
-                direction: Direction::Rising,
-                reset: None,
-            })
-            .collect();
+        let surface = |surface: Expr, direction: Direction| Section {
+            name: String::new(),
+            surface,
+            direction,
+            reset: None,
+        };
+        let turning = rates.iter().map(|&rate| surface(rate, Direction::Rising));
+        // A guard falls where its section is crossed.
+        let crossing = crossed.map(|(section, function)| {
+            let direction = match self.model().sections[section].direction {
+                Direction::Either => Direction::Either,
+                Direction::Rising | Direction::Falling => Direction::Falling,
+            };
+            surface(function, direction)
+        });
+        let turning: Vec<Section> = turning.chain(crossing).collect();
         let watching = (!turning.is_empty())
             .then(|| System::new(&bare(graph, turning)).ok())
             .flatten();
@@ -270,6 +287,7 @@ impl System {
             watch: Watch {
                 system: watching,
                 guards: watched.iter().map(|&(guard, _)| guard).collect(),
+                section: crossed.map(|(section, _)| section),
                 graph: graph.clone(),
                 values,
             },
@@ -499,6 +517,15 @@ impl Leg {
                 at_end,
             };
             match told {
+                Occurrence::Section { section } if section == values.len() => {
+                    found.extend(self.watch.section.map(|section| Least {
+                        guard: GuardKind::Section(section),
+                        time,
+                        value: 0.0,
+                        state: state.to_vec(),
+                        at_end: false,
+                    }));
+                }
                 Occurrence::Section { section } => found.push(least(section, false)),
                 Occurrence::Horizon => {
                     let others = (0..values.len())

@@ -60,6 +60,18 @@ fn unit<R: Real>(mut vector: Vec<R>) -> Option<Vec<R>> {
     Some(vector)
 }
 
+/// A matrix with one more column and row.
+fn bordered<R: Real>(matrix: &Matrix<R>, column: &[R], row: &[R]) -> Option<Factored<R>> {
+    let size = matrix.rows();
+    let mut bordered = Matrix::zeros(size + 1, size + 1);
+    for i in 0..size {
+        bordered.row_mut(i)[..size].copy_from_slice(matrix.row(i));
+        bordered[(i, size)] = column[i];
+        bordered[(size, i)] = row[i];
+    }
+    bordered.factored()
+}
+
 impl<R: Real> Singular<R> {
     /// Borders found at a point near the curve, with `sign` as described.
     ///
@@ -90,15 +102,22 @@ impl<R: Real> Singular<R> {
         let linearised = problem.evaluate(at)?;
         let matrix = turned(&linearised, &problem.wrap(), sign);
         let size = matrix.rows();
-        let singular = || Left::because("the equations are singular to the last bit");
+        let singular = || Left::because("the equations have more than one null vector");
         let start: Vec<R> = (0..size)
             .map(|i| R::splat(1.0 + 0.3 * libm::sin(1.0 + i as f64)))
             .collect();
-        let factors = matrix.factored().ok_or_else(singular)?;
-        let (mut right, mut left) = (start.clone(), start);
+        let start = unit(start).ok_or_else(singular)?;
+        let (mut right, mut left) = match before {
+            Some(before) => (before.c.clone(), before.b.clone()),
+            None => (start.clone(), start),
+        };
+        // By the bordered matrix, which is regular however near to singular the other one is.
         for _ in 0..ITERATIONS {
-            right = unit(factors.solve(&right)).ok_or_else(singular)?;
-            left = unit(factors.solve_transposed(&left)).ok_or_else(singular)?;
+            let factors = bordered(&matrix, &left, &right).ok_or_else(singular)?;
+            let mut one = vec![R::ZERO; size + 1];
+            one[size] = R::ONE;
+            right = unit(factors.solve(&one)[..size].to_vec()).ok_or_else(singular)?;
+            left = unit(factors.solve_transposed(&one)[..size].to_vec()).ok_or_else(singular)?;
         }
         // Along a curve they turn, and do not change their sign.
         if let Some(before) = before {
@@ -125,17 +144,6 @@ impl<R: Real> Singular<R> {
         &self.c
     }
 
-    fn bordered(&self, matrix: &Matrix<R>) -> Option<Factored<R>> {
-        let size = matrix.rows();
-        let mut bordered = Matrix::zeros(size + 1, size + 1);
-        for i in 0..size {
-            bordered.row_mut(i)[..size].copy_from_slice(matrix.row(i));
-            bordered[(i, size)] = self.b[i];
-            bordered[(size, i)] = self.c[i];
-        }
-        bordered.factored()
-    }
-
     /// g and its gradient.
     fn value<P: Problem<R> + ?Sized>(
         &self,
@@ -145,7 +153,7 @@ impl<R: Real> Singular<R> {
     ) -> Result<(R, Vec<R>), Left> {
         let size = linearised.residual.len();
         let matrix = turned(linearised, &problem.wrap(), self.sign);
-        let factors = (self.bordered(&matrix))
+        let factors = bordered(&matrix, &self.b, &self.c)
             .ok_or_else(|| Left::because("the bordered equations are singular"))?;
         let mut right = vec![R::ZERO; size + 1];
         right[size] = R::ONE;

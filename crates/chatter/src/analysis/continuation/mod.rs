@@ -7,6 +7,7 @@
 //! locate       where a function of the stations vanishes between two of them
 //! differenced  derivatives of a function by differences along the solutions
 //! Held         a problem with one more condition and one more free parameter: curves in two parameters are curves again
+//! meeting      where two curves meet
 //! ```
 
 mod curve;
@@ -14,6 +15,7 @@ mod differences;
 mod held;
 mod locate;
 mod map_orbit;
+mod meeting;
 mod newton;
 mod problem;
 
@@ -25,5 +27,6 @@ pub use differences::differenced;
 pub use held::{Held, Singular};
 pub use locate::locate;
 pub use map_orbit::{ImageWithSlopes, MapOrbit, MapWithSlopes};
+pub use meeting::meeting;
 pub use newton::{Condition, Corrected, NewtonError, approach, newton};
 pub use problem::{Left, Linearised, Problem, Wrap};

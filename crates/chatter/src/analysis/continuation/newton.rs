@@ -69,7 +69,7 @@ const DONE_ROUNDOFFS: f64 = 64.0;
 const STALLED: f64 = 1e-7;
 
 /// Near a solution few corrections are needed, and a large one is a leap to somewhere else.
-fn near<R: Real>() -> Newton {
+pub(super) fn close_by<R: Real>() -> Newton {
     Newton {
         steps: 16,
         leap: 0.5,
@@ -148,7 +148,7 @@ pub fn newton<R: Real>(
         problem,
         conditions,
     };
-    let found = near::<R>().solve(&mut equations, start)?;
+    let found = close_by::<R>().solve(&mut equations, start)?;
     let own = &found.residual[..found.residual.len() - conditions.len()];
     Ok(Corrected {
         residual: (own.iter()).fold(0.0_f64, |most, x| most.max(x.abs().to_f64())),

@@ -61,15 +61,54 @@ pub(crate) struct Difference {
 const SAME: f64 = 1e-9;
 
 impl Closure {
-    /// Of a model whose time has this period, if it is said.
-    pub(crate) fn new(
+    /// Of a model whose time has this period, if it is said, with the section at which its orbits can be told: one that repeats
+    /// less often than the equations would make them longer. Sections that change nothing are no part of the motion, but where
+    /// they alone say what time is.
+    pub(crate) fn with_section(
         model: &Model,
         free: &[usize],
         given: Option<Expr>,
+        section: Option<usize>,
+    ) -> Result<(Self, Option<usize>), PeriodicError> {
+        let all: Vec<usize> = (0..model.sections.len()).collect();
+        let events: Vec<usize> = (all.iter().copied())
+            .filter(|&index| model.sections[index].reset.is_some())
+            .collect();
+        let closure = match Self::new(model, free, given, &events) {
+            Err(PeriodicError::NoPeriod) => {
+                return Ok((Self::new(model, free, given, &all)?, section));
+            }
+            found => found?,
+        };
+        let parameters = model.parameter_values::<f64>(&[]);
+        let fits = |section: &usize| {
+            let with = [&*events, &[*section]].concat();
+            let Ok(other) = Self::new(model, free, given, &with) else {
+                return false;
+            };
+            match (closure.turns(&parameters), other.turns(&parameters)) {
+                (Ok(own), Ok(other)) => {
+                    own.len() == other.len()
+                        && (own.iter().zip(&other)).all(|(a, b): (&Turn<f64>, &Turn<f64>)| {
+                            a.state == b.state && (a.period - b.period).abs() <= SAME * a.period
+                        })
+                }
+                _ => false,
+            }
+        };
+        let section = section.filter(fits);
+        Ok((closure, section))
+    }
+
+    fn new(
+        model: &Model,
+        free: &[usize],
+        given: Option<Expr>,
+        sections: &[usize],
     ) -> Result<Self, PeriodicError> {
         let mut graph = model.graph.clone();
         let mut equations = model.equations();
-        equations.extend(model.sections.iter().map(|section| section.surface));
+        equations.extend(sections.iter().map(|&index| model.sections[index].surface));
         let phases = model.phases_in(&mut graph, &equations);
         let parameters = model.parameter_values::<f64>(&[]);
         let initial = model.initial_state(&parameters);

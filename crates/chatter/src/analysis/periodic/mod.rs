@@ -8,6 +8,7 @@
 //! closure      what a state is after one period: the same, but for turns of phases and distance covered
 //! shooting     the equations of an itinerary: nodes after events and the times between them
 //! special_curve  special points in two parameters
+//! crossing     where an orbit crosses the section, which is no part of its equations
 //! condition    what is held at zero at special points and along their curves
 //! multipliers  functions that change their sign where something happens to an orbit
 //! aside        orbits beside one whose equations are singular: once or twice around
@@ -21,6 +22,7 @@ mod aside;
 mod branch;
 mod closure;
 mod condition;
+mod crossing;
 mod cycle;
 mod error;
 mod multipliers;
@@ -86,20 +88,20 @@ fn workshop(
         let what = |_| PeriodicError::BadMonitor { text: text.clone() };
         monitors.push(parsed.map_err(what)?);
     }
-    let closure = Closure::new(&model, free, given)?;
     let sections = &model.sections;
     let plain = |index: &usize| sections.get(*index).is_some_and(|s| s.reset.is_none());
     let section = spec
         .section
         .or_else(|| (0..sections.len()).find(plain))
         .filter(plain);
+    let (closure, section) = Closure::with_section(&model, free, given, section)?;
     let workshop = Workshop::new(&model, (free, sizes), closure, (section, &monitors))?;
     Ok(Arc::new(workshop))
 }
 
 /// The period of a model's forcing, as its equations tell it: of time, or of a phase that turns by itself.
 pub fn forcing(model: &Model) -> Option<f64> {
-    let closure = Closure::new(model, &[], None).ok()?;
+    let (closure, _) = Closure::with_section(model, &[], None, None).ok()?;
     closure.forcing(&model.parameter_values(&[]))
 }
 

@@ -11,10 +11,15 @@ fn real(multipliers: &[Complex]) -> impl Iterator<Item = f64> {
     multipliers.iter().filter(|m| m.im == 0.0).map(|m| m.re)
 }
 
-/// Changes its sign where a real multiplier passes `at`, and vanishes there. None where there are no real ones.
+/// Changes its sign where a real multiplier passes `at`, and vanishes there. Where a real pair becomes a complex one it goes on
+/// without a jump. None where there are no multipliers.
 pub(crate) fn passes(multipliers: &[Complex], at: f64) -> Option<f64> {
-    let nearest = real(multipliers)
-        .map(|m| (m - at).abs())
+    let off = |m: &Complex| Complex {
+        re: m.re - at,
+        ..*m
+    };
+    let nearest = (multipliers.iter())
+        .map(|m| off(m).modulus())
         .min_by(f64::total_cmp)?;
     let sign: f64 = real(multipliers).map(|m| (m - at).signum()).product();
     Some(sign * nearest)

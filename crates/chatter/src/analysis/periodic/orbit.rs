@@ -121,7 +121,10 @@ pub(crate) fn close(
 const SAME_NODE: f64 = 1e-7;
 
 /// The part of a cycle that comes back to its first node, where it does so before its end.
-fn shorter(shooting: &Shooting<f64>, at: &[f64]) -> Result<Option<Cycle>, PeriodicError> {
+pub(crate) fn shorter(
+    shooting: &Shooting<f64>,
+    at: &[f64],
+) -> Result<Option<Cycle>, PeriodicError> {
     let workshop = &shooting.workshop;
     let parameters = workshop.parameters(shooting.free(at));
     let turns = workshop.closure.turns(&parameters)?;
@@ -222,10 +225,12 @@ fn margins(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<Vec<Margin>, Peri
         }
     };
     let mut time = 0.0;
+    let workshop = shooting.workshop.clone();
     for (index, step) in shooting.steps.iter().enumerate() {
         let landing = &shooting.latest[index];
         for least in &least[index] {
-            if !least.at_end {
+            let crosses = workshop.section.map(GuardKind::Section) == Some(least.guard);
+            if !least.at_end && !crosses {
                 note(
                     MarginKind::Least,
                     least.guard,

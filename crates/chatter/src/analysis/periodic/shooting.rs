@@ -13,7 +13,7 @@ use super::cycle::itinerary::{Passage, Step, held};
 use super::error::PeriodicError;
 use super::multipliers::neutral;
 use crate::analysis::continuation::{Left, Linearised, Problem, Wrap, differenced};
-use crate::expressions::{Expr, Symbol};
+use crate::expressions::{Expr, Graph, Symbol};
 use crate::flow::leg::{
     Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch, StretchKind,
 };
@@ -34,7 +34,7 @@ pub(crate) struct Workshop {
     pub sizes: Vec<f64>,
     /// Functions of the user's.
     pub monitors: Vec<Monitor>,
-    /// The section whose crossings are nodes, too: states are told there.
+    /// The section at which states are told.
     pub section: Option<usize>,
     legs: Mutex<Vec<(LegKind, Arc<Leg>)>>,
     stretches: Mutex<Vec<(StretchKind, Arc<Stretch>)>>,
@@ -73,6 +73,13 @@ impl Monitor {
     }
 }
 
+impl Monitor {
+    /// Its value.
+    pub(crate) fn at(&self, graph: &Graph, state: &[f64], parameters: &[f64]) -> f64 {
+        graph.evaluate(self.value, state, parameters)
+    }
+}
+
 impl Workshop {
     pub(crate) fn new(
         model: &Model,
@@ -103,7 +110,7 @@ impl Workshop {
         if let Some((_, leg)) = known.iter().find(|(of, _)| *of == kind) {
             return Some(leg.clone());
         }
-        let leg = Arc::new(self.system.leg(kind, &self.free)?);
+        let leg = Arc::new(self.system.leg(kind, &self.free, self.section)?);
         known.push((kind, leg.clone()));
         Some(leg)
     }
@@ -161,6 +168,10 @@ pub(crate) struct Shooting<R: Real> {
     /// The latest point looked at, and how its legs ended.
     pub latest: Vec<Landing<R>>,
     watching: Option<Vec<R>>,
+    /// The least values that were looked at last, and where.
+    seen: Option<(Vec<R>, Vec<Vec<Least>>)>,
+    /// The state that was told last: of several crossings of the section the nearest is told next.
+    pub told: Option<Vec<f64>>,
 }
 
 /// A leg that would take this many times as long as its guess is given up.
@@ -213,6 +224,8 @@ impl<R: Real> Shooting<R> {
             pins: Vec::new(),
             latest: Vec::new(),
             watching: None,
+            seen: None,
+            told: None,
         };
         shooting.rescale();
         Ok(shooting)
@@ -322,28 +335,6 @@ impl<R: Real> Shooting<R> {
         let impacts = (self.steps.iter()).filter(|step| step.impact().is_some());
         let infinite = self.steps.iter().any(Step::is_stretch);
         (!infinite).then_some(impacts.count() as u64)
-    }
-
-    /// The same orbit, told from the node of step `by` on.
-    pub(crate) fn rotated(&self, at: &[R], by: usize) -> Vec<R> {
-        let free = at.len() - self.workshop.free.len();
-        let mut second = at[..free].to_vec();
-        if by == 0 {
-            return at.to_vec();
-        }
-        let mut nodes: Vec<f64> = second.iter().map(|x| x.to_f64()).collect();
-        self.turn_on(&mut nodes, at);
-        for (&place, _) in self.places.iter().zip(&self.steps) {
-            for i in 0..self.workshop.model.states.len() {
-                second[place + i] += R::splat(nodes[place + i]) - R::splat(at[place + i].to_f64());
-            }
-        }
-        let place = self.places[by];
-        let mut rotated = at[place..free].to_vec();
-        rotated.extend(&second[..place]);
-        // Phases in the turn of the first node.
-        rotated.extend(&at[free..]);
-        rotated
     }
 
     /// The node that a step starts from.
@@ -554,18 +545,6 @@ impl<R: Real> Shooting<R> {
         self.steps.len() + 1 + index
     }
 
-    /// The value of one of the user's functions at the first node.
-    pub(crate) fn monitored(&self, index: usize, at: &[R]) -> f64 {
-        let parameters = self.workshop.parameters(self.free(at));
-        let graph = &self.workshop.model.graph;
-        let value = graph.evaluate(
-            self.workshop.monitors[index].value,
-            self.node(at, 0),
-            &parameters,
-        );
-        value.to_f64()
-    }
-
     /// The same, with its derivatives.
     fn function(&self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
         let monitor = (self.workshop.monitors.get(index))
@@ -588,8 +567,19 @@ impl<R: Real> Shooting<R> {
 }
 
 impl Shooting<f64> {
-    /// The least values of all guards on the way of the orbit, by step.
+    /// The least values of all guards on the way of the orbit, and its crossings of the section, by step.
     pub(crate) fn least(&mut self, at: &[f64]) -> Result<Vec<Vec<Least>>, Left> {
+        if let Some((known, found)) = &self.seen
+            && known == at
+        {
+            return Ok(found.clone());
+        }
+        let found = self.look(at)?;
+        self.seen = Some((at.to_vec(), found.clone()));
+        Ok(found)
+    }
+
+    fn look(&mut self, at: &[f64]) -> Result<Vec<Vec<Least>>, Left> {
         let n = self.workshop.model.states.len();
         let parameters = self.workshop.parameters(self.free(at));
         let mut found = Vec::with_capacity(self.steps.len());

@@ -4,7 +4,7 @@ use super::{GRAZES, model, nearest, over, value, with};
 use chatter::analysis::periodic::{End, Known, Limits, Spec, SpecialKind, special_curve};
 use std::ops::ControlFlow;
 
-const TWO_SIDED: &str = r#"
+pub const TWO_SIDED: &str = r#"
 [parameters]
 omega = 2.6
 sigma = 0.2

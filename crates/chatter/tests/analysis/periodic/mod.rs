@@ -3,6 +3,7 @@
 mod branches;
 mod orbits;
 mod plane;
+mod reference;
 
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, Limits, Orbit, Spec, Special, SpecialKind, branches, settled,

@@ -1,8 +1,9 @@
 //! Special points between two stations with the same sequence of events.
 
+use super::special::Seed;
 use super::walker::{NOISE, Walker};
-use super::{Point, SpecialKind};
-use crate::analysis::continuation::{Problem, Singular, Station, locate, newton};
+use super::{End, Point, SpecialKind};
+use crate::analysis::continuation::{Corrected, Held, Problem, Singular, Station, locate, newton};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::condition::Condition;
 use crate::analysis::periodic::multipliers::{pair, passes};
@@ -29,25 +30,32 @@ impl Passed {
     }
 }
 
+/// The relative error of a place that only stations were compared for.
+const UNREFINED: f64 = 1e-11;
+/// What vanishes is below this part of what it was to both sides.
+const VANISHES: f64 = 1e-4;
+
 fn doubling(multipliers: &[Complex]) -> Option<f64> {
     passes(multipliers, -1.0)
 }
 
 impl Walker {
-    /// Special points between two stations with the same sequence of events.
+    /// Special points between two stations with the same sequence of events, and the end, if the branch ends at one of them.
     pub(super) fn between(
         &mut self,
         from: &Station,
         to: &Station,
         step: f64,
         (here, there): (&Point, &Point),
-    ) {
+    ) -> Option<End> {
         let size = from.at.len();
         let (before, after) = (from.tangent[size - 1], to.tangent[size - 1]);
         let mut kinds = Vec::new();
         if from.orientation * to.orientation < 0.0 {
             // Where branches meet, one of them may turn.
-            self.branch_point(from, step, (before, after));
+            if let Some(end) = self.branch_point(from, step, (before, after)) {
+                return Some(end);
+            }
         } else if before * after < 0.0 {
             kinds.push(Passed::Fold((before, after)));
         }
@@ -67,23 +75,30 @@ impl Walker {
         for passed in kinds {
             self.find(passed, from, step, to.parameter());
         }
+        None
     }
 
     fn find(&mut self, passed: Passed, from: &Station, step: f64, far: f64) {
         // The problem is what is evaluated; its copy tells what there is to tell of the stations found.
         let mut reader = self.shooting.clone();
-        let mut of = |ends: (f64, f64), value: &dyn Fn(&Shooting<f64>, &Station) -> Option<f64>| {
-            locate(&mut self.shooting, from, step, ends, &mut |_, station| {
-                reader.evaluate(&station.at).ok()?;
-                value(&reader, station)
-            })
-        };
+        let mut of =
+            |ends: (f64, f64), value: &dyn Fn(&mut Shooting<f64>, &Station) -> Option<f64>| {
+                let mut least = f64::INFINITY;
+                let found = locate(&mut self.shooting, from, step, ends, &mut |_, station| {
+                    reader.evaluate(&station.at).ok()?;
+                    let value = value(&mut reader, station)?;
+                    least = least.min(value.abs());
+                    Some(value)
+                });
+                // What jumps, as a multiplier does from one infinity to the other, has no zero.
+                found.filter(|_| least <= VANISHES * ends.0.abs().max(ends.1.abs()))
+            };
         let found = match passed {
             Passed::Fold(ends) => of(ends, &|_, station| station.tangent.last().copied()),
             Passed::Doubling(ends) => of(ends, &|reader, _| doubling(&reader.multipliers())),
             Passed::Torus(ends) => of(ends, &|reader, _| pair(&reader.multipliers())),
             Passed::Monitor(index, ends) => of(ends, &|reader, station| {
-                Some(reader.monitored(index, &station.at))
+                reader.monitored(&station.at).get(index).copied()
             }),
         };
         let Some((station, _)) = found else {
@@ -91,35 +106,78 @@ impl Walker {
         };
         let rough = station.parameter();
         let mut refined = station.clone();
-        let mut error = NOISE * f64::EPSILON * rough.abs();
+        let mut error = UNREFINED * rough.abs();
         let mut residual = f64::NAN;
         let mut above = None;
+        let near = 1e-3 * (from.parameter() - far).abs();
+        let mut take = |found: Corrected<f64>, scale: f64| {
+            let moved = (found.at[found.at.len() - 1] - rough).abs();
+            // Nearer than where the sign changed, or something else was found.
+            let is_it = moved <= near.max(1e-12 * scale);
+            if is_it {
+                refined.at = found.at;
+                error = (NOISE * f64::EPSILON * rough.abs()).max(NOISE * found.correction * scale);
+                residual = found.residual;
+            }
+            is_it
+        };
+        // A function of the user's is one of the state at the section.
+        let mut at_section = None;
         let condition = match passed {
             Passed::Fold(_) => Some(Condition::Singular(1.0)),
             Passed::Doubling(_) => Some(Condition::Singular(-1.0)),
             Passed::Torus(_) => None,
             Passed::Monitor(index, _) => {
-                Some(Condition::Monitor(self.shooting.user_function(index)))
+                let other = self.shooting.with_section(&station.at).ok().flatten();
+                if let Some((mut longer, guess)) = other {
+                    let function = longer.user_function(index);
+                    let mut held = Held::monitor(&mut longer, function);
+                    let scale = held.scales()[guess.len() - 1];
+                    if let Ok(found) = newton(&mut held, &guess, &[]) {
+                        let at = found.at.clone();
+                        if take(found, scale) {
+                            at_section = Some(Seed {
+                                shooting: longer,
+                                at,
+                            });
+                        }
+                    }
+                    None
+                } else {
+                    Some(Condition::Monitor(self.shooting.user_function(index)))
+                }
             }
         };
         if let Some(condition) = condition
             && let Ok(bordered) = condition.near(&mut self.shooting, &station.at, None)
         {
             let mut held = bordered.of(&mut self.shooting);
+            let scale = held.scales()[station.at.len() - 1];
             if let Ok(found) = newton(&mut held, &station.at, &[]) {
-                let last = found.at.len() - 1;
-                let scale = held.scales()[last];
-                let moved = (found.at[last] - rough).abs();
-                // Nearer than where the sign changed, or something else was found.
-                if moved <= 1e-3 * (from.parameter() - far).abs().max(1e-9 * scale) {
-                    refined.at = found.at;
-                    error = error.max(NOISE * found.correction * scale);
-                    residual = found.residual;
-                }
+                take(found, scale);
             }
         }
+        if matches!(passed, Passed::Torus(_)) {
+            error = NOISE * f64::EPSILON * rough.abs();
+        }
+        if let Some(Seed { mut shooting, at }) = at_section {
+            refined.at = at;
+            if shooting.evaluate(&refined.at).is_err() {
+                return;
+            }
+            let here = Point::new(&mut shooting, &refined);
+            let at = refined.at.clone();
+            self.note(passed.kind(), &here, &at, error, residual);
+            if let Some(special) = self.special.last_mut() {
+                special.seed = Some(Seed { shooting, at });
+                if let Passed::Monitor(index, _) = passed {
+                    special.monitor = Some(index);
+                }
+            }
+            return;
+        }
         self.settle(&refined);
-        let mut here = Point::new(&self.shooting, &refined);
+        let mut here = Point::new(&mut self.shooting, &refined);
         if residual.is_nan() {
             residual = match passed {
                 Passed::Torus(_) => pair(&here.multipliers).map_or(f64::NAN, f64::abs),

@@ -1,14 +1,21 @@
 //! Points where branches meet, from stations around them.
 
 use super::walker::{NOISE, Walker};
-use super::{Point, SpecialKind};
-use crate::analysis::continuation::{Problem, Station};
+use super::{End, Point, SpecialKind};
+use crate::analysis::continuation::{Problem, Station, meeting};
+use crate::analysis::periodic::orbit::shorter;
 
 impl Walker {
     /// A point where branches meet. The equations are singular there, so it is found from stations around it: the
     /// polynomial through what vanishes, a multiplier less one or, on a branch that turns, the tangent's part along the
-    /// parameter.
-    pub(super) fn branch_point(&mut self, from: &Station, step: f64, (before, after): (f64, f64)) {
+    /// parameter. From there it is solved for with what unfolds it. Where it is an orbit gone around twice, this branch is one
+    /// of doubled orbits: it comes back from there as it went, and ends.
+    pub(super) fn branch_point(
+        &mut self,
+        from: &Station,
+        step: f64,
+        (before, after): (f64, f64),
+    ) -> Option<End> {
         let turns = before * after < 0.0;
         let mut reader = self.shooting.clone();
         let mut value = |station: &Station| {
@@ -62,24 +69,34 @@ impl Walker {
             let error = earlier.map_or(step, |earlier| (earlier - at[at.len() - 1]).abs());
             fit = Some((root, at.clone()));
             if width < 0.1 {
-                let station = Station {
+                let mut station = Station {
                     at,
                     ..stations[0].clone()
                 };
-                self.settle(&station);
-                let here = Point::new(&self.shooting, &station);
-                let residual = interpolated(&places, &values, root).abs();
+                let mut residual = interpolated(&places, &values, root).abs();
                 let noise = NOISE * f64::EPSILON * station.parameter().abs();
+                let mut error = error.max(noise);
+                let scale = self.shooting.scales()[station.at.len() - 1];
+                if let Ok(found) = meeting(&mut self.shooting, &station.at) {
+                    let moved = (found.at[found.at.len() - 1] - station.parameter()).abs();
+                    if moved <= 1e-3 * step * scale {
+                        error = noise.max(NOISE * found.correction * scale);
+                        residual = found.residual;
+                        station.at = found.at;
+                    }
+                }
+                self.settle(&station);
+                let here = Point::new(&mut self.shooting, &station);
+                let doubles = shorter(&self.shooting, &station.at).is_ok_and(|half| half.is_some());
                 let at = station.at.clone();
-                self.note(
-                    SpecialKind::BranchPoint,
-                    &here,
-                    &at,
-                    error.max(noise),
-                    residual,
-                );
+                self.note(SpecialKind::BranchPoint, &here, &at, error, residual);
+                if doubles && let Some(special) = self.special.last_mut() {
+                    special.seed = None;
+                    return Some(End::At(SpecialKind::BranchPoint));
+                }
             }
         }
+        None
     }
 }
 

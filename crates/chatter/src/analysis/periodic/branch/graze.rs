@@ -154,14 +154,16 @@ impl Walker {
         };
         self.settle(&station);
         // Special points before it.
-        let there = Point::new(&self.shooting, &station);
+        let there = Point::new(&mut self.shooting, &station);
         // Where an impact loses its rate multipliers have a pole: not quite there.
         let close = reached * (1.0 - NOT_QUITE);
         if let Ok((nearly, _)) = from.ahead(&mut self.shooting, close) {
             self.settle(&nearly);
-            let near = Point::new(&self.shooting, &nearly);
+            let near = Point::new(&mut self.shooting, &nearly);
             let before = here.clone();
-            self.between(&from, &nearly, close, (&before, &near));
+            if let Some(end) = self.between(&from, &nearly, close, (&before, &near)) {
+                return Stop::End(end);
+            }
         }
         self.settle(&station);
         let forward = station.tangent[station.tangent.len() - 1];
@@ -179,7 +181,7 @@ impl Walker {
                     special.persists = Some(onward * forward > 0.0);
                 }
                 self.settle(&next);
-                *here = Point::new(&self.shooting, &next);
+                *here = Point::new(&mut self.shooting, &next);
                 let careful = Settings {
                     first_step: (CAREFUL * curve.step).max(1e-9),
                     ..self.limits.settings()
@@ -270,8 +272,16 @@ impl Walker {
         if !is_impact {
             return Err("an event that is no impact is only touched".to_owned());
         }
-        let (mut shorter, guess, merged) =
-            (self.shooting.without_event(&found.at, index)).map_err(|error| told(&error))?;
+        let mut merged = self.shooting.without_event(&found.at, index);
+        if merged.is_err()
+            && self.shooting.steps.len() == 1
+            && let Ok(Some((longer, at))) = self.shooting.with_section(&found.at)
+        {
+            // Without its last event the orbit of an autonomous system is told from the section.
+            let index = longer.steps.iter().position(|step| step.impact().is_some());
+            merged = longer.without_event(&at, index.unwrap_or(0));
+        }
+        let (mut shorter, guess, merged) = merged.map_err(|error| told(&error))?;
         let last = guess.len() - 1;
         let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
         shorter.evaluate(&next.at).map_err(|left| told(&left))?;

@@ -45,10 +45,10 @@ pub(crate) fn follow(
     observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
 ) -> Result<Branch, PeriodicError> {
     let mut sides = Vec::new();
-    let mut begin = shooting.clone();
+    let (mut begin, at) = shooting.clone().without_section(at.to_vec());
     let last = at.len() - 1;
     let station =
-        Station::near(&mut begin, at, last).map_err(|error| PeriodicError::NoConvergence {
+        Station::near(&mut begin, &at, last).map_err(|error| PeriodicError::NoConvergence {
             how: error.to_string(),
         })?;
     begin
@@ -56,7 +56,7 @@ pub(crate) fn follow(
         .map_err(|left| PeriodicError::NoConvergence {
             how: left.to_string(),
         })?;
-    let first = Point::new(&begin, &station);
+    let first = Point::new(&mut begin, &station);
     for forward in [false, true] {
         let start = if forward {
             station.clone()

@@ -29,16 +29,15 @@ pub struct Point {
 
 impl Point {
     /// Of a solution, the latest that the equations were evaluated at.
-    pub(crate) fn new(shooting: &Shooting<f64>, station: &Station) -> Self {
+    pub(crate) fn new(shooting: &mut Shooting<f64>, station: &Station) -> Self {
+        let state = shooting.told_state(&station.at);
         Self {
             parameters: shooting.free(&station.at).to_vec(),
             period: shooting.period(),
             impacts: shooting.impacts(),
             multipliers: shooting.multipliers(),
-            state: cleaned(shooting.node(&station.at, 0), &shooting.state_sizes()),
-            monitors: (0..shooting.workshop.monitors.len())
-                .map(|index| shooting.monitored(index, &station.at))
-                .collect(),
+            state: cleaned(&state, &shooting.state_sizes()),
+            monitors: shooting.monitored(&station.at),
             residual: station.residual,
             correction: station.correction,
         }

@@ -22,6 +22,8 @@ const SAME_ORBIT: f64 = 1e-8;
 const MOST_GRAZES: usize = 4_000;
 /// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
 pub(super) const NOISE: f64 = 16.0;
+/// Close to a graze is this part of the next step.
+const CLOSE: f64 = 1e-4;
 /// Points nearer than this to the latest, in parts of a step, are not kept: at a border they accumulate.
 const CROWDED: f64 = 1e-6;
 
@@ -52,17 +54,25 @@ impl Walker {
         let mut curve = Curve::new(start, self.limits.settings());
         let mut here = {
             let _ = self.shooting.evaluate(&curve.station.at);
-            Point::new(&self.shooting, &curve.station)
+            Point::new(&mut self.shooting, &curve.station)
         };
         let origin = (curve.station.clone(), passages(&self.shooting));
         let mut grazes = 0;
         let mut made = 0;
         let mut since_kept = f64::INFINITY;
-        // At a graze multipliers have a pole: the first step from one has no sign changes to tell.
-        let mut leaves_graze = false;
+        // At a graze multipliers have a pole: what changes its sign is looked for from close by.
+        let mut at_graze = false;
         let end = loop {
             if self.points.len() >= self.limits.points || grazes > MOST_GRAZES {
                 break End::Points;
+            }
+            if core::mem::take(&mut at_graze)
+                && let Ok((close, _)) =
+                    (curve.station).ahead(&mut self.shooting, CLOSE * curve.step)
+            {
+                self.settle(&close);
+                here = Point::new(&mut self.shooting, &close);
+                curve.moves(close);
             }
             let (next, step) = match curve.next(&mut self.shooting) {
                 Ok(found) => found,
@@ -89,7 +99,7 @@ impl Walker {
                 grazes += 1;
                 match self.pass(&mut curve, step, broken, &mut here) {
                     Stop::On => {
-                        leaves_graze = true;
+                        at_graze = true;
                         if observer(&here).is_break() {
                             break End::Interrupted;
                         }
@@ -111,20 +121,22 @@ impl Walker {
             if made > 3 && self.returns((&curve.station, &next), step, &origin) {
                 break End::Closed;
             }
-            let there = Point::new(&self.shooting, &next);
+            let there = Point::new(&mut self.shooting, &next);
             let edge = self.limits.beyond(there.parameter());
             if let Some(edge) = edge
                 && let Some((station, step)) =
                     station_at(&mut self.shooting, (&curve.station, &next), step, edge)
             {
                 self.settle(&station);
-                let last = Point::new(&self.shooting, &station);
-                self.between(&curve.station, &station, step, (&here, &last));
+                let last = Point::new(&mut self.shooting, &station);
+                if let Some(end) = self.between(&curve.station, &station, step, (&here, &last)) {
+                    break end;
+                }
                 self.points.push(last);
                 break End::Range;
             }
-            if !core::mem::take(&mut leaves_graze) {
-                self.between(&curve.station, &next, step, (&here, &there));
+            if let Some(end) = self.between(&curve.station, &next, step, (&here, &there)) {
+                break end;
             }
             if edge.is_some() {
                 break End::Range;
@@ -165,14 +177,25 @@ impl Walker {
         let Some((here, _)) = station_at(&mut self.shooting, (from, to), step, target) else {
             return false;
         };
-        let scales = self.shooting.scales();
-        (0..own.len()).any(|by| {
-            let same = (0..own.len()).all(|k| own[(k + by) % own.len()] == kinds[k]);
-            same && {
-                let turned = self.shooting.rotated(&here.at, by);
-                (turned.iter().zip(&origin.at).zip(scales))
-                    .all(|((a, b), scale)| (a - b).abs() <= SAME_ORBIT * scale)
-            }
+        let shooting = &self.shooting;
+        let parameters = shooting.workshop.parameters(shooting.free(&here.at));
+        let Ok(turns) = shooting.workshop.closure.turns(&parameters) else {
+            return false;
+        };
+        let sizes = shooting.state_sizes();
+        let count = own.len();
+        (0..count).any(|by| {
+            let same = (0..count).all(|k| own[(k + by) % count] == kinds[k]);
+            // Phases may be turns further.
+            let near = |k: usize| {
+                let nodes = (
+                    shooting.node(&origin.at, k),
+                    shooting.node(&here.at, (k + by) % count),
+                );
+                let difference = shooting.workshop.closure.difference(&turns, nodes, &sizes);
+                difference.distance <= SAME_ORBIT
+            };
+            same && (0..count).all(near)
         })
     }
 

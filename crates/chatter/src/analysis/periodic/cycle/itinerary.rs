@@ -146,6 +146,9 @@ pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
     let mut from = 0;
     let mut open: Option<(usize, usize, Vec<Occurrence<f64>>)> = None;
     for (index, instant) in instants.iter().enumerate().skip(1) {
+        if instant.only_touches() {
+            continue;
+        }
         let kind = single(instant);
         if let Some((begin, accumulations, mut told)) = open.take() {
             told.extend(&instant.told);

@@ -33,6 +33,12 @@ impl Instant {
         })
     }
 
+    /// Whether a flight touches a contact here and goes on.
+    pub(crate) fn only_touches(&self) -> bool {
+        let touches = |told: &Occurrence<f64>| matches!(told, Occurrence::Graze { .. });
+        !self.told.is_empty() && self.told.iter().all(touches)
+    }
+
     /// Whether this is a crossing of a section.
     pub(crate) fn crosses(&self, section: usize) -> bool {
         self.guard == Some(GuardKind::Section(section))

@@ -110,7 +110,8 @@ impl Follower {
         if let Err(left) = self.shooting.evaluate(&next.at) {
             return Stop::End(End::Lost(left.to_string()));
         }
-        self.points.push(self.told(&next));
+        let told = self.told(&next);
+        self.points.push(told);
         if edge.is_some() {
             return Stop::End(End::Range);
         }
@@ -120,8 +121,8 @@ impl Follower {
     }
 
     /// A station as a point: of the orbit without the impact that grazes.
-    pub(super) fn told(&self, station: &Station) -> Point {
-        let mut point = Point::new(&self.shooting, station);
+    pub(super) fn told(&mut self, station: &Station) -> Point {
+        let mut point = Point::new(&mut self.shooting, station);
         if self.grazing.is_some() {
             point.impacts = point.impacts.map(|count| count.saturating_sub(1));
             point.multipliers = multipliers(&self.shooting, &station.at, self.grazing);

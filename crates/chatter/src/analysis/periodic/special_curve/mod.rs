@@ -68,7 +68,7 @@ pub(crate) fn follow(
         let station = station.map_err(failed)?;
         let station = if forward { station } else { station.reversed() };
         shooting.evaluate(&station.at).map_err(failed)?;
-        let follower = Follower {
+        let mut follower = Follower {
             shooting,
             kind: known.kind,
             condition: begun.condition,

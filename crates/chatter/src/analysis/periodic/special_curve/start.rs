@@ -85,6 +85,9 @@ pub(super) fn begin(
     let cycle = reread(workshop, free, (&known.state, known.period))?;
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     let mut at = shooting.guess(free);
+    if known.kind != SpecialKind::Monitor {
+        (shooting, at) = shooting.without_section(at);
+    }
     let mut grazing = None;
     let condition = match known.kind {
         SpecialKind::Fold => Condition::Singular(1.0),

@@ -1,0 +1,135 @@
+//! Where an orbit crosses the section: no part of its equations, so that a crossing which comes or goes, or changes places with an
+//! impact, is nothing that happens to the orbit.
+
+use super::cycle::itinerary::{Passage, Step, rotate};
+use super::error::PeriodicError;
+use super::shooting::Shooting;
+use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, Least, LegKind};
+
+impl Shooting<f64> {
+    /// The step that ends with a crossing of the section, if one does.
+    fn section_step(&self) -> Option<usize> {
+        let section = GuardKind::Section(self.workshop.section?);
+        (self.steps.iter()).position(|step| step.ends_at() == Some(section))
+    }
+
+    /// The crossing of the section nearest to the state that was told last, and the step that it is on.
+    fn crossing(&mut self, at: &[f64]) -> Option<(usize, Least)> {
+        let section = GuardKind::Section(self.workshop.section?);
+        let least = self.least(at).ok()?;
+        let crossings = (least.into_iter().enumerate()).flat_map(|(index, all)| {
+            let here = all.into_iter().filter(|least| least.guard == section);
+            here.map(move |least| (index, least))
+        });
+        let Some(told) = &self.told else {
+            return crossings.into_iter().next();
+        };
+        let parameters = self.workshop.parameters(self.free(at));
+        let turns = self.workshop.closure.turns(&parameters).ok()?;
+        let sizes = self.state_sizes();
+        let off = |(_, least): &(usize, Least)| {
+            let difference =
+                (self.workshop.closure).difference(&turns, (told, &least.state), &sizes);
+            difference.distance
+        };
+        crossings.min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+
+    /// The state that the orbit is told from: at the section, or where that is not crossed, at its first node.
+    pub(crate) fn told_state(&mut self, at: &[f64]) -> Vec<f64> {
+        let state = match self.section_step() {
+            Some(_) => self.node(at, 0).to_vec(),
+            None => match self.crossing(at) {
+                Some((_, crossing)) => crossing.state,
+                None => return self.node(at, 0).to_vec(),
+            },
+        };
+        self.told = Some(state.clone());
+        state
+    }
+
+    /// The values of the user's functions there.
+    pub(crate) fn monitored(&mut self, at: &[f64]) -> Vec<f64> {
+        if self.workshop.monitors.is_empty() {
+            return Vec::new();
+        }
+        let state = self.told_state(at);
+        let parameters = self.workshop.parameters(self.free(at));
+        let monitors = self.workshop.monitors.iter();
+        monitors
+            .map(|monitor| monitor.at(&self.workshop.model.graph, &state, &parameters))
+            .collect()
+    }
+
+    /// The same orbit without crossings of the section among its events, where others are left to tell where it is.
+    pub(crate) fn without_section(self, at: Vec<f64>) -> (Self, Vec<f64>) {
+        let (mut shooting, mut at) = (self, at);
+        let told = shooting
+            .section_step()
+            .map(|_| shooting.node(&at, 0).to_vec());
+        while let Some(index) = shooting.section_step() {
+            let Ok((shorter, guess, _)) = shooting.without_event(&at, index) else {
+                break;
+            };
+            (shooting, at) = (shorter, guess);
+        }
+        shooting.told = told;
+        (shooting, at)
+    }
+
+    /// The same orbit told from the section, with its crossing for an event. None where it is not crossed.
+    pub(crate) fn with_section(
+        &mut self,
+        at: &[f64],
+    ) -> Result<Option<(Self, Vec<f64>)>, PeriodicError> {
+        let section = self.workshop.section;
+        let (Some((index, crossing)), Some(section)) = (self.crossing(at), section) else {
+            return Ok(None);
+        };
+        let mut steps = self.current_steps(at);
+        let whole = steps[index].clone();
+        let (Passage::Leg(kind) | Passage::Timed(kind)) = whole.passage else {
+            return Ok(None);
+        };
+        let crosses = Passage::Leg(LegKind {
+            ends_at: Some(GuardKind::Section(section)),
+            jump: Jump::None,
+            ..kind
+        });
+        let begin = match whole.passage {
+            Passage::Timed(_) => {
+                let period = steps.iter().map(|step| step.duration).sum();
+                steps = vec![Step {
+                    passage: crosses,
+                    start: crossing.state,
+                    duration: period,
+                    ..whole
+                }];
+                0
+            }
+            _ => {
+                let first = Step {
+                    passage: crosses,
+                    duration: crossing.time,
+                    told: Vec::new(),
+                    closed: self.closed_before(index),
+                    ..whole.clone()
+                };
+                let second = Step {
+                    start: crossing.state,
+                    duration: whole.duration - crossing.time,
+                    ..whole
+                };
+                steps.splice(index..=index, [first, second]);
+                index + 1
+            }
+        };
+        let parameters = self.workshop.parameters(self.free(at));
+        let turns = self.workshop.closure.turns(&parameters)?;
+        rotate(&mut steps, begin, &turns, &self.counts);
+        let longer = Self::new(&self.workshop, steps, self.counts.clone())?;
+        let guess = longer.guess(self.free(at));
+        Ok(Some((longer, guess)))
+    }
+}
