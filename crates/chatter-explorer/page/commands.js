@@ -44,23 +44,87 @@ export class Commands {
 
     /** @param {boolean} picked */
     python_model(picked) {
-        const model = this.model();
-        const source = this.shipped(model) ? `ch.Model.shipped(${string(model)})` : `ch.Model.from_file(${string(model)})`;
         const { set, initial } = this.store.model(picked);
         const { over, second } = this.store.state.diagram;
-        const kept = picked ? set : set.filter(([name]) => name !== over && name !== second);
-        const named = (/** @type {[string, string][]} */ pairs) => pairs.map(([name, value]) => `${name}=${Number.isFinite(Number(value)) ? value : string(value)}`).join(", ");
-        const values = [...kept, ...initial];
-        return source + (values.length ? `.with_values(${named(values)})` : "");
+        return this.python_source([...(picked ? set : set.filter(([name]) => name !== over && name !== second)), ...initial]);
     }
 
-    history() {
+    /** The model with these values. @param {[string, string][]} values */
+    python_source(values) {
+        const model = this.model();
+        const source = this.shipped(model) ? `ch.Model.shipped(${string(model)})` : `ch.Model.from_file(${string(model)})`;
+        const text = values.map(([name, value]) => `${name}=${Number.isFinite(Number(value)) ? value : string(value)}`).join(", ");
+        return source + (values.length ? `.with_values(${text})` : "");
+    }
+
+    /** What the figures and tables call time. */
+    time() {
+        return this.store.checked?.states.find((state) => state.time)?.name ?? "t";
+    }
+
+    /**
+     * @param {string} stem of the files
+     * @param {string[]} axes of the panels
+     * @param {{ sample?: string, until?: number }} [more] rows of the table; the end of what is shown
+     */
+    history(stem, axes, { sample, until } = {}) {
         const { from, to } = this.store.state;
-        return line(["chatter", "simulate", this.model(), ...this.values(true), "--until", String(to), "--plot", "history.svg", "--window", `${from}:${to}`, "--out", "history.npz"]);
+        return line([
+            "chatter", "simulate", this.model(), ...this.values(true), "--until", String(to), "--plot", `${stem}.svg`, "--window", `${from}:${until ?? to}`,
+            ...axes.flatMap((axes) => ["--axes", axes]), ...(sample ? ["--sample", sample] : []), "--out", `${stem}.npz`,
+        ]);
     }
 
-    python_history() {
-        return `run = ${this.python_model(true)}.simulate(${this.store.state.to}); run.plot()`;
+    /** @param {string} rest what is done with `run`, and with matplotlib as `plt` */
+    python_history(rest) {
+        const { from, to } = this.store.state;
+        const plots = rest.includes("plt.") ? "import matplotlib.pyplot as plt; " : "";
+        const limits = from > 0 && rest.startsWith("run.plot") ? `.set_xlim(${from}, ${to})` : "";
+        return `${plots}run = ${this.python_model(true)}.simulate(${to}); ${rest}${limits}`;
+    }
+
+    /**
+     * The events at which orbits are sampled, as `run` has them within what is shown.
+     * @param {string} sampling
+     */
+    python_events(sampling) {
+        const [kind, name] = sampling.split(":");
+        const events = kind === "section" ? `run.events.at(${string(name)})` : `run.events[${string(name)}]`;
+        const { from } = this.store.state;
+        return from > 0 ? `${events}; e = e[e.time >= ${from}]` : events;
+    }
+
+    /**
+     * The question about the return map's own curve, which is a sweep over initial values.
+     * @param {import("./return-curve.js").OneDimension} one
+     */
+    returned(one) {
+        const { diagram } = this.store.state;
+        const at = Object.entries(sampled(diagram.sampling)).flatMap(([name, value]) => [`--${name}`, value]);
+        return line([
+            "chatter", "diagram", this.model(), ...this.fixed(one), "--sweep", one.sweep, ...at,
+            "--observe", one.name, "--transient", "0", "--keep", "1", "--out", "returns-curve.npz", "--plot", "returns-curve.svg",
+        ]);
+    }
+
+    /** @param {import("./return-curve.js").OneDimension} one */
+    fixed(one) {
+        const { set, initial } = this.store.model(true);
+        const starts = initial.filter(([name]) => name !== one.name && name !== one.held);
+        return [...set.flatMap(([name, value]) => ["--set", `${name}=${value}`]), ...starts.flatMap(([name, value]) => ["--initial", `${name}=${value}`]), "--initial", `${one.held}=${one.value}`];
+    }
+
+    /** @param {{ restitution: number, slope: number, mu: number }} map */
+    universal({ restitution, slope, mu }) {
+        return line(["chatter", "universal", "--restitution", String(restitution), "--slope", String(slope), "--cobweb", `mu=${mu}`, "--out", "cobweb.npz", "--plot", "cobweb.svg"]);
+    }
+
+    /**
+     * @param {{ restitution: number, slope: number, mu: number }} map
+     * @param {[number, number]} range
+     */
+    python_universal({ restitution, slope, mu }, [low, high]) {
+        return `import numpy as np, matplotlib.pyplot as plt; u = ch.Universal(${restitution}); z = np.linspace(${low}, ${high}, 1601); next = u(${slope} * z + ${mu}); plt.plot(z, next, z, z)`;
     }
 
     /** @param {number} columns across what is seen */
@@ -105,13 +169,75 @@ export class Commands {
         return `d = ${this.python_model(false)}.diagram(${options.join(", ")}); d.plot(${diagram.slope ? `shear=${diagram.slope}` : ""})`;
     }
 
-    branches() {
-        const { diagram } = this.store.state;
-        return line(["chatter", "continue", this.model(), ...this.values(false), "--sweep", `${diagram.over}=${diagram.from}:${diagram.to}`, "--plot", "branch.svg", "--out", "branch.npz"]);
+    /**
+     * Model and values of a question about branches, without the parameter that they are over.
+     * @param {any} asked
+     */
+    of_branches(asked) {
+        const pairs = (/** @type {string} */ option, /** @type {[string, string][]} */ values) => values.filter(([name]) => name !== asked.parameter).flatMap(([name, value]) => [option, `${name}=${value}`]);
+        return [this.model(), ...pairs("--set", asked.model.set), ...pairs("--initial", asked.model.initial), ...(asked.section ? ["--section", asked.section] : [])];
     }
 
-    python_branches() {
-        const { diagram } = this.store.state;
-        return `branch = ${this.python_model(false)}.orbit().follow(${string(diagram.over)}, to=${diagram.to}); branch.plot()`;
+    /** @param {any} asked for branches */
+    branches(asked) {
+        if (!asked) return "";
+        return line(["chatter", "continue", ...this.of_branches(asked), "--sweep", `${asked.parameter}=${asked.from}:${asked.to}`, "--plot", "branches.svg", "--out", "branches.npz"]);
+    }
+
+    /** @param {any} asked */
+    found_branches(asked) {
+        const { set, initial } = asked.model;
+        const values = [...set, ...initial].filter(([name]) => name !== asked.parameter);
+        const how = asked.section ? `, how={"section": ${string(asked.section)}}` : "";
+        return `ch.branches(${this.python_source(values)}, ${string(asked.parameter)}, ${asked.from}, ${asked.to}${how})`;
+    }
+
+    /** @param {any} asked */
+    python_branches(asked) {
+        return asked ? `branches = ${this.found_branches(asked)}; branches[0].plot()` : "";
+    }
+
+    /**
+     * @param {any} asked for branches
+     * @param {import("./overlay-curves.js").Followed | undefined} followed
+     */
+    curve(asked, followed) {
+        if (!asked || !followed) return "";
+        const { question, of } = followed;
+        const [first, second] = question.parameters;
+        const branches = line(["chatter", "continue", ...this.of_branches(asked), "--sweep", `${asked.parameter}=${asked.from}:${asked.to}`, "--out", "branches.npz"]);
+        const curve = line(["chatter", "continue", ...this.of_branches(asked), "--sweep", `${second}=${question.from}:${question.to}`, "--free", `${first},${second}`, "--from", `branches.npz:${of.number}`, "--plot", "curve.svg", "--out", "curve.npz"]);
+        return `${branches} && ${curve}`;
+    }
+
+    /**
+     * @param {any} asked
+     * @param {import("./overlay-curves.js").Followed | undefined} followed
+     */
+    python_curve(asked, followed) {
+        if (!asked || !followed) return "";
+        const { question, of } = followed;
+        const [first, second] = question.parameters.map(string);
+        return `curve = ${this.found_branches(asked)}[${of.branch}].special[${string(of.point.kind)}][${of.place}].follow(${first}, ${second}, low=${question.from}, high=${question.to}); curve.plot()`;
+    }
+
+    /** @param {any} border */
+    border(border) {
+        if (!border) return "";
+        const { over } = this.store.state.diagram;
+        return line(["chatter", "border", this.model(), ...this.varied(over), "--parameter", over, "--near", String(border.value), "--plot", "border.svg", "--out", "border.npz"]);
+    }
+
+    /** @param {any} border */
+    python_border(border) {
+        if (!border) return "";
+        const { over } = this.store.state.diagram;
+        const values = Object.entries(this.store.state.set).filter(([name]) => name !== over);
+        return `border = ${this.python_source(values)}.border(${string(over)}, near=${border.value}); border.value`;
+    }
+
+    /** What is set but for one parameter. @param {string} over */
+    varied(over) {
+        return this.store.model(false).set.filter(([name]) => name !== over).flatMap(([name, value]) => ["--set", `${name}=${value}`]);
     }
 }

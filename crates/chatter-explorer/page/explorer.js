@@ -63,7 +63,7 @@ export async function explore(root, ask, place) {
     const portrait = new PortraitView(ask, store, motions, commands, say);
     const returns = new ReturnView(ask, store, motions, commands, say);
     const impacts = new ImpactsView(ask, store, motions, commands, say);
-    const mechanism = new MechanismView(store, motions, [history_view, portrait]);
+    const mechanism = new MechanismView(store, motions, [history_view, portrait], ask, commands, say);
 
     const title = make("span", { class: "title" });
     const select = make("select", { "aria-label": "Model", onchange: () => void open(select.value) });

@@ -34,6 +34,7 @@ export class HistoryView {
             reset: () => store.change("motion", (state) => Object.assign(state, { to: state.to - state.from, from: 0 })),
             hover: (at) => this.hover(at),
         });
+        this.axes = () => `${commands.time()},${this.quantity}`;
         this.select = make("select", { "aria-label": "Quantity", onchange: () => this.choose(this.select.value) });
         this.length = make("input", { type: "number", step: "any", "aria-label": "until", onchange: () => this.until(this.length.valueAsNumber) });
         const scale = (/** @type {number} */ factor) => () => store.change("motion", (state) => { state.to = rounded(state.from + (state.to - state.from) * factor, (state.to - state.from) / 1e4); });
@@ -43,9 +44,10 @@ export class HistoryView {
             make("button", { type: "button", title: "twice as long", "aria-label": "twice as long", onclick: scale(2) }, "×2"),
         ];
         const menu = gifts(ask, {
-            files: () => ({ asked: "history", question: motions.question() }),
-            command: () => commands.history(),
-            python: () => commands.python_history(),
+            name: "time history",
+            files: () => ({ asked: "history", question: { ...motions.question(), axes: [this.axes()] } }),
+            command: () => commands.history("history", [this.axes()]),
+            python: () => commands.python_history(motions.motion?.about.states.includes(this.quantity) ? `run.plot(${JSON.stringify(this.quantity)})` : "run.plot()"),
         }, say);
         this.element = panel("history", "Time history", controls, make("div", { class: "body" }, this.error, this.plot.element, make("div", { class: "foot" }, this.readout, this.facts)), menu);
         motions.on((motion, error) => this.take(motion, error));
@@ -85,7 +87,7 @@ export class HistoryView {
         dataset.time = String(motion.about.time);
         dataset.end = JSON.stringify(motion.about.state);
         dataset.impacts = String(counts.impacts);
-        dataset.picked = String(this.store.state.picked);
+        dataset.picked = String(motion.picked);
         this.fit();
     }
 

@@ -3,11 +3,11 @@
 import { disc } from "./curves.js";
 import { choice, field, make } from "./dom.js";
 import { gifts, panel } from "./panel.js";
-import { BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION } from "./palette.js";
+import { BLUE, GREEN, ORANGE, PURPLE, VERMILION } from "./palette.js";
 import { Plot, extent } from "./plot.js";
 import { shown } from "./ticks.js";
 
-const COLORS = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
+const COLORS = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, "#999999"];
 
 export class ImpactsView {
     /**
@@ -25,7 +25,7 @@ export class ImpactsView {
         this.readout = make("output", { class: "readout" });
         this.plot = new Plot({
             label: "Rates of impacts in logarithmic scale. Arrow keys move the view, plus and minus zoom, 0 shows all.",
-            draw: (context, plot) => this.draw(context, plot),
+            draw: (context, plot, colors) => this.draw(context, plot, colors),
             moved: () => (this.by_hand = true),
             reset: () => {
                 this.by_hand = false;
@@ -39,11 +39,12 @@ export class ImpactsView {
             this.by_hand = false;
             this.fit();
         });
+        const axes = () => `${this.over === "time" ? commands.time() : "impact"},rate_before`;
         const menu = gifts(ask, {
-            files: () => null,
-            command: () => `${commands.history().replace(/ --plot.*$/, "")} --sample events --out events.csv`,
-            python: () => `${commands.python_history().replace(/; run.plot\(\)$/, "")}; run.events["impact"].rate_before`,
-            csv: () => ["number,time,rate_before,contact", ...this.points().map((point, place) => `${place + 1},${point.time},${point.rate},${point.contact}`)].join("\n"),
+            name: "impacts",
+            files: () => ({ asked: "history", question: { ...motions.question(), axes: [axes()], sample: "events" } }),
+            command: () => commands.history("impacts", [axes()], { sample: "events" }),
+            python: () => commands.python_history(`e = ${commands.python_events("at:impact")}; plt.semilogy(${this.over === "time" ? "e.time, " : "range(1, len(e) + 1), "}-e.rate_before, ".")`),
         }, say);
         this.element = panel("impacts", "Impacts", [field("over", over)], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
         motions.on((motion) => {
@@ -82,11 +83,14 @@ export class ImpactsView {
     /**
      * @param {CanvasRenderingContext2D} context
      * @param {Plot} plot
+     * @param {import("./palette.js").Theme} colors
      */
-    draw(context, plot) {
+    draw(context, plot, colors) {
         const contacts = this.motion?.about.contacts ?? [];
         this.points().forEach(({ time, rate, contact }, place) => {
-            context.fillStyle = COLORS[Math.max(0, contacts.indexOf(contact)) % COLORS.length];
+            const index = Math.max(0, contacts.indexOf(contact)) % COLORS.length;
+            // The first is the curves', which is brighter in the dark.
+            context.fillStyle = index === 0 ? colors.curve : COLORS[index];
             const x = this.over === "number" ? place + 1 : time;
             if (rate > 0) disc(context, plot.px(x), plot.py(Math.log10(rate)), 2.3);
         });

@@ -3,7 +3,7 @@
 import { choice, field, make } from "./dom.js";
 import { nearest } from "./history-view.js";
 import { theme } from "./palette.js";
-import { panel } from "./panel.js";
+import { gifts, panel } from "./panel.js";
 import { Sound } from "./sound.js";
 import { shown } from "./ticks.js";
 
@@ -27,8 +27,11 @@ export class MechanismView {
      * @param {import("./state.js").Store} store
      * @param {import("./motion.js").Motions} motions
      * @param {{ now: number | null, plot: import("./plot.js").Plot }[]} followers views that show the time, too
+     * @param {import("./transport.js").Ask} ask
+     * @param {import("./commands.js").Commands} commands
+     * @param {(message: string) => void} say
      */
-    constructor(store, motions, followers) {
+    constructor(store, motions, followers, ask, commands, say) {
         this.store = store;
         this.followers = followers;
         /** @type {Motion | null} */
@@ -46,7 +49,15 @@ export class MechanismView {
         this.readout = make("output", { class: "readout" });
         const heard = make("input", { type: "checkbox", onchange: () => (heard.checked ? this.sound.on() : this.sound.off()) });
         const speed = choice("Speed", [["0.1", "÷10"], ["0.25", "÷4"], ["0.5", "÷2"], ["1", "×1"], ["2", "×2"], ["4", "×4"]], "1", (value) => (this.speed = Number(value)));
-        this.element = panel("mechanism", "Mechanism", [field("sound", heard), field("speed", speed)], make("div", { class: "body" }, this.frame, this.hint, make("div", { class: "foot player" }, this.button, this.slider, this.readout)), null);
+        // An interval has some length.
+        const until = () => Math.max(this.now, store.state.from + 1e-9 * (store.state.to - store.state.from));
+        this.menu = gifts(ask, {
+            name: "mechanism",
+            files: () => ({ asked: "history", question: { ...motions.question(), window: `${store.state.from}:${until()}`, axes: ["drawing"] } }),
+            command: () => commands.history("mechanism", ["drawing"], { until: until() }),
+            python: () => commands.python_history(`run(${this.now})`),
+        }, say);
+        this.element = panel("mechanism", "Mechanism", [field("sound", heard), field("speed", speed)], make("div", { class: "body" }, this.frame, this.hint, make("div", { class: "foot player" }, this.button, this.slider, this.readout)), this.menu);
         motions.on((motion) => {
             if (!motion) return;
             this.motion = motion;

@@ -5,6 +5,7 @@ import { Latest, Refused, collected, is_abort } from "./transport.js";
 /**
  * @typedef {object} Motion
  * @property {any} about
+ * @property {number | null} picked the value of the swept parameter that it is the motion of
  * @property {Map<string, Float64Array>} series by quantity, "time" among them
  * @property {{ time: Float64Array, kind: string[], place: string[], before: Float64Array, after: Float64Array,
  *   at: Map<string, Float64Array> }} events
@@ -44,10 +45,11 @@ export class Motions {
 
     refresh() {
         const question = this.question();
+        const { picked } = this.store.state;
         this.latest.run(async (signal) => {
             try {
                 const { documents, columns } = await collected(this.ask("history", question, signal));
-                this.tell(motion_of(documents[0], columns), "");
+                this.tell({ ...motion_of(documents[0], columns), picked }, "");
             } catch (error) {
                 if (is_abort(error)) return;
                 this.tell(null, error instanceof Refused ? error.message : String(error));
@@ -68,7 +70,7 @@ export class Motions {
 /**
  * @param {any} about
  * @param {Float64Array[]} columns
- * @returns {Motion}
+ * @returns {Omit<Motion, "picked">}
  */
 function motion_of(about, columns) {
     const [samples, of_events] = about.columns;

@@ -1,27 +1,19 @@
-/** What theory says, over the diagram: branches of periodic orbits with their special points, border orbits and the windows beside them. */
+/** What theory says, over the diagram: branches of periodic orbits with their special points, their curves in two parameters,
+ * border orbits and the windows beside them. */
 
+import { Curves } from "./overlay-curves.js";
+import { draw_borders, draw_branches, draw_curves, draw_special_points } from "./overlay-drawing.js";
 import { make } from "./dom.js";
-import { BLUE, GREEN, ORANGE, PURPLE, VERMILION } from "./palette.js";
+import { ORANGE } from "./palette.js";
 import { gifts } from "./panel.js";
+import { is_followed, special } from "./special.js";
 import { shown } from "./ticks.js";
 import { Refused, collected, is_abort } from "./transport.js";
 
 /** @typedef {import("./plot.js").Plot} Plot */
 /** @typedef {import("./palette.js").Theme} Theme */
 
-/** @type {Record<string, [string, string]>} words and colour of special points */
-const SPECIAL = {
-    fold: ["fold", VERMILION],
-    period_doubling: ["period doubling", GREEN],
-    neimark_sacker: ["Neimark–Sacker", PURPLE],
-    branch_point: ["branch point", "#777777"],
-    impact_graze: ["graze of an impact", BLUE],
-    flight_graze: ["graze of a flight", BLUE],
-    chatter_border: ["chatter border", ORANGE],
-    touch: ["touch", "#999999"],
-};
-
-/** A branch is met within so many pixels. */
+/** Something is met within so many pixels. */
 const REACH = 7;
 
 export class Overlay {
@@ -36,41 +28,71 @@ export class Overlay {
         this.ask = ask;
         this.store = store;
         this.changed = changed;
-        this.say = say;
         /** @type {any} */
         this.branches = null;
-        /** @type {any} */
-        this.borders = null;
+        /** @type {any} what was asked for them */
+        this.asked = null;
         /** @type {Record<string, AbortController>} */
         this.running = {};
-        this.key = "";
         this.status = make("output", { class: "status" });
-        this.list = make("ul", { class: "special" });
+        this.list = make("ul", { class: "special", "aria-label": "Special points and borders" });
+        this.curves = new Curves(ask, store, (message) => (this.status.textContent = message), () => this.tell());
         this.buttons = {
             branches: make("button", { type: "button", "aria-pressed": "false", onclick: () => void this.toggle("branches") }, "Periodic orbits"),
             border: make("button", { type: "button", "aria-pressed": "false", onclick: () => void this.toggle("border") }, "Chatter borders"),
         };
-        const menu = gifts(ask, {
-            files: () => ({ asked: "branches", question: this.question("branches") }),
-            command: () => commands.branches(),
-            python: () => commands.python_branches(),
-        }, say);
-        this.menu = menu;
-        menu.hidden = true;
-        this.element = make("div", { class: "overlay" }, make("div", { class: "row" }, make("span", { class: "quiet" }, "Over it"), this.buttons.branches, this.buttons.border, menu, this.status), this.list);
+        this.menus = {
+            branches: gifts(ask, {
+                name: "branches", short: "Export orbits",
+                files: () => ({ asked: "branches", question: this.asked ?? this.question("branches") }),
+                command: () => commands.branches(this.asked),
+                python: () => commands.python_branches(this.asked),
+            }, say),
+            curve: gifts(ask, {
+                name: "curve", short: "Export curve",
+                files: () => ({ asked: "curve", question: this.curves.asked() }),
+                command: () => commands.curve(this.asked, this.curves.latest()),
+                python: () => commands.python_curve(this.asked, this.curves.latest()),
+            }, say),
+            border: gifts(ask, {
+                name: "border", short: "Export border",
+                files: () => ({ asked: "border", question: { ...this.question("border"), near: this.border()?.value } }),
+                command: () => commands.border(this.border()),
+                python: () => commands.python_border(this.border()),
+            }, say),
+        };
+        this.element = make(
+            "div", { class: "overlay" },
+            make("div", { class: "row" }, make("span", { class: "quiet" }, "Over it"), this.buttons.branches, this.buttons.border, ...Object.values(this.menus), this.status),
+            this.list,
+        );
+        this.show_menus();
         store.on((change) => {
             if (change === "model" || change === "values") this.clear();
+            else if (change === "view" && this.branches) this.tell();
         });
     }
 
     clear() {
         for (const controller of Object.values(this.running)) controller.abort();
         this.branches = null;
-        this.borders = null;
-        this.menu.hidden = true;
+        this.store.borders = null;
+        this.curves.clear();
         for (const button of Object.values(this.buttons)) button.setAttribute("aria-pressed", "false");
         this.status.textContent = "";
         this.list.replaceChildren();
+        this.show_menus();
+    }
+
+    show_menus() {
+        this.menus.branches.hidden = !this.branches;
+        this.menus.curve.hidden = !this.curves.latest();
+        this.menus.border.hidden = !this.border();
+    }
+
+    /** The border orbit that is nearest to what is looked at. */
+    border() {
+        return this.store.border();
     }
 
     /** @param {"branches" | "border"} what */
@@ -88,21 +110,16 @@ export class Overlay {
         button.setAttribute("aria-pressed", String(on));
         this.running[what]?.abort();
         if (!on) {
-            if (what === "branches") this.branches = null;
-            else this.borders = null;
-            this.menu.hidden = !this.branches;
-            this.tell();
+            this.take(what, null, null);
             return;
         }
         const controller = new AbortController();
         this.running[what] = controller;
         this.status.textContent = what === "branches" ? "following the branch …" : "looking for borders …";
+        const question = this.question(what);
         try {
-            const { documents } = await collected(this.ask(what, this.question(what), controller.signal), (message) => (this.status.textContent = message));
-            if (what === "branches") this.branches = documents[0];
-            else this.borders = documents[0];
-            this.menu.hidden = !this.branches;
-            this.tell();
+            const { documents } = await collected(this.ask(what, question, controller.signal), (message) => (this.status.textContent = message));
+            this.take(what, documents[0], question);
         } catch (error) {
             if (is_abort(error)) return;
             button.setAttribute("aria-pressed", "false");
@@ -110,26 +127,97 @@ export class Overlay {
         }
     }
 
-    tell() {
-        const items = [];
-        const { over } = this.store.state.diagram;
-        const go = (/** @type {number} */ value) => () => this.store.change("motion", (state) => Object.assign(state, { picked: value, through: null }));
-        for (const branch of this.branches?.branches ?? []) {
-            for (const special of branch.special) {
-                const [name, color] = SPECIAL[special.kind] ?? [special.kind, "#777777"];
-                items.push(make("li", {}, make("button", { type: "button", onclick: go(special.value) }, make("i", { ".style": `background:${color}` }), `${name} at ${over} = ${shown(special.value, 10)}`)));
-            }
+    /**
+     * @param {"branches" | "border"} what
+     * @param {any} document
+     * @param {any} question
+     */
+    take(what, document, question) {
+        if (what === "branches") {
+            this.branches = document;
+            this.asked = question;
+            this.curves.clear();
+        } else {
+            this.store.borders = document;
         }
-        for (const border of this.borders?.borders ?? []) {
+        this.tell();
+        if (what === "border") this.store.change("look", () => {});
+    }
+
+    /** Special points of all branches, numbered as in their table. */
+    points() {
+        const branches = /** @type {any[]} */ (this.branches?.branches ?? []);
+        return branches.flatMap((branch, place) => branch.special.map((/** @type {any} */ point, /** @type {number} */ index) => {
+            const before = branch.special.slice(0, index).filter((/** @type {any} */ other) => other.kind === point.kind);
+            return { point, branch: place, place: before.length };
+        })).map((one, index) => ({ ...one, number: index + 1 }));
+    }
+
+    /** The second parameter's value on the branches; none where there is no second. */
+    height() {
+        const { second } = this.store.state.diagram;
+        const value = this.branches?.parameters?.[second];
+        return second && typeof value === "number" ? value : null;
+    }
+
+    tell() {
+        const { over, second } = this.store.state.diagram;
+        const go = (/** @type {number} */ value) => () => this.store.change("motion", (state) => Object.assign(state, { picked: value, through: null }));
+        const height = this.height();
+        const items = this.points().map((found) => {
+            const { point } = found;
+            const [name, color] = special(point.kind);
+            const follows = height !== null && is_followed(point.kind);
+            const title = follows ? `follow it in ${over} and ${second}` : null;
+            const button = make("button", { type: "button", title, "aria-pressed": follows ? String(this.curves.has(found.number)) : null, onclick: follows ? () => void this.follow(found) : go(point.value) },
+                make("i", { ".style": `background:${color}` }), `${name} at ${over} = ${shown(point.value, 10)}`);
+            return make("li", {}, button);
+        });
+        for (const border of this.store.borders?.borders ?? []) {
             items.push(make("li", {}, make("button", { type: "button", onclick: go(border.value) }, make("i", { ".style": `background:${ORANGE}` }), `border orbit at ${over} = ${shown(border.value, 12)}`)));
         }
         this.list.replaceChildren(...items);
-        const points = (this.branches?.branches ?? []).reduce((/** @type {number} */ sum, /** @type {any} */ branch) => sum + branch.points.period.length, 0);
-        const words = [];
-        if (this.branches) words.push(`${points} orbits on ${this.branches.branches.length === 1 ? "one branch" : `${this.branches.branches.length} branches`}`);
-        if (this.borders) words.push(this.borders.borders.length === 0 ? "no border orbit in this range" : `${this.borders.borders.length} border orbit${this.borders.borders.length === 1 ? "" : "s"}`);
-        this.status.textContent = words.join("  ·  ");
+        this.status.textContent = this.words().join("  ·  ");
+        this.show_menus();
         this.changed();
+    }
+
+    words() {
+        const branches = /** @type {any[] | undefined} */ (this.branches?.branches);
+        const words = [];
+        if (branches) {
+            const points = branches.reduce((sum, branch) => sum + branch.points.period.length, 0);
+            words.push(`${points} orbits on ${branches.length === 1 ? "one branch" : `${branches.length} branches`}`);
+            const { diagram } = this.store.state;
+            if (!diagram.second && branches.some((branch) => !branch.points[diagram.observe])) words.push(`branches show a state, and ${diagram.observe} is none`);
+            if (this.height() !== null && this.curves.found.length === 0 && this.points().length > 0) words.push("click a special point to follow it over the map");
+        }
+        words.push(...this.curves.words());
+        const borders = this.store.borders?.borders;
+        if (borders) words.push(borders.length === 0 ? "no border orbit in this range" : `${borders.length} border orbit${borders.length === 1 ? "" : "s"}`);
+        return words;
+    }
+
+    /** @param {import("./overlay-curves.js").Found} found */
+    follow(found) {
+        const height = this.height();
+        if (height !== null) return this.curves.follow(found, this.asked, height);
+    }
+
+    /**
+     * Follows the special point of a map that is near, if one is.
+     * @param {Plot} plot
+     * @param {number} px
+     * @param {number} py
+     */
+    follow_near(plot, px, py) {
+        const height = this.height();
+        if (height === null) return false;
+        const off = (/** @type {any} */ { point }) => Math.hypot(plot.px(point.value) - px, plot.py(height) - py);
+        const near = this.points().filter(({ point }) => is_followed(point.kind)).sort((one, other) => off(one) - off(other))[0];
+        if (!near || off(near) > REACH) return false;
+        void this.follow(near);
+        return true;
     }
 
     /**
@@ -171,73 +259,15 @@ export class Overlay {
      */
     draw(context, plot, colors) {
         const { diagram } = this.store.state;
-        if (this.borders) this.draw_borders(context, plot, colors);
-        if (!this.branches || diagram.second) return;
-        const { slope } = diagram;
-        for (const branch of this.branches.branches) {
-            const x = branch.points[diagram.over];
-            const y = branch.points[diagram.observe];
-            if (!x || !y) {
-                this.status.textContent = `branches show a state, and ${diagram.observe} is none`;
-                return;
-            }
-            const { stable } = branch.points;
-            for (const kind of [true, false]) {
-                context.beginPath();
-                for (let k = 1; k < x.length; k += 1) {
-                    if (stable[k - 1] !== kind) continue;
-                    context.moveTo(plot.px(x[k - 1]), plot.py(y[k - 1] - slope * x[k - 1]));
-                    context.lineTo(plot.px(x[k]), plot.py(y[k] - slope * x[k]));
-                }
-                context.strokeStyle = kind ? colors.curve : colors.muted;
-                context.lineWidth = kind ? 2 : 1;
-                context.setLineDash(kind ? [] : [4, 3]);
-                context.stroke();
-            }
-            context.setLineDash([]);
-            for (const special of branch.special) {
-                context.beginPath();
-                context.arc(plot.px(special.value), plot.py(special.state[diagram.observe] - slope * special.value), 4, 0, 2 * Math.PI);
-                context.fillStyle = SPECIAL[special.kind]?.[1] ?? colors.muted;
-                context.fill();
-                context.strokeStyle = colors.surface;
-                context.lineWidth = 1.5;
-                context.stroke();
-            }
+        const { borders } = this.store;
+        if (borders) draw_borders(context, plot, colors, borders);
+        if (!this.branches) return;
+        if (!diagram.second) {
+            draw_branches(context, plot, colors, this.branches, diagram);
+            return;
         }
-    }
-
-    /**
-     * @param {CanvasRenderingContext2D} context
-     * @param {Plot} plot
-     * @param {Theme} colors
-     */
-    draw_borders(context, plot, colors) {
-        const { top, height } = plot.area;
-        const upright = (/** @type {number} */ value, /** @type {string} */ color, /** @type {number[]} */ dash, /** @type {number} */ width) => {
-            const at = Math.round(plot.px(value)) + 0.5;
-            context.beginPath();
-            context.moveTo(at, top);
-            context.lineTo(at, top + height);
-            context.strokeStyle = color;
-            context.lineWidth = width;
-            context.setLineDash(dash);
-            context.stroke();
-            context.setLineDash([]);
-        };
-        context.font = "11px system-ui, sans-serif";
-        for (const border of this.borders.borders) {
-            for (const window of border.windows ?? []) {
-                const ends = [window.fold, window.period_doubling, window.grazing].filter((end) => typeof end === "number");
-                ends.forEach((end) => upright(end, GREEN, [2, 3], 1));
-                if (ends.length && plot.px(Math.max(...ends)) - plot.px(Math.min(...ends)) > 18) {
-                    context.fillStyle = colors.muted;
-                    context.textAlign = "center";
-                    context.textBaseline = "top";
-                    context.fillText(`n = ${window.n}`, (plot.px(Math.min(...ends)) + plot.px(Math.max(...ends))) / 2, top + 4);
-                }
-            }
-            upright(border.value, ORANGE, [], 1.5);
-        }
+        draw_curves(context, plot, colors, this.curves.found.map(({ curve }) => curve), diagram);
+        const height = this.height();
+        if (height !== null) draw_special_points(context, plot, colors, this.branches, height);
     }
 }

@@ -61,3 +61,18 @@ export function class_of(outcome, period) {
     }
     return OUTCOMES[outcome] ?? [outcome, "#bebebe"];
 }
+
+/** Of attractors, by number, as in the figures; those beyond have one colour together, and what settled to none another. */
+const ATTRACTORS = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
+
+/**
+ * @param {number} number
+ * @param {boolean} dark
+ */
+export const attractor_color = (number, dark) => (number === 0 ? (dark ? "#5b6470" : "#bebebe") : (ATTRACTORS[number - 1] ?? (dark ? DARK : LIGHT).ink));
+
+/**
+ * @param {string} color as "#rrggbb"
+ * @returns {[number, number, number]}
+ */
+export const rgb = (color) => /** @type {[number, number, number]} */ ([1, 3, 5].map((at) => parseInt(color.slice(at, at + 2), 16)));

@@ -4,12 +4,15 @@ import { copy, make, save } from "./dom.js";
 import { FILE, REMARK, file, text } from "./records.js";
 import { Refused } from "./transport.js";
 
+/** @typedef {{ asked: string, question: object }} Asked what is asked for a file */
 /**
  * @typedef {object} Giving what a view gives
- * @property {() => { asked: string, question: object } | null} files what is asked for files; none where there are none
+ * @property {string} name of what is given
+ * @property {() => Asked} files what is asked for files
+ * @property {string} [short] what its button says
+ * @property {() => Asked} [data] for tables, if something else
  * @property {() => string} command the command line
  * @property {() => string} python
- * @property {() => string} [csv] a table that the page has itself
  */
 
 /**
@@ -39,8 +42,7 @@ export function gifts(ask, giving, say) {
     /** @type {AbortController | null} */
     let asking = null;
     const fetch_file = async (/** @type {string} */ kind) => {
-        const wanted = giving.files();
-        if (!wanted) return;
+        const wanted = (["npz", "csv"].includes(kind) ? giving.data : null)?.() ?? giving.files();
         asking?.abort();
         asking = new AbortController();
         say(`making the ${kind.toUpperCase()} file …`);
@@ -70,13 +72,12 @@ export function gifts(ask, giving, say) {
     const menu = make(
         "details",
         { class: "gifts", ontoggle: () => menu.open && lines.forEach((line) => line.refresh()) },
-        make("summary", { "aria-label": "Export: picture, data, command" }, "Export"),
+        make("summary", { "aria-label": `Export of ${giving.name}: picture, data, command` }, giving.short ?? "Export"),
         make(
             "div",
             { class: "sheet" },
-            giving.files() && make("div", { class: "row" }, make("span", {}, "Picture"), ...kinds(["svg", "png", "pdf"])),
-            giving.files() && make("div", { class: "row" }, make("span", {}, "Data"), ...kinds(["npz", "csv"])),
-            giving.csv && make("div", { class: "row" }, make("span", {}, "Data"), button("CSV", () => save("points.csv", giving.csv?.() ?? ""))),
+            make("div", { class: "row" }, make("span", {}, "Picture"), ...kinds(["svg", "png", "pdf"])),
+            make("div", { class: "row" }, make("span", {}, "Data"), ...kinds(["npz", "csv"])),
             ...lines.map((line) => line.element),
         ),
     );

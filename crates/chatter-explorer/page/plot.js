@@ -140,6 +140,8 @@ export class Plot {
         const { x0, x1, y0, y1 } = this.box;
         const of_axis = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ most, /** @type {boolean} */ logarithmic, /** @type {boolean} */ whole) => {
             let { values, step } = ticks(low, high, most);
+            // A single number does not tell how long an axis is.
+            if (values.length < 2) ({ values, step } = ticks(low, high, 2 * most));
             if ((logarithmic || whole) && step < 1) ({ values, step } = { values: ticks(Math.floor(low), Math.ceil(high), Math.max(1, Math.ceil(high) - Math.floor(low))).values.filter((value) => Number.isInteger(value) && value >= low && value <= high), step: 1 });
             if (logarithmic) return { values, texts: values.map((value) => (Number.isInteger(value) ? `10${[...String(value)].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("")}` : "")), factor: "" };
             return { values, ...tick_texts(values, step) };

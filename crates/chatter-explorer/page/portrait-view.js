@@ -46,11 +46,13 @@ export class PortraitView {
             return element;
         };
         this.selects = [select(0), select(1)];
+        const axes = () => store.state.portrait.map((name) => (name === "time" ? commands.time() : name)).join(",");
+        const of_run = (/** @type {string} */ name) => (name === "time" ? "run.t" : `run[${JSON.stringify(name)}]`);
         const menu = gifts(ask, {
-            files: () => ({ asked: "history", question: motions.question() }),
-            command: () => commands.history(),
-            python: () => commands.python_history(),
-            csv: () => this.csv(),
+            name: "phase portrait",
+            files: () => ({ asked: "history", question: { ...motions.question(), axes: [axes()] } }),
+            command: () => commands.history("portrait", [axes()]),
+            python: () => commands.python_history(`plt.plot(${this.store.state.portrait.map(of_run).join(", ")})`),
         }, say);
         this.element = panel("portrait", "Phase portrait", [this.selects[0], make("span", { class: "quiet" }, "×"), this.selects[1]], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
         motions.on((motion) => this.take(motion));
@@ -88,12 +90,6 @@ export class PortraitView {
         this.plot.x_label = axis_label(across, this.store.label(across));
         this.plot.y_label = axis_label(up, this.store.label(up));
         this.plot.repaint();
-    }
-
-    csv() {
-        const [x, y] = this.series();
-        const rows = Array.from(x ?? [], (value, place) => `${value},${y?.[place]}`);
-        return [this.store.state.portrait.join(","), ...rows].join("\n");
     }
 
     /**

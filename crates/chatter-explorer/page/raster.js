@@ -1,7 +1,9 @@
 /** Densities of samples as pictures: a cell for each pixel, shaded by how many samples are in it. */
 
 /** @typedef {{ x: number, key: number, level: number, rows: (Row | undefined)[] }} Column */
-/** @typedef {{ outcome: number, period: number, impacts: number, exponent: number, samples: Float64Array }} Row */
+/** @typedef {{ outcome: number, period: number, impacts: number, exponent: number, attractor: number, samples: Float64Array }} Row */
+/** @typedef {{ colors: [number, number, number][], of: (row: Row, pass: number) => number }} Layers the colours of layers, and which of
+ *   them a row is on */
 /** @typedef {import("./plot.js").Box} Box */
 
 /** Samples are at least so opaque that a single one is seen. */
@@ -30,11 +32,12 @@ export class Raster {
      * @param {number} width in pixels
      * @param {number} height
      * @param {number} dot height of a sample in pixels
-     * @param {[number, number, number][]} colors of each pass through the values
+     * @param {Layers} layers
      * @param {number} step distance of columns, where they have no neighbours
      * @param {number} slope of the line that is drawn level
      */
-    draw(columns, box, width, height, dot, colors, step, slope) {
+    draw(columns, box, width, height, dot, layers, step, slope) {
+        const { colors } = layers;
         const began = performance.now();
         const { canvas } = this;
         if (canvas.width !== width || canvas.height !== height) {
@@ -51,22 +54,22 @@ export class Raster {
         let filled = -1;
         let weight = colors.map(() => 0);
         const flush = (/** @type {number} */ from, /** @type {number} */ to) => {
-            sums.forEach((sum, pass) => {
-                if (weight[pass] === 0) return;
-                const [r, g, b] = colors[pass];
-                const unit = height / (weight[pass] * DENSE * dot);
+            sums.forEach((sum, layer) => {
+                if (weight[layer] === 0) return;
+                const [r, g, b] = colors[layer];
+                const unit = height / (weight[layer] * DENSE * dot);
                 for (let y = 0; y < height; y += 1) {
                     if (sum[y] === 0) continue;
                     const alpha = OPACITY[Math.min(OPACITY.length - 1, (sum[y] * unit * SHADES) | 0)];
                     const word = ((alpha << 24) | (b << 16) | (g << 8) | r) >>> 0;
                     for (let x = from; x < to; x += 1) {
                         const at = y * width + x;
-                        // Of two passes the later one lies on top, half seen through where both are.
+                        // Of two layers the later one lies on top, half seen through where both are.
                         words[at] = words[at] === 0 ? word : mixed(words[at], word);
                     }
                     sum[y] = 0;
                 }
-                weight[pass] = 0;
+                weight[layer] = 0;
             });
         };
         for (let place = 0; place < columns.length; place += 1) {
@@ -85,10 +88,11 @@ export class Raster {
             }
             rows.forEach((row, pass) => {
                 if (!row) return;
-                const sum = sums[pass % sums.length];
+                const layer = layers.of(row, pass);
+                const sum = sums[layer];
                 const { samples } = row;
                 const top = box.y1 + slope * x;
-                weight[pass % sums.length] += samples.length;
+                weight[layer] += samples.length;
                 this.points += samples.length;
                 for (let k = 0; k < samples.length; k += 1) {
                     const y = Math.floor((top - samples[k]) * up);

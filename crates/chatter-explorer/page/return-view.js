@@ -1,16 +1,23 @@
-/** The return map: each sample against the one before, and the cobweb between them. */
+/** The return map: each sample against the one before, the cobweb between them, and the curve that they are on where it is one;
+ * near a border the universal map. */
 
 import { disc } from "./curves.js";
 import { make } from "./dom.js";
 import { axis_label } from "./labels.js";
 import { gifts, panel } from "./panel.js";
 import { Plot, extent } from "./plot.js";
+import { one_dimension, sampled_curve, universal_curve, universal_map } from "./return-curve.js";
 import { shown } from "./ticks.js";
+import { Latest, is_abort } from "./transport.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 
 /** A cobweb of more steps is a blot. */
 const MOST_STEPS = 60;
+/** Wait so long for a curve, in milliseconds, before it is given up for the next. */
+const PATIENCE = 400;
+/** What the universal map is called among quantities; no state is called so. */
+const UNIVERSAL = "Υ(K z + μ)";
 
 /**
  * The events at which orbits are sampled.
@@ -38,11 +45,24 @@ export class ReturnView {
      * @param {(message: string) => void} say
      */
     constructor(ask, store, motions, commands, say) {
+        this.ask = ask;
         this.store = store;
+        this.commands = commands;
         /** @type {Motion | null} */
         this.motion = null;
         /** @type {number[]} */
         this.values = [];
+        /** @type {[number, number][]} */
+        this.curve = [];
+        /** @type {import("./return-curve.js").OneDimension | null} */
+        this.one = null;
+        /** @type {{ restitution: number, slope: number, mu: number } | null} */
+        this.map = null;
+        /** @type {[number, number]} */
+        this.range = [0, 1];
+        /** @type {string | undefined} what the curve is a curve of */
+        this.key = undefined;
+        this.latest = new Latest(PATIENCE);
         this.readout = make("output", { class: "readout" });
         this.plot = new Plot({
             label: "Return map with cobweb. Arrow keys move the view, plus and minus zoom, 0 shows all.",
@@ -50,44 +70,110 @@ export class ReturnView {
             reset: () => this.fit(),
             hover: (at) => (this.readout.textContent = at ? `${shown(at.x)} → ${shown(at.y)}` : this.words()),
         });
-        this.select = make("select", { "aria-label": "Quantity of the return map", onchange: () => { store.change("look", (state) => { state.returned = this.select.value; }); this.fit(); } });
-        const menu = gifts(ask, {
-            files: () => null,
-            command: () => commands.history(),
-            python: () => `${commands.python_history()}; x = run.events["section"]`,
-            csv: () => ["x,next", ...this.values.slice(1).map((next, place) => `${this.values[place]},${next}`)].join("\n"),
-        }, say);
-        this.element = panel("returns", "Return map", [this.select], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), menu);
+        this.select = make("select", { "aria-label": "Quantity of the return map", onchange: () => store.change("look", (state) => { state.returned = this.select.value; }) });
+        this.element = panel("returns", "Return map", [this.select], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), gifts(ask, this.giving(motions), say));
         motions.on((motion) => {
             if (!motion) return;
             this.motion = motion;
-            const names = /** @type {string[]} */ (motion.about.quantities);
-            if (!names.includes(store.state.returned)) store.state.returned = names[0];
-            this.select.replaceChildren(...names.map((name) => make("option", { value: name, ".selected": name === store.state.returned }, name)));
-            this.fit();
+            this.refresh();
         });
         store.on((change) => {
-            if (change === "view") this.fit();
+            if (change === "view" || change === "look") this.refresh();
             this.plot.repaint();
         });
     }
 
+    /**
+     * @param {import("./motion.js").Motions} motions
+     * @returns {import("./panel.js").Giving}
+     */
+    giving(motions) {
+        const { commands } = this;
+        const axes = () => `${this.store.state.returned},next:${this.store.state.diagram.sampling.split(":")[1]}`;
+        const history = () => {
+            const { returned, diagram } = this.store.state;
+            const values = this.motion?.about.states.includes(returned) ? `x = e[${JSON.stringify(returned)}]; plt.plot(x[:-1], x[1:], ".")` : "e";
+            return commands.python_history(`e = ${commands.python_events(diagram.sampling)}; ${values}`);
+        };
+        return {
+            name: "return map",
+            files: () => (this.map ? { asked: "universal", question: this.map } : { asked: "history", question: { ...motions.question(), axes: [axes()], sample: "events" } }),
+            command: () => {
+                if (this.map) return commands.universal(this.map);
+                const crossings = commands.history("returns", [axes()], { sample: "events" });
+                return this.one ? `${crossings} && ${commands.returned(this.one)}` : crossings;
+            },
+            python: () => (this.map ? commands.python_universal(this.map, this.range) : history()),
+        };
+    }
+
     words() {
+        if (this.map) return `K = ${shown(this.map.slope, 5)}  ·  μ = ${shown(this.map.mu, 5)}  ·  r = ${shown(this.map.restitution, 5)}`;
         const { length } = this.values;
         return length < 2 ? "too few crossings of the section in the time that is shown" : `${length} crossings`;
     }
 
-    fit() {
-        const { motion } = this;
+    /** What can be shown, and what is. */
+    refresh() {
+        const { motion, store } = this;
         if (!motion) return;
-        const { returned, diagram } = this.store.state;
-        const at = motion.events.at.get(returned);
-        this.values = at ? section_points(motion, diagram.sampling).map((place) => at[place]) : [];
-        const ends = extent(this.values, 0.1) ?? [0, 1];
+        const names = /** @type {string[]} */ (motion.about.quantities);
+        const map = universal_map(store);
+        const { returned, diagram } = store.state;
+        // An address may come before the border that it is about is found.
+        const chosen = names.includes(returned) ? returned : returned === UNIVERSAL && map ? UNIVERSAL : names[0];
+        if (returned !== UNIVERSAL) store.state.returned = chosen;
+        this.select.replaceChildren(...[...names, ...(map ? [UNIVERSAL] : [])].map((name) => make("option", { value: name, ".selected": name === chosen }, name)));
+        this.map = chosen === UNIVERSAL ? map : null;
+        const at = motion.events.at.get(chosen);
+        const places = section_points(motion, diagram.sampling);
+        if (!this.map) this.values = at ? places.map((place) => at[place]) : [];
+        this.one = this.map ? null : one_dimension(store, motion, places, chosen);
+        const key = JSON.stringify([this.map, this.one, this.one && store.model(true), diagram.sampling]);
+        if (key !== this.key) {
+            this.key = key;
+            this.curve = [];
+            if (this.map) this.values = [];
+            this.plot.canvas.dataset.curve = "";
+            this.ask_for_curve();
+        }
+        this.fit();
+    }
+
+    ask_for_curve() {
+        const { map, one } = this;
+        if (!map && !one) {
+            this.latest.stop();
+            return;
+        }
+        this.latest.run(async (signal) => {
+            try {
+                if (map) {
+                    const { curve, orbit, range } = await universal_curve(this.ask, map, signal);
+                    if (this.map !== map) return;
+                    Object.assign(this, { curve, range, values: Array.from(orbit) });
+                } else if (one) {
+                    const curve = await sampled_curve(this.ask, this.store, one, signal);
+                    if (this.one !== one) return;
+                    this.curve = curve;
+                }
+            } catch (error) {
+                if (is_abort(error)) return;
+                this.curve = [];
+            }
+            this.plot.canvas.dataset.curve = JSON.stringify(this.curve);
+            this.fit();
+        });
+    }
+
+    fit() {
+        const { values, map } = this;
+        const ends = map ? this.range : (extent(values, 0.1) ?? [0, 1]);
         this.plot.box = { x0: ends[0], x1: ends[1], y0: ends[0], y1: ends[1] };
-        const label = axis_label(returned, this.store.label(returned));
+        const label = map ? "z" : axis_label(this.store.state.returned, this.store.label(this.store.state.returned));
         this.plot.x_label = label;
-        this.plot.y_label = `next ${label}`;
+        this.plot.y_label = map ? UNIVERSAL : `next ${label}`;
+        this.plot.canvas.dataset.points = JSON.stringify(values);
         this.readout.textContent = this.words();
         this.plot.repaint();
     }
@@ -98,24 +184,36 @@ export class ReturnView {
      * @param {import("./palette.js").Theme} colors
      */
     draw(context, plot, colors) {
-        const { values } = this;
+        const { values, curve } = this;
         const { x0, x1 } = plot.box;
-        context.strokeStyle = colors.jump;
-        context.lineWidth = 1;
-        context.beginPath();
-        context.moveTo(plot.px(x0), plot.py(x0));
-        context.lineTo(plot.px(x1), plot.py(x1));
-        context.stroke();
+        const stroke = (/** @type {string} */ color, /** @type {number} */ width, /** @type {() => void} */ path) => {
+            context.beginPath();
+            path();
+            context.strokeStyle = color;
+            context.lineWidth = width;
+            context.lineJoin = "round";
+            context.stroke();
+        };
+        stroke(colors.jump, 1, () => {
+            context.moveTo(plot.px(x0), plot.py(x0));
+            context.lineTo(plot.px(x1), plot.py(x1));
+        });
+        stroke(colors.ink, 1.5, () => {
+            let down = false;
+            for (const [x, y] of curve) {
+                if (Number.isFinite(y)) context[down ? "lineTo" : "moveTo"](plot.px(x), plot.py(y));
+                down = Number.isFinite(y);
+            }
+        });
         const first = Math.max(0, values.length - 1 - MOST_STEPS);
-        context.beginPath();
-        for (let k = first; k + 1 < values.length; k += 1) {
-            context[k === first ? "moveTo" : "lineTo"](plot.px(values[k]), plot.py(values[k]));
-            context.lineTo(plot.px(values[k]), plot.py(values[k + 1]));
-            context.lineTo(plot.px(values[k + 1]), plot.py(values[k + 1]));
-        }
-        context.strokeStyle = colors.curve;
         context.globalAlpha = 0.55;
-        context.stroke();
+        stroke(colors.curve, 1, () => {
+            for (let k = first; k + 1 < values.length; k += 1) {
+                context[k === first ? "moveTo" : "lineTo"](plot.px(values[k]), plot.py(values[k]));
+                context.lineTo(plot.px(values[k]), plot.py(values[k + 1]));
+                context.lineTo(plot.px(values[k + 1]), plot.py(values[k + 1]));
+            }
+        });
         context.globalAlpha = 1;
         context.fillStyle = colors.ink;
         for (let k = 0; k + 1 < values.length; k += 1) disc(context, plot.px(values[k]), plot.py(values[k + 1]), 2.2);

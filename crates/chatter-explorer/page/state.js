@@ -43,7 +43,8 @@
  * @property {Quantity[]} states
  * @property {Quantity[]} parameters
  * @property {string[]} contacts
- * @property {{ name: string, surface: string, direction: string }[]} sections
+ * @property {string[][]} gaps the states that each contact's gap depends on
+ * @property {{ name: string, surface: string, direction: string, on: string[] }[]} sections and the states that each depends on
  * @property {string[]} phases
  * @property {string[]} warnings
  * @property {any} drawing
@@ -58,6 +59,8 @@ export class Store {
         this.state = state;
         /** @type {Checked | null} */
         this.checked = null;
+        /** @type {any} border orbits that were found, as a document */
+        this.borders = null;
         /** @type {((change: Change) => void)[]} */
         this.listeners = [];
     }
@@ -84,6 +87,25 @@ export class Store {
         if (picked && value !== null) all[diagram.over] = String(value);
         if (picked && through) for (const [state, start] of Object.entries(through)) starts[state] = String(start);
         return { name, text, set: Object.entries(all), initial: Object.entries(starts) };
+    }
+
+    /** The border orbit that is nearest to the value that is looked at, where one is known. */
+    border() {
+        const { picked, diagram } = this.state;
+        const at = picked ?? (diagram.from + diagram.to) / 2;
+        const borders = /** @type {any[]} */ (this.borders?.borders ?? []).filter(({ parameter }) => parameter === diagram.over);
+        return borders.sort((one, other) => Math.abs(one.value - at) - Math.abs(other.value - at))[0] ?? null;
+    }
+
+    /**
+     * The value of a parameter that is looked at.
+     * @param {string} name
+     */
+    value(name) {
+        const { picked, diagram, set } = this.state;
+        if (name === diagram.over && picked !== null) return picked;
+        const own = this.checked?.parameters.find((one) => one.name === name)?.value ?? NaN;
+        return set[name] === undefined ? own : Number(set[name]);
     }
 
     /** @param {string} name */

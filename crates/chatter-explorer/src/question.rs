@@ -5,9 +5,11 @@ use chatter_work::Refusal;
 use chatter_work::data_files::DataFiles;
 use chatter_work::diagram::Request;
 use chatter_work::options::{
-    Assignment, AtOption, Count, ObserveOption, Quantity, SpanOption, StartOption, SweepOption,
-    Window,
+    Assignment, AtOption, AxesOption, Count, ObserveOption, Quantity, SpanOption, StartOption,
+    SweepOption, Window,
 };
+use chatter_work::simulation::SampleOption;
+use chatter_work::simulation::picture::Axes;
 use chatter_work::source::{Loaded, Source, set_initial, set_parameters};
 use core::str::FromStr;
 use serde::Deserialize;
@@ -36,6 +38,17 @@ pub struct ModelQuestion {
     /// Initial values set: name and expression.
     #[serde(default)]
     pub initial: Vec<(String, String)>,
+}
+
+/// A range of a parameter.
+///
+/// # Errors
+/// It is none.
+pub fn range(from: f64, to: f64) -> Result<(f64, f64), Refusal> {
+    match from < to && from.is_finite() && to.is_finite() {
+        true => Ok((from, to)),
+        false => Err(Refusal::input("expected a range, the smaller end first")),
+    }
 }
 
 fn assignments(pairs: &[(String, String)]) -> Vec<Assignment> {
@@ -158,6 +171,12 @@ pub struct HistoryQuestion {
     /// What is shown of it.
     #[serde(default)]
     pub window: Option<String>,
+    /// Panels of a picture.
+    #[serde(default)]
+    pub axes: Vec<String>,
+    /// Rows of a table.
+    #[serde(default)]
+    pub sample: Option<String>,
 }
 
 impl HistoryQuestion {
@@ -170,6 +189,23 @@ impl HistoryQuestion {
             maybe("until", self.until.as_deref())?,
             maybe("window", self.window.as_deref())?,
         ))
+    }
+
+    /// The panels of its picture; the usual ones if there are none.
+    ///
+    /// # Errors
+    /// One of them is none.
+    pub fn panels(&self) -> Result<Vec<Axes>, Refusal> {
+        let axes: Vec<AxesOption> = all("axes", &self.axes)?;
+        Ok(axes.into_iter().map(|AxesOption(axes)| axes).collect())
+    }
+
+    /// The rows of its table.
+    ///
+    /// # Errors
+    /// There are none like that.
+    pub fn rows(&self) -> Result<SampleOption, Refusal> {
+        Ok(maybe("sample", self.sample.as_deref())?.unwrap_or_default())
     }
 }
 
@@ -190,7 +226,29 @@ pub struct BranchesQuestion {
     pub doublings: u64,
 }
 
-/// What is asked about the border orbits of a range.
+/// What is asked about the curve of a special point in two parameters.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CurveQuestion {
+    /// With the values of both parameters at the point.
+    pub model: ModelQuestion,
+    /// The parameter that is left free, and the one that is followed over the range.
+    pub parameters: [String; 2],
+    pub from: f64,
+    pub to: f64,
+    #[serde(default)]
+    pub section: Option<String>,
+    #[serde(default)]
+    pub period: Option<String>,
+    /// What kind of point it is.
+    pub kind: String,
+    /// The states of its orbit, in order.
+    pub state: Vec<f64>,
+    /// The period of its orbit.
+    pub orbit_period: f64,
+}
+
+/// What is asked about border orbits: those of a range, or as a file the one near a value.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BorderQuestion {
@@ -198,4 +256,15 @@ pub struct BorderQuestion {
     pub parameter: String,
     pub from: f64,
     pub to: f64,
+    #[serde(default)]
+    pub near: Option<f64>,
+}
+
+/// What is asked about the universal map.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct UniversalQuestion {
+    pub restitution: f64,
+    pub slope: f64,
+    pub mu: f64,
 }

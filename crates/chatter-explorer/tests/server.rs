@@ -334,6 +334,81 @@ fn what_is_too_large_is_refused() {
     assert!(message(&asked("diagram", &wide)).contains("too much for a page"));
 }
 
+#[test]
+fn wrong_questions_about_theory_are_refused() {
+    let curve = |kind: &str, state: &[f64], parameters: [&str; 2]| json!({ "model": model(), "parameters": parameters, "from": 0.1, "to": 0.9, "kind": kind, "state": state, "orbit_period": 1.0 });
+    for (question, told) in [
+        (curve("fold", &[1.0], ["r", "r"]), "named twice"),
+        (curve("fold", &[1.0, 0.0], ["r", "q"]), "no parameter `q`"),
+        (curve("nothing", &[1.0, 0.0], ["r", "r"]), "named twice"),
+    ] {
+        let message = message(&asked("curve", &question));
+        assert!(message.contains(told), "{message}");
+    }
+    let universal = |restitution: f64, slope: f64| json!({ "restitution": restitution, "slope": slope, "mu": 0.01 });
+    for (restitution, slope) in [(1.0, 1.0), (-0.5, 1.0), (0.8, 0.0)] {
+        assert!(!message(&asked("universal", &universal(restitution, slope))).is_empty());
+    }
+    let border = json!({ "model": model(), "parameter": "r", "from": 0.1, "to": 0.9 });
+    assert!(message(&asked("border.svg", &border)).contains("one border"));
+    let axes = |axes: &str| json!({ "model": model(), "until": "1", "axes": [axes] });
+    for (panel, told) in [
+        ("t", "two names"),
+        ("t,z", "cannot be drawn"),
+        ("y,next:nowhere", "`apex`"),
+        ("v,rate_before", "cannot be drawn"),
+        ("drawing", "no drawing"),
+    ] {
+        let message = message(&asked("history.svg", &axes(panel)));
+        assert!(message.contains(told), "{panel}: {message}");
+    }
+}
+
+#[test]
+fn attractors_are_told_apart_once_a_sweep_is_done() {
+    // A ball in one of two wells, from which its damping does not let it out.
+    let text = "[flight]\nx = \"v\"\nv = \"a*x - x^3 - v\"\n[parameters]\na = 1\n[section.turn]\nsurface = \"v\"\n\
+                direction = \"either\"\n[initial]\nx = 0.5\nv = 0\n";
+    let question = json!({
+        "model": { "name": "wells", "text": text }, "runs": [["a=1:1.2:2"]], "observe": ["x"], "period": "1", "transient": 60,
+        "keep": "8", "start": "random:8", "bounds": ["x=-1:1"],
+    });
+    let told = asked("diagram", &question);
+    let documents: Vec<Value> = told
+        .iter()
+        .filter(|(kind, _)| *kind == Kind::Document as u32)
+        .map(|(_, content)| serde_json::from_slice(content).unwrap())
+        .collect();
+    let shares = documents.last().unwrap()["attractors"].as_array().unwrap();
+    let rows: u64 = shares.iter().map(|one| one["rows"].as_u64().unwrap()).sum();
+    assert_eq!((shares.len(), rows), (2, 16), "{shares:?}");
+    let numbers = |wanted: Kind| -> Vec<Vec<f64>> {
+        let of_kind = told.iter().filter(|(kind, _)| *kind == wanted as u32);
+        let read = |content: &Vec<u8>| {
+            let eights = content.chunks_exact(8);
+            eights
+                .map(|eight| f64::from_le_bytes(eight.try_into().unwrap()))
+                .collect()
+        };
+        of_kind.map(|(_, content)| read(content)).collect()
+    };
+    // Sweep, pass and value say which row; the well is where its sample lies.
+    let ends = numbers(Kind::Row);
+    let mut wells = Vec::new();
+    for one in numbers(Kind::Numbers)[0].chunks_exact(5) {
+        let row = ends.iter().find(|row| row[..3] == one[..3]).unwrap();
+        wells.push((one[4], row[8] > 0.0));
+    }
+    assert_eq!(wells.len(), 16);
+    for (number, right) in &wells {
+        assert!(
+            wells
+                .iter()
+                .all(|(other, well)| (other == number) == (well == right))
+        );
+    }
+}
+
 /// What a refusal says.
 fn message(records: &[(u32, Vec<u8>)]) -> String {
     let refusal = records

@@ -80,6 +80,9 @@ impl From<Panel> for Figure {
     }
 }
 
+/// So often panels with equal units are laid out again.
+const EQUAL_PASSES: usize = 4;
+
 impl Figure {
     /// A figure without panels, 86 mm wide, as high as its panels make it.
     pub fn new() -> Self {
@@ -191,6 +194,15 @@ impl Figure {
         resolution.check(page.width, page.height)?;
         let mut plans = self.plans()?;
         let mut frames = layout::arrange(&page, &plans)?;
+        // Margins depend on the numbers at the axes, and these on the limits.
+        for _ in 0..EQUAL_PASSES {
+            let equal = plans.iter_mut().zip(&frames);
+            let widened = equal.fold(false, |any, (plan, frame)| plan.widen(frame) | any);
+            if !widened {
+                break;
+            }
+            frames = layout::arrange(&page, &plans)?;
+        }
         let mut moved = false;
         for (plan, frame) in plans.iter_mut().zip(&frames) {
             if plan.legend == Legend::Auto && !plan.entries.is_empty() {

@@ -52,6 +52,32 @@ pub(super) struct Plan<'a> {
     pub(super) x_numbers: bool,
 }
 
+impl Plan<'_> {
+    /// Widens the shorter axis of a panel with equal units until a unit is as long along both; whether it had to be.
+    pub(super) fn widen(&mut self, frame: &Frame) -> bool {
+        let Rect {
+            left,
+            top,
+            right,
+            bottom,
+        } = frame.inner;
+        let (x_unit, y_unit) = (
+            (self.x.high - self.x.low) / (right - left),
+            (self.y.high - self.y.low) / (bottom - top),
+        );
+        let unit = x_unit.max(y_unit);
+        if !self.panel.equal || (x_unit - y_unit).abs() <= 1e-9 * unit || !unit.is_finite() {
+            return false;
+        }
+        for (axis, length) in [(&mut self.x, right - left), (&mut self.y, bottom - top)] {
+            let middle = 0.5 * axis.low + 0.5 * axis.high;
+            let half = 0.5 * unit * length;
+            (axis.low, axis.high) = (middle - half, middle + half);
+        }
+        true
+    }
+}
+
 /// Set texts of one axis.
 pub(super) struct AxisText {
     pub(super) ticks: Ticks,

@@ -15,6 +15,7 @@ pub struct Panel {
     pub(super) layers: Vec<Layer>,
     pub(super) title: Option<String>,
     pub(super) legend: Legend,
+    pub(super) equal: bool,
 }
 
 impl Panel {
@@ -47,6 +48,12 @@ impl Panel {
     /// With its legend there.
     pub fn legend(mut self, legend: Legend) -> Self {
         self.legend = legend;
+        self
+    }
+
+    /// With units of equal length along both axes, which are linear.
+    pub fn equal(mut self) -> Self {
+        self.equal = true;
         self
     }
 

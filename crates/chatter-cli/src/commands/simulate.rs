@@ -24,6 +24,8 @@ EXAMPLES
   chatter simulate pressure_relief_valve --set q=0.0195 --until 40
   chatter simulate pressure_relief_valve --set q=0.0195 --until 40 --plot valve.svg --out valve.npz
   chatter simulate pressure_relief_valve --until 40 --plot valve.png --axes t,y1 --axes y1,y3
+  chatter simulate pressure_relief_valve --until 40 --plot rates.svg --axes impact,rate_before
+  chatter simulate pressure_relief_valve --until 40 --plot map.svg --axes y2,next:closing
   chatter simulate bouncing_ball --set r=0.9 --json
   chatter simulate bouncing_ball --digits 30
   chatter simulate pressure_relief_valve --set q=0.0203 --until 40 --verify
@@ -116,8 +118,10 @@ pub struct Arguments {
     )]
     window: Option<Window>,
 
-    /// A panel of the plot: Y over X, each a state, X also the time; once for each panel [default: all states over time,
-    /// and the phase portrait]
+    /// A panel of the plot: Y over X, once for each panel [default: all states over time, and the phase portrait]. Both are
+    /// a state, `gap at CONTACT` or `rate at CONTACT`, and X also the time. `impact,rate_before` and `t,rate_before` show the
+    /// rates of impacts in logarithmic scale, `X,next:SECTION`, `X,next:impact` and `X,next:release` a return map with its
+    /// cobweb, `drawing` the mechanism at the end of the window
     #[arg(long, value_name = "X,Y", requires = "plot")]
     axes: Vec<AxesOption>,
 }

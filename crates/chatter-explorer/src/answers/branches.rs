@@ -2,7 +2,7 @@
 
 use super::Answering;
 use super::file::{Extension, stem};
-use crate::question::BranchesQuestion;
+use crate::question::{self, BranchesQuestion};
 use chatter::analysis::periodic::{Branch, BranchSpec, End};
 use chatter_work::Refusal;
 use chatter_work::numbers::Digits;
@@ -44,14 +44,12 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
     let section = question.section.as_deref();
     let spec = specification(model, question.period.as_deref(), (section, &[]))?;
     let parameter = free_parameter(model, &question.parameter)?;
-    if !(question.from < question.to && question.from.is_finite() && question.to.is_finite()) {
-        return Err(Refusal::input("expected a range, the smaller end first"));
-    }
+    let range = question::range(question.from, question.to)?;
     let wanted = Branches {
         spec,
         over: BranchSpec {
             parameter,
-            limits: Reach::default().over((question.from, question.to))?,
+            limits: Reach::default().over(range)?,
             beside: beside(question.doublings.min(MOST_DOUBLINGS), 0)?,
         },
     };
@@ -92,13 +90,5 @@ pub fn file(
             &picture(&subject, &found.branches, vertical, None),
         );
     }
-    answering.tables(&stem, kind, |path| {
-        write(&subject, &found.branches, path)?;
-        let folder = path.parent().unwrap_or(path);
-        let failed = |error: std::io::Error| Refusal::Output(error.to_string());
-        let entries = std::fs::read_dir(folder).map_err(failed)?;
-        let mut files: Vec<_> = entries.flatten().map(|entry| entry.path()).collect();
-        files.sort();
-        Ok(files)
-    })
+    answering.tables(&stem, kind, |path| write(&subject, &found.branches, path))
 }

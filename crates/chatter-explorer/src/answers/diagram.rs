@@ -3,6 +3,10 @@
 //! A row is a list of numbers: the sweep, the pass through the values (where there are several orbits for each), the values of
 //! the first and the second parameter, the number of the outcome, the period (zero for none), impacts from sample to sample,
 //! the largest exponent, then the samples.
+//!
+//! Where several orbits start at the same parameters, their attractors are told apart once a sweep is done: for each row five
+//! numbers (the sweep, the pass, both values, the number of the attractor), and then in a document what the attractors are
+//! called, with their shares of the starts.
 
 use super::Answering;
 use super::file::{Extension, stem};
@@ -10,9 +14,10 @@ use crate::question::DiagramQuestion;
 use crate::record::Kind;
 use chatter::analysis::diagram::{Outcome, Row, Sweep};
 use chatter_work::diagram::picture::{self, Words};
-use chatter_work::diagram::{Order, View, produce_in_memory, produce_rows, table};
+use chatter_work::diagram::tally::{Share, Tally};
+use chatter_work::diagram::{Order, Ready, View, produce_in_memory, produce_rows, table};
 use chatter_work::{Observer as _, Refusal};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// Orbits and numbers in all sweeps of a question.
 const MOST_ROWS: u64 = 200_000;
@@ -39,15 +44,57 @@ pub fn answer(answering: &Answering, question: &DiagramQuestion) -> Result<(), R
         }
         let columns: u64 = spec.sweeps.iter().map(|range| range.count).product();
         let passes = ready.sweep.rows() / columns.max(1);
-        let take =
-            &mut |row| answering.numbers(Kind::Row, &numbers(run, passes, &ready.sweep, &row));
+        let mut rows: Vec<Row> = Vec::new();
+        let take = &mut |row: Row| {
+            answering.numbers(Kind::Row, &numbers(run, passes, &ready.sweep, &row))?;
+            if ready.sweep.compares() {
+                rows.push(row);
+            }
+            Ok(())
+        };
         let all = produce_rows(&ready, (answering.context.threads, take), answering)?;
         if !all || answering.going_on().is_break() {
             return Err(Refusal::Interrupted);
         }
-        answering.document(&json!({ "run": run }))?;
+        let attractors = match ready.sweep.compares() {
+            true => {
+                rows.sort_unstable_by_key(|row| row.row);
+                told_apart(answering, (run, passes), &ready, &rows)?
+            }
+            false => Vec::new(),
+        };
+        answering.document(&json!({ "run": run, "attractors": attractors }))?;
     }
     Ok(())
+}
+
+/// Says to which attractor each row belongs; gives the attractors, if there are several.
+fn told_apart(
+    answering: &Answering,
+    (run, passes): (usize, u64),
+    ready: &Ready,
+    rows: &[Row],
+) -> Result<Vec<Value>, Refusal> {
+    let tally = Tally::of(&mut ready.source(rows, true))?;
+    if !tally.several() {
+        return Ok(Vec::new());
+    }
+    let mut told = Vec::with_capacity(5 * rows.len());
+    for (row, number) in rows.iter().zip(&tally.numbers) {
+        let [pass, x, y] = place(passes, &ready.sweep, row);
+        told.extend([run as f64, pass, x, y, f64::from(*number)]);
+    }
+    answering.numbers(Kind::Numbers, &told)?;
+    let shares = tally.shares.iter();
+    let attractor = |share: &Share| {
+        json!({
+            "attractor": share.attractor,
+            "label": share.label(),
+            "rows": share.rows,
+            "share": share.part,
+        })
+    };
+    Ok(shares.map(attractor).collect())
 }
 
 /// What is left of how much may be asked.
@@ -66,14 +113,21 @@ fn spent((rows, samples): (u64, u64), sweep: &Sweep) -> Result<(u64, u64), Refus
     }
 }
 
-fn numbers(run: usize, passes: u64, sweep: &Sweep, row: &Row) -> Vec<f64> {
+/// Pass and values of a row.
+fn place(passes: u64, sweep: &Sweep, row: &Row) -> [f64; 3] {
     let values = sweep.values(row.row);
+    let value = |place: usize| values.get(place).copied().unwrap_or(f64::NAN);
+    [(row.row % passes.max(1)) as f64, value(0), value(1)]
+}
+
+fn numbers(run: usize, passes: u64, sweep: &Sweep, row: &Row) -> Vec<f64> {
     let outcome = Outcome::ALL.iter().position(|known| *known == row.outcome);
+    let [pass, x, y] = place(passes, sweep, row);
     let mut numbers = vec![
         run as f64,
-        (row.row % passes.max(1)) as f64,
-        values.first().copied().unwrap_or(f64::NAN),
-        values.get(1).copied().unwrap_or(f64::NAN),
+        pass,
+        x,
+        y,
         outcome.unwrap_or_default() as f64,
         row.period as f64,
         row.impacts_per_return,

@@ -56,17 +56,20 @@ impl Answering<'_> {
         self.file(&format!("{stem}.{}", kind.name()), &bytes)
     }
 
-    /// Tables as files: `write` is given the path of the first and says which there are.
-    pub fn tables(
+    /// Tables as files: `write` is given the path of the first, beside which others may stand.
+    pub fn tables<T>(
         &self,
         stem: &str,
         kind: Extension,
-        write: impl FnOnce(&Path) -> Result<Vec<PathBuf>, Refusal>,
+        write: impl FnOnce(&Path) -> Result<T, Refusal>,
     ) -> Result<(), Refusal> {
         let failed = |error: std::io::Error| Refusal::Output(error.to_string());
         let folder = tempfile::tempdir().map_err(failed)?;
-        let path = folder.path().join(format!("{stem}.{}", kind.name()));
-        for path in write(&path)? {
+        write(&folder.path().join(format!("{stem}.{}", kind.name())))?;
+        let entries = std::fs::read_dir(folder.path()).map_err(failed)?;
+        let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        files.sort();
+        for path in files {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             self.file(&name, &std::fs::read(&path).map_err(failed)?)?;
         }

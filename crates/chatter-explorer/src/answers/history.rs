@@ -278,21 +278,27 @@ pub fn file(
     let mut asked = asked(answering, question)?;
     let stem = stem(&question.model.name, "history");
     if kind.is_picture() {
+        let axes = question.panels()?;
         asked.spec.sampling = vec![picture::sampling(asked.duration, asked.window)];
         let subject = asked.subject(question);
+        picture::check(&subject, &axes)?;
         let mut followed = follow::<f64>(&subject, &Rows::None, answering)?;
         let samples = followed.simulation.samples.pop();
         let samples = samples.ok_or(Refusal::Interrupted)?;
         let run = (&followed.simulation, &followed.record);
-        let picture = picture::draw(&subject, run, &samples, asked.window, &[])?;
+        let picture = picture::draw(&subject, run, &samples, asked.window, &axes)?;
         return answering.figure(&stem, kind, &picture.figure);
     }
-    let dense = SampleOption::default().sampling(&mut asked.loaded.model)?;
-    asked.spec.sampling = dense.into_iter().collect();
+    let sample = question.rows()?;
+    let by_events = sample == SampleOption::Events;
+    let sampling = sample.sampling(&mut asked.loaded.model)?;
+    asked.spec.sampling = sampling.into_iter().collect();
     let subject = asked.subject(question);
     answering.tables(&stem, kind, |path| {
-        let rows = Rows::Table(path);
-        follow::<f64>(&subject, &rows, answering)?.write(&subject, &rows)?;
-        Ok(vec![path.to_path_buf()])
+        let rows = match by_events {
+            true => Rows::Events(path),
+            false => Rows::Table(path),
+        };
+        follow::<f64>(&subject, &rows, answering)?.write(&subject, &rows)
     })
 }

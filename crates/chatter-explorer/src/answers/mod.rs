@@ -3,9 +3,11 @@
 mod border;
 mod branches;
 mod check;
+mod curve;
 mod diagram;
 mod file;
 mod history;
+mod universal;
 
 use crate::question::{self, ModelQuestion};
 use crate::record::{Kind, Sink};
@@ -49,17 +51,23 @@ enum Topic {
     History,
     /// Periodic orbits over a parameter.
     Branches,
+    /// Special points in two parameters.
+    Curve,
     /// Border orbits over a parameter.
     Border,
+    /// The universal map near one of them.
+    Universal,
 }
 
-const TOPICS: [(&str, Topic); 6] = [
+const TOPICS: [(&str, Topic); 8] = [
     ("start", Topic::Start),
     ("check", Topic::Check),
     ("diagram", Topic::Diagram),
     ("history", Topic::History),
     ("branches", Topic::Branches),
+    ("curve", Topic::Curve),
     ("border", Topic::Border),
+    ("universal", Topic::Universal),
 ];
 
 /// A topic, and the file that is wanted of it: `diagram.svg`.
@@ -70,7 +78,7 @@ fn topic(asked: &str) -> Option<(Topic, Option<Extension>)> {
     };
     let mut known = TOPICS.iter().filter(|(known, _)| *known == name);
     let (_, topic) = known.next()?;
-    let has_files = matches!(topic, Topic::Diagram | Topic::History | Topic::Branches);
+    let has_files = !matches!(topic, Topic::Start | Topic::Check);
     (extension.is_none() || has_files).then_some((*topic, extension))
 }
 
@@ -131,11 +139,18 @@ impl Answering<'_> {
             Some((Topic::Diagram, None)) => diagram::answer(self, &question::read(body)?),
             Some((Topic::History, None)) => history::answer(self, &question::read(body)?),
             Some((Topic::Branches, None)) => branches::answer(self, &question::read(body)?),
-            Some((Topic::Border, _)) => border::answer(self, &question::read(body)?),
+            Some((Topic::Curve, None)) => curve::answer(self, &question::read(body)?),
+            Some((Topic::Border, None)) => border::answer(self, &question::read(body)?),
+            Some((Topic::Universal, None)) => universal::answer(self, &question::read(body)?),
             Some((Topic::Diagram, Some(kind))) => diagram::file(self, &question::read(body)?, kind),
             Some((Topic::History, Some(kind))) => history::file(self, &question::read(body)?, kind),
             Some((Topic::Branches, Some(kind))) => {
                 branches::file(self, &question::read(body)?, kind)
+            }
+            Some((Topic::Curve, Some(kind))) => curve::file(self, &question::read(body)?, kind),
+            Some((Topic::Border, Some(kind))) => border::file(self, &question::read(body)?, kind),
+            Some((Topic::Universal, Some(kind))) => {
+                universal::file(self, &question::read(body)?, kind)
             }
             None => Err(Refusal::input(format!("there is no question `{asked}`"))),
         }

@@ -9,9 +9,8 @@ use chatter::analysis::universal::{Universal, UniversalMap};
 use chatter::numerics::Real;
 use chatter_figures::{Axis, Figure, Panel, Sharing};
 
-/// Widths of a figure, in millimetres.
+/// Width of a figure, in millimetres.
 const WIDE: f64 = 178.0;
-const NARROW: f64 = 110.0;
 /// Heights of panels below each other, and of a period in that of windows, relative to each other.
 const ORBITS_HEIGHT: f64 = 2.0;
 const EXPONENT_HEIGHT: f64 = 1.0;
@@ -33,17 +32,8 @@ pub fn figure<R: Real>(
     let made = format!("Made by chatter {}.", env!("CARGO_PKG_VERSION"));
     let about = format!("r = {}", request.restitution.to_f64());
     let map_about = format!("{about}, K = {}", map.slope());
-    if let Some(mu) = request.cobweb {
-        let map =
-            UniversalMap::new(universal.clone(), map.slope(), mu.to_f64()).map_err(refused)?;
-        let caption = format!(
-            "Cobweb of z -> Upsilon(K z + mu), {map_about}, mu = {}.",
-            mu.to_f64()
-        );
-        let figure = Figure::from(picture::cobweb_panel(&map))
-            .width(NARROW)
-            .height(NARROW);
-        return Ok(figure.title("Cobweb").caption(format!("{caption} {made}")));
+    if let Some(cobweb) = &findings.cobweb {
+        return Ok(cobweb.figure());
     }
     let (Some((sweep, rows)), Some(samples)) = (&findings.diagram, samples) else {
         if let Some(laps) = request.windows {

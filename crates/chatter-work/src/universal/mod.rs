@@ -2,6 +2,7 @@
 
 pub mod atlas;
 pub mod branches;
+mod cobweb;
 mod document;
 mod figure;
 mod found;
@@ -13,6 +14,7 @@ mod sheet;
 pub mod table;
 mod windows;
 
+pub use cobweb::Cobweb;
 pub use document::document;
 pub use figure::figure;
 pub use found::Atlas;
@@ -47,6 +49,8 @@ pub struct Findings<'a, R> {
     pub undecided: usize,
     /// The orbit diagram, without its samples.
     pub diagram: Option<(&'a Sweep, &'a [Row])>,
+    /// A cobweb.
+    pub cobweb: Option<Cobweb>,
     /// How many digits the user wants.
     pub digits: Digits,
 }

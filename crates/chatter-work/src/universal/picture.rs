@@ -4,11 +4,11 @@ use crate::diagram::picture::densities;
 use crate::diagram::{Source, View};
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::{Row, Sweep};
-use chatter::analysis::universal::{Universal, UniversalMap};
+use chatter::analysis::universal::Universal;
 use chatter_figures::{Axis, Color, Legend, Line, Panel, Rule};
 
 /// Points of a curve on one lap: straight lines between them look smooth.
-const LAP_POINTS: i32 = 400;
+pub const LAP_POINTS: i32 = 400;
 /// Thin curves that stand beside each other in ever closer laps.
 const FINE: f64 = 0.6;
 
@@ -98,52 +98,5 @@ pub fn exponent_panel(sweep: &Sweep, rows: &[Row]) -> Panel {
     )
     .with(Rule::horizontal(0.0).width(0.4))
     .with(Line::new(values, exponents).color(Color::BLUE).width(FINE))
-    .legend(Legend::Hidden)
-}
-
-/// Steps of a cobweb that are passed over, and shown.
-const COBWEB_TRANSIENT: usize = 200;
-const COBWEB_STEPS: usize = 100;
-/// Room around the orbit, as a part of its extent.
-const COBWEB_ROOM: f64 = 0.4;
-
-/// The map, the diagonal and an orbit between them.
-pub fn cobweb_panel(map: &UniversalMap<f64>) -> Panel {
-    let mut z = 0.0;
-    for _ in 0..COBWEB_TRANSIENT {
-        z = map.step(z);
-    }
-    let (mut x, mut y) = (vec![z], vec![z]);
-    for _ in 0..COBWEB_STEPS {
-        let next = map.step(z);
-        x.extend([z, next]);
-        y.extend([next, next]);
-        z = next;
-    }
-    let (low, high) = x
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| {
-            (low.min(v), high.max(v))
-        });
-    let extent = if high > low {
-        high - low
-    } else {
-        low.abs().max(1e-3)
-    };
-    let (low, high) = (low - COBWEB_ROOM * extent, high + COBWEB_ROOM * extent);
-    let points = 4 * LAP_POINTS;
-    let at = |k: i32| low + (high - low) * f64::from(k) / f64::from(points);
-    let (curve_x, curve_y) = (0..=points).map(|k| (at(k), map.step(at(k)))).unzip();
-    Panel::new(
-        Axis::new("$z$").range(low, high),
-        Axis::new("$\\Upsilon(K z + \\mu)$").range(low, high),
-    )
-    .with(
-        Line::new(vec![low, high], vec![low, high])
-            .color(Color::GREY)
-            .width(0.4),
-    )
-    .with(Line::new(curve_x, curve_y).color(Color::INK).width(0.8))
-    .with(Line::new(x, y).color(Color::VERMILION).width(0.4))
     .legend(Legend::Hidden)
 }

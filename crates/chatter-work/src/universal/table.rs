@@ -53,10 +53,12 @@ fn dataset<R: Real>(findings: &Findings<R>, path: &Path) -> Result<Dataset, Refu
             data.table(sheet.table(&prefix(sheet.name)))
         }));
     }
-    let Some(values) = findings.value_sheet() else {
-        return Err(
-            Refusal::input("--out has nothing to write").help("ask for --at, --windows or --sweep")
-        );
-    };
-    Ok(data.table(values.table("")))
+    if let Some(values) = findings.value_sheet() {
+        return Ok(data.table(values.table("")));
+    }
+    let cobweb = findings.cobweb.as_ref().ok_or_else(|| {
+        Refusal::input("--out has nothing to write")
+            .help("ask for --at, --windows, --sweep or --cobweb")
+    })?;
+    Ok(cobweb.dataset())
 }

@@ -103,16 +103,11 @@ pub struct Arguments {
     #[arg(long, requires = "sweep")]
     pub lyapunov: bool,
 
-    /// Draw the map, the diagonal and an orbit between them for this mu
-    #[arg(
-        long,
-        value_name = "mu=MU",
-        requires = "plot",
-        allow_hyphen_values = true
-    )]
+    /// Draw or write the map, the diagonal and an orbit between them for this mu
+    #[arg(long, value_name = "mu=MU", allow_hyphen_values = true)]
     pub cobweb: Option<CobwebOption>,
 
-    /// Write windows, values or the samples of the sweep as a table, .csv or .npz
+    /// Write windows, values, the cobweb or the samples of the sweep as a table, .csv or .npz
     #[arg(long, value_name = "FILE")]
     pub out: Option<TableFile>,
 

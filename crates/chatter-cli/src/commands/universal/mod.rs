@@ -9,13 +9,19 @@ use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{FigureFile, TableFile};
 use crate::terminal::{self, Console, Style, Waiting};
-use crate::universal::{Atlas, Findings, compute, document, figure, refused, table};
+use crate::universal::{
+    Atlas, Cobweb, Findings, Request, compute, document, figure, refused, table,
+};
 use chatter::analysis::universal::{Argument, Universal, UniversalMap};
 use chatter::numerics::{DoubleDouble, Real};
 use std::path::PathBuf;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
+    if arguments.cobweb.is_some() && arguments.plot.is_none() && arguments.out.is_none() {
+        let refusal = Failure::input("--cobweb is drawn or written, and there is no file to do so");
+        return Err(refusal.help("name one with --plot or --out"));
+    }
     let digits = arguments
         .digits
         .map_or(Digits::DOUBLE, |precision| precision.0);
@@ -70,6 +76,7 @@ fn find<R: Real + Argument<Real = R>>(
         diagram: diagram
             .as_ref()
             .map(|(_, sweep, rows, _)| (sweep, rows.as_slice())),
+        cobweb: cobweb(&request, &map)?,
         digits,
     };
     let mut written = Vec::new();
@@ -93,6 +100,15 @@ fn find<R: Real + Argument<Real = R>>(
         text += &format!("wrote {}\n", path.display());
     }
     Ok(terminal::Answer::Text(text))
+}
+
+/// The cobweb, where one is asked for.
+fn cobweb(request: &Request, map: &UniversalMap<f64>) -> Result<Option<Cobweb>, Failure> {
+    let Some(mu) = request.cobweb else {
+        return Ok(None);
+    };
+    let map = UniversalMap::new(map.universal().clone(), map.slope(), mu.to_f64());
+    Ok(Some(Cobweb::new(&map.map_err(refused)?)))
 }
 
 /// Where samples are kept meanwhile: beside what is to be written, where there is room for as much.

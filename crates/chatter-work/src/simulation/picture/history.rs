@@ -1,6 +1,7 @@
-//! One state over time: bands for contact, ticks for impacts, discs for accumulations.
+//! A quantity over time: bands for contact, ticks for impacts, discs for accumulations.
 
 use super::shown::Shown;
+use super::side::Side;
 use super::{Subject, add_curve, axis_of};
 use chatter_figures::{Axis, Color, Legend, Line, Marker, Markers, PALETTE, Panel, Spans};
 
@@ -27,10 +28,9 @@ fn colors(contact: usize, contacts: usize) -> (Color, Color) {
     }
 }
 
-/// The history of state `index`.
-pub fn panel(subject: &Subject, shown: &Shown, index: usize, with_legend: bool) -> Panel {
-    let state = &subject.model.states[index];
-    let values = &shown.states[index];
+/// The history of a quantity.
+pub fn panel(subject: &Subject, shown: &Shown, side: Side, with_legend: bool) -> Panel {
+    let values = &side.values;
     let (low, high) = extent(values);
     let size = if high > low {
         high - low
@@ -38,18 +38,9 @@ pub fn panel(subject: &Subject, shown: &Shown, index: usize, with_legend: bool) 
         low.abs().max(1.0)
     };
     let floor = low - ROOM_BELOW * size;
-    let time = subject
-        .model
-        .time
-        .and_then(|time| subject.model.states[time].label.as_ref());
-    let x = match time {
-        Some(label) => axis_of("t", Some(label)),
-        None => Axis::new("time $t$"),
-    };
-    let y = axis_of(&state.name, state.label.as_ref());
     let mut panel = Panel::new(
-        x.range(shown.from, shown.to),
-        y.range(floor, high + ROOM_ABOVE * size),
+        time_axis(subject).range(shown.from, shown.to),
+        side.axis.range(floor, high + ROOM_ABOVE * size),
     );
     let contacts = &subject.model.contacts;
     for (contact, intervals) in shown.contact_phases.iter().enumerate() {
@@ -87,11 +78,8 @@ pub fn panel(subject: &Subject, shown: &Shown, index: usize, with_legend: bool) 
     }
     add_curve(&mut panel, &shown.jumps, &shown.times, values);
     if (1..=MOST_DISCS).contains(&shown.accumulations.len()) {
-        let accumulations = shown.accumulations.iter();
-        let (x, y) = accumulations
-            .map(|(time, state)| (*time, state[index]))
-            .unzip();
-        let discs = Markers::new(x, y)
+        let times = shown.accumulations.iter().map(|(time, _)| *time);
+        let discs = Markers::new(times.collect(), side.marks)
             .marker(Marker::Disc)
             .size(DISC)
             .color(Color::INK);
@@ -102,6 +90,16 @@ pub fn panel(subject: &Subject, shown: &Shown, index: usize, with_legend: bool) 
     } else {
         Legend::Hidden
     })
+}
+
+/// The axis of time.
+pub fn time_axis(subject: &Subject) -> Axis {
+    let states = &subject.model.states;
+    let label = (subject.model.time).and_then(|time| states[time].label.as_ref());
+    match label {
+        Some(label) => axis_of("t", Some(label)),
+        None => Axis::new("time $t$"),
+    }
 }
 
 fn extent(values: &[f64]) -> (f64, f64) {

@@ -1,8 +1,15 @@
-//! A simulation as a figure: the history of each state, and the phase portrait.
+//! A simulation as a figure: histories, phase portraits, the rates of impacts, return maps, the mechanism.
 
 mod history;
+mod impacts;
+mod mechanism;
 mod portrait;
+mod returns;
 mod shown;
+mod side;
+mod wanted;
+
+pub use wanted::Axes;
 
 use super::{Record, Subject};
 use crate::refusal::Refusal;
@@ -11,6 +18,8 @@ use chatter::model::{Label, Model};
 use chatter::numerics::{DoubleDouble, Real};
 use chatter_figures::{Axis, Color, Figure, Line, Panel, variable};
 use shown::Shown;
+use side::Side;
+use wanted::Shows;
 
 /// The resolution of a picture, in parts of the time simulated.
 const RESOLUTION: f64 = 1e-6;
@@ -43,68 +52,12 @@ pub struct Picture {
     pub shortened_to: Option<f64>,
 }
 
-/// What is drawn across and up in a panel, by name: states, or across the time.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Axes {
-    /// Across.
-    pub x: String,
-    /// Up.
-    pub y: String,
-}
-
-/// What a panel shows.
-#[derive(Clone, Copy)]
-enum Shows {
-    /// A state over time.
-    History(usize),
-    /// One state against another.
-    States(usize, usize),
-    /// Gap against rate, or the first two states.
-    Portrait,
-}
-
-/// The panels wanted; the history of each state and the portrait if none are.
-fn panels(subject: &Subject, axes: &[Axes]) -> Result<Vec<Shows>, Refusal> {
-    if axes.is_empty() {
-        let histories = subject.states().map(Shows::History);
-        return Ok(histories.chain([Shows::Portrait]).collect());
-    }
-    let model = subject.model;
-    let time = model.time.map_or("t", |time| &model.states[time].name);
-    let state = |name: &str, known: &[&str]| -> Result<usize, Refusal> {
-        subject
-            .states()
-            .find(|&index| subject.state_name(index) == name)
-            .ok_or_else(|| {
-                Refusal::input(format!(
-                    "`{name}` cannot be drawn here: there is `{}`",
-                    known.join("`, `")
-                ))
-                .did_you_mean(chatter::expressions::nearest(name, known.iter().copied()))
-            })
-    };
-    let states: Vec<&str> = subject
-        .states()
-        .map(|index| subject.state_name(index))
-        .collect();
-    let across: Vec<&str> = [&[time], &states[..]].concat();
-    axes.iter()
-        .map(|Axes { x, y }| {
-            let y = state(y, &states)?;
-            match x == time {
-                true => Ok(Shows::History(y)),
-                false => Ok(Shows::States(state(x, &across)?, y)),
-            }
-        })
-        .collect()
-}
-
 /// Checks that there is what a figure is to show.
 ///
 /// # Errors
 /// A name is no state's.
 pub fn check(subject: &Subject, axes: &[Axes]) -> Result<(), Refusal> {
-    panels(subject, axes).map(|_| ())
+    wanted::panels(subject, axes).map(|_| ())
 }
 
 /// Draws the samples within `window`; without one all that can be told apart, up to the end of the run. In a panel for
@@ -118,16 +71,32 @@ pub fn draw<R: Real>(
 ) -> Result<Picture, Refusal> {
     let shown = Shown::new(subject, run, samples, window)?;
     let mut figure = Figure::new();
-    let (mut panels, mut histories) = (0, 0);
-    for shows in self::panels(subject, axes)? {
+    let (mut panels, mut histories, mut square) = (0, 0, false);
+    for shows in wanted::panels(subject, axes)? {
         let panel = match shows {
-            Shows::History(index) => {
+            Shows::History(what) => {
                 histories += 1;
                 // One legend for all.
-                Some(history::panel(subject, &shown, index, histories == 1))
+                let side = Side::new(subject, &shown, what)?;
+                Some(history::panel(subject, &shown, side, histories == 1))
             }
-            Shows::States(x, y) => Some(portrait::of(subject, &shown, (x, y))),
-            Shows::Portrait => portrait::panel(subject, &shown),
+            Shows::Portrait(x, y) => {
+                let sides = (
+                    Side::new(subject, &shown, x)?,
+                    Side::new(subject, &shown, y)?,
+                );
+                Some(portrait::of(&shown, sides))
+            }
+            Shows::UsualPortrait => portrait::panel(subject, &shown)?,
+            Shows::Impacts(over) => Some(impacts::panel(subject, run.1, &shown, over)?),
+            Shows::Returns(what, at) => {
+                square = true;
+                Some(returns::panel(subject, run.1, &shown, (what, at))?)
+            }
+            Shows::Mechanism => {
+                square = true;
+                Some(mechanism::panel(subject, &shown))
+            }
         };
         if let Some(panel) = panel {
             panels += 1;
@@ -139,6 +108,8 @@ pub fn draw<R: Real>(
     } else if panels == MOST_IN_COLUMN && axes.is_empty() {
         let figure = figure.width(NARROW).height(COLUMN_HEIGHT);
         figure.row_heights(&[1.0, 1.0, PORTRAIT_HEIGHT])
+    } else if square && panels == 1 {
+        figure.width(NARROW).height(NARROW)
     } else {
         figure.width(NARROW)
     };
