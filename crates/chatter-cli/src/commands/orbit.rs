@@ -18,13 +18,12 @@ The orbit that the motion settles to is closed by Newton's method on the states 
 them, in numbers of thirty digits. Multipliers are those of the return map: all but the trivial one, which an autonomous
 system has along the flow and which shows how well derivatives are known. Complete chatter, and whatever holds the state
 on a surface, forgets directions: their multipliers are zero. Margins are what vanishes where the sequence of events
-changes: the rate of the slowest impact, the least gap of the flights, the jerk at release, the coordinate X of the nearest
-border (for one contact and three states; negative where chatter is complete).
+changes: the rate of the slowest impact, the least gap of the flights, the jerk at release.
 
 JSON
   orbit: period, start and section (states by name), section_name, events (as in `simulate`, times from the start),
   impacts (null where infinitely many), multipliers (re and im, by size), trivial_multiplier (null where there is none),
-  residual, error, stable, margins (kind: impact_rate, least_gap, release_jerk, border; where, time, value). With --all: orbits, a list of these.";
+  residual, error, stable, margins (kind, where, time, value). With --all: orbits, a list of these.";
 
 /// Find periodic orbits, stable or not, with their multipliers
 #[derive(Args, Debug)]

@@ -19,7 +19,6 @@
 //!   changes      all of them, or the nearest first
 //!   near, range  the border nearest to a value; all borders of a range, stretch by stretch
 //!   breaks       what ends complete chatter where no border is
-//! beside_orbit   X along the impacts of any orbit
 //! orbit          a border orbit with its normal form
 //! normal_form/   K, M and what they are made of
 //!   exact        (M5)
@@ -35,7 +34,6 @@
 //!   located      predicted windows and those beside each other
 //! ```
 
-pub(crate) mod beside_orbit;
 mod coordinate;
 mod error;
 mod normal_form;

@@ -5,7 +5,6 @@ use super::cycle::settle::Cycle;
 use super::error::PeriodicError;
 use super::multipliers::is_stable;
 use super::shooting::{Shooting, Workshop};
-use crate::analysis::border::beside_orbit::distance;
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
@@ -64,8 +63,6 @@ pub enum MarginKind {
     Least,
     /// The least jerk at a release.
     ReleaseJerk,
-    /// The coordinate X of the nearest border, negative where chatter is complete.
-    Border,
 }
 
 impl MarginKind {
@@ -75,7 +72,6 @@ impl MarginKind {
             Self::ImpactRate => "impact_rate",
             Self::Least => "least_gap",
             Self::ReleaseJerk => "release_jerk",
-            Self::Border => "border",
         }
     }
 }
@@ -165,15 +161,8 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;
     let checked = (fine.evaluate(&found.at)).map_err(|left| failed(&NewtonError::Left(left)))?;
     let residual = (checked.residual.iter()).fold(0.0_f64, |most, x| most.max(x.to_f64().abs()));
-    let mut margins = margins(&mut shooting, &at)?;
+    let margins = margins(&mut shooting, &at)?;
     let parameters = workshop.parameters(&at[at.len() - free..]);
-    let border = distance(&workshop.model, &parameters, shooting.node(&at, 0));
-    margins.extend(border.map(|border| Margin {
-        kind: MarginKind::Border,
-        guard: GuardKind::Gap(0),
-        time: border.time,
-        value: border.x,
-    }));
     let turns = workshop.closure.turns::<f64>(&parameters)?;
     Ok(Orbit {
         period: fine.period(),

@@ -1,8 +1,7 @@
 //! Orbits against reference values in quadruple precision, and against laws.
 
 use super::{model, orbit, with};
-use chatter::analysis::border::{BorderSpec, border_near};
-use chatter::analysis::periodic::{MarginKind, Search, Spec, all, settled};
+use chatter::analysis::periodic::{Search, Spec, all, settled};
 use chatter::numerics::Real;
 use proptest::prelude::*;
 use std::ops::ControlFlow;
@@ -45,28 +44,6 @@ fn a_valve_of_four_states_with_complete_chatter() {
         "{found:?}"
     );
     assert!(orbit.multipliers[1..].iter().all(|m| m.modulus() == 0.0));
-}
-
-/// Next to a border X is M times how far the parameter is from it, where the orbit begins at the release point.
-#[test]
-fn the_margin_of_a_border_is_its_coordinate() {
-    let x = |q: f64| {
-        let orbit = orbit(&model("pressure_relief_valve", &[("q", &format!("{q:?}"))]));
-        let margins = orbit.margins.iter();
-        let border = margins.filter(|margin| margin.kind == MarginKind::Border);
-        border.map(|margin| margin.value).next().unwrap()
-    };
-    let valve = model("pressure_relief_valve", &[]);
-    let border = border_near::<f64>(&valve, &BorderSpec::new("q"), 0.02).unwrap();
-    let (value, slope) = (border.value.value, border.exact.unfolding_rate.value);
-    for off in [-1e-6, -1e-7] {
-        let found = x(value + off) / (slope * off);
-        assert!((found - 1.0).abs() < 1e-2, "{off}: {found}");
-    }
-    assert!(x(0.0195) < -1e-7, "{}", x(0.0195));
-    // Incomplete chatter, and much nearer than the sequence's own first u.
-    let beyond = x(0.0203);
-    assert!(beyond > 0.0 && beyond < 1e-2, "{beyond}");
 }
 
 /// Where the motion comes back to nothing, an orbit of few periods beside it is told.
