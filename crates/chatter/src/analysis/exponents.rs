@@ -66,7 +66,7 @@ pub fn exponents(
     let system = System::with_columns(model, &columns).map_err(PeriodicError::System)?;
     let mut work = system.workspace::<f64>(&Settings::default());
     let parameters = model.parameter_values::<f64>(&[]);
-    let mut state = model.initial_state(&parameters);
+    let initial = model.initial_state(&parameters);
     let mut frame: Vec<Vec<f64>> = (moving.iter())
         .map(|&i| {
             let mut unit = vec![0.0; n];
@@ -74,28 +74,17 @@ pub fn exponents(
             unit
         })
         .collect();
-    let begin = model.time.map_or(0.0, |index| state[index]);
-    let start = |state: &[f64], frame: &[Vec<f64>]| -> Vec<f64> {
-        let columns = frame.iter().flatten();
-        state.iter().chain(columns).copied().collect()
-    };
-    let mut trajectory = Trajectory::start(
-        &system,
-        &mut work,
-        &parameters,
-        begin,
-        &start(&state, &frame),
-    )
-    .map_err(PeriodicError::Start)?;
+    let begin = model.time.map_or(0.0, |index| initial[index]);
+    let start = [initial, frame.concat()].concat();
+    let mut trajectory = Trajectory::start(&system, &mut work, &parameters, begin, &start)
+        .map_err(PeriodicError::Start)?;
     let mut growth: Vec<Vec<f64>> = Vec::new();
     let total = spec.transient + spec.intervals;
     for interval in 0..total {
         if interval % 8 == 0 && observer(interval as f64 / total as f64).is_break() {
             break;
         }
-        let clock = begin + spec.interval * interval as f64;
-        trajectory
-            .restart(&system, &mut work, clock, &start(&state, &frame))
+        (trajectory.replace_columns(&system, &mut work, &frame.concat()))
             .map_err(PeriodicError::Ended)?;
         trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
         let mut steps = 0;
@@ -113,10 +102,9 @@ pub fn exponents(
                 });
             }
         }
-        let end = trajectory.state();
-        state.copy_from_slice(&end[..n]);
-        for (k, displacement) in frame.iter_mut().enumerate() {
-            displacement.copy_from_slice(&end[n * (k + 1)..n * (k + 2)]);
+        let columns = trajectory.state()[n..].chunks(n);
+        for (displacement, column) in frame.iter_mut().zip(columns) {
+            displacement.copy_from_slice(column);
         }
         let logarithms = orthonormal(&mut frame, &moving);
         if interval >= spec.transient {

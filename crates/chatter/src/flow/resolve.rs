@@ -2,9 +2,11 @@
 
 use super::crossing::SectionPath;
 use super::error::FlowError;
-use super::guard::Guard;
+use super::flight::reaches;
+use super::guard::{Guard, Transition};
 use super::program::Program;
 use super::step::{LEAST_GROWTH, NO_EVENT, Workspace, least_step};
+use super::system::System;
 use super::touching::{Left, Touching};
 use crate::expressions::Operand;
 use crate::numerics::Real;
@@ -87,7 +89,7 @@ fn first_event<R: Real>(
     work.event = R::splat(NO_EVENT);
     let mut touched = None;
     let whole = work.scaled_step;
-    let ends_the_run = whole * work.tau >= work.horizon;
+    let ends_the_run = reaches(whole * work.tau, work.horizon);
     for (index, guard) in program.guards.iter().enumerate() {
         if guard.is_balanced(touching.get(index)) {
             continue;
@@ -112,20 +114,25 @@ fn first_event<R: Real>(
             } else {
                 size_of_terms(work, program, guard)
             };
+            // So may it keep a contact closed without a force, in a mode that has just begun.
+            if guard.opening().is_some() && !is_left && vanishes(work, program, guard, p) {
+                continue;
+            }
             let risen_by = if is_left {
                 0
             } else {
                 left.positive_coefficients(index, p, work.tau)
             };
             match risen_by {
-                0 => first_closing(p, width, (Workspace::<R>::NOISE, terms), is_left)?,
+                0 => first_closing(p, width, (Workspace::<R>::NOISE, terms), is_left),
                 count => first_closing(
                     &risen(p, count),
                     width,
                     (Workspace::<R>::NOISE, terms),
                     true,
-                )?,
+                ),
             }
+            .map_err(|Stuck| Unsettled::Stuck(index))?
             .or_else(|| closing_at_end(p, width, Workspace::<R>::NOISE).filter(|_| at_end))
         };
         let Some(root) = found else { continue };
@@ -200,6 +207,12 @@ fn section_path<'p, R: Real>(
     }
 }
 
+/// Whether no coefficient of a guard can be told from zero by the terms that its value is the sum of.
+fn vanishes<R: Real>(work: &Workspace<R>, program: &Program, guard: &Guard, p: &[R]) -> bool {
+    let level = size_of_terms(work, program, guard) * R::splat(Workspace::<R>::NOISE);
+    p.iter().all(|coefficient| coefficient.abs() <= level)
+}
+
 /// What the value of a guard where the step begins is rounded against.
 fn size_of_terms<R: Real>(work: &Workspace<R>, program: &Program, guard: &Guard) -> R {
     match guard.series {
@@ -238,8 +251,8 @@ fn find_sides<R: Real>(work: &mut Workspace<R>, program: &Program, touching: Tou
 pub(crate) enum Unsettled {
     /// The field has no finite expansion here.
     NotFinite,
-    /// A guard that was just left does not grow.
-    Stuck,
+    /// This guard was just left and does not grow.
+    Stuck(usize),
     /// Something that must not vanish does.
     Singular {
         /// What: its place in the program's tape.
@@ -251,7 +264,11 @@ pub(crate) enum Unsettled {
 
 impl Unsettled {
     /// The error to report, at the state where the step began.
-    pub(crate) fn into_error<R: Real>(self, time: R, state: &[R], program: &Program) -> FlowError {
+    pub(crate) fn into_error<R: Real>(
+        self,
+        (time, state): (R, &[R]),
+        (system, program): (&System, &Program),
+    ) -> FlowError {
         match self {
             Self::NotFinite => FlowError::LeftDomain {
                 time: time.to_f64(),
@@ -262,11 +279,24 @@ impl Unsettled {
                 kind: program.tape.singular[which].kind,
                 expression: program.vanishing[which].clone(),
             },
-            Self::Stuck => FlowError::UndecidedRelease {
-                time: time.to_f64(),
-                contact: (program.guards.iter())
-                    .find_map(|guard| guard.closing().or_else(|| guard.opening()))
-                    .unwrap_or(0),
+            Self::Stuck(guard) => match program.guards[guard].transition {
+                Transition::Impact { contact }
+                | Transition::Collide { contact }
+                | Transition::HandOver { contact }
+                | Transition::Open { contact }
+                | Transition::Jam { contact } => FlowError::UndecidedRelease {
+                    time: time.to_f64(),
+                    contact,
+                },
+                Transition::Meet(corner) | Transition::Part(corner) => FlowError::NoMode {
+                    time: time.to_f64(),
+                    surfaces: vec![system.corner_name(corner)],
+                },
+                // Sections may have either sign, and are never stuck.
+                Transition::Cross { .. } | Transition::Reset { .. } => FlowError::NoMode {
+                    time: time.to_f64(),
+                    surfaces: Vec::new(),
+                },
             },
         }
     }
@@ -307,6 +337,9 @@ fn risen<R: Real>(p: &[R], count: usize) -> Vec<R> {
         .collect()
 }
 
+/// A guard that was just left does not grow.
+struct Stuck;
+
 /// The first zero of a gap or reaction, which is positive at the start up to noise; and the value there is the sum of terms
 /// of this size.
 fn first_closing<R: Real>(
@@ -314,7 +347,7 @@ fn first_closing<R: Real>(
     width: R,
     (noise, terms): (f64, R),
     left: bool,
-) -> Result<Option<Root<R>>, Unsettled> {
+) -> Result<Option<Root<R>>, Stuck> {
     let start = p[0];
     let noise_within = |end: R| magnitude(p, end) * R::splat(noise);
     let level = noise_within(width).max(terms * R::splat(noise));
@@ -331,7 +364,7 @@ fn first_closing<R: Real>(
         return Ok(first_root(p, width, Crossing::Falling, noise_within(width)));
     }
     if start <= R::ZERO && left {
-        return Err(Unsettled::Stuck);
+        return Err(Stuck);
     }
     if start <= R::ZERO {
         // On the surface up to rounding: an inward rate is an impact now, an outward one leaves it.

@@ -8,8 +8,9 @@ use crate::numerics::polynomial::derivative_bound;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub(crate) struct Touching([u64; WORDS]);
 
-const WORDS: usize = 4;
-const GUARDS_A_WORD: usize = 32;
+const WORDS: usize = 8;
+const GUARDS_A_WORD: usize = 16;
+const BITS: usize = 4;
 
 impl Touching {
     /// Every guard is away from zero.
@@ -25,8 +26,9 @@ impl Touching {
         touching
     }
 
-    /// In place of a number, for the reaction of a closed contact: it vanishes as long as nothing else happens.
-    pub const BALANCED: u8 = 3;
+    /// In place of a number, for what is no gap and no section: it vanishes as long as nothing else happens. More than the
+    /// roots that are ever counted, and no more than any expansion has coefficients.
+    pub const BALANCED: u8 = 7;
 
     /// How many guards can be told apart.
     pub const GUARDS: usize = WORDS * GUARDS_A_WORD;
@@ -34,24 +36,24 @@ impl Touching {
     /// Roots of a guard at the present state.
     #[inline(always)]
     pub fn get(self, guard: usize) -> u8 {
-        (self.0[guard / GUARDS_A_WORD] >> (2 * (guard % GUARDS_A_WORD)) & 3) as u8
+        (self.0[guard / GUARDS_A_WORD] >> (BITS * (guard % GUARDS_A_WORD)) & 7) as u8
     }
 
     /// Whether any guard has two roots or more: it is being left from rest.
     #[inline(always)]
     pub fn is_leaving(self) -> bool {
-        const SECOND_BITS: u64 = u64::MAX / 3 * 2;
-        self.0.iter().any(|word| word & SECOND_BITS != 0)
+        const ALL_BUT_FIRST_BITS: u64 = u64::MAX / 15 * 6;
+        self.0.iter().any(|word| word & ALL_BUT_FIRST_BITS != 0)
     }
 
-    /// Sets the roots of a guard, at most three.
+    /// Sets the roots of a guard, at most three, or [`BALANCED`](Self::BALANCED).
     #[inline(always)]
     pub fn set(&mut self, guard: usize, roots: u8) {
         let (word, place) = (
             &mut self.0[guard / GUARDS_A_WORD],
-            2 * (guard % GUARDS_A_WORD),
+            BITS * (guard % GUARDS_A_WORD),
         );
-        *word = *word & !(3 << place) | u64::from(roots & 3) << place;
+        *word = *word & !(7 << place) | u64::from(roots & 7) << place;
     }
 }
 

@@ -13,7 +13,7 @@ use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::touching::{Left, Touching};
-use crate::numerics::complementarity::complementary;
+use crate::numerics::complementarity::{Complementary, complementary};
 use crate::numerics::polynomial::magnitude;
 use crate::numerics::{Real, WithTerms};
 
@@ -22,6 +22,15 @@ const COLUMN_SWEEPS: usize = 60;
 
 /// A gap that no order of its expansion moves by more than this part of the state's own motion stays as it is.
 const BALANCE_ROUNDOFFS: f64 = 1024.0;
+
+/// What contacts at rest do: forces p and accelerations w, one of which is zero for each.
+struct Forces<R> {
+    /// How an impulse at one of them changes the rates of all.
+    block: Vec<Vec<R>>,
+    found: Complementary<R>,
+    /// What cannot be told from zero.
+    level: R,
+}
 
 impl<R: Real> Trajectory<R> {
     /// Brings contacts to rest, beside those that are closed already, and decides which of all these stay closed.
@@ -133,6 +142,38 @@ impl<R: Real> Trajectory<R> {
         Ok(true)
     }
 
+    /// Forces and accelerations of contacts at rest, on the sides that hold now.
+    fn forces_at_rest(&self, system: &System, contacts: &[usize]) -> Result<Forces<R>, FlowError> {
+        let touch = self.touch_values(system)?;
+        let free: Vec<R> = (contacts.iter())
+            .map(|&i| touch.acceleration[i].value)
+            .collect();
+        let block = touch.block(contacts);
+        // A force is told from zero by all that it balances.
+        let terms = |&i: &usize| touch.acceleration[i].level();
+        let level = contacts.iter().map(terms).fold(R::ZERO, R::max);
+        let levels = vec![level; contacts.len()];
+        let Some(found) = complementary(&block, &free, &levels) else {
+            return Err(self.dependent(contacts));
+        };
+        Ok(Forces {
+            block,
+            found,
+            level,
+        })
+    }
+
+    /// Whether the contacts that are closed stay so on the sides that hold now: their forces are determined, and none of them
+    /// moves apart at once.
+    pub(super) fn contacts_stay(&self, system: &System) -> bool {
+        let contacts: Vec<usize> = self.grip().carrying().contacts().collect();
+        if contacts.is_empty() {
+            return true;
+        }
+        self.forces_at_rest(system, &contacts)
+            .is_ok_and(|forces| forces.found.w.iter().all(|&apart| apart <= forces.level))
+    }
+
     /// By complementarity of the contacts' forces and accelerations, on the sides that hold now and on those that contacts
     /// take over.
     fn settle_together(
@@ -142,19 +183,9 @@ impl<R: Real> Trajectory<R> {
         all: Closed,
     ) -> Result<(), FlowError> {
         let contacts: Vec<usize> = all.contacts().collect();
-        let (block, found, level, held, undecided) = loop {
-            let touch = self.touch_values(system)?;
-            let free: Vec<R> = (contacts.iter())
-                .map(|&i| touch.acceleration[i].value)
-                .collect();
-            let block = touch.block(&contacts);
-            // A force is told from zero by all that it balances.
-            let terms = |&i: &usize| touch.acceleration[i].level();
-            let level = contacts.iter().map(terms).fold(R::ZERO, R::max);
-            let levels = vec![level; contacts.len()];
-            let Some(found) = complementary(&block, &free, &levels) else {
-                return Err(self.dependent(&contacts));
-            };
+        let (forces, held, undecided) = loop {
+            let forces = self.forces_at_rest(system, &contacts)?;
+            let (found, level) = (&forces.found, forces.level);
             let (mut held, mut undecided) = (Closed::NONE, Closed::NONE);
             for (k, &contact) in contacts.iter().enumerate() {
                 if found.p[k] > level {
@@ -165,9 +196,14 @@ impl<R: Real> Trajectory<R> {
             }
             // What keeps them at rest without a force may be dry friction.
             if undecided == Closed::NONE || !self.hold_by_contacts(system, (all, undecided))? {
-                break (block, found, level, held, undecided);
+                break (forces, held, undecided);
             }
         };
+        let Forces {
+            block,
+            found,
+            level,
+        } = forces;
         let undecided: Vec<usize> = undecided.contacts().collect();
         self.enter(system, held)?;
         for (k, &contact) in contacts.iter().enumerate() {
@@ -302,6 +338,25 @@ impl<R: Real> Trajectory<R> {
             }
         }
         Ok(())
+    }
+
+    /// Puts other columns of derivatives beside the state, one after the other; what closed contacts do not allow to vary is
+    /// taken from them. Nothing else changes: the mode is not asked for anew, as [`restart`](Self::restart) would.
+    ///
+    /// # Errors
+    /// The equations have no finite value at the state.
+    pub fn replace_columns(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        columns: &[R],
+    ) -> Result<(), FlowError> {
+        // The samples of a sequence that is being extrapolated carry the columns from before.
+        self.tracker.interrupt();
+        self.tops.interrupt();
+        self.state[self.coordinates..].copy_from_slice(columns);
+        self.low[self.coordinates..].fill(R::ZERO);
+        self.capture_columns(system, work)
     }
 
     /// A closed contact opens, with so many roots of its gap here.

@@ -98,6 +98,8 @@ struct Verdict<R> {
     roots: Vec<(GuardKind, u8)>,
     /// Nothing moves it off a corner.
     is_balanced: bool,
+    /// Contacts that are closed stay so at least at first.
+    contacts_stay: bool,
     /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them; and they stick, if they can.
     opens_there: bool,
     /// On corners that nothing moves it off it is where plain evaluation says.
@@ -400,6 +402,9 @@ impl<R: Real> Trajectory<R> {
         (now, touched): (&Candidate, &[Corner]),
         asked: Asked,
     ) -> Result<(), FlowError> {
+        if verdicts.iter().any(|verdict| verdict.contacts_stay) {
+            verdicts.retain(|verdict| verdict.contacts_stay);
+        }
         if verdicts.iter().any(|verdict| verdict.opens_there) {
             verdicts.retain(|verdict| verdict.opens_there);
         }
@@ -620,6 +625,7 @@ impl<R: Real> Trajectory<R> {
             candidate,
             roots: Vec::new(),
             is_balanced: false,
+            contacts_stay: true,
             opens_there: true,
             is_plain: true,
             field,
@@ -652,7 +658,7 @@ impl<R: Real> Trajectory<R> {
                     .find(|(_, order)| order.value.abs() > order.level());
                 match moving {
                     Some((_, order)) if order.value < R::ZERO => return Ok(None),
-                    Some((order, _)) => verdict.roots.push((*kind, (order as u8).min(2))),
+                    Some((order, _)) => verdict.roots.push((*kind, order as u8)),
                     None => {
                         verdict.is_balanced = true;
                         verdict.opens_there &=
@@ -663,6 +669,7 @@ impl<R: Real> Trajectory<R> {
                 }
             }
         }
+        verdict.contacts_stay = self.contacts_stay(system);
         Ok(Some(verdict))
     }
 
@@ -906,7 +913,11 @@ impl<R: Real> Trajectory<R> {
 
     /// Contacts that are closed after a corner of their gap, or of the field, has been passed: a rate that has jumped away
     /// from zero opens them or is an impact.
-    fn keep_contacts(&mut self, system: &System, work: &mut Workspace<R>) -> Result<(), FlowError> {
+    pub(super) fn keep_contacts(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<(), FlowError> {
         if self.closed == Closed::NONE {
             return Ok(());
         }

@@ -252,10 +252,13 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         program: &Program,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        let result = match self.settle(work, program) {
-            Err(FlowError::UndecidedRelease { .. }) if self.sequence > 0 => {
+        let result = match self.settle(system, work, program) {
+            Err(FlowError::UndecidedRelease { contact, .. })
+                if self
+                    .latest_impact
+                    .is_some_and(|(latest, _)| latest == contact) =>
+            {
                 // The rate after an impact is none any more.
-                let contact = self.latest_impact.map_or(0, |(contact, _)| contact);
                 return self.end_here(system, work, contact).map(Some);
             }
             settled => settled?,
@@ -267,12 +270,15 @@ impl<R: Real> Trajectory<R> {
     /// Redoes a step that could not be certified, from this trajectory's state, with full root isolation.
     fn settle(
         &self,
+        system: &System,
         work: &mut Workspace<R>,
         program: &Program,
     ) -> Result<StepResult<R>, FlowError> {
         let class = self.load(work);
-        let resolution = resolve(work, program, class, (self.touching, self.left))
-            .map_err(|unsettled| unsettled.into_error(self.time, &self.state, program))?;
+        let resolution =
+            resolve(work, program, class, (self.touching, self.left)).map_err(|unsettled| {
+                unsettled.into_error((self.time, &self.state), (system, program))
+            })?;
         work.travel();
         let crowd = self.crowd(work, program);
         if crowd == Closed::NONE {

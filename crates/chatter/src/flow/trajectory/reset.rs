@@ -84,6 +84,7 @@ impl<R: Real> Trajectory<R> {
         self.stop_sliding(system, contact)?;
         let fall = self.mode;
         if self.settle_corners(system, None)? {
+            self.keep_contacts(system, work)?;
             // What follows is moved by another field.
             let [_, _, acceleration, jerk] = self.local(system, contact)?;
             impact[2] = acceleration.value;

@@ -240,3 +240,64 @@ fn stacks_held_by_friction_come_to_rest() {
         }
     }
 }
+
+/// x' = v, v' = -k|x| + a cos(omega t + phi), plastic at x = 0, which is the corner of |x|, too: it leaves both where the
+/// cosine begins to push.
+#[test]
+fn a_contact_opens_where_its_gap_is_a_corner() {
+    fn check<R: Real>() {
+        let text = "[flight]\nx = \"v\"\nv = \"-0.659*abs(x) - 0.057*v + 1.588*cos(1.973*t + 3.947)\"\n\
+            [[contact]]\ngap = \"x\"\nimpulse = { v = 1 }\nrestitution = 0\n[initial]\nx = 1.456\nv = -0.437\n";
+        let run = run::<R>(text, 12.0);
+        assert_eq!(run.outcome, Outcome::Horizon);
+        let release = (run.events.iter())
+            .find(|event| matches!(event.detail, Occurrence::Release { .. }))
+            .expect("it is pushed off");
+        let expected = (3.5 * std::f64::consts::PI - 3.947) / 1.973;
+        assert!((release.time.to_f64() - expected).abs() < 1e-14);
+        assert!(run.state[0].to_f64() > 0.1);
+    }
+    check::<f64>();
+    check::<DoubleDouble>();
+}
+
+/// A mass that has come to rest at a stop where nothing pushes it stays there, whatever resists its motion, and whatever else
+/// happens elsewhere.
+#[test]
+fn what_nothing_pushes_stays_at_rest() {
+    for resistance in [
+        "0.115*v*abs(v)",
+        "0.3*sign(v)",
+        "2*clamp(x, -0.6, 0.9) + 0.1*v",
+    ] {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-({resistance})\"\ny = \"w\"\nw = \"-1 + 0.333*cos(2.954*t)\"\n\
+            [[contact]]\nname = \"wall\"\ngap = \"x\"\nimpulse = {{ v = 1 }}\nrestitution = 0\n\
+            [[contact]]\nname = \"ground\"\ngap = \"y\"\nimpulse = {{ w = 1 }}\nrestitution = 0.5\n\
+            [initial]\nx = 0.36\nv = -1\ny = 2.289\nw = -0.593\n"
+        );
+        let run = run::<f64>(&text, 20.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+        assert_eq!(run.counts.accumulations, 1, "the other one comes to rest");
+        assert_eq!(&run.state[..2], [0.0, 0.0]);
+    }
+}
+
+/// A mass that rests on the ground and rubs on another one, which bounces beside it: what an impact of that one turns round
+/// lifts it off at once, with an acceleration.
+#[test]
+fn an_impact_elsewhere_may_open_a_contact() {
+    let text = "[flight]\nx = \"v\"\nv = \"-1\"\ny = \"w\"\nw = \"-0.3 - 0.5*sign(w - v)\"\n\
+        [[contact]]\nname = \"floor\"\ngap = \"x\"\nimpulse = { v = 1 }\nrestitution = 0.5\n\
+        [[contact]]\nname = \"ground\"\ngap = \"y\"\nimpulse = { w = 1 }\nrestitution = 0\n\
+        [initial]\nx = 2\nv = 0\ny = 0\nw = 0\n";
+    let run = run::<f64>(text, 2.5);
+    assert_eq!(run.outcome, Outcome::Horizon);
+    let release = (run.events.iter())
+        .find(|event| matches!(event.detail, Occurrence::Release { .. }))
+        .expect("friction lifts it");
+    assert!((release.time - 2.0).abs() < 1e-15);
+    // From then on w rises by 0.2 a unit of time, v falls from 1 by one: they are alike after 1/1.2, later than this.
+    assert!((run.state[2] - 0.1 * 0.25).abs() < 1e-15, "{:?}", run.state);
+    assert!((run.state[3] - 0.1).abs() < 1e-15);
+}
