@@ -30,6 +30,10 @@ const WRONG: &[(&str, &str)] = &[
         "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\nname = \"floor\"\n",
     ),
     (
+        "contacts in single brackets with their names",
+        "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[contact.floor]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\n",
+    ),
+    (
         "a contact in single brackets",
         "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[contact]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\n",
     ),

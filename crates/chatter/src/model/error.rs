@@ -190,7 +190,10 @@ pub enum ModelErrorKind {
         found: &'static str,
     },
     /// A contact as `[contact]`.
-    SingleBrackets,
+    SingleBrackets {
+        /// The contact's name, where it stands in the brackets.
+        name: Option<String>,
+    },
     /// Keys that must be there are not.
     MissingKeys {
         /// The table they are missing from.

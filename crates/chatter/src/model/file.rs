@@ -11,6 +11,7 @@ use super::table::{Item, TableReader};
 use super::{Direction, Model};
 
 use crate::expressions::{ParseErrorKind, nearest};
+use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -218,9 +219,19 @@ fn contacts<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> V
             .iter()
             .filter_map(|value| contact(reader, value))
             .collect(),
+        // Named in the brackets, as sections are.
+        DeValue::Table(table) if are_named(table) => {
+            let items = reader.table("contact", CONTACT_TABLE, value);
+            let contacts = items.into_iter().flatten().map(|Item { key, value }| {
+                let (name, place) = (Some(key.text), reader.place(value.span()));
+                reader.report(ModelErrorKind::SingleBrackets { name }, &place);
+                contact(reader, value)
+            });
+            contacts.flatten().collect()
+        }
         DeValue::Table(_) => {
             let place = reader.place(value.span());
-            reader.report(ModelErrorKind::SingleBrackets, &place);
+            reader.report(ModelErrorKind::SingleBrackets { name: None }, &place);
             contact(reader, value).into_iter().collect()
         }
         _ => {
@@ -228,6 +239,14 @@ fn contacts<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> V
             Vec::new()
         }
     }
+}
+
+/// Whether a table that should be a contact holds contacts by their names.
+fn are_named(table: &DeTable<'_>) -> bool {
+    let is_contact = |(key, value): (&Spanned<Cow<'_, str>>, &Spanned<DeValue<'_>>)| {
+        matches!(value.get_ref(), DeValue::Table(_)) && !CONTACT.contains(&key.get_ref().as_ref())
+    };
+    !table.is_empty() && table.iter().all(is_contact)
 }
 
 fn contact<'i>(reader: &mut TableReader<'i>, value: &Spanned<DeValue<'i>>) -> Option<ContactDraft> {

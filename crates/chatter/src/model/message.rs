@@ -18,7 +18,7 @@ impl fmt::Display for ModelErrorKind {
             Self::MissingValue => write!(f, "a value is missing"),
             Self::DuplicateKey { key } => write!(f, "`{key}` is given twice"),
             Self::UnknownTable { name, .. } => write!(f, "unknown table [{name}]"),
-            Self::SingleBrackets => write!(f, "a contact stands in double brackets"),
+            Self::SingleBrackets { .. } => write!(f, "a contact stands in double brackets"),
             Self::NothingInitial { .. } => write!(f, "the model has no initial values"),
             Self::UnknownKey { key, table, .. } => write!(f, "unknown key `{key}` in {table}"),
             Self::WrongType {
@@ -122,7 +122,10 @@ impl ModelErrorKind {
             Self::NotANumber { .. } => "expected a number such as 0.5, 12 or 1e-3".to_owned(),
             Self::MissingValue => "expected a number, or an expression in quotes".to_owned(),
             Self::DuplicateKey { .. } => "the second time".to_owned(),
-            Self::SingleBrackets => "expected [[contact]]".to_owned(),
+            Self::SingleBrackets { name: None } => "expected [[contact]]".to_owned(),
+            Self::SingleBrackets { name: Some(name) } => {
+                format!("expected [[contact]], and in it name = \"{name}\"")
+            }
             Self::UnknownTable { .. } => format!("expected {}", super::file::TABLES),
             Self::NothingInitial { .. } => "where do these states start?".to_owned(),
             Self::NoStates => "expected d/dt of at least one state".to_owned(),
@@ -254,7 +257,7 @@ impl ModelErrorKind {
             | Self::DuplicateKey { .. }
             | Self::MissingValue
             | Self::NotANumber { .. }
-            | Self::SingleBrackets
+            | Self::SingleBrackets { .. }
             | Self::BothKeys { .. }
             | Self::KeyWithout { .. }
             | Self::WrongLength { .. }
