@@ -1,20 +1,20 @@
 /** The explorer: all views, and what passes between them. */
 
 import { address_of, state_of } from "./address.js";
-import { Commands } from "./commands.js";
-import { DiagramView } from "./diagram-view.js";
-import { make } from "./dom.js";
-import { Editor } from "./editor.js";
-import { HistoryView } from "./history-view.js";
-import { ImpactsView } from "./impacts-view.js";
-import { Knobs } from "./knobs.js";
-import { MechanismView } from "./mechanism-view.js";
-import { Motions } from "./motion.js";
-import { PortraitView } from "./portrait-view.js";
-import { ReturnView } from "./return-view.js";
+import { Commands } from "./asking/commands.js";
+import { DiagramView } from "./diagram/view.js";
+import { make } from "./elements/dom.js";
+import { Editor } from "./elements/editor.js";
+import { HistoryView } from "./motion/history.js";
+import { ImpactsView } from "./motion/impacts.js";
+import { Knobs } from "./elements/knobs.js";
+import { MechanismView } from "./motion/mechanism.js";
+import { Motions } from "./motion/motion.js";
+import { PortraitView } from "./motion/portrait.js";
+import { ReturnView } from "./motion/returns.js";
 import { start_of } from "./starts.js";
 import { Store } from "./state.js";
-import { collected } from "./transport.js";
+import { collected } from "./asking/transport.js";
 
 /**
  * @typedef {object} Place where the state is kept beside the page
@@ -38,7 +38,7 @@ const STEP = 700;
 
 /**
  * @param {HTMLElement} root
- * @param {import("./transport.js").Ask} ask
+ * @param {import("./asking/transport.js").Ask} ask
  * @param {Place} place
  */
 export async function explore(root, ask, place) {

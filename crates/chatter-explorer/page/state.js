@@ -35,7 +35,7 @@
  * @property {string} returned the quantity of the return map
  */
 
-/** @typedef {{ name: string, value: number, depends: boolean, label: import("./labels.js").Label, unused?: boolean, time?: boolean }} Quantity */
+/** @typedef {{ name: string, value: number, depends: boolean, label: import("./drawing/labels.js").Label, unused?: boolean, time?: boolean }} Quantity */
 /**
  * @typedef {object} Checked what the model is
  * @property {string | null} title

@@ -1,8 +1,8 @@
 /** The explorer in a notebook: asks the kernel by messages, and keeps its address in the widget's state. */
 
 import { explore } from "./explorer.js";
-import { END, REFUSAL, Reader, document_of } from "./records.js";
-import { Refused } from "./transport.js";
+import { END, REFUSAL, Reader, document_of } from "./asking/records.js";
+import { Refused } from "./asking/transport.js";
 
 /**
  * @typedef {object} Widget as anywidget gives it
@@ -18,14 +18,14 @@ let numbers = 0;
 
 /**
  * @param {Widget} widget
- * @returns {import("./transport.js").Ask}
+ * @returns {import("./asking/transport.js").Ask}
  */
 export function over_messages(widget) {
     return async function* (asked, question, signal) {
         numbers += 1;
         const number = numbers;
         const reader = new Reader();
-        /** @type {import("./records.js").Message[]} */
+        /** @type {import("./asking/records.js").Message[]} */
         const messages = [];
         let wake = () => {};
         const heard = (/** @type {any} */ content, /** @type {DataView[]} */ buffers) => {

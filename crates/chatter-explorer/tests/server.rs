@@ -187,6 +187,20 @@ fn the_page_is_complete() {
     }
 }
 
+/// The path of what a module names as beside it.
+fn beside(module: &str, named: &str) -> String {
+    let mut parts: Vec<&str> = module.split('/').collect();
+    parts.pop();
+    for part in named.split('/') {
+        match part {
+            "." => {}
+            ".." => drop(parts.pop()),
+            part => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
 /// A notebook's widget loads each module after those that it names.
 #[test]
 fn no_module_needs_itself() {
@@ -205,10 +219,7 @@ fn no_module_needs_itself() {
             .lines()
             .filter(|line| line.starts_with("import "))
         {
-            visit(
-                line.rsplit('"').nth(1).unwrap().trim_start_matches("./"),
-                above,
-            );
+            visit(&beside(name, line.rsplit('"').nth(1).unwrap()), above);
         }
         above.pop();
     }

@@ -18,7 +18,8 @@ const sources = %s;
 const places = {};
 function place(name) {
     if (!(name in places)) {
-        const text = sources[name].replace(/from "\\.\\/([\\w-]+\\.js)"/g, (_, other) => `from "${place(other)}"`);
+        const beside = (other) => new URL(other, "file:///" + name).pathname.slice(1);
+        const text = sources[name].replace(/from "(\\.[\\w\\/.-]+\\.js)"/g, (_, other) => `from "${place(beside(other))}"`);
         places[name] = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
     }
     return places[name];

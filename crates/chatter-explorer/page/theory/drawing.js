@@ -1,11 +1,11 @@
 /** Draws what theory says over a diagram: branches, curves of special points, border orbits and their windows. */
 
-import { GREEN, ORANGE } from "./palette.js";
+import { GREEN, ORANGE } from "../drawing/palette.js";
 import { special } from "./special.js";
 
-/** @typedef {import("./plot.js").Plot} Plot */
-/** @typedef {import("./palette.js").Theme} Theme */
-/** @typedef {import("./state.js").Diagram} Diagram */
+/** @typedef {import("../drawing/plot.js").Plot} Plot */
+/** @typedef {import("../drawing/palette.js").Theme} Theme */
+/** @typedef {import("../state.js").Diagram} Diagram */
 
 /**
  * Branches over one parameter, stable orbits solid, with their special points.

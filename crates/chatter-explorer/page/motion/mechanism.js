@@ -1,14 +1,14 @@
 /** The mechanism as the model's [drawing] has it, moving. */
 
-import { choice, field, make } from "./dom.js";
-import { nearest } from "./history-view.js";
-import { theme } from "./palette.js";
-import { gifts, panel } from "./panel.js";
+import { choice, field, make } from "../elements/dom.js";
+import { nearest } from "./history.js";
+import { theme } from "../drawing/palette.js";
+import { gifts, panel } from "../elements/panel.js";
 import { Sound } from "./sound.js";
-import { shown } from "./ticks.js";
+import { shown } from "../drawing/ticks.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {import("./palette.js").Theme} Theme */
+/** @typedef {import("../drawing/palette.js").Theme} Theme */
 
 /** The whole of what is shown lasts so long, in seconds. */
 const LASTS = 8;
@@ -24,11 +24,11 @@ to = [1, -0.1]`;
 
 export class MechanismView {
     /**
-     * @param {import("./state.js").Store} store
+     * @param {import("../state.js").Store} store
      * @param {import("./motion.js").Motions} motions
-     * @param {{ now: number | null, plot: import("./plot.js").Plot }[]} followers views that show the time, too
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./commands.js").Commands} commands
+     * @param {{ now: number | null, plot: import("../drawing/plot.js").Plot }[]} followers views that show the time, too
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../asking/commands.js").Commands} commands
      * @param {(message: string) => void} say
      */
     constructor(store, motions, followers, ask, commands, say) {

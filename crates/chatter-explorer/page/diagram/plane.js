@@ -1,11 +1,11 @@
 /** A map over two parameters: cells, which are halved again and again. */
 
 import { Lattice } from "./lattice.js";
-import { class_of } from "./palette.js";
+import { class_of } from "../drawing/palette.js";
 
-/** @typedef {import("./raster.js").Row} Row */
+/** @typedef {import("../drawing/raster.js").Row} Row */
 /** @typedef {{ x: number, y: number, level: number, row: Row }} Cell */
-/** @typedef {import("./state.js").Diagram} Diagram */
+/** @typedef {import("../state.js").Diagram} Diagram */
 
 export class Plane {
     constructor() {
@@ -87,7 +87,7 @@ export class Plane {
 
     /**
      * @param {CanvasRenderingContext2D} context
-     * @param {import("./plot.js").Plot} plot
+     * @param {import("../drawing/plot.js").Plot} plot
      * @param {string[]} outcomes
      */
     draw(context, plot, outcomes) {

@@ -1,11 +1,11 @@
 /** Sliders for parameters and initial values. */
 
 import { make } from "./dom.js";
-import { plain } from "./labels.js";
-import { rounded } from "./ticks.js";
+import { plain } from "../drawing/labels.js";
+import { rounded } from "../drawing/ticks.js";
 
-/** @typedef {import("./state.js").Quantity} Quantity */
-/** @typedef {import("./state.js").Store} Store */
+/** @typedef {import("../state.js").Quantity} Quantity */
+/** @typedef {import("../state.js").Store} Store */
 
 /** Steps of a slider from end to end. */
 const STEPS = 1000;

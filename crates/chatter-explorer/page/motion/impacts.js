@@ -1,20 +1,20 @@
 /** The sequence of impacts, their rates in logarithmic scale: complete chatter is a straight line. */
 
-import { disc } from "./curves.js";
-import { choice, field, make } from "./dom.js";
-import { gifts, panel } from "./panel.js";
-import { BLUE, GREEN, ORANGE, PURPLE, VERMILION } from "./palette.js";
-import { Plot, extent } from "./plot.js";
-import { shown } from "./ticks.js";
+import { disc } from "../drawing/curves.js";
+import { choice, field, make } from "../elements/dom.js";
+import { gifts, panel } from "../elements/panel.js";
+import { BLUE, GREEN, ORANGE, PURPLE, VERMILION } from "../drawing/palette.js";
+import { Plot, extent } from "../drawing/plot.js";
+import { shown } from "../drawing/ticks.js";
 
 const COLORS = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, "#999999"];
 
 export class ImpactsView {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
      * @param {import("./motion.js").Motions} motions
-     * @param {import("./commands.js").Commands} commands
+     * @param {import("../asking/commands.js").Commands} commands
      * @param {(message: string) => void} say
      */
     constructor(ask, store, motions, commands, say) {
@@ -83,7 +83,7 @@ export class ImpactsView {
     /**
      * @param {CanvasRenderingContext2D} context
      * @param {Plot} plot
-     * @param {import("./palette.js").Theme} colors
+     * @param {import("../drawing/palette.js").Theme} colors
      */
     draw(context, plot, colors) {
         const contacts = this.motion?.about.contacts ?? [];

@@ -1,15 +1,15 @@
 /** What can be chosen of a diagram: what is swept, observed, where orbits start and are sampled. */
 
-import { choice, field, make } from "./dom.js";
-import { slope_of } from "./diagram-rows.js";
-import { rounded } from "./ticks.js";
+import { choice, field, make } from "../elements/dom.js";
+import { slope_of } from "./rows.js";
+import { rounded } from "../drawing/ticks.js";
 
-/** @typedef {import("./state.js").Diagram} Diagram */
+/** @typedef {import("../state.js").Diagram} Diagram */
 
 export class DiagramControls {
     /**
-     * @param {import("./state.js").Store} store
-     * @param {import("./diagram-rows.js").Rows} rows
+     * @param {import("../state.js").Store} store
+     * @param {import("./rows.js").Rows} rows
      * @param {() => void} reset everything is to be seen again
      */
     constructor(store, rows, reset) {
@@ -51,7 +51,7 @@ export class DiagramControls {
     axes() {
         const { store } = this;
         const { diagram } = store.state;
-        const checked = /** @type {import("./state.js").Checked} */ (store.checked);
+        const checked = /** @type {import("../state.js").Checked} */ (store.checked);
         const parameters = /** @type {[string, string][]} */ (checked.parameters.filter((one) => !one.unused).map((one) => [one.name, one.name]));
         const over = choice("Parameter across", parameters, diagram.over, (name) => {
             const [from, to] = this.around(name);
@@ -96,7 +96,7 @@ export class DiagramControls {
 
     more() {
         const { diagram } = this.store.state;
-        const checked = /** @type {import("./state.js").Checked} */ (this.store.checked);
+        const checked = /** @type {import("../state.js").Checked} */ (this.store.checked);
         const where = /** @type {[string, string][]} */ ([...checked.sections.map((section) => [`section:${section.name}`, `section ${section.name}`]), ...(checked.contacts.length ? [["at:impact", "every impact"], ["at:release", "every release"]] : [])]);
         if (!where.some(([value]) => value === diagram.sampling)) where.push([diagram.sampling, diagram.sampling.replace(":", " ")]);
         const sampling = choice("Where orbits are sampled", where, diagram.sampling, (value) => this.edit((diagram) => { diagram.sampling = value; }, true));

@@ -1,10 +1,10 @@
 /** The curves that cobwebs are drawn on: that of a return map of one dimension, and that of the universal map near a border. */
 
-import { ROW, numbers } from "./records.js";
-import { sampled } from "./state.js";
-import { collected } from "./transport.js";
+import { ROW, numbers } from "../asking/records.js";
+import { sampled } from "../state.js";
+import { collected } from "../asking/transport.js";
 
-/** @typedef {import("./state.js").Store} Store */
+/** @typedef {import("../state.js").Store} Store */
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {{ name: string, held: string, value: number, sweep: string }} OneDimension a return map of one dimension: its coordinate,
  *   the state that its section holds at a value, and the sweep over initial values that samples it */
@@ -39,7 +39,7 @@ export function one_dimension(store, motion, places, returned) {
 
 /**
  * Points of the return map's curve, in order.
- * @param {import("./transport.js").Ask} ask
+ * @param {import("../asking/transport.js").Ask} ask
  * @param {Store} store
  * @param {OneDimension} one
  * @param {AbortSignal} signal
@@ -75,7 +75,7 @@ export function universal_map(store) {
 }
 
 /**
- * @param {import("./transport.js").Ask} ask
+ * @param {import("../asking/transport.js").Ask} ask
  * @param {{ restitution: number, slope: number, mu: number }} map
  * @param {AbortSignal} signal
  */

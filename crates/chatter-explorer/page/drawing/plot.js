@@ -1,6 +1,6 @@
 /** A plot: axes, and looking around in it by mouse, touch and keys. What is drawn in it is its owner's. */
 
-import { make } from "./dom.js";
+import { make } from "../elements/dom.js";
 import { theme } from "./palette.js";
 import { tick_texts, ticks } from "./ticks.js";
 

@@ -1,7 +1,7 @@
 /** Curves of special points in two parameters: asked for one by one, each until it is there or given up. */
 
 import { special } from "./special.js";
-import { Refused, collected, is_abort } from "./transport.js";
+import { Refused, collected, is_abort } from "../asking/transport.js";
 
 /** @typedef {{ point: any, branch: number, place: number, number: number }} Found a special point: its branch, its place among those of
  *   its kind there, and its number in the table of all branches, from 1 */
@@ -9,8 +9,8 @@ import { Refused, collected, is_abort } from "./transport.js";
 
 export class Curves {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
      * @param {(message: string) => void} say
      * @param {() => void} changed
      */

@@ -1,21 +1,21 @@
 /** The orbit diagram: sharpens column by column, keeps what it has, and shows where the picked value is. */
 
-import { make } from "./dom.js";
-import { layers, legend, words } from "./diagram-classes.js";
-import { DiagramControls } from "./diagram-controls.js";
-import { COARSE, Rows, hangs_together, slope_of } from "./diagram-rows.js";
-import { axis_label } from "./labels.js";
-import { Overlay } from "./overlay.js";
-import { theme } from "./palette.js";
-import { gifts, panel } from "./panel.js";
-import { Plot } from "./plot.js";
-import { Raster } from "./raster.js";
-import { DOCUMENT, NUMBERS, REMARK, ROW, document_of, numbers, text } from "./records.js";
-import { sampled } from "./state.js";
-import { rounded, shown } from "./ticks.js";
-import { Refused, is_abort } from "./transport.js";
+import { make } from "../elements/dom.js";
+import { layers, legend, words } from "./classes.js";
+import { DiagramControls } from "./controls.js";
+import { COARSE, Rows, hangs_together, slope_of } from "./rows.js";
+import { axis_label } from "../drawing/labels.js";
+import { Overlay } from "../theory/overlay.js";
+import { theme } from "../drawing/palette.js";
+import { gifts, panel } from "../elements/panel.js";
+import { Plot } from "../drawing/plot.js";
+import { Raster } from "../drawing/raster.js";
+import { DOCUMENT, NUMBERS, REMARK, ROW, document_of, numbers, text } from "../asking/records.js";
+import { sampled } from "../state.js";
+import { rounded, shown } from "../drawing/ticks.js";
+import { Refused, is_abort } from "../asking/transport.js";
 
-/** @typedef {import("./plot.js").Box} Box */
+/** @typedef {import("../drawing/plot.js").Box} Box */
 
 /** After a change by hand, so long nothing is asked, in milliseconds. */
 const REST = 160;
@@ -26,9 +26,9 @@ const FLOW = 90;
 
 export class DiagramView {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
-     * @param {import("./commands.js").Commands} commands
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
+     * @param {import("../asking/commands.js").Commands} commands
      * @param {(message: string) => void} say
      */
     constructor(ask, store, commands, say) {
@@ -220,7 +220,7 @@ export class DiagramView {
     /**
      * @param {CanvasRenderingContext2D} context
      * @param {Plot} plot
-     * @param {import("./palette.js").Theme} colors
+     * @param {import("../drawing/palette.js").Theme} colors
      */
     draw(context, plot, colors) {
         const { diagram } = this;

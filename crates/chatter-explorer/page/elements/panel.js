@@ -1,8 +1,8 @@
 /** A view in its frame: a title, what can be chosen, and what it gives away. */
 
 import { copy, make, save } from "./dom.js";
-import { FILE, REMARK, file, text } from "./records.js";
-import { Refused } from "./transport.js";
+import { FILE, REMARK, file, text } from "../asking/records.js";
+import { Refused } from "../asking/transport.js";
 
 /** @typedef {{ asked: string, question: object }} Asked what is asked for a file */
 /**
@@ -34,7 +34,7 @@ export function panel(id, title, controls, body, menu) {
 
 /**
  * The menu of what a view gives.
- * @param {import("./transport.js").Ask} ask
+ * @param {import("../asking/transport.js").Ask} ask
  * @param {Giving} giving
  * @param {(message: string) => void} say
  */

@@ -1,26 +1,26 @@
 /** What theory says, over the diagram: branches of periodic orbits with their special points, their curves in two parameters,
  * border orbits and the windows beside them. */
 
-import { Curves } from "./overlay-curves.js";
-import { draw_borders, draw_branches, draw_curves, draw_special_points } from "./overlay-drawing.js";
-import { make } from "./dom.js";
-import { ORANGE } from "./palette.js";
-import { gifts } from "./panel.js";
+import { Curves } from "./curves.js";
+import { draw_borders, draw_branches, draw_curves, draw_special_points } from "./drawing.js";
+import { make } from "../elements/dom.js";
+import { ORANGE } from "../drawing/palette.js";
+import { gifts } from "../elements/panel.js";
 import { is_followed, special } from "./special.js";
-import { shown } from "./ticks.js";
-import { Refused, collected, is_abort } from "./transport.js";
+import { shown } from "../drawing/ticks.js";
+import { Refused, collected, is_abort } from "../asking/transport.js";
 
-/** @typedef {import("./plot.js").Plot} Plot */
-/** @typedef {import("./palette.js").Theme} Theme */
+/** @typedef {import("../drawing/plot.js").Plot} Plot */
+/** @typedef {import("../drawing/palette.js").Theme} Theme */
 
 /** Something is met within so many pixels. */
 const REACH = 7;
 
 export class Overlay {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
-     * @param {import("./commands.js").Commands} commands
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
+     * @param {import("../asking/commands.js").Commands} commands
      * @param {(message: string) => void} say
      * @param {() => void} changed
      */
@@ -198,7 +198,7 @@ export class Overlay {
         return words;
     }
 
-    /** @param {import("./overlay-curves.js").Found} found */
+    /** @param {import("./curves.js").Found} found */
     follow(found) {
         const height = this.height();
         if (height !== null) return this.curves.follow(found, this.asked, height);

@@ -1,19 +1,19 @@
 /** Any quantity against any other, with the points at which the section is crossed. */
 
-import { curve, disc } from "./curves.js";
-import { make } from "./dom.js";
-import { axis_label } from "./labels.js";
-import { gifts, panel } from "./panel.js";
-import { Plot, extent } from "./plot.js";
-import { section_points } from "./return-view.js";
-import { shown } from "./ticks.js";
+import { curve, disc } from "../drawing/curves.js";
+import { make } from "../elements/dom.js";
+import { axis_label } from "../drawing/labels.js";
+import { gifts, panel } from "../elements/panel.js";
+import { Plot, extent } from "../drawing/plot.js";
+import { section_points } from "./returns.js";
+import { shown } from "../drawing/ticks.js";
 
 export class PortraitView {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
      * @param {import("./motion.js").Motions} motions
-     * @param {import("./commands.js").Commands} commands
+     * @param {import("../asking/commands.js").Commands} commands
      * @param {(message: string) => void} say
      */
     constructor(ask, store, motions, commands, say) {
@@ -95,7 +95,7 @@ export class PortraitView {
     /**
      * @param {CanvasRenderingContext2D} context
      * @param {Plot} plot
-     * @param {import("./palette.js").Theme} colors
+     * @param {import("../drawing/palette.js").Theme} colors
      */
     draw(context, plot, colors) {
         const { motion } = this;

@@ -1,8 +1,8 @@
 /** The command line and the line of Python that make what is seen. */
 
-import { sampled } from "./state.js";
+import { sampled } from "../state.js";
 
-/** @typedef {import("./state.js").Store} Store */
+/** @typedef {import("../state.js").Store} Store */
 
 /** @param {string} text */
 const quoted = (text) => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
@@ -96,7 +96,7 @@ export class Commands {
 
     /**
      * The question about the return map's own curve, which is a sweep over initial values.
-     * @param {import("./return-curve.js").OneDimension} one
+     * @param {import("../motion/return-curve.js").OneDimension} one
      */
     returned(one) {
         const { diagram } = this.store.state;
@@ -107,7 +107,7 @@ export class Commands {
         ]);
     }
 
-    /** @param {import("./return-curve.js").OneDimension} one */
+    /** @param {import("../motion/return-curve.js").OneDimension} one */
     fixed(one) {
         const { set, initial } = this.store.model(true);
         const starts = initial.filter(([name]) => name !== one.name && name !== one.held);
@@ -199,7 +199,7 @@ export class Commands {
 
     /**
      * @param {any} asked for branches
-     * @param {import("./overlay-curves.js").Followed | undefined} followed
+     * @param {import("../theory/curves.js").Followed | undefined} followed
      */
     curve(asked, followed) {
         if (!asked || !followed) return "";
@@ -212,7 +212,7 @@ export class Commands {
 
     /**
      * @param {any} asked
-     * @param {import("./overlay-curves.js").Followed | undefined} followed
+     * @param {import("../theory/curves.js").Followed | undefined} followed
      */
     python_curve(asked, followed) {
         if (!asked || !followed) return "";

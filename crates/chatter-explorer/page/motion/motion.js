@@ -1,6 +1,6 @@
 /** One motion, which several views show: asked again whenever something that it depends on changes. */
 
-import { Latest, Refused, collected, is_abort } from "./transport.js";
+import { Latest, Refused, collected, is_abort } from "../asking/transport.js";
 
 /**
  * @typedef {object} Motion
@@ -20,8 +20,8 @@ const PATIENCE = 300;
 
 export class Motions {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
      */
     constructor(ask, store) {
         this.ask = ask;

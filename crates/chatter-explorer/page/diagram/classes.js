@@ -1,11 +1,11 @@
 /** What the rows of a diagram are called, and which colours they have. */
 
-import { make } from "./dom.js";
-import { OUTCOMES, PERIODS, attractor_color, class_of, rgb } from "./palette.js";
-import { shown } from "./ticks.js";
+import { make } from "../elements/dom.js";
+import { OUTCOMES, PERIODS, attractor_color, class_of, rgb } from "../drawing/palette.js";
+import { shown } from "../drawing/ticks.js";
 
-/** @typedef {import("./diagram-rows.js").Rows} Rows */
-/** @typedef {import("./state.js").Diagram} Diagram */
+/** @typedef {import("./rows.js").Rows} Rows */
+/** @typedef {import("../state.js").Diagram} Diagram */
 
 /**
  * Whether samples have the colours of the attractors that coexist.
@@ -18,8 +18,8 @@ const by_attractor = (rows, { start, second }) => !second && start.startsWith("r
  * On which layers samples are drawn.
  * @param {Rows} rows
  * @param {Diagram} diagram
- * @param {import("./palette.js").Theme} colors
- * @returns {import("./raster.js").Layers}
+ * @param {import("../drawing/palette.js").Theme} colors
+ * @returns {import("../drawing/raster.js").Layers}
  */
 export function layers(rows, diagram, colors) {
     const { attractors } = rows;
@@ -35,7 +35,7 @@ export function layers(rows, diagram, colors) {
  * @param {Rows} rows
  * @param {string[]} outcomes
  * @param {Diagram} diagram
- * @param {import("./palette.js").Theme} colors
+ * @param {import("../drawing/palette.js").Theme} colors
  * @returns {HTMLElement[]}
  */
 export function legend(rows, outcomes, diagram, colors) {
@@ -52,7 +52,7 @@ export function legend(rows, outcomes, diagram, colors) {
 }
 
 /**
- * @param {import("./raster.js").Row} row
+ * @param {import("../drawing/raster.js").Row} row
  * @param {string[]} outcomes
  */
 export function words(row, outcomes) {

@@ -1,14 +1,14 @@
 /** The return map: each sample against the one before, the cobweb between them, and the curve that they are on where it is one;
  * near a border the universal map. */
 
-import { disc } from "./curves.js";
-import { make } from "./dom.js";
-import { axis_label } from "./labels.js";
-import { gifts, panel } from "./panel.js";
-import { Plot, extent } from "./plot.js";
+import { disc } from "../drawing/curves.js";
+import { make } from "../elements/dom.js";
+import { axis_label } from "../drawing/labels.js";
+import { gifts, panel } from "../elements/panel.js";
+import { Plot, extent } from "../drawing/plot.js";
 import { one_dimension, sampled_curve, universal_curve, universal_map } from "./return-curve.js";
-import { shown } from "./ticks.js";
-import { Latest, is_abort } from "./transport.js";
+import { shown } from "../drawing/ticks.js";
+import { Latest, is_abort } from "../asking/transport.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 
@@ -38,10 +38,10 @@ export function section_points(motion, sampling) {
 
 export class ReturnView {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
      * @param {import("./motion.js").Motions} motions
-     * @param {import("./commands.js").Commands} commands
+     * @param {import("../asking/commands.js").Commands} commands
      * @param {(message: string) => void} say
      */
     constructor(ask, store, motions, commands, say) {
@@ -85,7 +85,7 @@ export class ReturnView {
 
     /**
      * @param {import("./motion.js").Motions} motions
-     * @returns {import("./panel.js").Giving}
+     * @returns {import("../elements/panel.js").Giving}
      */
     giving(motions) {
         const { commands } = this;
@@ -181,7 +181,7 @@ export class ReturnView {
     /**
      * @param {CanvasRenderingContext2D} context
      * @param {Plot} plot
-     * @param {import("./palette.js").Theme} colors
+     * @param {import("../drawing/palette.js").Theme} colors
      */
     draw(context, plot, colors) {
         const { values, curve } = this;

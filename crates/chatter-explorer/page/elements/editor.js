@@ -1,8 +1,8 @@
 /** The model's text, with its errors underlined as it is typed. */
 
 import { make, save } from "./dom.js";
-import { DOCUMENT, document_of } from "./records.js";
-import { Latest, Refused, is_abort } from "./transport.js";
+import { DOCUMENT, document_of } from "../asking/records.js";
+import { Latest, Refused, is_abort } from "../asking/transport.js";
 
 /**
  * @typedef {{ message: string, label: string | null, help: string | null, line: number, column: number, from: number | null,
@@ -14,8 +14,8 @@ const PAUSE = 120;
 
 export class Editor {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
      */
     constructor(ask, store) {
         this.ask = ask;

@@ -1,20 +1,20 @@
 /** The motion over time: each state, bands where contacts are closed, ticks at impacts. */
 
-import { curve, disc } from "./curves.js";
-import { field, make } from "./dom.js";
-import { axis_label } from "./labels.js";
-import { gifts, panel } from "./panel.js";
-import { Plot, extent } from "./plot.js";
-import { rounded, shown } from "./ticks.js";
+import { curve, disc } from "../drawing/curves.js";
+import { field, make } from "../elements/dom.js";
+import { axis_label } from "../drawing/labels.js";
+import { gifts, panel } from "../elements/panel.js";
+import { Plot, extent } from "../drawing/plot.js";
+import { rounded, shown } from "../drawing/ticks.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 
 export class HistoryView {
     /**
-     * @param {import("./transport.js").Ask} ask
-     * @param {import("./state.js").Store} store
+     * @param {import("../asking/transport.js").Ask} ask
+     * @param {import("../state.js").Store} store
      * @param {import("./motion.js").Motions} motions
-     * @param {import("./commands.js").Commands} commands
+     * @param {import("../asking/commands.js").Commands} commands
      * @param {(message: string) => void} say
      */
     constructor(ask, store, motions, commands, say) {
@@ -104,7 +104,7 @@ export class HistoryView {
     }
 
     /**
-     * @param {import("./plot.js").Box} box
+     * @param {import("../drawing/plot.js").Box} box
      * @param {boolean} done
      */
     moved(box, done) {
@@ -117,7 +117,7 @@ export class HistoryView {
     /**
      * @param {CanvasRenderingContext2D} context
      * @param {Plot} plot
-     * @param {import("./palette.js").Theme} colors
+     * @param {import("../drawing/palette.js").Theme} colors
      */
     draw(context, plot, colors) {
         const { motion } = this;

@@ -1,6 +1,6 @@
 /** Special points of branches and of curves in two parameters: what they are called, and their colours. */
 
-import { BLUE, GREEN, ORANGE, PURPLE, VERMILION } from "./palette.js";
+import { BLUE, GREEN, ORANGE, PURPLE, VERMILION } from "../drawing/palette.js";
 
 const GREY = "#777777";
 

@@ -2,11 +2,11 @@
 
 import { Lattice } from "./lattice.js";
 import { Plane } from "./plane.js";
-import { extent } from "./plot.js";
+import { extent } from "../drawing/plot.js";
 
-/** @typedef {import("./raster.js").Column} Column */
-/** @typedef {import("./raster.js").Row} Row */
-/** @typedef {import("./state.js").Diagram} Diagram */
+/** @typedef {import("../drawing/raster.js").Column} Column */
+/** @typedef {import("../drawing/raster.js").Row} Row */
+/** @typedef {import("../state.js").Diagram} Diagram */
 /** @typedef {{ attractor: number, label: string, rows: number, share: number }} Attractor */
 
 /** Numbers of a row before its samples. */
