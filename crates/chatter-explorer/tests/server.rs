@@ -172,8 +172,7 @@ fn the_page_is_complete() {
             .lines()
             .filter(|line| line.starts_with("import ") || line.starts_with("} from "))
         {
-            let name = line.rsplit('"').nth(1).unwrap();
-            let name = name.strip_prefix("./").unwrap();
+            let name = beside(asset.path, line.rsplit('"').nth(1).unwrap());
             assert!(
                 chatter_explorer::PAGE
                     .iter()
