@@ -180,8 +180,13 @@ mod tests {
         ) {
             let row = |i: usize| &entries[3 * i..3 * i + rank];
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-            // A row of rounding errors is no contact.
+            // Neither rows of rounding errors nor contacts that are opposite but for two degrees: forces of a thousand times
+            // what they balance are known to fewer digits than are asked for here.
+            let square = |i: usize, j: usize| dot(row(i), row(j)) * dot(row(i), row(j));
             prop_assume!((0..size).all(|i| dot(row(i), row(i)) > 1e-4));
+            prop_assume!(rank == 1 || (0..size).all(|i| (0..i).all(|j| {
+                square(i, j) < 0.999 * dot(row(i), row(i)) * dot(row(j), row(j))
+            })));
             let matrix: Vec<Vec<f64>> = (0..size)
                 .map(|i| (0..size).map(|j| dot(row(i), row(j)) / dot(row(j), row(j))).collect())
                 .collect();
