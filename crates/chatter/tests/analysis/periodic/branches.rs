@@ -217,14 +217,9 @@ fn there_and_back_is_the_same_branch() {
     let of = |found: &[chatter::analysis::periodic::Branch]| {
         let mut values: Vec<(u64, String, i64)> = (found[0].special.iter())
             .map(|s| {
-                let kind = if GRAZES.contains(&s.kind) {
-                    "graze"
-                } else {
-                    s.kind.name()
-                };
                 (
                     s.point.impacts.unwrap_or(0),
-                    kind.to_owned(),
+                    s.kind.name().to_owned(),
                     (value(s) * 1e12).round() as i64,
                 )
             })

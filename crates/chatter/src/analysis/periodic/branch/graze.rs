@@ -241,8 +241,9 @@ impl Walker {
             *at = *found;
         }
         self.shooting = longer;
+        let opens = station.tangent.last().is_some_and(|&along| along < 0.0);
         self.note(
-            SpecialKind::FlightGraze,
+            graze(opens),
             &point,
             &found.at,
             error.max(NOISE * f64::EPSILON * next.parameter().abs()),
@@ -263,7 +264,7 @@ impl Walker {
             *at = *found;
         }
         let kind = if is_impact {
-            SpecialKind::ImpactGraze
+            graze(true)
         } else {
             SpecialKind::Touch
         };
@@ -311,7 +312,19 @@ impl Walker {
             (Some(_), None) => true,
             _ => false,
         };
+        if let Some(special) = self.special.last_mut() {
+            special.kind = graze(forward);
+        }
         self.shooting = shorter;
         Ok(if forward { next } else { reversed })
+    }
+}
+
+/// The kind of a graze where the gap of the flight opens, or closes, as the parameter grows: whichever way it is met.
+const fn graze(opens: bool) -> SpecialKind {
+    if opens {
+        SpecialKind::ImpactGraze
+    } else {
+        SpecialKind::FlightGraze
     }
 }
