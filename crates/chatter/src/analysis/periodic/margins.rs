@@ -132,7 +132,7 @@ fn borders(shooting: &Shooting<f64>, at: &[f64]) -> Vec<Margin> {
     let workshop = &shooting.workshop;
     let parameters = workshop.parameters(shooting.free(at));
     let contacts = 0..workshop.model.contacts.len();
-    let Some(instants) = twice_around(shooting, at, &parameters) else {
+    let Some(instants) = followed(shooting, at, &parameters) else {
         return Vec::new();
     };
     let margin = |contact: usize| {
@@ -160,8 +160,8 @@ fn borders(shooting: &Shooting<f64>, at: &[f64]) -> Vec<Margin> {
     contacts.filter_map(margin).collect()
 }
 
-/// What happens in two periods from the first node on.
-fn twice_around(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<Vec<Instant>> {
+/// What happens in three periods from the first node on.
+fn followed(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<Vec<Instant>> {
     let workshop = &shooting.workshop;
     let start = shooting.node(at, 0);
     let tracer = Tracer::new(&workshop.system, parameters, start, workshop.section);
@@ -178,7 +178,7 @@ fn twice_around(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Opt
         mode_after: tracer.trajectory.mode,
     }];
     let mut quiet = |_: f64| ControlFlow::Continue(());
-    let until = time + 2.0 * shooting.period();
+    let until = time + 3.0 * shooting.period();
     (tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)).ok()?;
     Some(instants)
 }
@@ -200,8 +200,8 @@ fn sequence(
         let begin = (0..end).rev().find(|&k| leaves(&instants[k]))?;
         Some(instants[end].time - instants[begin].time)
     };
-    let limit = instants[0].time + period;
-    // Whole in the second period, if it begins in the first.
+    // A flight that began before the first instant ends once more, and what follows is whole.
+    let limit = instants[0].time + 2.0 * period;
     let first = (ends.iter().copied())
         .filter(|end| instants[*end].time <= limit)
         .filter_map(|end| Some((end, flight(&end)?)))
@@ -245,9 +245,11 @@ fn sequence(
             restitution: of(mechanics.restitution),
         });
     }
-    Some(found)
+    (found.len() >= LEAST_IMPACTS).then_some(found)
 }
 
+/// Fewer impacts are no chatter.
+const LEAST_IMPACTS: usize = 4;
 /// The same flight a period later is known to this part of it.
 const SAME_FLIGHT: f64 = 1e-6;
 

@@ -12,6 +12,7 @@ mod limits;
 mod point;
 mod record;
 mod special;
+mod touch;
 mod walker;
 
 pub use limits::{End, Limits};

@@ -120,6 +120,21 @@ impl Walker {
                         );
                         break End::ChatterBorder;
                     }
+                    // Where a crossing and the way back become one, no time is left between them.
+                    let count = self.shooting.steps.len();
+                    self.settle(&curve.station);
+                    if let Some(index) = (0..count).find(|&k| self.shooting.comes_back(k)) {
+                        grazes += 1;
+                        let forward = curve.station.parameter_slope();
+                        let outcome = self.lose(&curve.station.clone(), index, &here.clone());
+                        match self.goes_on(outcome, (&mut curve, forward), &mut here) {
+                            Stop::On => {
+                                at_graze = true;
+                                continue;
+                            }
+                            Stop::End(end) => break end,
+                        }
+                    }
                     break End::Lost(error.to_string());
                 }
             };
