@@ -445,7 +445,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// How many roots of a guard lie at the present state.
-    fn roots(&self, system: &System, kind: GuardKind) -> u8 {
+    pub(super) fn roots(&self, system: &System, kind: GuardKind) -> u8 {
         self.guard(system, kind)
             .map_or(0, |index| self.touching.get(index))
     }

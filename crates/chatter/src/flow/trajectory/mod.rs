@@ -254,11 +254,11 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         let result = match self.settle(system, work, program) {
             Err(FlowError::UndecidedRelease { contact, .. })
-                if self
-                    .latest_impact
-                    .is_some_and(|(latest, _)| latest == contact) =>
+                if self.roots(system, GuardKind::Gap(contact)) == 1 =>
             {
-                // The rate after an impact is none any more.
+                // The rate after an impact is none any more. Where contacts chatter in turn, all their impacts of this instant
+                // led to it.
+                self.sequence = self.sequence.max(self.burst as u64);
                 return self.end_here(system, work, contact).map(Some);
             }
             settled => settled?,
