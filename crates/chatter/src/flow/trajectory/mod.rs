@@ -14,6 +14,7 @@ mod projection;
 mod redundant;
 mod reset;
 mod sequence;
+mod stall;
 mod start;
 mod tops;
 
@@ -35,6 +36,7 @@ use crate::model::Simultaneous;
 use crate::numerics::Real;
 use collisions::Collisions;
 use ordinary::Untold;
+use stall::Stall;
 use std::collections::VecDeque;
 use tops::Tops;
 
@@ -94,6 +96,8 @@ pub struct Trajectory<R> {
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
     burst: usize,
+    /// Those whose flights are longer, and lower than gaps are known.
+    stall: Stall<R>,
     /// The greatest rates that contacts had in collisions since then.
     rates_of_instant: Vec<R>,
     /// Collisions that are still to come at this instant.
