@@ -2,7 +2,7 @@
 //!
 //! A body that comes to rest on a moving one is put onto it, and so moved by a roundoff of its place. What bounces on it then rises
 //! about as high as that, again and again. Where flights that are lower than gaps are known have not become slower over
-//! thousands of impacts, they are rounding, and what moves in them is at rest.
+//! hundreds of impacts, they are rounding, and what moves in them is at rest.
 
 use super::Trajectory;
 use crate::flow::error::FlowError;
@@ -11,7 +11,7 @@ use crate::flow::system::System;
 use crate::numerics::Real;
 
 /// So many impacts are compared with as many before them: sequences that end become far slower in that time.
-const WINDOW: u64 = 4096;
+const WINDOW: u64 = 512;
 const SLOWER: f64 = 0.5;
 
 /// Impacts further apart than so many of the longest flights among them belong to different sequences.
