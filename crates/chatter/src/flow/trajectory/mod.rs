@@ -34,6 +34,7 @@ use crate::expressions::Sides as SurfaceSides;
 use crate::model::Simultaneous;
 use crate::numerics::Real;
 use collisions::Collisions;
+pub(crate) use ordinary::Caught;
 use ordinary::Untold;
 use std::collections::VecDeque;
 use tops::Tops;
