@@ -116,7 +116,7 @@ pub fn branches(
                 beside: beside(doublings, branch_points)?,
             },
         };
-        let found = find_branches(&model, &wanted, listener)?;
+        let found = find_branches(&model, &wanted, None, listener)?;
         if (found.iter()).any(|branch| branch.ends.contains(&End::Interrupted)) {
             return Err(Refusal::Interrupted);
         }

@@ -10,6 +10,7 @@ pub mod columns;
 pub mod data_files;
 pub mod diagram;
 pub mod exponents;
+pub mod journals;
 pub mod json;
 pub mod model_tables;
 pub mod named;

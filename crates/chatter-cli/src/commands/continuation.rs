@@ -3,24 +3,29 @@
 use crate::accounts::periodic::{branches as account, curves as curves_account};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
-use crate::options::{Count, FigureFile, Loaded, PeriodicOptions, Quantity, TableFile, Window};
+use crate::options::{
+    Assignment, Count, FigureFile, Initial, Loaded, PeriodBegins, Quantity, TableFile, Window,
+};
 use crate::terminal::{self, Console, Style};
-use chatter::analysis::periodic::{Branch, BranchSpec, End, Known, Spec, SpecialKind};
+use chatter::analysis::periodic::{Branch, End, Known, Spec, SpecialKind};
 use chatter::expressions::nearest;
 use chatter::model::Model;
-use chatter::numerics::Real;
+use chatter_work::journals::journal_of;
 use chatter_work::periodic::{
-    Branches, Curve, Reach, Subject, Vertical, beneath, beside, branch_document, curves_document,
-    find_branches, find_curve, first_that_changes, free_parameter, picture, plane, restore, write,
+    Begun, Branches, Curve, Job, Log, Ready, Subject, Vertical, beneath, branch_document,
+    curves_document, find_branches, find_curve, first_that_changes, holds_branches, picture, plane,
+    restore, write,
 };
+use chatter_work::source::Source;
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 const EXAMPLES: &str = "\
 EXAMPLES
   chatter continue pressure_relief_valve --sweep q=0.0195:0.0235 --out branch.npz --plot branch.pdf
   chatter continue pressure_relief_valve --sweep q=0.0202:0.021 --switch period-doubling --depth 2 --json
+  chatter continue --resume branch.npz
   chatter continue impact_oscillator --set sigma=0 --sweep omega=2.4:3 --plot branch.svg
   chatter continue impact_oscillator --from branch.npz:2 --free omega,r --sweep r=0.4:0.9 --plot curve.svg
 
@@ -42,18 +47,44 @@ JSON
 
 TABLE
   A row for each orbit: branch, parameter, period, impacts (-1 where infinitely many), stable, states, multipliers; and a
-  table of special points, in NPZ under names that begin with `special_`.";
+  table of special points, in NPZ under names that begin with `special_`.
+
+JOURNAL
+  With --out, how far branches have come is kept in FILE.journal beside it until all is done; after Ctrl-C or a crash
+  `chatter continue --resume FILE` goes on from there, and the result is the same to the bit. Curves in two parameters have no
+  journal.";
 
 /// Follow periodic orbits over a parameter, through grazes, folds and period doublings
 #[derive(Args, Debug)]
 #[command(name = "continue", after_help = EXAMPLES)]
 pub struct Arguments {
+    /// Model file, or the name of a shipped model (`chatter models` lists them)
+    #[arg(value_name = "MODEL", required_unless_present = "resume")]
+    model: Option<String>,
+
+    /// Go on with the branches that were to be written to this file; what was asked for is known, but --plot, --observe, --over
+    /// and --json
+    #[arg(long, value_name = "FILE", conflicts_with_all = Self::SETTLED)]
+    resume: Option<PathBuf>,
+
+    /// Give a parameter another value: a number or an expression in other parameters
+    #[arg(long = "set", value_name = "NAME=EXPR")]
+    set: Vec<Assignment>,
+
     #[command(flatten)]
-    orbits: PeriodicOptions,
+    initial: Initial,
+
+    #[command(flatten)]
+    begins: PeriodBegins,
 
     /// The parameter and its range; the start is the model's value of it, if that lies within
-    #[arg(long, value_name = "NAME=LOW:HIGH", allow_hyphen_values = true)]
-    sweep: Swept,
+    #[arg(
+        long,
+        value_name = "NAME=LOW:HIGH",
+        required_unless_present = "resume",
+        allow_hyphen_values = true
+    )]
+    sweep: Option<Swept>,
 
     /// Follow the branches that leave at such points, too
     #[arg(long, value_name = "KIND", value_enum)]
@@ -168,11 +199,18 @@ impl FromStr for Seed {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let (loaded, mut spec) = arguments.orbits.load(&arguments.monitor)?;
-    let Loaded {
-        mut model, text, ..
-    } = loaded;
-    let what = branch_spec(arguments, &mut model)?;
+    let (job, begun) = match &arguments.resume {
+        None => (arguments.job()?, None),
+        Some(target) => match Begun::open(&journal_of(target))? {
+            Some(begun) => (begun.job.clone(), Some(begun)),
+            None => return nothing_to_resume(target),
+        },
+    };
+    let Ready {
+        model,
+        mut spec,
+        over: what,
+    } = job.ready()?;
     let vertical = match arguments.observe.as_deref() {
         None => None,
         Some("period") => Some(Vertical::Period),
@@ -196,13 +234,30 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         None => None,
     };
+    let out = arguments.out.as_ref().map(|file| file.0.as_path());
+    let out = out.or(arguments.resume.as_deref());
     terminal::catch_interrupts();
     let console = Console::new();
-    let monitors = spec.monitors.clone();
+    let mut log = match (begun, out) {
+        (Some(begun), _) => Some(begun.read(&console)?),
+        (None, Some(out)) if arguments.from.is_empty() => {
+            Some(Log::find(&journal_of(out), &job, &console)?)
+        }
+        _ => None,
+    };
     let (found, monitors) = if arguments.from.is_empty() {
+        let monitors = spec.monitors.clone();
         let wanted = Branches { spec, over: what };
-        let found = find_branches(&model, &wanted, &console)?;
-        (Found::Branches(found), monitors)
+        match find_branches(&model, &wanted, log.as_mut(), &console) {
+            Ok(found) => (Found::Branches(found), monitors),
+            Err(refusal) => {
+                // Nothing is kept of nothing.
+                if let Some(log) = log.filter(Log::is_empty) {
+                    log.remove()?;
+                }
+                return Err(refusal);
+            }
+        }
     } else {
         let mut curves = Vec::new();
         for seed in &arguments.from {
@@ -221,14 +276,14 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     drop(console);
     let subject = Subject {
         model: &model,
-        source: &arguments.orbits.model.model,
-        text: &text,
+        source: &job.model,
+        text: &job.model_text,
         monitors: &monitors,
         free,
         digits: Digits::DOUBLE,
     };
     let all = found.branches();
-    if let Some(TableFile(path)) = &arguments.out {
+    if let Some(path) = out {
         write(&subject, &all, path)?;
     }
     if let Some(FigureFile(path)) = &arguments.plot {
@@ -254,11 +309,78 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     };
     answer.print()?;
     let interrupted = |branch: &Branch| branch.ends.contains(&End::Interrupted);
-    Ok(if all.iter().any(interrupted) {
-        failure::INTERRUPTED
-    } else {
-        failure::SUCCESS
-    })
+    if !all.iter().any(interrupted) {
+        log.map_or(Ok(()), Log::remove)?;
+        return Ok(failure::SUCCESS);
+    }
+    if let (Some(_), Some(out)) = (log, out) {
+        terminal::remark(&format!(
+            "stopped; go on with: chatter continue --resume {}",
+            out.display()
+        ));
+    }
+    Ok(failure::INTERRUPTED)
+}
+
+/// No journal: the branches are complete, or there never were any.
+fn nothing_to_resume(target: &Path) -> Result<u8, Failure> {
+    if holds_branches(target)? {
+        let text = format!(
+            "{} is complete: there is nothing to resume\n",
+            target.display()
+        );
+        terminal::print(&text).map_err(Failure::Output)?;
+        return Ok(failure::SUCCESS);
+    }
+    Err(Failure::input(format!(
+        "there is nothing to resume: no `{}`",
+        journal_of(target).display()
+    ))
+    .help("--resume takes the name that was given to --out"))
+}
+
+impl Arguments {
+    /// What branches that are gone on with have been told already.
+    const SETTLED: [&'static str; 14] = [
+        "model", "set", "initial", "period", "section", "sweep", "switch", "depth", "impacts",
+        "points", "step", "monitor", "from", "out",
+    ];
+
+    fn job(&self) -> Result<Job, Failure> {
+        let given = self.model.as_deref().unwrap_or_default();
+        let Loaded {
+            text, data_files, ..
+        } = Source::named(given)?.load()?;
+        let pairs = |all: &[Assignment]| -> Vec<(String, String)> {
+            let pair = |one: &Assignment| (one.name.clone(), one.text.clone());
+            all.iter().map(pair).collect()
+        };
+        let depth = self.depth.map_or(1, |depth| depth.0);
+        let to = |kind: Switch| match self.switch.contains(&kind) {
+            true => depth,
+            false => 0,
+        };
+        let swept = self.sweep.as_ref();
+        let (from, until) = swept.map_or(("", ""), |swept| swept.range.texts());
+        Ok(Job {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            model: given.to_owned(),
+            model_text: text,
+            data_files,
+            set: pairs(&self.set),
+            initial: pairs(&self.initial.initial),
+            period: self.begins.period.clone(),
+            section: self.begins.section.clone(),
+            monitors: self.monitor.clone(),
+            parameter: swept.map_or_else(String::new, |swept| swept.name.clone()),
+            range: (from.to_owned(), until.to_owned()),
+            impacts: self.impacts.map(|impacts| impacts.0),
+            points: self.points.map(|points| points.0),
+            step: self.step.as_ref().map(|step| step.0.clone()),
+            doublings: to(Switch::PeriodDoubling),
+            branch_points: to(Switch::BranchPoint),
+        })
+    }
 }
 
 /// What was followed.
@@ -318,28 +440,4 @@ fn known_point((model, spec): (&mut Model, &mut Spec), seed: &Seed) -> Result<Kn
         }));
     }
     Ok(known)
-}
-
-fn branch_spec(arguments: &Arguments, model: &mut Model) -> Result<BranchSpec, Failure> {
-    let parameter = free_parameter(model, &arguments.sweep.name)?;
-    let range = arguments.sweep.range.ends(model, "--sweep")?;
-    let step = match &arguments.step {
-        Some(step) => Some(step.value(model, "--step")?.to_f64()),
-        None => None,
-    };
-    let reach = Reach {
-        impacts: arguments.impacts.map(|impacts| impacts.0),
-        points: arguments.points.map(|points| points.0),
-        step,
-    };
-    let depth = arguments.depth.map_or(1, |depth| depth.0);
-    let to = |kind: Switch| match arguments.switch.contains(&kind) {
-        true => depth,
-        false => 0,
-    };
-    Ok(BranchSpec {
-        parameter,
-        limits: reach.over(range)?,
-        beside: beside(to(Switch::PeriodDoubling), to(Switch::BranchPoint))?,
-    })
 }

@@ -8,4 +8,4 @@ pub use chatter_work::options::*;
 pub use chatter_work::source::Loaded;
 pub use files::{FigureFile, TableFile};
 pub use model::{Initial, ModelOptions};
-pub use periodic::PeriodicOptions;
+pub use periodic::{PeriodBegins, PeriodicOptions};

@@ -16,13 +16,20 @@ pub struct PeriodicOptions {
     #[command(flatten)]
     initial: Initial,
 
+    #[command(flatten)]
+    begins: PeriodBegins,
+}
+
+/// Where a period begins.
+#[derive(Args, Clone, Debug)]
+pub struct PeriodBegins {
     /// Period of the forcing, an expression in parameters, where the equations do not tell it
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
-    period: Option<String>,
+    pub period: Option<String>,
 
     /// The section at which states are told [default: the first of the model; where it is not crossed, an event]
     #[arg(long, value_name = "NAME")]
-    section: Option<String>,
+    pub section: Option<String>,
 }
 
 impl PeriodicOptions {
@@ -30,7 +37,10 @@ impl PeriodicOptions {
     pub fn load(&self, monitors: &[String]) -> Result<(Loaded, Spec), Failure> {
         let mut loaded = self.model.load()?;
         self.initial.apply(&mut loaded.model)?;
-        let (period, section) = (self.period.as_deref(), self.section.as_deref());
+        let (period, section) = (
+            self.begins.period.as_deref(),
+            self.begins.section.as_deref(),
+        );
         let spec = specification(&mut loaded.model, period, (section, monitors))?;
         Ok((loaded, spec))
     }

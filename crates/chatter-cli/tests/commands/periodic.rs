@@ -1,6 +1,8 @@
 //! Periodic orbits, branches and exponents, as programs read them and as users mistype them.
 
-use crate::common::{Folder, chatter, document, fails, number, succeeds};
+use crate::common::{
+    Folder, begin, chatter, document, fails, interrupt, number, succeeds, told, typed, wait_for,
+};
 use serde_json::Value;
 
 const VALVE: &str = "pressure_relief_valve";
@@ -222,4 +224,40 @@ fn wrong_questions_are_told_what_is_wrong() {
     let output = chatter(&["orbit", "bouncing_ball"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("comes to rest"));
+}
+
+#[test]
+fn branches_go_on_to_the_same_file() {
+    let folder = Folder::new("resumed_branches");
+    let (whole, stopped) = (folder.file("whole.npz"), folder.file("stopped.npz"));
+    let line = "continue pressure_relief_valve --set q=0.0203 --sweep q=0.0202:0.0204 --impacts 37 --step 0.001 --out";
+    let (long, short) = (typed(line, &[&whole]), typed(line, &[&stopped]));
+    succeeds(&long);
+    let journal = format!("{stopped}.journal");
+    let mut child = begin(&short);
+    wait_for(&journal, 40_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!std::fs::exists(&stopped).unwrap());
+    let known = std::fs::metadata(&journal).unwrap().len();
+    let child = begin(&["continue", "--resume", &stopped]);
+    wait_for(&journal, known + 40_000);
+    let said = told(&interrupt(child), 130, &stopped);
+    assert!(
+        said.contains("go on with: chatter continue --resume"),
+        "{said}"
+    );
+    // Other branches do not go there.
+    let mut other = short.clone();
+    other.extend(["--set", "kappa=1.26"]);
+    assert!(fails(&other).contains("unfinished branches with other parameters"));
+    assert!(
+        fails(&["diagram", "--resume", &stopped]).contains("not a journal of an orbit diagram")
+    );
+    succeeds(&["continue", "--resume", &stopped]);
+    assert!(folder.bytes("whole.npz") == folder.bytes("stopped.npz"));
+    assert_eq!(folder.names(), ["stopped.npz", "whole.npz"]);
+    assert!(succeeds(&["continue", "--resume", &stopped]).contains("nothing to resume"));
+    let missing = fails(&["continue", "--resume", &folder.file("other.npz")]);
+    assert!(missing.contains("there is nothing to resume"), "{missing}");
 }

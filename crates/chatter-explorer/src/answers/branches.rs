@@ -53,7 +53,7 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
             beside: beside(question.doublings.min(MOST_DOUBLINGS), 0)?,
         },
     };
-    let branches = find_branches(model, &wanted, answering)?;
+    let branches = find_branches(model, &wanted, None, answering)?;
     if branches
         .iter()
         .any(|branch| branch.ends.contains(&End::Interrupted))

@@ -16,6 +16,7 @@ pub mod table;
 pub mod tally;
 mod watched;
 
+pub use crate::journals::journal_of;
 pub use columns::{Columns, columns};
 pub use hysteresis::{Hysteresis, hysteresis};
 pub use job::{Header, Job, Order, Ready};
@@ -26,5 +27,5 @@ pub use produce::{
 };
 pub use shards::{merge, shard_journal, small_share};
 pub use source::{Class, InMemory, Rows, Source};
-pub use store::{Begun, Found, Store, check_size, journal_of};
+pub use store::{Begun, Found, Store, check_size};
 pub use stored::{Stored, Subject};

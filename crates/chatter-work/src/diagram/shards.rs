@@ -2,7 +2,8 @@
 
 use super::job::Order;
 use super::source::Rows;
-use super::store::{Begun, Found, Store, journal_of};
+use super::store::{Begun, Found, Store};
+use crate::journals::journal_of;
 use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::{Share, Standing, Sweep};

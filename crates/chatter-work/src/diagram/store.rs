@@ -2,19 +2,13 @@
 
 use super::job::Header;
 use super::source::Rows;
+use crate::journals::of_this_version;
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::{Collector, Outcome, Record, Row, Standing, Sweep};
 use chatter::analysis::map::Map;
 use chatter_files::journal::{self, Journal, JournalError, Place, Unread};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-
-/// The journal beside a file that is to be written.
-pub fn journal_of(output: &Path) -> PathBuf {
-    let mut name = output.file_name().unwrap_or_default().to_os_string();
-    name.push(".journal");
-    output.with_file_name(name)
-}
+use std::path::Path;
 
 /// More orbits than this, 8 bytes each for where they stand in the journal, are a slip of the keyboard.
 const MOST_ROWS: u64 = 100_000_000;
@@ -120,17 +114,7 @@ impl Begun {
     /// # Errors
     /// Another did.
     pub fn of_this_version(&self) -> Result<(), Refusal> {
-        let version = env!("CARGO_PKG_VERSION");
-        let (journal, began) = (self.path().display(), &self.header.job.version);
-        if began == version {
-            return Ok(());
-        }
-        Err(Refusal::input(format!(
-            "`{journal}` was begun by chatter {began}; this is chatter {version}, whose results may differ in their last digits",
-        ))
-        .help(format!(
-            "go on with the version that began it, or delete `{journal}` and compute the diagram anew",
-        )))
+        of_this_version(self.path(), &self.header.job.version)
     }
 
     /// Notes the rows that are there. The points of the map have so many coordinates.

@@ -56,14 +56,24 @@ impl std::str::FromStr for Window {
         let (from, to) = text
             .split_once(':')
             .ok_or("expected FROM:TO, such as 10:20")?;
-        Ok(Self {
-            from: Quantity(from.to_owned()),
-            to: Quantity(to.to_owned()),
-        })
+        Ok(Self::new(from, to))
     }
 }
 
 impl Window {
+    /// Between two numbers.
+    pub fn new(from: &str, to: &str) -> Self {
+        Self {
+            from: Quantity(from.to_owned()),
+            to: Quantity(to.to_owned()),
+        }
+    }
+
+    /// The texts of its ends.
+    pub fn texts(&self) -> (&str, &str) {
+        (&self.from.0, &self.to.0)
+    }
+
     /// Its ends at the model's parameters. `option` is where it was given.
     pub fn values(&self, model: &mut Model, option: &str) -> Result<(f64, f64), Refusal> {
         let (from, to) = self.ends(model, option)?;

@@ -1,13 +1,15 @@
 //! Orbits, branches and curves of special points, found while an observer listens.
 
+use super::log::Log;
 use super::refused;
 use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, Known, Limits, Orbit, Point, Search, Spec, SpecialCurve,
-    SpecialKind, all, branches, forcing, settled, special_curve,
+    SpecialKind, Told, all, branches, forcing, settled, special_curve,
 };
 use chatter::model::Model;
+use core::ops::ControlFlow;
 use std::time::Instant;
 
 /// Which orbits of a model are looked for.
@@ -202,24 +204,40 @@ impl<'a> Reached<'a> {
     }
 }
 
-/// The branches; those that the observer stopped end there (`End::Interrupted`).
+/// The branches; those that the observer stopped end there (`End::Interrupted`). With a log they go on from what it held, and
+/// how far they come is kept in it.
 ///
 /// # Errors
-/// There are none.
+/// There are none, or the log cannot be written.
 pub fn find_branches(
     model: &Model,
     wanted: &Branches,
+    log: Option<&mut Log>,
     observer: &dyn Observer,
 ) -> Result<Vec<Branch>, Refusal> {
     let over = &wanted.over;
     let mut reached = Reached::new(model, over.parameter, &over.limits, observer);
-    let found = branches(model, &wanted.spec, over, &mut |point| {
-        if let Some(point) = point {
-            reached.tell(point);
+    let mut log = log;
+    let before = log.as_mut().map(|log| log.before()).unwrap_or_default();
+    let mut broken = None;
+    let found = branches(model, &wanted.spec, over, before, &mut |told| {
+        match told {
+            Told::Settling => {}
+            Told::Orbit(point) => reached.tell(point),
+            Told::Record(record) => {
+                let kept = log.as_mut().map_or(Ok(()), |log| log.append(record));
+                if let Err(refusal) = kept {
+                    broken = Some(refusal);
+                    return ControlFlow::Break(());
+                }
+            }
         }
         observer.going_on()
     });
-    found.map_err(|error| refused(&error, model))
+    match broken {
+        Some(refusal) => Err(refusal),
+        None => found.map_err(|error| refused(&error, model)),
+    }
 }
 
 /// The curve and of what; one that the observer stopped ends there (`End::Interrupted`).

@@ -3,6 +3,8 @@
 mod arcs;
 mod branch_document;
 mod find;
+mod job;
+mod log;
 mod orbit_document;
 mod over;
 mod picture;
@@ -16,12 +18,14 @@ pub use branch_document::{curves_document, document as branch_document};
 pub use find::{
     Branches, Curve, Orbits, Reach, beside, find_branches, find_curve, find_orbits, search,
 };
+pub use job::{Job, Ready};
+pub use log::{Begun, Log};
 pub use orbit_document::{document as orbit_document, events_of};
 pub use over::{Beneath, beneath};
 pub use picture::{Vertical, first_that_changes, picture, plane};
 pub use refused::refused;
 pub use request::{free_parameter, specification};
-pub use restored::{Restored, restore};
+pub use restored::{Restored, holds_branches, restore};
 pub use table::write;
 
 use crate::numbers::Digits;

@@ -3,6 +3,7 @@
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{Known, SpecialKind};
 use chatter::model::Model;
+use chatter_files::Format;
 use chatter_files::tables::NpzReader;
 use std::path::Path;
 
@@ -79,4 +80,30 @@ pub fn restore(model: &Model, path: &Path, index: usize) -> Result<Restored, Ref
         },
         parameters,
     })
+}
+
+/// Whether a table of branches stands there.
+///
+/// # Errors
+/// Something else does.
+pub fn holds_branches(path: &Path) -> Result<bool, Refusal> {
+    let foreign = || Refusal::input(format!("`{}` is no table of branches", path.display()));
+    match Format::of_table(path) {
+        // The tables have names of their own, made from this one.
+        Ok(Format::Csv) => {
+            let points = path.with_extension("points.csv");
+            match std::fs::read_to_string(points) {
+                Ok(text) if text.starts_with("branch,") => Ok(true),
+                Ok(_) => Err(foreign()),
+                Err(_) => Ok(false),
+            }
+        }
+        _ if !path.exists() => Ok(false),
+        Ok(Format::Npz) => {
+            let file = NpzReader::open(path).map_err(Refusal::input)?;
+            let whole = file.contains("special_kind") && file.contains("stable");
+            whole.then_some(true).ok_or_else(foreign)
+        }
+        _ => Err(foreign()),
+    }
 }

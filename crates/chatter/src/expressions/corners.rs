@@ -4,10 +4,11 @@
 use super::graph::{Expr, Graph, Node};
 use super::piecewise::{CurveId, Edge, floor};
 use crate::numerics::{DoubleDouble, Real};
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 /// Where a state stands to a surface.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub enum Side {
     /// Where the surface's function is positive.
     Above,
@@ -29,7 +30,9 @@ impl Side {
 }
 
 /// The side of every surface.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default)]
+#[derive(
+    Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default, Serialize, Deserialize,
+)]
 pub struct Sides(u128);
 
 impl Sides {

@@ -8,9 +8,10 @@ use super::program::Grip;
 use super::touching::Touching;
 use crate::expressions::{Operand, Side};
 use crate::numerics::roots::Crossing;
+use serde::{Deserialize, Serialize};
 
 /// Which function a guard is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum GuardKind {
     /// The gap of an open contact closes: an impact.
     Gap(usize),

@@ -22,9 +22,10 @@ use super::{Closed, Occurrence};
 use crate::expressions::{Expansion, Expr, Graph, Symbol, Tape};
 use crate::model::{Direction, Model, Section};
 use crate::numerics::{Matrix, Real, two_sum};
+use serde::{Deserialize, Serialize};
 
 /// What the event at the end of a leg does to the state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) enum Jump {
     /// Nothing.
     None,
@@ -35,7 +36,7 @@ pub(crate) enum Jump {
 }
 
 /// A mode, what ends it, and what happens there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) struct LegKind {
     /// Number of the mode in the system.
     pub mode: usize,
@@ -557,7 +558,7 @@ pub(crate) struct Stretch {
 }
 
 /// What a stretch starts from and ends at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct StretchKind {
     /// Contacts that are closed at the start.
     pub closed: Closed,

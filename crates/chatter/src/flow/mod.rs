@@ -41,6 +41,7 @@ pub use error::FlowError;
 pub use fleet::{Next, run_fleet};
 pub use guard::GuardKind;
 pub use occurrence::{EventKind, Occurrence, Place};
+pub(crate) use program::Grip;
 pub use program::{Closed, Held};
 pub use step::Workspace;
 pub use system::{Settings, System, SystemError};

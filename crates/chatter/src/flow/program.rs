@@ -11,9 +11,12 @@ use crate::model::{ContactMechanics, Direction, Mechanics, Section, Sticking};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
 use core::sync::atomic::{AtomicU64, Ordering};
+use serde::{Deserialize, Serialize};
 
 /// A set of contacts in persistent contact, one bit each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize,
+)]
 pub struct Closed(pub u128);
 
 impl Closed {
@@ -49,7 +52,7 @@ impl Closed {
 }
 
 /// The closed contacts of a mode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 pub(crate) struct Grip {
     /// All of them.
     pub closed: Closed,

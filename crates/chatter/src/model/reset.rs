@@ -25,15 +25,33 @@ impl Contact {
                 graph.sub(after, before)
             })
             .collect();
-        let Some(along) = slopes.iter().position(|&slope| slope != zero) else {
+        if slopes.iter().all(|&slope| slope == zero) {
             self.impulse = slopes;
             self.restitution = zero;
             return;
+        }
+        // Along the rate's gradient by what the gap leaves out, the velocities: by a position it may vanish in flight.
+        let velocities: Vec<usize> = (0..states.len())
+            .filter(|&i| slopes[i] != zero && graph.derivative(self.gap, Symbol::State(i)) == zero)
+            .collect();
+        let along: Vec<usize> = match velocities.is_empty() {
+            true => (0..states.len()).filter(|&i| slopes[i] != zero).collect(),
+            false => velocities,
         };
+        let squares: Vec<Expr> = (along.iter())
+            .map(|&i| graph.mul(slopes[i], slopes[i]))
+            .collect();
+        let square = graph.sum(&squares);
         let parts: Vec<Expr> = (changes.iter())
             .map(|&change| {
-                let part = graph.derivative(change, Symbol::State(along));
-                graph.div(part, slopes[along])
+                let terms: Vec<Expr> = (along.iter())
+                    .map(|&i| {
+                        let part = graph.derivative(change, Symbol::State(i));
+                        graph.mul(slopes[i], part)
+                    })
+                    .collect();
+                let part = graph.sum(&terms);
+                graph.div(part, square)
             })
             .collect();
         let smooth = graph
@@ -64,6 +82,8 @@ impl Contact {
         // Nothing follows from it for ever smaller rates: as with a restitution of one.
         self.restitution = graph.number(1.0);
         self.impulse = vec![zero; states.len()];
-        self.impulse[along] = graph.number(1.0);
+        for i in along {
+            self.impulse[i] = slopes[i];
+        }
     }
 }

@@ -13,7 +13,7 @@ mod newton;
 pub mod polynomial;
 pub mod roots;
 mod scalar;
-mod stored;
+pub(crate) mod stored;
 mod with_terms;
 
 pub use bracket::{Bracket, root_between};

@@ -170,6 +170,11 @@ impl<R: Real> Station<R> {
         self
     }
 
+    /// How the last unknown changes along the tangent.
+    pub fn parameter_slope(&self) -> R {
+        self.tangent.last().copied().unwrap_or(R::splat(f64::NAN))
+    }
+
     /// The last unknown.
     pub fn parameter(&self) -> R {
         self.at.last().copied().unwrap_or(R::splat(f64::NAN))

@@ -13,9 +13,11 @@
 //! multipliers  functions that change their sign where something happens to an orbit
 //! aside        orbits beside one whose equations are singular: once or twice around
 //! search       all that Newton's method finds from many starts
+//! diary        what a survey tells of, and what it goes on from
 //! survey       a branch with those beyond its borders, and those that leave it
 //! branch       orbits over a parameter, from one sequence of events to the next
-//! orbit        Newton's solution in double-double; multipliers, margins
+//! orbit        Newton's solution in double-double; multipliers
+//! margins      how near it is to losing its sequence of events
 //! ```
 
 mod aside;
@@ -24,7 +26,9 @@ mod closure;
 mod condition;
 mod crossing;
 mod cycle;
+mod diary;
 mod error;
+mod margins;
 mod multipliers;
 mod orbit;
 mod search;
@@ -32,10 +36,12 @@ mod shooting;
 mod special_curve;
 mod survey;
 
-pub use branch::{Branch, End, Limits, Point, Special, SpecialKind};
+pub use branch::{Branch, End, Limits, Point, Record, Special, SpecialKind};
 pub use cycle::settle::Patience;
+pub use diary::Told;
 pub use error::PeriodicError;
-pub use orbit::{Margin, MarginKind, Orbit};
+pub use margins::{Margin, MarginKind};
+pub use orbit::Orbit;
 pub use search::{Search, Searched};
 pub use special_curve::{Known, SpecialCurve};
 pub use survey::Beside;
@@ -44,11 +50,13 @@ use crate::model::Model;
 use closure::Closure;
 use core::ops::ControlFlow;
 use cycle::settle::settle;
+use diary::Diary;
+use serde::{Deserialize, Serialize};
 use shooting::Workshop;
 use std::sync::Arc;
 
 /// Which periodic orbit is asked for.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Spec {
     /// Period of the forcing, an expression in parameters, where the equations do not tell it.
     pub period: Option<String>,
@@ -140,7 +148,7 @@ pub fn all(
 }
 
 /// Where branches of periodic orbits are looked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BranchSpec {
     /// Position of the parameter that is varied.
     pub parameter: usize,
@@ -151,17 +159,19 @@ pub struct BranchSpec {
 }
 
 /// The branch through the orbit that the trajectory from the model's initial state settles to, those beyond the borders at
-/// its ends, and others that leave it. Where nothing settles at the model's value of the parameter, others are tried. The
-/// observer hears of each orbit found, and of nothing while a trajectory settles.
+/// its ends, and others that leave it. Where nothing settles at the model's value of the parameter, others are tried. With the
+/// records `before` of a survey of the same that was broken off it goes on from there; the result is the same, to the bit.
 ///
 /// # Errors
-/// There is no such orbit, or none was found.
+/// There is no such orbit, none was found, or the records are of another survey.
 pub fn branches(
     model: &Model,
     spec: &Spec,
     what: &BranchSpec,
-    observer: &mut dyn FnMut(Option<&Point>) -> ControlFlow<()>,
+    before: Vec<Record>,
+    observer: &mut dyn FnMut(Told<'_>) -> ControlFlow<()>,
 ) -> Result<Vec<Branch>, PeriodicError> {
+    let mut diary = Diary::new(before, observer);
     let (low, high) = what.limits.range;
     let workshop = workshop(model, spec, (&[what.parameter], &[high - low]))?;
     let own = model.parameter_values::<f64>(&[])[what.parameter];
@@ -173,7 +183,7 @@ pub fn branches(
             (&orbit.shooting, &orbit.at),
             (&what.limits, what.beside),
             (state, spec.patience),
-            &mut |point| observer(Some(point)),
+            &mut diary,
         );
     }
     let inside = (low..=high).contains(&own).then_some(own);
@@ -182,7 +192,7 @@ pub fn branches(
     for here in inside.into_iter().chain(others) {
         let parameters = model.parameter_values::<f64>(&[(what.parameter, here)]);
         let state = model.initial_state(&parameters);
-        let mut settling = |_: f64| observer(None);
+        let mut settling = |_: f64| diary.tell(Told::Settling);
         let found = settle(&workshop, &[here], &state, spec.patience, &mut settling)
             .and_then(|cycle| orbit::close(&workshop, cycle, &[here]));
         let orbit = match search::simplest(&workshop, found, &state, &[here]) {
@@ -198,7 +208,7 @@ pub fn branches(
             (&orbit.shooting, &orbit.at),
             (&what.limits, what.beside),
             (&state, spec.patience),
-            &mut |point| observer(Some(point)),
+            &mut diary,
         );
     }
     Err(failed.unwrap_or(PeriodicError::Interrupted))

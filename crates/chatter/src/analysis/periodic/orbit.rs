@@ -3,6 +3,7 @@
 use super::cycle::itinerary::Passage;
 use super::cycle::settle::Cycle;
 use super::error::PeriodicError;
+use super::margins::{Margin, margins};
 use super::multipliers::is_stable;
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
@@ -41,41 +42,6 @@ pub struct Orbit {
     pub(crate) at: Vec<f64>,
 }
 
-/// How near an orbit is to losing its sequence of events.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Margin {
-    /// What kind.
-    pub kind: MarginKind,
-    /// At which contact, surface or other guard.
-    pub guard: GuardKind,
-    /// When, since the start.
-    pub time: f64,
-    /// Zero where the sequence changes.
-    pub value: f64,
-}
-
-/// Kinds of margins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MarginKind {
-    /// The slowest impact.
-    ImpactRate,
-    /// The least gap of flights, or value of another guard.
-    Least,
-    /// The least jerk at a release.
-    ReleaseJerk,
-}
-
-impl MarginKind {
-    /// Its name in results.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::ImpactRate => "impact_rate",
-            Self::Least => "least_gap",
-            Self::ReleaseJerk => "release_jerk",
-        }
-    }
-}
-
 impl Orbit {
     /// Whether all multipliers lie inside the unit circle.
     pub fn is_stable(&self) -> bool {
@@ -83,7 +49,7 @@ impl Orbit {
     }
 }
 
-fn failed(error: &NewtonError) -> PeriodicError {
+pub(super) fn failed(error: &NewtonError) -> PeriodicError {
     PeriodicError::NoConvergence {
         how: error.to_string(),
     }
@@ -203,60 +169,4 @@ pub(crate) fn cleaned<R: Real>(state: &[R], sizes: &[f64]) -> Vec<R> {
             }
         })
         .collect()
-}
-
-/// The smallest of each kind of margin, at each guard.
-fn margins(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<Vec<Margin>, PeriodicError> {
-    let left = |left| failed(&NewtonError::Left(left));
-    shooting.evaluate(at).map_err(left)?;
-    let least = shooting.least(at).map_err(left)?;
-    let mut found: Vec<Margin> = Vec::new();
-    let mut note = |kind: MarginKind, guard: GuardKind, time: f64, value: f64| {
-        let known = (found.iter_mut()).find(|m| m.kind == kind && m.guard == guard);
-        match known {
-            Some(known) if known.value <= value => {}
-            Some(known) => (known.time, known.value) = (time, value),
-            None => found.push(Margin {
-                kind,
-                guard,
-                time,
-                value,
-            }),
-        }
-    };
-    let mut time = 0.0;
-    let workshop = shooting.workshop.clone();
-    for (index, step) in shooting.steps.iter().enumerate() {
-        let landing = &shooting.latest[index];
-        for least in &least[index] {
-            let crosses = workshop.section.map(GuardKind::Section) == Some(least.guard);
-            if !least.at_end && !crosses {
-                note(
-                    MarginKind::Least,
-                    least.guard,
-                    time + least.time,
-                    least.value,
-                );
-            }
-        }
-        time += landing.duration;
-        if let Some(contact) = step.impact() {
-            note(
-                MarginKind::ImpactRate,
-                GuardKind::Gap(contact),
-                time,
-                -landing.surface_rate,
-            );
-        }
-        if let Some(GuardKind::Reaction(contact)) = step.ends_at() {
-            // Minus the reaction is the acceleration that it keeps from being.
-            note(
-                MarginKind::ReleaseJerk,
-                GuardKind::Reaction(contact),
-                time,
-                -landing.surface_rate,
-            );
-        }
-    }
-    Ok(found)
 }

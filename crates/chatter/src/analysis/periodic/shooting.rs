@@ -162,9 +162,9 @@ pub(crate) struct Shooting<R: Real> {
     flyers: Vec<(LegKind, Flyer<R>)>,
     /// Where each node begins among the unknowns.
     places: Vec<usize>,
-    scales: Vec<f64>,
+    pub(super) scales: Vec<f64>,
     /// Where states that nothing depends on are held.
-    pins: Vec<R>,
+    pub(super) pins: Vec<R>,
     /// The latest point looked at, and how its legs ended.
     pub latest: Vec<Landing<R>>,
     watching: Option<Vec<R>>,

@@ -4,15 +4,17 @@
 use super::aside::Aside;
 use super::branch::{Branch, End, Limits, Point, Special, SpecialKind, follow};
 use super::cycle::settle::{Patience, settle};
+use super::diary::Diary;
 use super::error::PeriodicError;
 use super::orbit::close;
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::Singular;
 use core::ops::ControlFlow;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// What is followed beside the first branch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Beside {
     /// Branches that leave at period doublings are followed to this depth, …
     pub doublings: usize,
@@ -35,12 +37,15 @@ pub(crate) fn survey(
     (shooting, at): (&Shooting<f64>, &[f64]),
     (limits, beside): (&Limits, Beside),
     (state, patience): (&[f64], Patience),
-    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+    diary: &mut Diary<'_>,
 ) -> Result<Vec<Branch>, PeriodicError> {
-    let mut branches = vec![follow(shooting, at, limits, observer)?];
+    let mut branches = vec![follow(shooting, at, limits, diary)?];
     let mut next = 0;
     let mut hops = 0;
     while next < branches.len() {
+        if branches[next].ends.contains(&End::Interrupted) {
+            return Ok(branches);
+        }
         let ends: Vec<(End, f64, f64)> = ends(&branches[next]);
         for (end, value, direction) in ends {
             let crosses = matches!(end, End::ChatterBorder | End::Impacts(_));
@@ -69,14 +74,14 @@ pub(crate) fn survey(
                 }
                 if !is_known(&branches, beyond, orbit.impacts) {
                     hops += 1;
-                    branches.push(follow(&orbit.shooting, &orbit.at, limits, observer)?);
+                    branches.push(follow(&orbit.shooting, &orbit.at, limits, diary)?);
                 }
                 break;
             }
         }
         next += 1;
     }
-    leave(&mut branches, (limits, beside), observer);
+    leave(&mut branches, (limits, beside), diary)?;
     Ok(branches)
 }
 
@@ -115,8 +120,8 @@ fn is_known(branches: &[Branch], value: f64, impacts: Option<u64>) -> bool {
 fn leave(
     branches: &mut Vec<Branch>,
     (limits, beside): (&Limits, Beside),
-    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
-) {
+    diary: &mut Diary<'_>,
+) -> Result<(), PeriodicError> {
     // Branch, and how often a branch has been left on the way to it.
     let mut open: Vec<(usize, usize, usize)> =
         (0..branches.len()).map(|index| (index, 0, 0)).collect();
@@ -148,7 +153,7 @@ fn leave(
             let Some((shooting, at)) = leaving(special, sign) else {
                 continue;
             };
-            if let Ok(branch) = follow(&shooting, &at, limits, observer) {
+            if let Ok(branch) = follow(&shooting, &at, limits, diary) {
                 // The far end of a doubled branch is a doubling of the same one again.
                 for end in &branch.special {
                     if end.kind == SpecialKind::BranchPoint {
@@ -158,11 +163,12 @@ fn leave(
                 branches.push(branch);
                 open.push((branches.len() - 1, deeper.0, deeper.1));
                 if matches!(branches.last(), Some(b) if b.ends.contains(&End::Interrupted)) {
-                    return;
+                    return Ok(());
                 }
             }
         }
     }
+    Ok(())
 }
 
 /// An orbit on the branch that leaves another at a special point: once, or twice around it.

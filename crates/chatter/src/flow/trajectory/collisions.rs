@@ -291,23 +291,34 @@ impl<R: Real> Trajectory<R> {
         self.sequence = 0;
         self.latest_impact = None;
         let mut shortest = R::splat(FOREVER);
+        let mut flights = Vec::new();
         for contact in separating.contacts() {
             let [_, rate, acceleration, jerk] = self.local(system, contact)?;
-            shortest = shortest.min(flight_time(rate.value, acceleration.value, jerk.value));
+            let time = flight_time(rate.value, acceleration.value, jerk.value);
+            flights.push((contact, rate.value, time));
+            shortest = shortest.min(time);
         }
         self.flight_time = shortest;
-        if shortest <= self.negligible() && self.end_burst(system, work)? {
+        if shortest <= self.negligible()
+            && self.end_burst(system, work, self.burst_within_rounding())?
+        {
             return Ok(());
         }
         if self.burst > BURST {
             self.burst = 0;
             self.end_squeeze(system, work)?;
+            return Ok(());
+        }
+        for flight in flights {
+            if self.end_stall(system, work, flight)? {
+                break;
+            }
         }
         Ok(())
     }
 
-    /// Brings all contacts to rest whose remaining motion is below rounding: chatter of several at once. Returns whether
-    /// there were any.
+    /// Brings all contacts to rest whose remaining motion, which may take this long, is below rounding: chatter of several at once, of so
+    /// many impacts. Returns whether there were any.
     ///
     /// The impulse that does so may take others along that touch as well, and still move: those come to rest with them, or
     /// collide now.
@@ -315,8 +326,8 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
+        (span, impacts): (R, u64),
     ) -> Result<bool, FlowError> {
-        let span = self.rest_of_burst();
         let mut decided = self.closed;
         let mut ended = false;
         loop {
@@ -328,7 +339,7 @@ impl<R: Real> Trajectory<R> {
             if !ended {
                 self.pending.push_back(Occurrence::Accumulation {
                     contact,
-                    impacts: self.burst as u64,
+                    impacts,
                     error: (span * flights_of_sequence(&touch, near)).to_f64(),
                 });
             }
@@ -372,6 +383,11 @@ impl<R: Real> Trajectory<R> {
         let told = self.collide(system, work, fastest, touching)?;
         self.pending.extend(told);
         Ok(true)
+    }
+
+    /// How long what is left of impacts that follow each other within a roundoff of the time may take, and how many there were.
+    pub(super) fn burst_within_rounding(&self) -> (R, u64) {
+        (self.rest_of_burst(), self.burst as u64)
     }
 
     /// What is left of a sequence whose flights are below rounding may take this long.

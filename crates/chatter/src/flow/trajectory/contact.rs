@@ -44,6 +44,7 @@ impl<R: Real> Trajectory<R> {
         self.sequence = 0;
         self.latest_impact = None;
         self.flight_time = R::splat(FOREVER);
+        let resting = Closed(resting.0 | self.just_left(system).0);
         let all = Closed(self.closed.0 | resting.0);
         let (before, sides) = (self.closed, self.standing_sides());
         let mut members = all.contacts();
@@ -57,6 +58,15 @@ impl<R: Real> Trajectory<R> {
         self.put_right(system, None)?;
         self.tell_changes_since(system, &sides);
         Ok(())
+    }
+
+    /// Contacts that are open, and at rest in this instant: what comes to rest beside them may keep them closed.
+    fn just_left(&self, system: &System) -> Closed {
+        let at_rest =
+            |&contact: &usize| matches!(self.roots(system, GuardKind::Gap(contact)), 2 | 3);
+        (0..system.contacts())
+            .filter(at_rest)
+            .fold(Closed::NONE, Closed::with)
     }
 
     /// A single contact at rest: closed, or lifting off at once.
@@ -445,7 +455,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// How many roots of a guard lie at the present state.
-    fn roots(&self, system: &System, kind: GuardKind) -> u8 {
+    pub(super) fn roots(&self, system: &System, kind: GuardKind) -> u8 {
         self.guard(system, kind)
             .map_or(0, |index| self.touching.get(index))
     }

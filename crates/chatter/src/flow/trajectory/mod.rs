@@ -14,6 +14,7 @@ mod projection;
 mod redundant;
 mod reset;
 mod sequence;
+mod stall;
 mod start;
 mod tops;
 
@@ -36,6 +37,7 @@ use crate::numerics::Real;
 use collisions::Collisions;
 pub(crate) use ordinary::Caught;
 use ordinary::Untold;
+use stall::Stall;
 use std::collections::VecDeque;
 use tops::Tops;
 
@@ -95,6 +97,8 @@ pub struct Trajectory<R> {
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
     burst: usize,
+    /// Those whose flights are longer, and lower than gaps are known.
+    stall: Stall<R>,
     /// The greatest rates that contacts had in collisions since then.
     rates_of_instant: Vec<R>,
     /// Collisions that are still to come at this instant.
@@ -255,11 +259,11 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         let result = match self.settle(system, work, program) {
             Err(FlowError::UndecidedRelease { contact, .. })
-                if self
-                    .latest_impact
-                    .is_some_and(|(latest, _)| latest == contact) =>
+                if self.roots(system, GuardKind::Gap(contact)) == 1 =>
             {
-                // The rate after an impact is none any more.
+                // The rate after an impact is none any more. Where contacts chatter in turn, all their impacts of this instant
+                // led to it.
+                self.sequence = self.sequence.max(self.burst as u64);
                 return self.end_here(system, work, contact).map(Some);
             }
             settled => settled?,

@@ -84,7 +84,7 @@ impl<R: Real> Trajectory<R> {
         let negligible = self.negligible();
         let is_short = self.flight_time <= negligible;
         if system.contacts() > 1 && (is_short || self.burst.is_multiple_of(BURST)) {
-            let ends = self.end_burst(system, work)?
+            let ends = self.end_burst(system, work, self.burst_within_rounding())?
                 || (self.burst >= BURST && self.end_squeeze(system, work)?);
             if ends {
                 return Ok(Some(told(false)));
@@ -95,6 +95,10 @@ impl<R: Real> Trajectory<R> {
                     count: self.burst,
                 });
             }
+        }
+        let flight = (contact, rate_after, self.flight_time);
+        if system.contacts() > 1 && !is_short && self.end_stall(system, work, flight)? {
+            return Ok(Some(told(false)));
         }
         if is_short && system.model().contacts[contact].reset.is_some() {
             return Err(self.resets_without_end(contact));
@@ -138,9 +142,9 @@ impl<R: Real> Trajectory<R> {
         self.latest_impact = Some((contact, rate));
     }
 
-    /// Whether a rate is so small that it is worth asking what terms it is the sum of.
+    /// Whether a rate or a height is so small that it is worth asking what terms it is the sum of.
     #[inline(always)]
-    fn may_be_rounding(&self, rate: R) -> bool {
+    pub(super) fn may_be_rounding(&self, rate: R) -> bool {
         let (largest, _) = flight::largest(&self.state, self.coordinates);
         rate.abs() <= largest * R::splat(ASKED_ROUNDOFFS * R::ROUNDOFF)
     }

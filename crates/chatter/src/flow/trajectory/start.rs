@@ -1,6 +1,7 @@
 //! Where a trajectory starts: the contacts that a state lies on are classified.
 
 use super::ordinary::Untold;
+use super::stall::Stall;
 use super::tops::Tops;
 use super::{ORDER_CLASSES, Trajectory};
 use crate::flow::chatter::ChatterTracker;
@@ -77,6 +78,7 @@ impl<R: Real> Trajectory<R> {
             started_at: time,
             longest_step: R::ZERO,
             burst: 0,
+            stall: Stall::NONE,
             rates_of_instant: Vec::new(),
             collisions: None,
             completion: None,

@@ -1,7 +1,9 @@
 //! Branches and their special points against reference values in quadruple precision, and against each other.
 
 use super::{GRAZES, model, nearest, over, value, with};
-use chatter::analysis::periodic::{End, Known, Limits, Spec, SpecialKind, special_curve};
+use chatter::analysis::periodic::{
+    Beside, BranchSpec, End, Known, Limits, Point, Spec, SpecialKind, branches, special_curve,
+};
 use std::ops::ControlFlow;
 
 pub const TWO_SIDED: &str = r#"
@@ -206,6 +208,79 @@ fn folds_and_grazes_in_two_parameters() {
     }
 }
 
+/// Gears with backlash: the force is that of a spring beyond a play.
+const GEARS: &str = r#"
+[parameters]
+w = 1.5
+[flight]
+x = "v"
+v = "0.12 + 0.35*cos(w*t) - 0.1*v - 4*if(x > 0.2, x - 0.2, if(x < -0.2, x + 0.2, 0))"
+[initial]
+x = 0.25
+v = 0
+"#;
+
+/// Where an orbit touches a surface it gains a crossing and the way back, or loses them, and goes on; that is no fold.
+#[test]
+fn a_branch_goes_on_where_a_surface_is_touched() {
+    let gears = with(GEARS, &[]);
+    let found = over(&gears, "w", (1.4, 1.9), (5, 0.01));
+    let branch = &found[0];
+    let touches = || (branch.special.iter()).filter(|s| s.kind == SpecialKind::Touch);
+    assert!(
+        touches().any(|s| (value(s) - 1.444_708_207_627_67).abs() < 1e-12),
+        "{:?} {:?}",
+        branch
+            .special
+            .iter()
+            .map(|s| (s.kind, value(s)))
+            .collect::<Vec<_>>(),
+        branch.ends
+    );
+    for special in &branch.special {
+        let near = |m: &chatter::numerics::Complex| (m.re - 1.0).hypot(m.im) < 1e-7;
+        let is_fold = special.kind == SpecialKind::Fold;
+        assert!(!is_fold || special.point.multipliers.iter().any(near));
+    }
+    let ends: Vec<String> = branch.ends.iter().map(End::to_string).collect();
+    assert!(!ends.iter().any(|end| end.contains("touched")), "{ends:?}");
+    // Beside the touch the orbits are motions, with the same multipliers.
+    let place = touches().next().unwrap().place;
+    for at in [place.saturating_sub(12), place + 12] {
+        let point = &branch.points[at.min(branch.points.len() - 1)];
+        let w = format!("{:?}", point.parameter());
+        let spec = Spec {
+            through: Some((point.state.clone(), point.period)),
+            ..Spec::default()
+        };
+        let what = BranchSpec {
+            parameter: gears.parameter_index("w").unwrap(),
+            limits: Limits {
+                range: (point.parameter() - 1e-7, point.parameter() + 1e-7),
+                impacts: 5,
+                points: 2,
+                longest_step: 0.5,
+            },
+            beside: Beside::default(),
+        };
+        let model = with(GEARS, &[("w", &w)]);
+        let again = branches(&model, &spec, &what, Vec::new(), &mut |_| {
+            ControlFlow::Continue(())
+        });
+        let again = again.unwrap();
+        let same = (again[0].points.iter())
+            .min_by(|a, b| {
+                let off = |p: &Point| (p.parameter() - point.parameter()).abs();
+                off(a).total_cmp(&off(b))
+            })
+            .unwrap();
+        assert!((same.period - point.period).abs() < 1e-6 * point.period);
+        for (a, b) in same.multipliers.iter().zip(&point.multipliers) {
+            assert!((a.re - b.re).hypot(a.im - b.im) < 1e-3, "{a:?} {b:?}");
+        }
+    }
+}
+
 /// From a graze on a branch is followed with one more impact, and back without it.
 #[test]
 fn there_and_back_is_the_same_branch() {
@@ -217,14 +292,9 @@ fn there_and_back_is_the_same_branch() {
     let of = |found: &[chatter::analysis::periodic::Branch]| {
         let mut values: Vec<(u64, String, i64)> = (found[0].special.iter())
             .map(|s| {
-                let kind = if GRAZES.contains(&s.kind) {
-                    "graze"
-                } else {
-                    s.kind.name()
-                };
                 (
                     s.point.impacts.unwrap_or(0),
-                    kind.to_owned(),
+                    s.kind.name().to_owned(),
                     (value(s) * 1e12).round() as i64,
                 )
             })

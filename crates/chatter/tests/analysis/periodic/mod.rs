@@ -4,6 +4,7 @@ mod branches;
 mod orbits;
 mod plane;
 mod reference;
+mod resumed;
 
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, Limits, Orbit, Spec, Special, SpecialKind, branches, settled,
@@ -48,8 +49,10 @@ fn over(
             branch_points: 1,
         },
     };
-    let mut quiet = |_: Option<&chatter::analysis::periodic::Point>| ControlFlow::Continue(());
-    branches(model, &Spec::default(), &spec, &mut quiet).unwrap()
+    branches(model, &Spec::default(), &spec, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap()
 }
 
 fn value(special: &Special) -> f64 {

@@ -1,7 +1,9 @@
 //! Orbits against reference values in quadruple precision, and against laws.
 
 use super::{model, orbit, with};
-use chatter::analysis::periodic::{Search, Spec, all, settled};
+use chatter::analysis::border::{BorderSpec, border_near};
+use chatter::analysis::periodic::{MarginKind, Search, Spec, all, settled};
+use chatter::analysis::universal::Universal;
 use chatter::numerics::Real;
 use proptest::prelude::*;
 use std::ops::ControlFlow;
@@ -44,6 +46,53 @@ fn a_valve_of_four_states_with_complete_chatter() {
         "{found:?}"
     );
     assert!(orbit.multipliers[1..].iter().all(|m| m.modulus() == 0.0));
+}
+
+fn border_margin(model: &chatter::model::Model, section: Option<usize>) -> Option<f64> {
+    let spec = Spec {
+        section,
+        ..Spec::default()
+    };
+    let found = settled(model, &spec, &mut |_| ControlFlow::Continue(())).unwrap();
+    let mut margins = found.margins.iter();
+    let border = margins.find(|margin| margin.kind == MarginKind::Border)?;
+    assert!((0.0..found.period.to_f64()).contains(&border.time));
+    Some(border.value)
+}
+
+/// Where the orbit begins at the release point X is M times how far the parameter is from the border, and beyond it X lies on the
+/// lap of the universal map whose number is that of the impacts.
+#[test]
+fn the_margin_of_a_border_is_its_coordinate() {
+    let at = |q: f64| model("pressure_relief_valve", &[("q", &format!("{q:?}"))]);
+    let valve = at(0.02);
+    let border = border_near::<f64>(&valve, &BorderSpec::new("q"), 0.02).unwrap();
+    let (value, slope) = (border.value.value, border.exact.unfolding_rate.value);
+    for (off, tolerance) in [(-1e-5, 0.05), (-1e-6, 0.02), (-1e-7, 0.01), (-1e-8, 0.005)] {
+        let model = at(value + off);
+        let found = border_margin(&model, None).unwrap() / (slope * off);
+        assert!((found - 1.0).abs() < tolerance, "{off}: {found}");
+        for section in 0..model.sections.len() {
+            let other = border_margin(&model, Some(section)).unwrap() / (slope * off);
+            assert!((other - found).abs() < 1e-6, "{section}: {found} {other}");
+        }
+    }
+    let universal = Universal::<f64>::new(0.8).unwrap();
+    let (end, eta) = (universal.lap_end(), universal.constants().eta);
+    for (q, impacts) in [(0.0203, 34), (0.02019, 37), (0.0201, 42)] {
+        let model = at(q);
+        let found = border_margin(&model, None).unwrap();
+        let lap = (found / end).ln() / eta.ln();
+        let number = orbit(&model).impacts.unwrap();
+        assert_eq!(number, impacts);
+        assert!(
+            (f64::from(impacts as i32) - 2.0..=f64::from(impacts as i32)).contains(&lap),
+            "{q}: {found}, lap {lap}"
+        );
+    }
+    // What never comes near release has none.
+    let dropped = model("impact_oscillator", &[("omega", "2.8")]);
+    assert_eq!(border_margin(&dropped, None), None);
 }
 
 /// Where the motion comes back to nothing, an orbit of few periods beside it is told.

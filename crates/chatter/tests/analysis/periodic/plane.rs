@@ -162,7 +162,10 @@ fn functions_of_the_user_are_watched() {
         },
         beside: Beside::default(),
     };
-    let found = branches(&model, &spec, &what, &mut |_| ControlFlow::Continue(())).unwrap();
+    let found = branches(&model, &spec, &what, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
     let zero = nearest(&found, &[SpecialKind::Monitor], 1.2);
     let amplitude = |w: f64| 1.0 / ((1.0 - w * w).powi(2) + (0.1 * w).powi(2)).sqrt();
     assert!((amplitude(value(&zero)) - 2.0).abs() < 1e-11);

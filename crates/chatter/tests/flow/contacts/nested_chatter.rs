@@ -1,10 +1,12 @@
 //! Two balls on top of each other, whose impacts accumulate while they accumulate on the floor, against their own
 //! parabolas, one impact after the other, in double-double.
 
+use chatter::analysis::simulate::{Outcome, Spec, simulate};
 use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::ModelBuilder;
 use chatter::numerics::{DoubleDouble, Real, Scalar};
 use proptest::prelude::*;
+use std::ops::ControlFlow;
 
 type Dd = DoubleDouble;
 
@@ -154,6 +156,92 @@ fn chatter_of_chatter() {
     assert!((stack.end().to_f64() - 2.224_237_063_64).abs() < 1e-11);
 }
 
+/// A ball on a table or on another ball: mass, height, velocity, restitution of what is below it, and what pulls beside gravity.
+type Ball<'a> = (f64, f64, f64, f64, &'a str);
+
+/// Where balls on a table of this amplitude and angular frequency are at time 4: the table never falls away faster than they do, so
+/// that they lie on each other in the end.
+fn lie_on_a_table(amplitude: f64, omega: f64, balls: &[Ball]) {
+    let mut model = ModelBuilder::new()
+        .parameter("A", amplitude)
+        .parameter("omega", omega);
+    for (i, &(_, height, rate, _, pull)) in balls.iter().enumerate() {
+        let force = format!("-9.81 {pull}");
+        model = (model.state(&format!("y{i}"), format!("v{i}").as_str(), height)).state(
+            &format!("v{i}"),
+            force.as_str(),
+            rate,
+        );
+    }
+    for (i, &(mass, _, _, restitution, _)) in balls.iter().enumerate() {
+        let name = format!("below{i}");
+        let push = (format!("v{i}"), 1.0 / mass);
+        model = if i == 0 {
+            model.contact(&name, "y0 - A*sin(omega*t)", [push], restitution)
+        } else {
+            let below = (format!("v{}", i - 1), -1.0 / balls[i - 1].0);
+            let gap = format!("y{i} - y{} - 0.1", i - 1);
+            model.contact(&name, gap.as_str(), [push, below], restitution)
+        };
+    }
+    let model = model.build().expect("a valid model");
+    let spec = Spec::until(4.0);
+    let mut goes_on = |_: &_| ControlFlow::Continue(());
+    let run = simulate::<f64>(&model, &spec, &mut goes_on).expect("a legal start");
+    assert_eq!(run.outcome, Outcome::Horizon, "{balls:?}");
+    let table = amplitude * (4.0 * omega).sin();
+    for i in 0..balls.len() {
+        let off = run.state[2 * i] - table - 0.1 * i as f64;
+        assert!(off.abs() < 1e-13, "{balls:?}: ball {i} is off by {off:e}");
+    }
+}
+
+/// A contact whose rate after its impact is lost as another one comes to rest is at rest as well.
+#[test]
+fn what_chatters_in_turn_comes_to_rest() {
+    let three = [
+        (1.0, 0.1, 0.0, 0.8, ""),
+        (1.0, 0.5, 0.0, 0.9, ""),
+        (1.0, 0.6, 1.0, 0.2, ""),
+    ];
+    lie_on_a_table(0.5, 2.0, &three);
+    let uneven = [
+        (1.0, 0.5, 1.0, 0.8, ""),
+        (2.0, 0.7, -1.0, 0.7, ""),
+        (0.1, 0.8, 0.5, 0.2, ""),
+    ];
+    lie_on_a_table(0.5, 3.0, &uneven);
+}
+
+/// One that lifts off as others separate is asked again as these come to rest, at the same instant.
+#[test]
+fn what_has_just_left_is_held_by_what_closes() {
+    let five = [
+        (1.0, 0.5, 0.0, 0.5, "+ 10*(y1 - y0 - 0.5)"),
+        (0.5, 0.6, 1.0, 0.7, "- 20*(y1 - y0 - 0.5)"),
+        (1.0, 1.0, -1.0, 0.2, "+ 3*(y3 - y2 - 0.5)"),
+        (0.5, 1.4, 1.0, 0.7, "- 6*(y3 - y2 - 0.5)"),
+        (0.5, 1.5, 0.0, 0.7, ""),
+    ];
+    lie_on_a_table(1.5, 2.0, &five);
+}
+
+/// A light ball on a heavy one that rests on a moving table is thrown up by the rounding of the table's height: as high as that,
+/// without end.
+#[test]
+fn chatter_that_rounding_feeds_ends() {
+    lie_on_a_table(
+        0.5,
+        1.0,
+        &[(1.0, 0.0, 0.5, 0.3, ""), (0.1, 0.1, 0.0, 0.9, "")],
+    );
+    lie_on_a_table(
+        0.5,
+        3.0,
+        &[(1.0, 0.0, -1.0, 0.3, ""), (0.1, 0.4, 0.5, 0.9, "")],
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
@@ -171,11 +259,9 @@ proptest! {
         let truth = stack.end();
         let (time, told) = stack.simulate::<f64>();
         let off = (Dd::from(time) - truth).abs().to_f64();
-        if std::env::var("RATIO").is_ok() { println!("f64 {off:e} {told:e} {:.2} {stack:?}", off / told); }
-        else { prop_assert!(off <= LARGEST_RATIO * told, "{stack:?}: off by {off:e}, told {told:e}"); }
+        prop_assert!(off <= LARGEST_RATIO * told, "{stack:?}: off by {off:e}, told {told:e}");
         let (time, told) = stack.simulate::<Dd>();
         let off = (time - truth).abs().to_f64();
-        if std::env::var("RATIO").is_ok() { println!("dd {off:e} {told:e} {:.2} {stack:?}", off / told); }
-        else { prop_assert!(off <= LARGEST_RATIO * told, "to thirty digits {stack:?}: off by {off:e}, told {told:e}"); }
+        prop_assert!(off <= LARGEST_RATIO * told, "to thirty digits {stack:?}: off by {off:e}, told {told:e}");
     }
 }

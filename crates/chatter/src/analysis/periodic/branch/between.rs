@@ -32,8 +32,17 @@ impl Passed {
 
 /// The relative error of a place that only stations were compared for.
 const UNREFINED: f64 = 1e-11;
+/// A multiplier of a fold is one up to this.
+const NEAR_ONE: f64 = 1e-3;
 /// What vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
+
+/// Whether a multiplier is one, as far as multipliers are known. Where two crossings of a surface become one the equations turn, and
+/// the orbit does not fold.
+fn is_fold(multipliers: &[Complex]) -> bool {
+    let near = |m: &Complex| (m.re - 1.0).hypot(m.im) < NEAR_ONE;
+    multipliers.iter().any(near)
+}
 
 fn doubling(multipliers: &[Complex]) -> Option<f64> {
     passes(multipliers, -1.0)
@@ -183,6 +192,9 @@ impl Walker {
                 Passed::Torus(_) => pair(&here.multipliers).map_or(f64::NAN, f64::abs),
                 _ => refined.residual,
             };
+        }
+        if matches!(passed, Passed::Fold(_)) && !is_fold(&here.multipliers) {
+            return;
         }
         here.correction = refined.correction;
         let at = refined.at.clone();

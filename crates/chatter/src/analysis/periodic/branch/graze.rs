@@ -2,6 +2,7 @@
 
 use super::holds::{Broken, first_break};
 use super::limits::End;
+use super::touch::opposite;
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Held, Problem, Settings, Station, newton, tangent};
@@ -17,15 +18,18 @@ const NOT_QUITE: f64 = 1e-5;
 const CAREFUL: f64 = 0.05;
 
 impl Shooting<f64> {
-    /// The same orbit with an impact of rate zero where a guard has its least value on a step, and the step that it ends.
+    /// The same orbit with an impact of rate zero, or with a surface that is touched, where a guard has its least value on a
+    /// step, and the step that it ends.
     pub(crate) fn with_event(
         &self,
         at: &[f64],
         index: usize,
         least: &Least,
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let GuardKind::Gap(contact) = least.guard else {
-            return Err(unfollowed("a guard that is touched and is no gap"));
+        let jump = match least.guard {
+            GuardKind::Gap(contact) => Jump::Impact(contact),
+            guard if opposite(guard).is_some() => Jump::None,
+            _ => return Err(unfollowed("a guard that is touched and is no gap")),
         };
         let mut steps = self.current_steps(at);
         let whole = steps[index].clone();
@@ -33,7 +37,7 @@ impl Shooting<f64> {
             Passage::Leg(LegKind {
                 mode,
                 ends_at: Some(least.guard),
-                jump: Jump::Impact(contact),
+                jump,
             })
         };
         let index = match whole.passage {
@@ -124,14 +128,18 @@ impl Shooting<f64> {
     }
 
     /// Equations of other steps of the same system, and a guess of their solution.
-    fn like(&self, steps: Vec<Step>, at: &[f64]) -> Result<(Self, Vec<f64>), PeriodicError> {
+    pub(super) fn like(
+        &self,
+        steps: Vec<Step>,
+        at: &[f64],
+    ) -> Result<(Self, Vec<f64>), PeriodicError> {
         let shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
         let guess = shooting.guess(self.free(at));
         Ok((shooting, guess))
     }
 }
 
-fn unfollowed(what: &str) -> PeriodicError {
+pub(super) fn unfollowed(what: &str) -> PeriodicError {
     PeriodicError::Unfollowed {
         what: what.to_owned(),
     }
@@ -166,7 +174,6 @@ impl Walker {
             }
         }
         self.settle(&station);
-        let forward = station.tangent[station.tangent.len() - 1];
         let outcome = match broken {
             Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
             Broken::Event(index) => self.lose(&station, index, &there),
@@ -174,11 +181,26 @@ impl Walker {
                 "another event comes before event {index} of the orbit: {guard:?}"
             )),
         };
+        // Where crossings come or go the equations themselves turn.
+        let turns = match self.special.last().map(|special| special.kind) {
+            Some(SpecialKind::Touch) => &from,
+            _ => &station,
+        };
+        let forward = turns.parameter_slope();
+        self.goes_on(outcome, (curve, forward), here)
+    }
+
+    /// On from where the sequence of events changes, the parameter having gone so before.
+    pub(super) fn goes_on(
+        &mut self,
+        outcome: Result<Station, String>,
+        (curve, forward): (&mut Curve, f64),
+        here: &mut Point,
+    ) -> Stop {
         match outcome {
             Ok(next) => {
                 if let Some(special) = self.special.last_mut() {
-                    let onward = next.tangent[next.tangent.len() - 1];
-                    special.persists = Some(onward * forward > 0.0);
+                    special.persists = Some(next.parameter_slope() * forward > 0.0);
                 }
                 self.settle(&next);
                 *here = Point::new(&mut self.shooting, &next);
@@ -207,6 +229,9 @@ impl Walker {
             .min_by(|a, b| a.value.total_cmp(&b.value))
             .ok_or("the touch is lost")?
             .clone();
+        if opposite(guard).is_some() {
+            return self.crosses(station, (index, &touching), there);
+        }
         if !matches!(guard, GuardKind::Gap(_)) {
             self.note(
                 SpecialKind::Touch,
@@ -241,8 +266,9 @@ impl Walker {
             *at = *found;
         }
         self.shooting = longer;
+        let opens = station.tangent.last().is_some_and(|&along| along < 0.0);
         self.note(
-            SpecialKind::FlightGraze,
+            graze(opens),
             &point,
             &found.at,
             error.max(NOISE * f64::EPSILON * next.parameter().abs()),
@@ -251,11 +277,22 @@ impl Walker {
         Ok(next)
     }
 
-    /// An impact has lost its rate: it goes out.
-    fn lose(&mut self, station: &Station, index: usize, there: &Point) -> Result<Station, String> {
+    /// An impact has lost its rate, or a surface is no longer crossed: it goes out.
+    pub(super) fn lose(
+        &mut self,
+        station: &Station,
+        index: usize,
+        there: &Point,
+    ) -> Result<Station, String> {
         let told = |error: &dyn core::fmt::Display| error.to_string();
+        let (mut index, mut start) = (index, station.at.clone());
+        let crossing = self.shooting.crossing_that_vanishes(index);
+        if let Some(first) = crossing {
+            let touching = self.shooting.without_way_back(&start, first);
+            (self.shooting, start, index) = touching.map_err(|error| told(&error))?;
+        }
         let mut held = Held::monitor(&mut self.shooting, index);
-        let found = newton(&mut held, &station.at, &[]).map_err(|error| told(&error))?;
+        let found = newton(&mut held, &start, &[]).map_err(|error| told(&error))?;
         let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
         let is_impact = self.shooting.steps[index].impact().is_some();
         let mut at_graze = there.clone();
@@ -263,13 +300,13 @@ impl Walker {
             *at = *found;
         }
         let kind = if is_impact {
-            SpecialKind::ImpactGraze
+            graze(true)
         } else {
             SpecialKind::Touch
         };
         let error = error.max(NOISE * f64::EPSILON * station.parameter().abs());
         self.note(kind, &at_graze, &found.at, error, found.residual);
-        if !is_impact {
+        if !is_impact && crossing.is_none() {
             return Err("an event that is no impact is only touched".to_owned());
         }
         let mut merged = self.shooting.without_event(&found.at, index);
@@ -288,7 +325,9 @@ impl Walker {
         if let Some(special) = self.special.last_mut() {
             // Told of the orbit without the impact.
             special.point.multipliers = shorter.multipliers();
-            special.point.impacts = special.point.impacts.map(|n| n - 1);
+            if is_impact {
+                special.point.impacts = special.point.impacts.map(|n| n - 1);
+            }
         }
         // To the side where the gap stays open.
         let guard = self.shooting.steps[index].ends_at();
@@ -311,7 +350,19 @@ impl Walker {
             (Some(_), None) => true,
             _ => false,
         };
+        if is_impact && let Some(special) = self.special.last_mut() {
+            special.kind = graze(forward);
+        }
         self.shooting = shorter;
         Ok(if forward { next } else { reversed })
+    }
+}
+
+/// The kind of a graze where the gap of the flight opens, or closes, as the parameter grows: whichever way it is met.
+const fn graze(opens: bool) -> SpecialKind {
+    if opens {
+        SpecialKind::ImpactGraze
+    } else {
+        SpecialKind::FlightGraze
     }
 }

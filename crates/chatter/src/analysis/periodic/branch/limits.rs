@@ -2,9 +2,10 @@
 
 use super::SpecialKind;
 use crate::analysis::continuation::{Problem, Settings, Station, locate};
+use serde::{Deserialize, Serialize};
 
 /// How an end of a branch came about.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum End {
     /// The parameter left its range.
     Range,
@@ -40,7 +41,7 @@ impl core::fmt::Display for End {
 }
 
 /// Within what a branch is followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
     /// Of the last free parameter.
     pub range: (f64, f64),

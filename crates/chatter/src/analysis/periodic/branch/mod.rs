@@ -10,20 +10,24 @@ mod graze;
 mod holds;
 mod limits;
 mod point;
+mod record;
 mod special;
+mod touch;
 mod walker;
 
 pub use limits::{End, Limits};
 pub use point::Point;
+pub use record::Record;
 pub use special::{Special, SpecialKind};
 
 pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
 pub(crate) use limits::station_at;
 
+use super::diary::Diary;
 use super::error::PeriodicError;
 use super::shooting::Shooting;
 use crate::analysis::continuation::{Problem, Station};
-use core::ops::ControlFlow;
+use record::Then;
 use walker::{Side, Walker};
 
 /// A branch of periodic orbits.
@@ -42,7 +46,7 @@ pub(crate) fn follow(
     shooting: &Shooting<f64>,
     at: &[f64],
     limits: &Limits,
-    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+    diary: &mut Diary<'_>,
 ) -> Result<Branch, PeriodicError> {
     let mut sides = Vec::new();
     let (mut begin, at) = shooting.clone().without_section(at.to_vec());
@@ -63,12 +67,6 @@ pub(crate) fn follow(
         } else {
             station.clone().reversed()
         };
-        let walker = Walker {
-            shooting: begin.clone(),
-            limits: *limits,
-            points: Vec::new(),
-            special: Vec::new(),
-        };
         // What is broken off, or has come back, has no other side.
         let all = match sides.last() {
             Some(Side {
@@ -83,7 +81,7 @@ pub(crate) fn follow(
                 special: Vec::new(),
                 end,
             },
-            None => walker.walk(start, observer),
+            None => side((&begin, start), limits, diary)?,
         });
     }
     let (forward, back) = (sides.pop(), sides.pop());
@@ -109,4 +107,38 @@ pub(crate) fn follow(
         special,
         ends: [back.end, forward.end],
     })
+}
+
+/// One side, from its first station or from where it is on record.
+fn side(
+    (shooting, start): (&Shooting<f64>, Station),
+    limits: &Limits,
+    diary: &mut Diary<'_>,
+) -> Result<Side, PeriodicError> {
+    let workshop = &shooting.workshop;
+    let mut walker = Walker {
+        shooting: shooting.clone(),
+        limits: *limits,
+        points: Vec::new(),
+        special: Vec::new(),
+    };
+    let mut standing = None;
+    while let Some(record) = diary.next() {
+        let (points, special, then) = record.restored(workshop)?;
+        walker.points.extend(points);
+        walker.special.extend(special);
+        match then {
+            Then::On(stand) => standing = Some(stand),
+            Then::Ended(end) => return Ok(walker.side(end)),
+        }
+    }
+    let stand = match standing {
+        Some(standing) => {
+            let (shooting, stand) = standing.restored(workshop)?;
+            walker.shooting = shooting;
+            stand
+        }
+        None => walker.begin(start),
+    };
+    Ok(walker.walk(stand, diary))
 }

@@ -5,25 +5,34 @@ use crate::analysis::periodic::multipliers::is_stable;
 use crate::analysis::periodic::orbit::cleaned;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
+use crate::numerics::stored::{list, number, pairs};
+use serde::{Deserialize, Serialize};
 
 /// One orbit of a branch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Point {
     /// The free parameters.
+    #[serde(with = "list")]
     pub parameters: Vec<f64>,
     /// The period of the orbit.
+    #[serde(with = "number")]
     pub period: f64,
     /// Impacts a period; none where infinitely many.
     pub impacts: Option<u64>,
     /// All but the trivial one, the largest first.
+    #[serde(with = "pairs")]
     pub multipliers: Vec<Complex>,
     /// The state at the section, or just after an event.
+    #[serde(with = "list")]
     pub state: Vec<f64>,
     /// The values of the user's functions there.
+    #[serde(with = "list")]
     pub monitors: Vec<f64>,
     /// Largest residual of the equations.
+    #[serde(with = "number")]
     pub residual: f64,
     /// The latest correction against the size of the state.
+    #[serde(with = "number")]
     pub correction: f64,
 }
 

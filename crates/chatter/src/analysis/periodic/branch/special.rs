@@ -2,9 +2,11 @@
 
 use super::Point;
 use crate::analysis::periodic::shooting::Shooting;
+use crate::numerics::stored::number;
+use serde::{Deserialize, Serialize};
 
 /// Kinds of special points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum SpecialKind {
     /// The parameter turns: a multiplier passes 1.
     Fold,
@@ -14,9 +16,10 @@ pub enum SpecialKind {
     NeimarkSacker,
     /// Two branches meet.
     BranchPoint,
-    /// An impact loses its rate.
+    /// An impact loses its rate as the parameter grows: the flight that it parts is free of the contact where the parameter is
+    /// greater.
     ImpactGraze,
-    /// A flight touches a contact.
+    /// A flight touches a contact as the parameter grows: it is free of it where the parameter is less.
     FlightGraze,
     /// Complete chatter ends exactly at release.
     ChatterBorder,
@@ -122,15 +125,17 @@ impl SpecialKind {
 }
 
 /// A special point.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Special {
     /// Which kind.
     pub kind: SpecialKind,
     /// The orbit there.
     pub point: Point,
     /// Estimated error of its parameter.
+    #[serde(with = "number")]
     pub error: f64,
     /// What vanishes there.
+    #[serde(with = "number")]
     pub residual: f64,
     /// Of a graze: whether the branch goes on beyond it, rather than turning back.
     pub persists: Option<bool>,
@@ -142,6 +147,7 @@ pub struct Special {
     /// Where it is on its branch: after so many points.
     pub place: usize,
     /// Its equations.
+    #[serde(skip)]
     pub(crate) seed: Option<Seed>,
 }
 

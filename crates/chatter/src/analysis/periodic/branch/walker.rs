@@ -2,10 +2,12 @@
 
 use super::holds::broken;
 use super::limits::{End, Limits, station_at};
+use super::record::{Record, Stand, Standing, Then};
 use super::special::{Seed, Special};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, NewtonError, Problem, Station, StepError};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::shooting::Shooting;
 use core::ops::ControlFlow;
 
@@ -27,6 +29,17 @@ const CLOSE: f64 = 1e-4;
 /// Points nearer than this to the latest, in parts of a step, are not kept: at a border they accumulate.
 const CROWDED: f64 = 1e-6;
 
+/// After so many stations what came about is recorded.
+const STATIONS_A_RECORD: usize = 64;
+
+/// What of a side is on record.
+struct Recorded {
+    points: usize,
+    special: usize,
+    /// Stations that were made then.
+    stations: usize,
+}
+
 pub(super) struct Walker {
     pub shooting: Shooting<f64>,
     pub limits: Limits,
@@ -46,20 +59,38 @@ fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
 }
 
 impl Walker {
-    pub(super) fn walk(
-        mut self,
-        start: Station,
-        observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
-    ) -> Side {
-        let mut curve = Curve::new(start, self.limits.settings());
-        let mut here = {
-            let _ = self.shooting.evaluate(&curve.station.at);
-            Point::new(&mut self.shooting, &curve.station)
+    /// At a station that nothing was followed from yet.
+    pub(super) fn begin(&mut self, station: Station) -> Stand {
+        self.settle(&station);
+        Stand {
+            here: Point::new(&mut self.shooting, &station),
+            origin: (station.at.clone(), passages(&self.shooting)),
+            station,
+            step: self.limits.settings().first_step,
+            grazes: 0,
+            made: 0,
+            since_kept: f64::INFINITY,
+        }
+    }
+
+    pub(super) fn walk(mut self, stand: Stand, diary: &mut Diary<'_>) -> Side {
+        let Stand {
+            station,
+            step,
+            mut here,
+            origin,
+            mut grazes,
+            mut made,
+            mut since_kept,
+        } = stand;
+        let mut curve = Curve::new(station, self.limits.settings());
+        curve.step = step;
+        self.settle(&curve.station);
+        let mut recorded = Recorded {
+            points: self.points.len(),
+            special: self.special.len(),
+            stations: made,
         };
-        let origin = (curve.station.clone(), passages(&self.shooting));
-        let mut grazes = 0;
-        let mut made = 0;
-        let mut since_kept = f64::INFINITY;
         // At a graze multipliers have a pole: what changes its sign is looked for from close by.
         let mut at_graze = false;
         let end = loop {
@@ -89,6 +120,21 @@ impl Walker {
                         );
                         break End::ChatterBorder;
                     }
+                    // Where a crossing and the way back become one, no time is left between them.
+                    let count = self.shooting.steps.len();
+                    self.settle(&curve.station);
+                    if let Some(index) = (0..count).find(|&k| self.shooting.comes_back(k)) {
+                        grazes += 1;
+                        let forward = curve.station.parameter_slope();
+                        let outcome = self.lose(&curve.station.clone(), index, &here.clone());
+                        match self.goes_on(outcome, (&mut curve, forward), &mut here) {
+                            Stop::On => {
+                                at_graze = true;
+                                continue;
+                            }
+                            Stop::End(end) => break end,
+                        }
+                    }
                     break End::Lost(error.to_string());
                 }
             };
@@ -100,7 +146,7 @@ impl Walker {
                 match self.pass(&mut curve, step, broken, &mut here) {
                     Stop::On => {
                         at_graze = true;
-                        if observer(&here).is_break() {
+                        if diary.tell(Told::Orbit(&here)).is_break() {
                             break End::Interrupted;
                         }
                         if self.leaves(&here) {
@@ -150,10 +196,36 @@ impl Walker {
                 self.points.push(here.clone());
                 since_kept = 0.0;
             }
-            if observer(&here).is_break() {
-                break End::Interrupted;
+            let broken_off = diary.tell(Told::Orbit(&here)).is_break();
+            if broken_off || made >= recorded.stations + STATIONS_A_RECORD {
+                let stand = Stand {
+                    station: curve.station.clone(),
+                    step: curve.step,
+                    here: here.clone(),
+                    origin: origin.clone(),
+                    grazes,
+                    made,
+                    since_kept,
+                };
+                let standing = Standing::of(&self.shooting, &stand);
+                let kept = self.record(&mut recorded, Then::On(Box::new(standing)), diary);
+                recorded.stations = made;
+                if broken_off || kept.is_break() {
+                    break End::Interrupted;
+                }
             }
         };
+        if end != End::Interrupted {
+            // What cannot be kept is broken off.
+            let kept = self.record(&mut recorded, Then::Ended(end.clone()), diary);
+            if kept.is_break() {
+                return self.side(End::Interrupted);
+            }
+        }
+        self.side(end)
+    }
+
+    pub(super) fn side(self, end: End) -> Side {
         Side {
             points: self.points,
             special: self.special,
@@ -161,15 +233,31 @@ impl Walker {
         }
     }
 
+    /// Tells of what came about since the record before.
+    fn record(
+        &self,
+        recorded: &mut Recorded,
+        then: Then,
+        diary: &mut Diary<'_>,
+    ) -> ControlFlow<()> {
+        let new = (
+            &self.points[recorded.points..],
+            &self.special[recorded.special..],
+        );
+        let record = Record::new(&self.shooting.workshop.system, new, then);
+        (recorded.points, recorded.special) = (self.points.len(), self.special.len());
+        diary.tell(Told::Record(&record))
+    }
+
     /// Whether the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events.
     fn returns(
         &mut self,
         (from, to): (&Station, &Station),
         step: f64,
-        (origin, kinds): &(Station, Vec<Passage>),
+        (origin, kinds): &(Vec<f64>, Vec<Passage>),
     ) -> bool {
         let own = passages(&self.shooting);
-        let target = origin.parameter();
+        let target = origin[origin.len() - 1];
         let between = (from.parameter() - target) * (to.parameter() - target) <= 0.0;
         if !between || own.len() != kinds.len() {
             return false;
@@ -189,7 +277,7 @@ impl Walker {
             // Phases may be turns further.
             let near = |k: usize| {
                 let nodes = (
-                    shooting.node(&origin.at, k),
+                    shooting.node(origin, k),
                     shooting.node(&here.at, (k + by) % count),
                 );
                 let difference = shooting.workshop.closure.difference(&turns, nodes, &sizes);

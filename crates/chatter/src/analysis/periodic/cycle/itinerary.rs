@@ -6,24 +6,29 @@ use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::Side;
 use crate::flow::leg::{Jump, LegKind, StretchKind};
 use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory};
+use crate::numerics::stored::{list, number};
+use serde::{Deserialize, Serialize};
 
 /// A part of an orbit between two of its nodes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Step {
     pub passage: Passage,
     /// The piece of each lookup in the mode that it ends in.
     pub pieces: Vec<i64>,
-    /// What happens at its end; of a stretch, all that happens.
+    /// What happens at its end; of a stretch, all that happens. Equations do without it.
+    #[serde(skip)]
     pub told: Vec<Occurrence<f64>>,
     /// Contacts that are closed after it.
     pub closed: Closed,
     /// First guess.
+    #[serde(with = "list")]
     pub start: Vec<f64>,
+    #[serde(with = "number")]
     pub duration: f64,
 }
 
 /// How a part of an orbit is travelled.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Passage {
     /// By the smooth flow of one mode, for a time that is an unknown, up to a surface.
     Leg(LegKind),
@@ -112,6 +117,13 @@ fn single(instant: &Instant) -> Option<LegKind> {
                 jump = Jump::Reset(section);
                 events += 1;
             }
+            // Where a jump leads to the other side of a surface, or onto it, the mode after it says so.
+            Occurrence::Switch { .. }
+            | Occurrence::Slide { .. }
+            | Occurrence::Leave { .. }
+            | Occurrence::Stick { .. }
+            | Occurrence::Slip { .. }
+                if jump != Jump::None => {}
             Occurrence::Release { .. }
             | Occurrence::Switch { .. }
             | Occurrence::Slide { .. }
@@ -206,9 +218,17 @@ pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
         }
         open = Some((begin, accumulations, told));
     }
-    if open.is_some() {
+    if let Some((_, accumulations, told)) = open {
+        let impacts = told
+            .iter()
+            .any(|told| matches!(told, Occurrence::Impact { .. }));
+        let what = match accumulations {
+            0 if impacts => "several impacts, or an impact and another event, at one instant",
+            0 => "several events at one instant",
+            _ => "complete chatter without a single event after it",
+        };
         return Err(PeriodicError::Unfollowed {
-            what: "an instant of several events at its end".to_owned(),
+            what: what.to_owned(),
         });
     }
     Ok(steps)

@@ -6,7 +6,9 @@ use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Workshop, without_zeros};
 use crate::flow::GuardKind;
+use crate::numerics::stored::number;
 use core::ops::ControlFlow;
+use serde::{Deserialize, Serialize};
 
 /// A cycle as far as a trajectory shows it.
 #[derive(Clone, Debug)]
@@ -34,13 +36,14 @@ impl Cycle {
 }
 
 /// How long a trajectory is followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Patience {
     /// Events, at most.
     pub events: usize,
     /// Periods of the forcing, at most.
     pub periods: usize,
     /// Time, at most.
+    #[serde(with = "number")]
     pub time: f64,
 }
 

@@ -1,0 +1,116 @@
+//! Which branches are to be found: all that a run needs to go on where another was broken off.
+
+use super::find::{Reach, beside};
+use super::request::{free_parameter, specification};
+use crate::data_files::DataFiles;
+use crate::options::{Assignment, Quantity, Window};
+use crate::refusal::Refusal;
+use crate::source::{Source, set_initial, set_parameters};
+use chatter::analysis::periodic::{BranchSpec, Spec};
+use chatter::model::Model;
+use chatter::numerics::Real;
+use serde::{Deserialize, Serialize};
+
+/// Branches of a model, as they were asked for. Equal jobs have equal results, to the bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// Version of this program.
+    pub version: String,
+    /// The model as the user named it.
+    pub model: String,
+    /// Text of the model's file.
+    pub model_text: String,
+    /// The files that the model's tables stand in, as they were.
+    #[serde(default, skip_serializing_if = "DataFiles::is_empty")]
+    pub data_files: DataFiles,
+    /// Parameters set by the user: name and expression.
+    pub set: Vec<(String, String)>,
+    /// Initial values set by the user: name and expression.
+    pub initial: Vec<(String, String)>,
+    /// Period of the forcing.
+    pub period: Option<String>,
+    /// The section at which states are told.
+    pub section: Option<String>,
+    /// Functions that are watched.
+    pub monitors: Vec<String>,
+    /// The parameter that is varied, …
+    pub parameter: String,
+    /// … and its range, from and to.
+    pub range: (String, String),
+    /// Impacts a period, at most.
+    pub impacts: Option<u64>,
+    /// Orbits of one branch to either side, at most.
+    pub points: Option<u64>,
+    /// The longest step, in parts of the range.
+    pub step: Option<String>,
+    /// How often a branch is left for another at period doublings, …
+    pub doublings: u64,
+    /// … and at branch points.
+    pub branch_points: u64,
+}
+
+/// A job made ready.
+pub struct Ready {
+    /// The model, with everything set into it.
+    pub model: Model,
+    /// Which orbits.
+    pub spec: Spec,
+    /// Over what.
+    pub over: BranchSpec,
+}
+
+fn assignments(all: &[(String, String)]) -> Vec<Assignment> {
+    all.iter()
+        .map(|(name, text)| Assignment::new(name, text))
+        .collect()
+}
+
+impl Job {
+    /// Reads the model and checks everything.
+    ///
+    /// # Errors
+    /// The model is wrong, or what is asked does not fit it.
+    pub fn ready(&self) -> Result<Ready, Refusal> {
+        let source = Source::kept(&self.model, &self.model_text, self.data_files.clone());
+        let mut model = source.load()?.model;
+        set_parameters(&mut model, &assignments(&self.set))?;
+        set_initial(&mut model, &assignments(&self.initial))?;
+        let (period, section) = (self.period.as_deref(), self.section.as_deref());
+        let spec = specification(&mut model, period, (section, &self.monitors))?;
+        let parameter = free_parameter(&model, &self.parameter)?;
+        let (from, to) = &self.range;
+        let range = Window::new(from, to).ends(&mut model, "--sweep")?;
+        let step = match &self.step {
+            Some(step) => Some(Quantity(step.clone()).value(&mut model, "--step")?.to_f64()),
+            None => None,
+        };
+        let reach = Reach {
+            impacts: self.impacts,
+            points: self.points,
+            step,
+        };
+        let over = BranchSpec {
+            parameter,
+            limits: reach.over(range)?,
+            beside: beside(self.doublings, self.branch_points)?,
+        };
+        Ok(Ready { model, spec, over })
+    }
+
+    /// What another job differs in, in words.
+    pub(super) fn difference(&self, other: &Self) -> &'static str {
+        if (&self.model, &self.model_text) != (&other.model, &other.model_text) {
+            "another model"
+        } else if self.version != other.version {
+            "another version of chatter"
+        } else if (&self.set, &self.initial) != (&other.set, &other.initial) {
+            "other parameters or initial values"
+        } else if self.data_files != other.data_files {
+            "other tables in the model's files"
+        } else if (&self.parameter, &self.range) != (&other.parameter, &other.range) {
+            "another sweep"
+        } else {
+            "other options"
+        }
+    }
+}

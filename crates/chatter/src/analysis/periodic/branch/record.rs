@@ -1,0 +1,260 @@
+//! What the walk along one side of a branch came to, as it is kept: another walk goes on from there, to the same bits.
+
+use super::special::Seed;
+use super::{End, Point, Special};
+use crate::analysis::continuation::Station;
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::{Shooting, Workshop};
+use crate::expressions::Sides;
+use crate::flow::{Grip, System};
+use crate::numerics::stored::list;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A part of a branch that was followed: what came about since the record before it on the same side, and how it goes on. Records
+/// of one survey belong in the order in which they were told.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Record {
+    /// What the modes that are mentioned are: their numbers are not the same in every run.
+    modes: Vec<(Grip, Sides)>,
+    points: Vec<Point>,
+    special: Vec<(Special, Option<Equations>)>,
+    then: Then,
+}
+
+impl Record {
+    /// In which form records are kept.
+    pub const FORMAT: u32 = 1;
+
+    /// How many orbits it adds.
+    pub fn orbits(&self) -> usize {
+        self.points.len()
+    }
+}
+
+/// How a side goes on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) enum Then {
+    On(Box<Standing>),
+    Ended(End),
+}
+
+/// The equations of an orbit, and a solution.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Equations {
+    steps: Vec<Step>,
+    counts: Vec<i64>,
+    #[serde(with = "list")]
+    scales: Vec<f64>,
+    #[serde(with = "list")]
+    pins: Vec<f64>,
+    told: Option<Vec<f64>>,
+    #[serde(with = "list")]
+    at: Vec<f64>,
+}
+
+/// All that a walk knows between two of its steps.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Standing {
+    equations: Equations,
+    #[serde(with = "list")]
+    tangent: Vec<f64>,
+    /// Residual, correction and orientation of the station, the next step, and what was gone since a point was kept.
+    #[serde(with = "list")]
+    numbers: Vec<f64>,
+    here: Point,
+    #[serde(with = "list")]
+    origin: Vec<f64>,
+    passages: Vec<Passage>,
+    grazes: usize,
+    made: usize,
+}
+
+/// Where a walk stands.
+#[derive(Clone, Debug)]
+pub(super) struct Stand {
+    pub station: Station,
+    /// The next step.
+    pub step: f64,
+    pub here: Point,
+    /// Where the walk began: nodes and times, and the sequence of events.
+    pub origin: (Vec<f64>, Vec<Passage>),
+    pub grazes: usize,
+    pub made: usize,
+    pub since_kept: f64,
+}
+
+impl Equations {
+    fn of(shooting: &Shooting<f64>, at: &[f64]) -> Self {
+        Self {
+            steps: shooting.steps.clone(),
+            counts: shooting.counts.clone(),
+            scales: shooting.scales.clone(),
+            pins: shooting.pins.clone(),
+            told: shooting.told.clone(),
+            at: at.to_vec(),
+        }
+    }
+
+    fn restored(self, workshop: &Arc<Workshop>) -> Result<Seed, PeriodicError> {
+        let mut shooting = Shooting::new(workshop, self.steps, self.counts)?;
+        if [self.scales.len(), self.at.len()] != [shooting.scales.len(); 2] {
+            return Err(damaged());
+        }
+        shooting.scales = self.scales;
+        shooting.pins = self.pins;
+        shooting.told = self.told;
+        Ok(Seed {
+            shooting,
+            at: self.at,
+        })
+    }
+}
+
+fn damaged() -> PeriodicError {
+    PeriodicError::Unfollowed {
+        what: "a record that is not of this branch".to_owned(),
+    }
+}
+
+/// The mode of a passage.
+fn mode(passage: &mut Passage) -> &mut usize {
+    match passage {
+        Passage::Leg(kind) | Passage::Timed(kind) => &mut kind.mode,
+        Passage::Stretch(kind) => &mut kind.last.mode,
+    }
+}
+
+impl Record {
+    /// Of the latest part of a side.
+    pub(super) fn new(
+        system: &System,
+        (points, special): (&[Point], &[Special]),
+        then: Then,
+    ) -> Self {
+        let with_equations = |special: &Special| {
+            let seed = special.seed.as_ref();
+            let equations = seed.map(|seed| Equations::of(&seed.shooting, &seed.at));
+            (special.clone(), equations)
+        };
+        let mut record = Self {
+            modes: Vec::new(),
+            points: points.to_vec(),
+            special: special.iter().map(with_equations).collect(),
+            then,
+        };
+        let mut met: Vec<usize> = Vec::new();
+        record.each_mode(&mut |mode| {
+            let place = met.iter().position(|known| known == mode);
+            *mode = place.unwrap_or_else(|| {
+                met.push(*mode);
+                met.len() - 1
+            });
+        });
+        let of = |mode: usize| {
+            let origin = system.origin_of(mode);
+            origin.map_or_else(Default::default, |(grip, sides, _)| (grip, sides))
+        };
+        record.modes = met.into_iter().map(of).collect();
+        record
+    }
+
+    fn each_mode(&mut self, change: &mut dyn FnMut(&mut usize)) {
+        let equations = self.special.iter_mut().filter_map(|(_, at)| at.as_mut());
+        for step in equations.flat_map(|equations| &mut equations.steps) {
+            change(mode(&mut step.passage));
+        }
+        if let Then::On(standing) = &mut self.then {
+            for step in &mut standing.equations.steps {
+                change(mode(&mut step.passage));
+            }
+            for passage in &mut standing.passages {
+                change(mode(passage));
+            }
+        }
+    }
+
+    /// What was found, and how it goes on: with the modes of this system.
+    pub(super) fn restored(
+        mut self,
+        workshop: &Arc<Workshop>,
+    ) -> Result<(Vec<Point>, Vec<Special>, Then), PeriodicError> {
+        let meet = |&(grip, sides): &(Grip, Sides)| workshop.system.meet(grip, sides);
+        let numbers: Vec<usize> = self.modes.iter().map(meet).collect();
+        let mut known = true;
+        self.each_mode(&mut |mode| match numbers.get(*mode) {
+            Some(number) => *mode = *number,
+            None => known = false,
+        });
+        if !known {
+            return Err(damaged());
+        }
+        let mut special = Vec::with_capacity(self.special.len());
+        for (mut point, equations) in self.special {
+            if let Some(equations) = equations {
+                point.seed = Some(equations.restored(workshop)?);
+            }
+            special.push(point);
+        }
+        Ok((self.points, special, self.then))
+    }
+}
+
+impl Standing {
+    pub(super) fn of(shooting: &Shooting<f64>, stand: &Stand) -> Self {
+        let Station {
+            at,
+            tangent,
+            residual,
+            correction,
+            orientation,
+        } = &stand.station;
+        Self {
+            equations: Equations::of(shooting, at),
+            tangent: tangent.clone(),
+            numbers: vec![
+                *residual,
+                *correction,
+                *orientation,
+                stand.step,
+                stand.since_kept,
+            ],
+            here: stand.here.clone(),
+            origin: stand.origin.0.clone(),
+            passages: stand.origin.1.clone(),
+            grazes: stand.grazes,
+            made: stand.made,
+        }
+    }
+
+    /// Equations and place.
+    pub(super) fn restored(
+        self,
+        workshop: &Arc<Workshop>,
+    ) -> Result<(Shooting<f64>, Stand), PeriodicError> {
+        let Seed { shooting, at } = self.equations.restored(workshop)?;
+        let &[residual, correction, orientation, step, since_kept] = &*self.numbers else {
+            return Err(damaged());
+        };
+        if self.tangent.len() != at.len() {
+            return Err(damaged());
+        }
+        let stand = Stand {
+            station: Station {
+                at,
+                tangent: self.tangent,
+                residual,
+                correction,
+                orientation,
+            },
+            step,
+            here: self.here,
+            origin: (self.origin, self.passages),
+            grazes: self.grazes,
+            made: self.made,
+            since_kept,
+        };
+        Ok((shooting, stand))
+    }
+}

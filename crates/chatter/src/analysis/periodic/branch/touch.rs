@@ -1,0 +1,213 @@
+//! Where a surface on which formulas change their form is touched: a crossing and the way back come in, or go out. The field is
+//! continuous there, or no such orbit is found.
+
+use super::graze::unfollowed;
+use super::walker::{NOISE, Walker};
+use super::{Point, SpecialKind};
+use crate::analysis::continuation::{
+    Condition, Held, NewtonError, Problem, Station, newton, tangent,
+};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::expressions::Side;
+use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, Least, LegKind};
+
+/// On the other side an orbit begins with so long a stay, in parts of its period, or else with a shorter one.
+const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
+/// Between a crossing and the way back no time is left: less than this part of the period.
+const NO_TIME: f64 = 1e-2;
+
+/// The guard that ends a stay beyond one that was crossed, where that is a matter of sides.
+pub(super) fn opposite(guard: GuardKind) -> Option<GuardKind> {
+    match guard {
+        GuardKind::Switch(surface) => Some(GuardKind::Switch(surface)),
+        GuardKind::Piece(lookup, Side::Above) => Some(GuardKind::Piece(lookup, Side::Below)),
+        GuardKind::Piece(lookup, Side::Below) => Some(GuardKind::Piece(lookup, Side::Above)),
+        _ => None,
+    }
+}
+
+impl Shooting<f64> {
+    /// The crossing whose way back follows with no time left, if it is this event or the one before; without an event, any.
+    pub(super) fn crossing_that_vanishes(&self, event: usize) -> Option<usize> {
+        let count = self.steps.len();
+        let before = (event + count - 1) % count;
+        [event, before]
+            .into_iter()
+            .find(|&index| self.comes_back(index))
+    }
+
+    /// Whether a step ends with a crossing whose way back follows at once.
+    pub(super) fn comes_back(&self, index: usize) -> bool {
+        let count = self.steps.len();
+        let (step, next, last) = (
+            &self.steps[index],
+            &self.steps[(index + 1) % count],
+            &self.steps[(index + 2) % count],
+        );
+        let is_leg =
+            |step: &Step| matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None);
+        let all = count > 1 && is_leg(step) && is_leg(next);
+        let back = step.ends_at().and_then(opposite);
+        let stay = self.latest.get((index + 1) % count);
+        all && back.is_some()
+            && next.ends_at() == back
+            && last.mode() == step.mode()
+            && last.pieces == step.pieces
+            && stay.is_some_and(|stay| stay.duration < NO_TIME * self.period())
+    }
+
+    /// The same orbit that only touches where it crosses at the end of a step and comes back, and the step that ends there.
+    pub(super) fn without_way_back(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let count = steps.len();
+        let mut index = index;
+        if index + 2 >= count {
+            let free: Vec<f64> = self.free(at).to_vec();
+            let turns = (self.workshop.closure).turns(&self.workshop.parameters(&free))?;
+            let by = (index + 2) - count + 1;
+            crate::analysis::periodic::cycle::itinerary::rotate(
+                &mut steps,
+                by,
+                &turns,
+                &self.counts,
+            );
+            index -= by;
+        }
+        let stay = steps.remove(index + 1);
+        steps[index].duration += 0.5 * stay.duration;
+        steps[index].closed = stay.closed;
+        let next = (index + 1) % steps.len();
+        steps[next].start.clone_from(&stay.start);
+        steps[next].duration += 0.5 * stay.duration;
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// The same orbit with a stay of this duration on the other side of the surface that the end of a step touches, and where its
+    /// duration stands among the unknowns.
+    fn with_stay(
+        &self,
+        at: &[f64],
+        (index, duration): (usize, f64),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let count = steps.len();
+        let Passage::Leg(kind) = steps[index].passage else {
+            return Err(unfollowed("a touch that ends no leg"));
+        };
+        let system = &self.workshop.system;
+        let (Some(guard), Some((grip, sides, _))) = (kind.ends_at, system.origin_of(kind.mode))
+        else {
+            return Err(unfollowed("a touch of nothing"));
+        };
+        let mut pieces = steps[index].pieces.clone();
+        let mut mode = kind.mode;
+        match guard {
+            GuardKind::Switch(surface) => {
+                let other = match sides.get(surface) {
+                    Side::Above => Side::Below,
+                    Side::Below => Side::Above,
+                    Side::Sliding => return Err(unfollowed("a touch of a surface slid along")),
+                };
+                mode = system.meet(grip, sides.with(surface, other));
+            }
+            GuardKind::Piece(lookup, side) => {
+                pieces[lookup] += if side == Side::Above { 1 } else { -1 };
+            }
+            _ => return Err(unfollowed("a touch of what has no sides")),
+        }
+        let next = (index + 1) % count;
+        let parameters = self.workshop.parameters(self.free(at));
+        let model = &self.workshop.model;
+        let touch = steps[next].start.clone();
+        // A moment before, and after: the field is continuous.
+        let moved = |by: f64| -> Vec<f64> {
+            let rate = |state: &crate::model::State| {
+                model.graph.evaluate(state.derivative, &touch, &parameters)
+            };
+            (touch.iter().zip(&model.states))
+                .map(|(x, state)| x + by * rate(state))
+                .collect()
+        };
+        let stay = Step {
+            passage: Passage::Leg(LegKind {
+                mode,
+                ends_at: opposite(guard),
+                jump: Jump::None,
+            }),
+            pieces,
+            start: moved(-0.5 * duration),
+            duration,
+            ..steps[index].clone()
+        };
+        steps[next].start = moved(0.5 * duration);
+        steps[index].duration -= 0.5 * duration;
+        steps[next].duration -= 0.5 * duration;
+        steps.insert(index + 1, stay);
+        let (shooting, at) = self.like(steps, at)?;
+        let place = shooting.duration_place(index + 1);
+        let place = place.ok_or_else(|| unfollowed("a stay without duration"))?;
+        Ok((shooting, at, place))
+    }
+}
+
+impl Walker {
+    /// A flight touches a surface: a crossing and the way back come in. The new equations, at their first station.
+    pub(super) fn crosses(
+        &mut self,
+        station: &Station,
+        (index, touching): (usize, &Least),
+        there: &Point,
+    ) -> Result<Station, String> {
+        let told = |error: &dyn core::fmt::Display| error.to_string();
+        let (mut touch, guess, index) = (self.shooting.with_event(&station.at, index, touching))
+            .map_err(|error| told(&error))?;
+        let mut held = Held::monitor(&mut touch, index);
+        let found = newton(&mut held, &guess, &[]).map_err(|error| told(&error))?;
+        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
+        let mut point = there.clone();
+        if let (Some(at), Some(found)) = (point.parameters.last_mut(), found.at.last()) {
+            *at = *found;
+        }
+        let noise = NOISE * f64::EPSILON * station.parameter().abs();
+        self.note(
+            SpecialKind::Touch,
+            &point,
+            &found.at,
+            error.max(noise),
+            found.residual,
+        );
+        touch.evaluate(&found.at).map_err(|left| told(&left))?;
+        let period = touch.period();
+        let mut failed = NewtonError::Singular;
+        for part in STAYS {
+            let (mut longer, guess, place) = touch
+                .with_stay(&found.at, (index, part * period))
+                .map_err(|error| told(&error))?;
+            let fixed = Condition::fixed(guess.len(), place, guess[place]);
+            match newton(&mut longer, &guess, core::slice::from_ref(&fixed)) {
+                Ok(stays) => {
+                    let along = tangent(&mut longer, &stays.at, &fixed.row);
+                    let next = Station {
+                        tangent: along.map_err(|error| told(&error))?,
+                        at: stays.at,
+                        residual: stays.residual,
+                        correction: stays.correction,
+                        orientation: 0.0,
+                    };
+                    self.shooting = longer;
+                    return Ok(next);
+                }
+                Err(error) => failed = error,
+            }
+        }
+        Err(format!("a surface is touched, and beyond {failed}"))
+    }
+}

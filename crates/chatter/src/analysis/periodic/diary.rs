@@ -1,0 +1,43 @@
+//! What a survey of branches tells of while it works, and what it is told of an earlier one that was broken off.
+
+use super::branch::{Point, Record};
+use core::ops::ControlFlow;
+use std::collections::VecDeque;
+
+/// What a survey tells of.
+#[derive(Clone, Copy, Debug)]
+pub enum Told<'a> {
+    /// A trajectory settles.
+    Settling,
+    /// An orbit was found.
+    Orbit(&'a Point),
+    /// So far it has come: with all such records, in order, another survey goes on from there.
+    Record(&'a Record),
+}
+
+/// Records of before, and whoever hears of what comes.
+pub(crate) struct Diary<'a> {
+    before: VecDeque<Record>,
+    observer: &'a mut dyn FnMut(Told<'_>) -> ControlFlow<()>,
+}
+
+impl<'a> Diary<'a> {
+    pub(crate) fn new(
+        before: Vec<Record>,
+        observer: &'a mut dyn FnMut(Told<'_>) -> ControlFlow<()>,
+    ) -> Self {
+        Self {
+            before: before.into(),
+            observer,
+        }
+    }
+
+    /// The next record of before.
+    pub(crate) fn next(&mut self) -> Option<Record> {
+        self.before.pop_front()
+    }
+
+    pub(crate) fn tell(&mut self, told: Told<'_>) -> ControlFlow<()> {
+        (self.observer)(told)
+    }
+}

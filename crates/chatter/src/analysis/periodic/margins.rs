@@ -1,0 +1,269 @@
+//! How near an orbit is to losing its sequence of events.
+
+use super::cycle::trace::{Instant, Tracer};
+use super::error::PeriodicError;
+use super::orbit::failed;
+use super::shooting::{Shooting, Workshop};
+use crate::analysis::continuation::{NewtonError, Problem};
+use crate::analysis::universal::{ChatterMap, Constants};
+use crate::flow::{Closed, GuardKind};
+use core::ops::ControlFlow;
+
+/// How near an orbit is to losing its sequence of events.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Margin {
+    /// What kind.
+    pub kind: MarginKind,
+    /// At which contact, surface or other guard.
+    pub guard: GuardKind,
+    /// When, since the start.
+    pub time: f64,
+    /// Zero where the sequence changes.
+    pub value: f64,
+}
+
+/// Kinds of margins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MarginKind {
+    /// The slowest impact.
+    ImpactRate,
+    /// The least gap of flights, or value of another guard.
+    Least,
+    /// The least jerk at a release.
+    ReleaseJerk,
+    /// The coordinate X of a chatter border, negative where chatter is complete.
+    Border,
+}
+
+impl MarginKind {
+    /// Its name in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ImpactRate => "impact_rate",
+            Self::Least => "least_gap",
+            Self::ReleaseJerk => "release_jerk",
+            Self::Border => "border",
+        }
+    }
+}
+
+/// The smallest of each kind of margin, at each guard.
+pub(super) fn margins(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+) -> Result<Vec<Margin>, PeriodicError> {
+    let left = |left| failed(&NewtonError::Left(left));
+    shooting.evaluate(at).map_err(left)?;
+    let least = shooting.least(at).map_err(left)?;
+    let mut found: Vec<Margin> = Vec::new();
+    let mut note = |kind: MarginKind, guard: GuardKind, time: f64, value: f64| {
+        let known = (found.iter_mut()).find(|m| m.kind == kind && m.guard == guard);
+        match known {
+            Some(known) if known.value <= value => {}
+            Some(known) => (known.time, known.value) = (time, value),
+            None => found.push(Margin {
+                kind,
+                guard,
+                time,
+                value,
+            }),
+        }
+    };
+    let mut time = 0.0;
+    let workshop = shooting.workshop.clone();
+    for (index, step) in shooting.steps.iter().enumerate() {
+        let landing = &shooting.latest[index];
+        for least in &least[index] {
+            let crosses = workshop.section.map(GuardKind::Section) == Some(least.guard);
+            if !least.at_end && !crosses {
+                note(
+                    MarginKind::Least,
+                    least.guard,
+                    time + least.time,
+                    least.value,
+                );
+            }
+        }
+        time += landing.duration;
+        if let Some(contact) = step.impact() {
+            note(
+                MarginKind::ImpactRate,
+                GuardKind::Gap(contact),
+                time,
+                -landing.surface_rate,
+            );
+        }
+        if let Some(GuardKind::Reaction(contact)) = step.ends_at() {
+            // Minus the reaction is the acceleration that it keeps from being.
+            note(
+                MarginKind::ReleaseJerk,
+                GuardKind::Reaction(contact),
+                time,
+                -landing.surface_rate,
+            );
+        }
+    }
+    found.extend(borders(shooting, at));
+    Ok(found)
+}
+
+/// u of an impact near release (docs/periodic.md, M6): the scaled rate after it, with which complete chatter is told from
+/// incomplete.
+struct Local {
+    /// How many impacts of the sequence came before it.
+    place: usize,
+    time: f64,
+    u: f64,
+    restitution: f64,
+}
+
+/// From a third on the next impact, if there is one, is no impact of the sequence.
+const LARGEST: f64 = 1.0 / 3.0;
+/// Where u has fallen below this part of u*, what is left is far from release.
+const LEAST: f64 = 0.5;
+/// Iterated back, u is near u* where the next term of the linearising function is as small.
+const NEAR: f64 = 1e-7;
+/// So many steps are never needed.
+const MOST_BACK: usize = 400;
+
+/// The coordinate X of the border of each contact that an orbit chatters at (docs/periodic.md), where it comes near enough to one
+/// for that to have a meaning.
+fn borders(shooting: &Shooting<f64>, at: &[f64]) -> Vec<Margin> {
+    let workshop = &shooting.workshop;
+    let parameters = workshop.parameters(shooting.free(at));
+    let contacts = 0..workshop.model.contacts.len();
+    let Some(instants) = followed(shooting, at, &parameters) else {
+        return Vec::new();
+    };
+    let margin = |contact: usize| {
+        let local = sequence(
+            workshop,
+            &parameters,
+            &instants,
+            (contact, shooting.period()),
+        )?;
+        let constants = Constants::new(local.last()?.restitution).ok()?;
+        let fixed = constants.chatter_fixed_point;
+        // The later, the less is left of nu, which the linearising function takes for nothing.
+        let last = (local.iter()).rfind(|local| (LEAST * fixed..LARGEST).contains(&local.u))?;
+        let value =
+            linearised(&constants, last.u) * libm::exp(constants.ln_eta * last.place as f64);
+        let period = shooting.period();
+        let time = last.time - instants[0].time;
+        value.is_finite().then_some(Margin {
+            kind: MarginKind::Border,
+            guard: GuardKind::Gap(contact),
+            time: time - period * (time / period).floor(),
+            value,
+        })
+    };
+    contacts.filter_map(margin).collect()
+}
+
+/// What happens in three periods from the first node on.
+fn followed(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<Vec<Instant>> {
+    let workshop = &shooting.workshop;
+    let start = shooting.node(at, 0);
+    let tracer = Tracer::new(&workshop.system, parameters, start, workshop.section);
+    let mut tracer = tracer.ok()?;
+    let time = tracer.trajectory.time();
+    let mut instants = vec![Instant {
+        time,
+        mode: tracer.trajectory.mode,
+        pieces: tracer.trajectory.pieces().to_vec(),
+        guard: None,
+        told: Vec::new(),
+        state: start.to_vec(),
+        closed: Closed::NONE,
+        mode_after: tracer.trajectory.mode,
+    }];
+    let mut quiet = |_: f64| ControlFlow::Continue(());
+    let until = time + 3.0 * shooting.period();
+    (tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)).ok()?;
+    Some(instants)
+}
+
+/// The impacts at a contact that follow its longest flight, up to the last that another one follows before the next such flight.
+fn sequence(
+    workshop: &Workshop,
+    parameters: &[f64],
+    instants: &[Instant],
+    (contact, period): (usize, f64),
+) -> Option<Vec<Local>> {
+    // Flights end with an impact there, and begin with one or with a release.
+    let hits = |instant: &Instant| instant.impact().is_some_and(|(hit, _)| hit == contact);
+    let ends: Vec<usize> = (1..instants.len())
+        .filter(|&k| hits(&instants[k]))
+        .collect();
+    let flight = |&end: &usize| {
+        let leaves = |instant: &Instant| hits(instant) || instant.is_release();
+        let begin = (0..end).rev().find(|&k| leaves(&instants[k]))?;
+        Some(instants[end].time - instants[begin].time)
+    };
+    // A flight that began before the first instant ends once more, and what follows is whole.
+    let limit = instants[0].time + 2.0 * period;
+    let first = (ends.iter().copied())
+        .filter(|end| instants[*end].time <= limit)
+        .filter_map(|end| Some((end, flight(&end)?)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?
+        .0;
+    let mut found = Vec::new();
+    let all = ends.iter().filter(|&&end| {
+        end >= first && instants[end].time < instants[first].time + (1.0 - SAME_FLIGHT) * period
+    });
+    for (place, &end) in all.enumerate() {
+        let instant = &instants[end];
+        let Some((grip, _, on)) = workshop.system.origin_of(instant.mode_after) else {
+            break;
+        };
+        if grip.closed != Closed::NONE {
+            break;
+        }
+        let mut known = parameters.to_vec();
+        let graph = &workshop.system.model().graph;
+        for (index, &piece) in instant.pieces.iter().enumerate() {
+            let slots = workshop
+                .system
+                .corners()
+                .slots_of::<f64>(graph, index, piece);
+            known.extend(slots.unwrap_or_default());
+        }
+        let mechanics = &on.mechanics.contacts[contact];
+        let of = |expr| on.mechanics.graph.evaluate(expr, &instant.state, &known);
+        let (rate, acceleration, jerk) = (
+            of(mechanics.rate),
+            of(mechanics.acceleration),
+            of(mechanics.jerk),
+        );
+        if !(acceleration < 0.0 && rate > 0.0 && jerk > 0.0) {
+            break;
+        }
+        found.push(Local {
+            place,
+            time: instant.time,
+            u: jerk * rate / (acceleration * acceleration),
+            restitution: of(mechanics.restitution),
+        });
+    }
+    (found.len() >= LEAST_IMPACTS).then_some(found)
+}
+
+/// Fewer impacts are no chatter.
+const LEAST_IMPACTS: usize = 4;
+/// The same flight a period later is known to this part of it.
+const SAME_FLIGHT: f64 = 1e-6;
+
+/// X of u where nu is nothing: lim eta^-m (g^-m(u) - u*).
+fn linearised(constants: &Constants<f64>, u: f64) -> f64 {
+    let map = ChatterMap::new(constants);
+    let fixed = constants.chatter_fixed_point;
+    let (mut u, mut growth) = (u, 1.0);
+    for _ in 0..MOST_BACK {
+        if (u - fixed).abs() <= NEAR * fixed {
+            break;
+        }
+        u = map.inverse(u);
+        growth /= constants.eta;
+    }
+    (u - fixed) * growth
+}
