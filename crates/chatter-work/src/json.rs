@@ -74,10 +74,10 @@ impl Object {
 
     /// With a list of rows of numbers.
     #[must_use]
-    pub fn rows<R: Real, const N: usize>(self, name: &str, rows: &[[R; N]]) -> Self {
-        let numbers = |row: &[R; N]| list(row, |value| Json::Number(value.to_f64()));
+    pub fn rows<R: Real, V: AsRef<[R]>>(self, name: &str, rows: &[V]) -> Self {
+        let numbers = |row: &V| list(row.as_ref(), |value| Json::Number(value.to_f64()));
         let texts =
-            |row: &[R; N], digits| list(row, |value| Json::Text(significant(value, digits)));
+            |row: &V, digits| list(row.as_ref(), |value| Json::Text(significant(value, digits)));
         let with = self.with(name, Json::List(rows.iter().map(numbers).collect()));
         with.twin(name, |digits| {
             Json::List(rows.iter().map(|row| texts(row, digits)).collect())

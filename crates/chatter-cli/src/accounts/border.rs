@@ -201,6 +201,14 @@ fn blocks<R: Real + Argument<Real = R>>(
     }
     let name = format!("D = dX/d{parameter}");
     form.push(row(&name, estimate(&exact.covector_parameter)));
+    if let Some(memory) = &exact.memory {
+        form.push(row("K without memory", [number(memory.slope)]));
+        form.push(row("K of doublings", [number(memory.doubling_slope)]));
+        for (returns, &index) in memory.returns.iter().zip(&memory.states) {
+            let name = format!("{} remembered", states[index]);
+            form.push(row(&name, returns.iter().map(|&x| number(x))));
+        }
+    }
 
     let mut blocks = vec![
         (format!("border orbit in {parameter}"), orbit, WORDS),
@@ -232,17 +240,20 @@ fn blocks<R: Real + Argument<Real = R>>(
 fn leading_order<R: Real>(subject: &Subject, form: &LeadingOrder<R>) -> Block {
     let number = |value: R| full(value, subject.text_digits);
     let row = |name: &str, values: &[R]| row(name, values.iter().map(|&value| number(value)));
-    let rows = vec![
+    let mut rows = vec![
         row("CAB", &[form.slope]),
         row("CAE + CF + D", &[form.unfolding_rate]),
-        row("A", &form.a[0]),
-        row("", &form.a[1]),
+    ];
+    for (place, part) in form.a.iter().enumerate() {
+        rows.push(row(if place == 0 { "A" } else { "" }, part));
+    }
+    rows.extend([
         row("B", &form.b),
         row("C", &form.c),
         row("D", &[form.d]),
         row("E", &form.e),
         row("F", &form.f),
-    ];
+    ]);
     let section = &form.section;
     let title = format!(
         "leading order, section {} = {}",

@@ -203,8 +203,8 @@ pub fn report(valve: &Valve, report: &mut Report) {
          {:.5}, which nearly cancel: an error of 2 in the sixth digit of $F$ or $A$ becomes one of tens of units in the \
          sum.",
         numbers.len(),
-        dot(form.c, moved(form.e)),
-        dot(form.c, form.f),
+        dot([form.c[0], form.c[1]], moved(form.e)),
+        dot([form.c[0], form.c[1]], [form.f[0], form.f[1]]),
         form.d
     ));
 }

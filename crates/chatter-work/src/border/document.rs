@@ -5,13 +5,10 @@ use super::{Answer, Subject};
 use crate::json::{Json, Object};
 use crate::universal::window_sheet;
 use chatter::analysis::border::{
-    Border, BorderError, BreakCause, Estimate, LeadingOrder, WindowComparison,
+    Border, BorderError, BreakCause, Estimate, LeadingOrder, Memory, WindowComparison,
 };
 use chatter::analysis::universal::Argument;
 use chatter::numerics::Real;
-
-/// Border orbits have three states.
-const STATES: usize = 3;
 
 /// The whole answer.
 pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer<R>) -> Object {
@@ -130,9 +127,7 @@ fn one<R: Real + Argument<Real = R>>(
 
 fn exact<R: Real>(subject: &Subject, border: &Border<R>) -> Object {
     let exact = &border.exact;
-    let flight: Vec<[R; STATES]> = (exact.flight.iter())
-        .filter_map(|row| <[R; STATES]>::try_from(values(row)).ok())
-        .collect();
+    let flight: Vec<Vec<R>> = exact.flight.iter().map(|row| values(row)).collect();
     let flight_errors = exact.flight.iter().map(|row| Json::List(errors(row)));
     let with = |object: Object, name: &str, estimates: &[Estimate<R>]| {
         object
@@ -157,11 +152,29 @@ fn exact<R: Real>(subject: &Subject, border: &Border<R>) -> Object {
         "first_impact_by_upsilon",
         &exact.first_impact_by_upsilon,
     );
-    with(
+    let object = with(
         object,
         "first_impact_by_parameter",
         &exact.first_impact_by_parameter,
-    )
+    );
+    match &exact.memory {
+        Some(form) => object.with("memory", memory(subject, form)),
+        None => object,
+    }
+}
+
+/// With more than three states: what orbits remember from passage to passage.
+fn memory<R: Real>(subject: &Subject, form: &Memory<R>) -> Object {
+    let states = subject.model.state_names();
+    let names: Vec<Json> = form.states.iter().map(|&i| states[i].into()).collect();
+    Object::new(subject.digits)
+        .with("states", names)
+        .rows("returns", &form.returns)
+        .numbers("by_upsilon", &form.by_upsilon)
+        .numbers("by_parameter", &form.by_parameter)
+        .numbers("covector", &form.covector)
+        .number("slope", form.slope)
+        .number("doubling_slope", form.doubling_slope)
 }
 
 fn values<R: Real>(estimates: &[Estimate<R>]) -> Vec<R> {

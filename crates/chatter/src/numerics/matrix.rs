@@ -267,6 +267,13 @@ impl<R: Real> Factored<R> {
         x
     }
 
+    /// The determinant.
+    pub fn determinant(&self) -> R {
+        (0..self.order.len()).fold(R::splat(self.sign), |product, i| {
+            product * self.factors[(i, i)] / self.scales[i]
+        })
+    }
+
     /// Sign of the determinant.
     pub fn determinant_sign(&self) -> f64 {
         let negative = (0..self.order.len()).filter(|&i| self.factors[(i, i)] < R::ZERO);

@@ -22,15 +22,17 @@ pub enum BorderError {
         /// The nearest name that there is.
         nearest: Option<String>,
     },
-    /// A border orbit is defined for one contact.
-    Contacts {
-        /// How many the model has.
-        count: usize,
-    },
-    /// The release point is unique, and the return map one-dimensional, only for three states, time included.
+    /// A border orbit has a contact that ends.
+    NoContact,
+    /// A release point is where gap, rate and acceleration vanish: that takes three states, time included.
     States {
         /// How many the model has.
         count: usize,
+    },
+    /// Something is conserved, so that border orbits come in families.
+    NotAlone {
+        /// The parameter value.
+        value: f64,
     },
     /// The parameter values to search are no interval.
     Range {
@@ -217,14 +219,18 @@ impl fmt::Display for BorderError {
             Self::UnknownState { name, nearest } => {
                 write!(out, "the model has no state `{name}`{}", suggest(nearest))
             }
-            Self::Contacts { count } => write!(
-                out,
-                "border orbits are defined for models with one contact; this one has {count}"
-            ),
+            Self::NoContact => write!(out, "border orbits need a contact; this model has none"),
             Self::States { count } => write!(
                 out,
-                "border orbits are defined for models with three states, time included (only then is the release point \
-                 one point); this one has {count}"
+                "border orbits need a point where gap, rate and acceleration vanish, which takes three states, time \
+                 included; this model has {count}"
+            ),
+            Self::NotAlone { value } => write!(
+                out,
+                "with the parameter at {} orbits return to wherever they are released: something is conserved, and \
+                 border orbits come in families; fix what is conserved, such as the amplitude of a forcing that two \
+                 states make, by writing it as a function of time",
+                ParameterValue(*value)
             ),
             Self::Range { low, high } => write!(
                 out,

@@ -1,4 +1,4 @@
-//! Border orbits: complete chatter that ends exactly at release, and the one-dimensional map around them (MATH.md 4).
+//! Border orbits: complete chatter that ends exactly at release, and the one-dimensional map around them (docs/border.md).
 //!
 //! ```text
 //! spec           the question
@@ -6,6 +6,7 @@
 //! release/       where contact ends
 //!   equations    the point h = v = a = 0, j > 0
 //!   all          all of them at a parameter value
+//!   orbits       with more than three states: those that an orbit returns to
 //!   branches     all of them over the parameter
 //!   forcing      states known up to whole periods: time, angles
 //! coordinate/    X, whose root is the border
@@ -48,7 +49,9 @@ mod spec;
 pub use crate::numerics::Estimate;
 pub use coordinate::{Extrapolation, LocalCoordinate, Verdict};
 pub use error::{BorderError, Break, BreakCause};
-pub use normal_form::{Exact, LeadingOrder, ReleaseSection, leading_order_at, section_states};
+pub use normal_form::{
+    Exact, LeadingOrder, Memory, ReleaseSection, leading_order_at, section_states,
+};
 pub use orbit::{Border, FirstImpact};
 pub use prediction::{
     AffineStates, Discrepancy, ImpactCounts, LocatedWindow, Passage, PredictedPassage,

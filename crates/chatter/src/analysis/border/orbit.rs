@@ -4,7 +4,7 @@ use super::coordinate::root::Root;
 use super::error::{BorderError, BreakCause};
 use super::normal_form::exact::{Exact, SectionChart, exact};
 use super::normal_form::leading_order::{LeadingOrder, ReleaseSection, leading_order};
-use super::problem::{Problem, STATES, exactly};
+use super::problem::Problem;
 use super::release::{ReleasePoint, Turn};
 use super::search::breaks::grazing_start;
 use super::spec::BorderSpec;
@@ -46,7 +46,7 @@ pub struct Border<R> {
     pub long_flights: usize,
     /// How many impacts were integrated one by one.
     pub impacts: usize,
-    /// Indices of the two states that are coordinates on the contact surface at the first impact.
+    /// Indices of the states that are coordinates on the contact surface at the first impact.
     pub section: Vec<usize>,
     /// (M5).
     pub exact: Exact<R>,
@@ -63,7 +63,7 @@ pub(super) fn complete<R: Real>(
 ) -> Result<Result<Border<R>, BreakCause>, BorderError> {
     let start = rough.point.value;
     let slack = (POLISH_SLACK * rough.point.parameter_scale()).max(4.0 * rough.error);
-    let near = exactly(&rough.point.release.state);
+    let near = rough.point.release.place();
     let settles = rough.point.settles;
     let guess = DoubleDouble::from(start);
     let within = (start - slack, start + slack);
@@ -81,7 +81,12 @@ pub(super) fn complete<R: Real>(
     let started =
         (problem.model.time).map_or(DoubleDouble::ZERO, |index| point.release.state[index]);
     let parameters = problem.parameters(point.value);
-    let chart = SectionChart::new(problem, &parameters, &first.state[..STATES]);
+    let chart = SectionChart::new(
+        problem,
+        point.release.contact,
+        &parameters,
+        &first.state[..problem.states()],
+    );
     let mut period = point.limits.accumulation(&point.sequence, point.end);
     period.value -= started;
     let border = Border {
@@ -93,7 +98,7 @@ pub(super) fn complete<R: Real>(
         constants: point.limits.constants,
         first_impact: FirstImpact {
             time: first.time - started,
-            state: first.state[..STATES].to_vec(),
+            state: first.state[..problem.states()].to_vec(),
             rate_before: first.rate_before,
         },
         period,

@@ -3,30 +3,28 @@
 use super::coordinate::local::LocalTape;
 use super::coordinate::sequence::{Follower, Impact, Sequence, Until, Verdict};
 use super::error::BorderError;
-use super::release::equations::{ReleaseEquations, ReleasePoint};
+use super::release::equations::{CONDITIONS, Place, ReleaseEquations, ReleasePoint};
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
 use crate::expressions::nearest;
 use crate::flow::{Column, System, SystemError, with_identity};
 use crate::model::{MechanicsError, Model};
-use crate::numerics::{DoubleDouble, Real};
+use crate::numerics::Real;
 
-/// Border orbits have three states: only then is the release point one point.
-pub(crate) const STATES: usize = 3;
-
-/// Column that carries derivatives by the parameter; those before it are by the states, in order.
-pub(crate) const PARAMETER_COLUMN: usize = STATES;
+/// Gap, rate and acceleration that vanish where contact ends: with fewer states there is no such point.
+const FEWEST_STATES: usize = CONDITIONS;
 
 /// Contact ends at a release point if it ends this near to it, relative to the size of the states: event location and
 /// Newton's method agree to rounding.
 const SAME_RELEASE: f64 = 1e-6;
 
-/// A model with one contact and three states, and the parameter that is varied.
+/// A model and the parameter that is varied. Derivatives have a column for each state, in order, and one for the parameter.
 #[derive(Clone, Debug)]
 pub(crate) struct Problem {
     pub model: Model,
     pub parameter: usize,
-    pub release: ReleaseEquations,
+    /// For each contact where it ends.
+    pub releases: Vec<ReleaseEquations>,
     pub plain: Follower,
     pub variational: Follower,
     /// Most long flights before chatter.
@@ -42,31 +40,32 @@ impl Problem {
                 nearest: nearest(parameter, model.parameter_names()),
             });
         };
-        if model.contacts.len() != 1 {
-            let count = model.contacts.len();
-            return Err(BorderError::Contacts { count });
+        if model.contacts.is_empty() {
+            return Err(BorderError::NoContact);
         }
-        if model.states.len() != STATES {
+        if model.states.len() < FEWEST_STATES {
             let count = model.states.len();
             return Err(BorderError::States { count });
         }
         let mut model = model.clone();
-        // Sections would only cut the flights.
-        model.sections.clear();
+        // Sections would only cut the flights, but for those that change the state.
+        model.sections.retain(|section| section.reset.is_some());
         let mechanics = |error: MechanicsError| BorderError::System(SystemError::Model(error));
-        let columns: Vec<Column> = (0..STATES)
-            .map(|_| Column::State)
-            .chain([Column::Parameter(index)])
-            .collect();
+        let columns = columns(&model, index);
+        let contacts = 0..model.contacts.len();
         let follower = |columns: &[Column]| -> Result<Follower, BorderError> {
+            let local = |contact| LocalTape::new(&model, contact, columns, spec.coordinate);
             Ok(Follower {
                 system: System::with_columns(&model, columns)?,
-                local: LocalTape::new(&model, columns, spec.coordinate).map_err(mechanics)?,
+                locals: (contacts.clone().map(local).collect::<Result<_, _>>())
+                    .map_err(mechanics)?,
                 time: model.time,
             })
         };
+        let equations = |contact| ReleaseEquations::new(&model, index, contact);
         Ok(Self {
-            release: ReleaseEquations::new(&model, index).map_err(mechanics)?,
+            releases: (contacts.clone().map(equations).collect::<Result<_, _>>())
+                .map_err(mechanics)?,
             plain: follower(&[])?,
             variational: follower(&columns)?,
             parameter: index,
@@ -90,26 +89,49 @@ impl Problem {
         self.model.parameter_values(&[(self.parameter, value)])
     }
 
+    /// How many states there are.
+    pub(crate) fn states(&self) -> usize {
+        self.model.states.len()
+    }
+
+    /// How many coordinates release points have on their surface.
+    pub(crate) fn dimensions(&self) -> usize {
+        self.states() - CONDITIONS
+    }
+
+    /// Weights of the columns that move the state at release, and with it the parameter or not.
+    pub(crate) fn weights<R: Real>(moved: &[R], by_parameter: bool) -> Vec<R> {
+        let last = if by_parameter { R::ONE } else { R::ZERO };
+        moved.iter().copied().chain([last]).collect()
+    }
+
     /// All release points at a parameter value: at least one.
     pub(crate) fn release_points(&self, value: f64) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
         let parameters = self.parameters(value);
-        self.release.check_forcing(&parameters, value)?;
-        let found = (self.release).all(&self.model, &self.plain.system, &parameters);
+        let mut found = Vec::new();
+        for release in &self.releases {
+            release.check_forcing(&parameters, value)?;
+            found.extend(match self.dimensions() {
+                0 => release.all(&self.model, &self.plain.system, &parameters),
+                _ => self.settled(value, release)?,
+            });
+        }
         if found.is_empty() {
             return Err(BorderError::NoRelease { value });
         }
         Ok(found)
     }
 
-    /// The release point near one that is known.
+    /// The release point near one that is known, with its coordinates.
     pub(crate) fn release_point<R: Real>(
         &self,
         value: R,
-        near: &[DoubleDouble],
+        near: &Place,
     ) -> Result<ReleasePoint<R>, BorderError> {
         let rough = value.to_f64();
-        self.release.check_forcing(&self.parameters(rough), rough)?;
-        (self.release.polish(&self.parameters(value), near))
+        let release = &self.releases[near.contact];
+        release.check_forcing(&self.parameters(rough), rough)?;
+        (release.polish(&self.parameters(value), near))
             .ok_or(BorderError::NoRelease { value: rough })
     }
 
@@ -123,14 +145,16 @@ impl Problem {
         several: bool,
     ) -> Result<Sequence<f64>, BorderError> {
         let parameters = self.parameters(value);
+        let start = (release.contact, &*release.state);
         let mut after = 0;
         loop {
             let until = Until::Verdict {
                 excursions: self.excursions,
                 after,
             };
-            let mut sequence = self.plain.follow(&parameters, &release.state, until)?;
-            if !several || self.leads_back(&sequence, &parameters, release) {
+            let mut sequence = self.plain.follow(&parameters, start, until)?;
+            if !several || self.dimensions() > 0 || self.leads_back(&sequence, &parameters, release)
+            {
                 return Ok(sequence);
             }
             match sequence.verdict {
@@ -144,6 +168,36 @@ impl Problem {
         }
     }
 
+    /// The impacts from a state at a contact up to the end of the first chatter sequence, whatever comes before.
+    pub(crate) fn first_sequence(
+        &self,
+        parameters: &[f64],
+        start: (usize, &[f64]),
+    ) -> Result<Sequence<f64>, BorderError> {
+        let until = Until::Verdict {
+            excursions: usize::MAX,
+            after: 0,
+        };
+        self.plain.follow(parameters, start, until)
+    }
+
+    /// Where the contact is released that chatter ends in, or would if it lasted from the last impact on that presses; `None`
+    /// if there is none.
+    pub(crate) fn released(
+        &self,
+        sequence: &Sequence<f64>,
+        parameters: &[f64],
+        contact: usize,
+    ) -> Option<Vec<f64>> {
+        if sequence.verdict == Verdict::Complete {
+            return sequence.released.clone();
+        }
+        let presses = |impact: &&Impact<f64>| impact.local.acceleration < 0.0;
+        let last = sequence.impacts.iter().rev().find(presses)?;
+        let rest = self.releases[contact].brought_to_rest(&last.state, parameters);
+        (self.plain).contact_until_release(parameters, (contact, &rest))
+    }
+
     /// Whether contact from the last impact on that presses would last until this release point: to it belongs the chatter
     /// that ends there, in contact or in flight.
     fn leads_back(
@@ -152,13 +206,9 @@ impl Problem {
         parameters: &[f64],
         release: &ReleasePoint<f64>,
     ) -> bool {
-        let presses = |impact: &&Impact<f64>| impact.local.acceleration < 0.0;
-        let Some(last) = sequence.impacts.iter().rev().find(presses) else {
-            return true;
-        };
-        let rest = self.release.brought_to_rest(&last.state, parameters);
-        match self.plain.contact_until_release(parameters, &rest) {
-            Some(state) => self.release.apart(&state, &release.state, parameters) <= SAME_RELEASE,
+        let equations = &self.releases[release.contact];
+        match self.released(sequence, parameters, release.contact) {
+            Some(state) => equations.apart(&state, &release.state, parameters) <= SAME_RELEASE,
             None => true,
         }
     }
@@ -168,16 +218,17 @@ impl Problem {
     pub(crate) fn variation<R: Real>(
         &self,
         parameters: &[R],
-        state: &[R],
+        (contact, state): (usize, &[R]),
         after: usize,
         impacts: usize,
     ) -> Result<Sequence<R>, BorderError> {
-        let start = with_identity(state, PARAMETER_COLUMN + 1);
+        let start = with_identity(state, self.states() + 1);
         let until = Until::Impacts {
             most: impacts,
             after,
         };
-        self.variational.follow(parameters, &start, until)
+        self.variational
+            .follow(parameters, (contact, &start), until)
     }
 
     /// What the restitution at release determines.
@@ -192,7 +243,9 @@ impl Problem {
     }
 }
 
-/// The same numbers in double-double.
-pub(crate) fn exactly<R: Real>(values: &[R]) -> Vec<DoubleDouble> {
-    values.iter().map(|x| x.to_double_double()).collect()
+/// Derivatives by all states, then by a parameter.
+pub(crate) fn columns(model: &Model, parameter: usize) -> Vec<Column> {
+    (model.states.iter().map(|_| Column::State))
+        .chain([Column::Parameter(parameter)])
+        .collect()
 }

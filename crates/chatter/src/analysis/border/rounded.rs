@@ -1,6 +1,6 @@
 //! A border orbit rounded to another number type.
 
-use super::normal_form::exact::Exact;
+use super::normal_form::exact::{Exact, Memory};
 use super::normal_form::leading_order::LeadingOrder;
 use super::orbit::{Border, FirstImpact};
 use super::release::equations::ReleasePoint;
@@ -76,11 +76,15 @@ fn constants<R: Real>(from: &Constants<Wide>) -> Constants<R> {
 fn release<R: Real>(from: &ReleasePoint<Wide>) -> ReleasePoint<R> {
     let to = R::from_double_double;
     ReleasePoint {
+        contact: from.contact,
         state: each(&from.state),
+        free: from.free.clone(),
+        directions: from.directions.iter().map(|d| each(d)).collect(),
         slope: each(&from.slope),
         jerk: to(from.jerk),
         restitution: to(from.restitution),
         restitution_slope: to(from.restitution_slope),
+        restitution_by: each(&from.restitution_by),
         jerk_slope: to(from.jerk_slope),
         field: each(&from.field),
         field_slope: each(&from.field_slope),
@@ -108,6 +112,27 @@ fn exact<R: Real>(from: &Exact<Wide>) -> Exact<R> {
         offset: estimates(&from.offset),
         covector: estimates(&from.covector),
         covector_parameter: from.covector_parameter.rounded(),
+        memory: from.memory.as_ref().map(Memory::rounded),
+    }
+}
+
+impl<S: Real> Memory<S> {
+    /// The same in another number type.
+    pub(crate) fn rounded<R: Real>(&self) -> Memory<R> {
+        let to = |x: S| R::from_double_double(x.to_double_double());
+        let each = |values: &Vec<S>| values.iter().map(|&x| to(x)).collect();
+        let rows = |rows: &[Vec<S>]| rows.iter().map(each).collect();
+        Memory {
+            states: self.states.clone(),
+            returns: rows(&self.returns),
+            by_upsilon: each(&self.by_upsilon),
+            by_parameter: each(&self.by_parameter),
+            covector: each(&self.covector),
+            slope: to(self.slope),
+            doubling_slope: to(self.doubling_slope),
+            first_impact_by_upsilon: each(&self.first_impact_by_upsilon),
+            first_impact_by_memory: rows(&self.first_impact_by_memory),
+        }
     }
 }
 
@@ -119,12 +144,12 @@ fn leading_order<R: Real>(from: &LeadingOrder<Wide>) -> LeadingOrder<R> {
     LeadingOrder {
         section: from.section.clone(),
         crossing: pair(from.crossing),
-        a: from.a.map(pair),
+        a: from.a.iter().map(|&row| pair(row)).collect(),
         b: pair(from.b),
-        c: pair(from.c),
+        c: each(&from.c),
         d: R::from_double_double(from.d),
         e: pair(from.e),
-        f: pair(from.f),
+        f: each(&from.f),
         slope: R::from_double_double(from.slope),
         unfolding_rate: R::from_double_double(from.unfolding_rate),
     }

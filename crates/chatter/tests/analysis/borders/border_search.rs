@@ -278,16 +278,6 @@ fn borders_of_other_models() {
     }
 }
 
-/// A model whose free motion is autonomous but needs two states for its forcing has four.
-#[test]
-fn four_states_are_refused() {
-    let text = "[parameters]\nsigma = 0.5\nr = 0.8\n[flight]\nx = \"v\"\nv = \"c - x\"\nc = \"-0.3*s\"\ns = \"0.3*c\"\n\
-                [[contact]]\nname = \"stop\"\ngap = \"sigma - x\"\nimpulse = { v = -1 }\nrestitution = \"r\"\n\
-                [initial]\nx = 0.0\nv = 0.0\nc = 1.0\ns = 0.0\n";
-    let error = border_near::<f64>(&read(text), &BorderSpec::new("sigma"), 0.5).unwrap_err();
-    assert!(matches!(error, BorderError::States { count: 4 }), "{error}");
-}
-
 #[test]
 fn changes_of_the_verdict_that_are_no_border_are_told_with_their_cause() {
     let table = borders(&read(TABLE), "Gamma", 4.9, 5.2);

@@ -3,3 +3,4 @@
 mod border;
 mod border_errors;
 mod border_search;
+mod more_states;

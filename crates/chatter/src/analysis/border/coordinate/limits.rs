@@ -17,13 +17,21 @@
 //! ```
 //!
 //! If lambda and eta depend on what is varied, k times each power occurs as well: a ratio to be eliminated twice.
+//!
+//! Where there are more than three states the surface of release points has coordinates z. Taken along the field and W to
+//! v = a = 0, as z_k = x_k - w W / b - (a / j) f, they tend to those of the point where the impacts accumulate; an impact
+//! changes them by O(nu^3), and so do their derivatives, taken in the same way, where X changes along them:
+//!
+//! ```text
+//! z_k               -> Z     lambda^j
+//! dz_k              -> dZ    lambda^j  and  lambda^(j + 2) / eta
+//! ```
 
-use super::super::problem::STATES;
+use super::super::release::equations::ReleaseEquations;
 use super::super::release::equations::ReleasePoint;
 use super::sequence::Sequence;
 use crate::analysis::universal::Constants;
-use crate::numerics::Real;
-use crate::numerics::{Estimate, Plan, limit};
+use crate::numerics::{Estimate, Plan, Real, dot, limit};
 use serde::{Deserialize, Serialize};
 
 /// Terms of an extrapolation lie so many impacts apart that the first ratio is about this: then rounding errors are
@@ -59,7 +67,7 @@ pub struct Extrapolation {
 #[derive(Clone, Debug)]
 pub(crate) struct Limits<R> {
     pub constants: Constants<R>,
-    /// du*/dp.
+    /// du*/dr.
     fixed_point_slope: R,
     impacts: usize,
     plan: Plan,
@@ -68,8 +76,9 @@ pub(crate) struct Limits<R> {
     slope_powers: Vec<R>,
     /// Error of X that the state's roundoff makes, relative to u*.
     noise: f64,
-    /// The same with those that occur twice along the parameter.
+    /// The same with those that occur twice where the restitution changes.
     parameter_powers: Vec<R>,
+    place_powers: Vec<R>,
 }
 
 impl<R: Real> Limits<R> {
@@ -85,12 +94,8 @@ impl<R: Real> Limits<R> {
             .impacts
             .unwrap_or((libm::ceil(tail) as usize).max(4));
         // u* = g(u*, r) with dg/dr = g / r and dg/du = 1 / eta.
-        let fixed_point_slope = if release.restitution_slope == R::ZERO {
-            R::ZERO
-        } else {
-            release.restitution_slope * constants.chatter_fixed_point / constants.restitution
-                * (-constants.eta / constants.one_minus_eta)
-        };
+        let fixed_point_slope = constants.chatter_fixed_point / constants.restitution
+            * (-constants.eta / constants.one_minus_eta);
         let powers = |first: R| {
             (1..MOST_ORDERS)
                 .scan(first, |power, _| {
@@ -101,16 +106,24 @@ impl<R: Real> Limits<R> {
         };
         let lambda_powers = powers(R::ONE);
         let eta_lambda_powers = powers(constants.eta);
-        let mut slope_powers = [&lambda_powers[..], &eta_lambda_powers[..]].concat();
-        slope_powers.sort_by(|a, b| b.partial_cmp(a).unwrap_or(core::cmp::Ordering::Equal));
-        let copies = if release.restitution_slope == R::ZERO {
-            1
-        } else {
-            2
+        let sorted = |mut ratios: Vec<R>| {
+            ratios.sort_by(|a, b| b.partial_cmp(a).unwrap_or(core::cmp::Ordering::Equal));
+            ratios
         };
-        let parameter_powers = (slope_powers.iter())
-            .flat_map(|&ratio| core::iter::repeat_n(ratio, copies))
-            .collect();
+        let slope_powers = sorted([&lambda_powers[..], &eta_lambda_powers[..]].concat());
+        let mixed = powers(constants.lambda * constants.lambda / constants.eta);
+        let place_powers = sorted([&lambda_powers[..], &mixed[..]].concat());
+        let is_constant = release.restitution_slope == R::ZERO
+            && release.restitution_by.iter().all(|x| *x == R::ZERO);
+        let copies = if is_constant { 1 } else { 2 };
+        let repeated = |powers: &[R]| -> Vec<R> {
+            let each = powers
+                .iter()
+                .flat_map(|&ratio| core::iter::repeat_n(ratio, copies));
+            each.collect()
+        };
+        let parameter_powers = repeated(&slope_powers);
+        let place_powers = repeated(&place_powers);
         Self {
             constants,
             fixed_point_slope,
@@ -123,6 +136,7 @@ impl<R: Real> Limits<R> {
             eta_lambda_powers,
             slope_powers,
             parameter_powers,
+            place_powers,
             noise: NOISE_ROUNDOFFS * R::ROUNDOFF,
         }
     }
@@ -179,7 +193,12 @@ impl<R: Real> Limits<R> {
         let Some(last) = sequence.impacts.get(end) else {
             return;
         };
-        let sum: f64 = (0..STATES)
+        let states = last
+            .local
+            .slopes
+            .first()
+            .map_or(0, |slope| slope.state.len());
+        let sum: f64 = (0..states)
             .map(|i| {
                 let size = (sequence.impacts.iter()).fold(0.0_f64, |most, impact| {
                     most.max(impact.state[i].abs().to_f64())
@@ -252,18 +271,19 @@ impl<R: Real> Limits<R> {
         })
     }
 
-    /// The derivative of X along a combination of columns; `by_parameter` if the parameter changes along it.
+    /// The derivative of X along a combination of columns, along which the restitution at release changes so much.
     pub(crate) fn x_slope(
         &self,
         sequence: &Sequence<R>,
         end: usize,
         weights: &[R],
-        by_parameter: bool,
+        restitution_slope: R,
     ) -> Estimate<R> {
-        let (shift, ratios) = if by_parameter {
-            (self.fixed_point_slope, &self.parameter_powers)
+        let shift = self.fixed_point_slope * restitution_slope;
+        let ratios = if restitution_slope == R::ZERO {
+            &self.slope_powers
         } else {
-            (R::ZERO, &self.slope_powers)
+            &self.parameter_powers
         };
         self.scaled_limit(sequence, end, self.constants.eta, ratios, |k| {
             let local = &sequence.impacts[k].local;
@@ -271,6 +291,59 @@ impl<R: Real> Limits<R> {
                 .map(|(column, &weight)| weight * local.u_slope(column))
                 .fold(-shift, |sum, part| sum + part)
         })
+    }
+
+    /// The coordinates of the release point where the impacts accumulate, and their derivatives along combinations of
+    /// columns.
+    pub(crate) fn accumulation_place(
+        &self,
+        sequence: &Sequence<R>,
+        end: usize,
+        (release, parameters, free): (&ReleaseEquations, &[R], &[usize]),
+        along: &[Vec<R>],
+    ) -> Vec<(Estimate<R>, Vec<Estimate<R>>)> {
+        // For each impact the coordinates, then their derivatives.
+        let projected: Vec<Vec<Vec<R>>> = (sequence.impacts[..=end].iter())
+            .map(|impact| {
+                let states = impact
+                    .local
+                    .slopes
+                    .first()
+                    .map_or(0, |slope| slope.state.len());
+                let state = &impact.state[..states];
+                let [field, jump, slopes] = release.around(state, parameters);
+                let by_jump = dot(&slopes, &jump);
+                let onto = |x: &[R], rate: R, acceleration: R| -> Vec<R> {
+                    let late = (acceleration - rate * by_jump) / impact.local.jerk;
+                    free.iter()
+                        .map(|&i| x[i] - rate * jump[i] - late * field[i])
+                        .collect()
+                };
+                let local = &impact.local;
+                let mut all = vec![onto(state, local.rate, local.acceleration)];
+                for weights in along {
+                    let sum = |of: &dyn Fn(usize) -> R| {
+                        (weights.iter().enumerate()).fold(R::ZERO, |sum, (c, &w)| sum + w * of(c))
+                    };
+                    let moved: Vec<R> = (0..states)
+                        .map(|i| sum(&|c| local.slopes[c].state[i]))
+                        .collect();
+                    let rate = sum(&|c| local.slopes[c].rate);
+                    let acceleration = sum(&|c| local.slopes[c].acceleration);
+                    all.push(onto(&moved, rate, acceleration));
+                }
+                all
+            })
+            .collect();
+        let settles = |which: usize, i: usize, ratios: &[R]| {
+            self.scaled_limit(sequence, end, R::ONE, ratios, |k| projected[k][which][i])
+        };
+        (0..free.len())
+            .map(|i| {
+                let slopes = (1..=along.len()).map(|c| settles(c, i, &self.place_powers));
+                (settles(0, i, &self.lambda_powers), slopes.collect())
+            })
+            .collect()
     }
 
     /// N.

@@ -50,14 +50,15 @@ pub(crate) struct Slopes<R> {
 const SCALARS: usize = 3;
 
 impl LocalTape {
-    /// For states followed by these columns.
+    /// Of a contact, for states followed by these columns.
     pub(crate) fn new(
         model: &Model,
+        contact: usize,
         columns: &[Column],
         coordinate: LocalCoordinate,
     ) -> Result<Self, MechanicsError> {
         let mut mechanics = Mechanics::new(model)?;
-        let contact = mechanics.contacts[0].clone();
+        let contact = mechanics.contacts[contact].clone();
         let graph = &mut mechanics.graph;
         let field = mechanics.field.clone();
         let coordinates = field.len();

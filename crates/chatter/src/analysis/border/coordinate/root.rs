@@ -1,13 +1,12 @@
 //! The border as the smooth root X(p) = 0.
 
 use super::super::error::BorderError;
-use super::super::problem::{PARAMETER_COLUMN, Problem, STATES, exactly};
-use super::super::release::equations::ReleasePoint;
+use super::super::problem::Problem;
+use super::super::release::equations::{Place, ReleasePoint};
 use super::super::release::forcing::Turn;
 use super::limits::{Extrapolation, Limits};
 use super::sequence::Sequence;
-use crate::numerics::Estimate;
-use crate::numerics::{DoubleDouble, Real};
+use crate::numerics::{Estimate, Matrix, Real, dot};
 
 /// Newton's method gives up after so many steps: from where it starts each gains two digits at first.
 const NEWTON_STEPS: usize = 30;
@@ -34,10 +33,15 @@ const SAME_ROOT: f64 = 8.0 * f64::EPSILON;
 /// points lie apart: there is nothing in between.
 const CLOSED: f64 = 1e-7;
 
+/// Where a direct loop through the surface of release points has a multiplier nearer to 1 than this, border orbits are not alone:
+/// something is conserved.
+const ALONE: f64 = 1e-6;
+
 /// X and its derivative at a parameter value, with the sequence that they were taken from.
 #[derive(Clone, Debug)]
 pub(crate) struct Point<R> {
     pub value: R,
+    /// Its slope is that of orbits that return to it.
     pub release: ReleasePoint<R>,
     pub limits: Limits<R>,
     pub sequence: Sequence<R>,
@@ -48,6 +52,55 @@ pub(crate) struct Point<R> {
     pub x: Estimate<R>,
     /// dX/dp, release point included.
     pub slope: Estimate<R>,
+    /// How the release point moves with the parameter, its coordinates fixed.
+    pub held_slope: Vec<R>,
+    pub held_restitution: R,
+    /// How orbits remember where they were released.
+    pub memory: Memory<R>,
+    /// What leads to the release point to which orbits from it return.
+    pub shift: Vec<R>,
+    /// What that changes X by.
+    pub x_shift: R,
+}
+
+/// One loop through the surface of release points, to first order in its coordinates.
+#[derive(Clone, Debug)]
+pub(crate) struct Memory<R> {
+    /// How coordinates return: a row for each, a column for each that they begin with.
+    pub returns: Matrix<R>,
+    /// What the parameter adds.
+    pub by_parameter: Vec<R>,
+    /// What the rate at release adds.
+    pub by_rate: Vec<R>,
+    /// dX by the coordinates.
+    pub covector: Vec<R>,
+}
+
+impl<R: Real> Memory<R> {
+    /// What coordinates come to where each loop adds this: (I - sign returns)^-1 of it; `None` where that has no answer.
+    pub(crate) fn settled(&self, added: &[R], sign: f64) -> Option<Vec<R>> {
+        let size = added.len();
+        let mut rows = Matrix::identity(size);
+        for i in 0..size {
+            for (entry, &back) in rows.row_mut(i).iter_mut().zip(self.returns.row(i)) {
+                *entry -= R::splat(sign) * back;
+            }
+        }
+        if size == 0 {
+            return Some(Vec::new());
+        }
+        let factors = rows.factored()?;
+        let is_alone = (0..size).all(|j| {
+            let unit: Vec<R> = (0..size)
+                .map(|i| R::splat(f64::from(u8::from(i == j))))
+                .collect();
+            factors
+                .solve(&unit)
+                .iter()
+                .all(|x| x.abs().to_f64() * ALONE <= 1.0)
+        });
+        is_alone.then(|| factors.solve(added))
+    }
 }
 
 impl<R: Real> Point<R> {
@@ -60,9 +113,10 @@ impl<R: Real> Point<R> {
     /// The phases with the periods by which the orbit advances from release to the accumulation of its impacts; `None`
     /// if they do not accumulate at the release point.
     pub(crate) fn turns(&self, problem: &Problem) -> Option<Vec<Turn<R>>> {
-        let mut turns = problem.release.turns(&problem.parameters(self.value));
+        let equations = &problem.releases[self.release.contact];
+        let mut turns = equations.turns(&problem.parameters(self.value));
         let (mut missed, mut way) = (0.0, 0.0);
-        for i in 0..STATES {
+        for i in 0..problem.states() {
             let end = self
                 .limits
                 .accumulation_state(&self.sequence, self.end, i)
@@ -105,37 +159,92 @@ impl Problem {
     pub(crate) fn point<R: Real>(
         &self,
         value: R,
-        near: &[DoubleDouble],
+        near: &Place,
         settles: usize,
         extrapolation: Extrapolation,
     ) -> Result<Point<R>, BorderError> {
-        let release = self.release_point(value, near)?;
+        let mut release = self.release_point(value, near)?;
         let mut limits = Limits::new(Self::constants(value, &release)?, &release, extrapolation);
         let parameters = self.parameters(value);
         let most = settles + limits.impacts();
-        let sequence = self.variation(&parameters, &release.state, settles, most)?;
+        let start = (release.contact, &*release.state);
+        let sequence = self.variation(&parameters, start, settles, most)?;
+        let not_converged = || BorderError::NotConverged {
+            value: value.to_f64(),
+            residual: f64::NAN,
+        };
         if sequence.impacts.len() <= sequence.begins {
-            return Err(BorderError::NotConverged {
-                value: value.to_f64(),
-                residual: f64::NAN,
-            });
+            return Err(not_converged());
         }
         let end = limits.nearest(&sequence);
         limits.set_noise(&sequence, end);
         let x = limits.x(&sequence, end);
-        let mut weights = release.slope.clone();
-        weights.push(R::ONE);
-        debug_assert_eq!(weights.len(), PARAMETER_COLUMN + 1);
-        let slope = limits.x_slope(&sequence, end, &weights, true);
+        let (held_slope, held_restitution) = (release.slope.clone(), release.restitution_slope);
+        let directions = release.directions.iter().map(|d| Self::weights(d, false));
+        let along: Vec<Vec<R>> = directions
+            .chain([
+                Self::weights(&held_slope, true),
+                Self::weights(&release.jump, false),
+            ])
+            .collect();
+        let dimensions = release.free.len();
+        let (by_parameter, by_rate) = (dimensions, dimensions + 1);
+        let mut memory = Memory {
+            returns: Matrix::zeros(0, dimensions),
+            by_parameter: Vec::new(),
+            by_rate: Vec::new(),
+            covector: Vec::new(),
+        };
+        let mut missed = Vec::new();
+        if dimensions > 0 {
+            let equations = &self.releases[release.contact];
+            let turns = equations.turns(&parameters);
+            let places = (equations, &*parameters, &*release.free);
+            let landed = limits.accumulation_place(&sequence, end, places, &along);
+            for (&i, (place, slopes)) in release.free.iter().zip(&landed) {
+                let mut off = place.value - release.state[i];
+                let mut slopes: Vec<R> = slopes.iter().map(|slope| slope.value).collect();
+                if let Some(turn) = turns.iter().find(|turn| turn.state == i) {
+                    let count = R::splat(libm::round((off / turn.period).to_f64()));
+                    off -= turn.period * count;
+                    slopes[by_parameter] -= turn.period_slope * count;
+                }
+                missed.push(off);
+                memory.returns.push(&slopes[..dimensions]);
+                memory.by_parameter.push(slopes[by_parameter]);
+                memory.by_rate.push(slopes[by_rate]);
+            }
+            for (j, weights) in along[..dimensions].iter().enumerate() {
+                let back: Vec<R> = (0..dimensions).map(|i| memory.returns.row(i)[j]).collect();
+                let restitution = dot(&release.restitution_by, &back);
+                let slope = limits.x_slope(&sequence, end, weights, restitution);
+                memory.covector.push(slope.value);
+            }
+        }
+        let settled = |added: &[R]| {
+            (memory.settled(added, 1.0)).ok_or(BorderError::NotAlone {
+                value: value.to_f64(),
+            })
+        };
+        let shift = settled(&missed)?;
+        let moved = settled(&memory.by_parameter)?;
+        release.follow_orbit(&moved);
+        let weights = Self::weights(&release.slope, true);
+        let slope = limits.x_slope(&sequence, end, &weights, release.restitution_slope);
         Ok(Point {
             value,
-            release,
             limits,
             sequence,
             settles,
             end,
             x,
             slope,
+            held_slope,
+            held_restitution,
+            x_shift: dot(&memory.covector, &shift),
+            shift: release.along(&shift),
+            memory,
+            release,
         })
     }
 
@@ -143,23 +252,31 @@ impl Problem {
     pub(crate) fn root<R: Real>(
         &self,
         guess: R,
-        near: &[DoubleDouble],
+        near: &Place,
         settles: usize,
         extrapolation: Extrapolation,
         within: (f64, f64),
     ) -> Result<Root<R>, BorderError> {
         let mut value = guess;
-        let mut near = near.to_vec();
+        let mut near = near.clone();
         let mut before = f64::INFINITY;
         let mut residual = f64::NAN;
         let mut stalls = 0;
         let settled = libm::pow(R::ROUNDOFF, SETTLED_POWER);
         for _ in 0..NEWTON_STEPS {
             let point = self.point(value, &near, settles, extrapolation)?;
-            near = exactly(&point.release.state);
-            let correction = point.x.value / point.slope.value;
+            let correction = (point.x.value + point.x_shift) / point.slope.value;
             residual = point.x.value.to_f64();
-            let size = correction.abs().to_f64();
+            let moved: Vec<R> = (point.release.slope.iter().zip(&point.shift))
+                .map(|(&slope, &shift)| shift - slope * correction)
+                .collect();
+            near = point.release.moved(&moved);
+            let scales = point.release.state.iter().map(|x| x.abs().to_f64() + 1.0);
+            let shift = (point.shift.iter().zip(scales)).fold(0.0_f64, |most, (x, scale)| {
+                most.max(x.abs().to_f64() / scale)
+            });
+            let by_value = correction.abs().to_f64();
+            let size = by_value.max(shift * point.parameter_scale());
             let next = value - correction;
             if !(next.to_f64() >= within.0 && next.to_f64() <= within.1) {
                 break;
@@ -168,7 +285,7 @@ impl Problem {
             stalls += usize::from(size >= before);
             if size <= floor || stalls > PATIENCE {
                 let rate = point.slope.value.abs().to_f64();
-                let error = (point.x.error / rate).max(size).max(floor);
+                let error = (point.x.error / rate).max(by_value).max(floor);
                 let last = &point.sequence.impacts[point.end].local;
                 let vague = point.slope.error > VAGUE * point.slope.value.abs().to_f64();
                 let apart = point.limits.distance(last.u()) > APART;
@@ -192,9 +309,11 @@ mod tests {
     use super::super::super::spec::BorderSpec;
     use super::*;
     use crate::model::Model;
-    use crate::numerics::Scalar;
+    use crate::numerics::{DoubleDouble, Scalar};
 
     const VALVE: &str = include_str!("../../../../../../models/pressure_relief_valve.toml");
+
+    const STATES: usize = 3;
 
     /// X(p) and X(x) by differences, against the columns.
     #[test]
@@ -212,7 +331,10 @@ mod tests {
                 .unwrap();
             let problem = Problem::new(&model, &BorderSpec::new(parameter)).unwrap();
             let value: DoubleDouble = value.parse().unwrap();
-            let near = exactly(&[0.0, 0.0, 10.0]);
+            let near = Place {
+                contact: 0,
+                state: [0.0, 0.0, 10.0].map(DoubleDouble::from).to_vec(),
+            };
             let settings = Extrapolation::default();
             let at = |shift: f64| {
                 let value = value + DoubleDouble::from(shift);
@@ -235,7 +357,10 @@ mod tests {
         }
         let problem = Problem::new(&model, &BorderSpec::new("q")).unwrap();
         let value: DoubleDouble = "0.02005600568931228428251703106969".parse().unwrap();
-        let near = exactly(&[0.0, 0.0, 10.0]);
+        let near = Place {
+            contact: 0,
+            state: [0.0, 0.0, 10.0].map(DoubleDouble::from).to_vec(),
+        };
         let point = problem
             .point(value, &near, 0, Extrapolation::default())
             .unwrap();
@@ -244,15 +369,17 @@ mod tests {
             let shifted = |shift: f64| {
                 let mut state = point.sequence.impacts[0].state[..STATES].to_vec();
                 state[i] += DoubleDouble::from(shift);
-                let sequence = problem.variation(&parameters, &state, 0, 70).unwrap();
+                let sequence = problem.variation(&parameters, (0, &state), 0, 70).unwrap();
                 point.limits.x_off_border(&sequence, LAST).value
             };
             let difference = (shifted(STEP) - shifted(-STEP)) / DoubleDouble::from(2.0 * STEP);
             let state = &point.sequence.impacts[0].state[..STATES];
-            let sequence = problem.variation(&parameters, state, 0, 70).unwrap();
+            let sequence = problem.variation(&parameters, (0, state), 0, 70).unwrap();
             let mut weights = vec![DoubleDouble::ZERO; STATES + 1];
             weights[i] = DoubleDouble::ONE;
-            let slope = point.limits.x_slope(&sequence, LAST, &weights, false);
+            let slope = point
+                .limits
+                .x_slope(&sequence, LAST, &weights, DoubleDouble::ZERO);
             let off = ((difference - slope.value) / difference).abs().to_f64();
             assert!(off < 1e-7, "{i}: {difference} {}", slope.value);
         }

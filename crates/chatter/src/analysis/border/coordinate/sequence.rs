@@ -2,7 +2,7 @@
 
 use super::super::error::BorderError;
 use super::local::{Local, LocalTape};
-use crate::flow::{Occurrence, Settings, System, Trajectory};
+use crate::flow::{Occurrence, Settings, System, Trajectory, Workspace};
 use crate::numerics::Real;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ const SEQUENCE: usize = 3;
 /// Fewer impacts are no chatter sequence.
 pub(crate) const SHORTEST: usize = SEQUENCE + 1;
 
-/// No impact for so many steps: the trajectory does not come back.
+/// No impact at the contact for so many steps: the trajectory does not come back.
 const STEPS_WITHOUT_IMPACT: usize = 2_000;
 
 /// More impacts than this are not followed: a sequence at restitution 0.99 has some two thousand.
@@ -62,13 +62,15 @@ pub(crate) struct Sequence<R> {
     pub verdict: Verdict,
     /// Number of the first impact after which flights are local up to the end.
     pub begins: usize,
+    /// Where the contact that complete chatter ends in is released: with a verdict, if it is.
+    pub released: Option<Vec<R>>,
 }
 
-/// A compiled system and its local coordinates.
+/// A compiled system and the local coordinates of its contacts.
 #[derive(Clone, Debug)]
 pub(crate) struct Follower {
     pub system: System,
-    pub local: LocalTape,
+    pub locals: Vec<LocalTape>,
     /// Place of time among the states.
     pub time: Option<usize>,
 }
@@ -89,37 +91,32 @@ pub(crate) enum Until {
 }
 
 impl Follower {
-    /// Where a state at rest on the contact is released; `None` if it is not, or not within so many steps.
+    /// Where a state at rest on a contact is released; `None` if it is not, or not within so many steps.
     pub(crate) fn contact_until_release(
         &self,
         parameters: &[f64],
-        rest: &[f64],
+        (contact, rest): (usize, &[f64]),
     ) -> Option<Vec<f64>> {
         let system = &self.system;
         let mut work = system.workspace::<f64>(&Settings::default());
         let time = self.time.map_or(0.0, |index| rest[index]);
         let mut trajectory = Trajectory::start(system, &mut work, parameters, time, rest).ok()?;
-        for _ in 0..STEPS_WITHOUT_IMPACT {
-            match trajectory.advance(system, &mut work, NO_HORIZON).ok()? {
-                Some(Occurrence::Release { .. }) => return Some(trajectory.state().to_vec()),
-                Some(Occurrence::Horizon) => return None,
-                _ => {}
-            }
-        }
-        None
+        until_release(system, &mut work, &mut trajectory, contact)
     }
 
-    /// Follows the impacts from a state, columns included.
+    /// Follows the impacts at a contact from a state, columns included. Whatever happens at other contacts away from chatter
+    /// at this one is a part of the way.
     pub(crate) fn follow<R: Real>(
         &self,
         parameters: &[R],
-        start: &[R],
+        (contact, start): (usize, &[R]),
         until: Until,
     ) -> Result<Sequence<R>, BorderError> {
         let system = &self.system;
+        let local_tape = &self.locals[contact];
         let mut work = system.workspace::<R>(&Settings::default());
-        let mut expansion = self.local.expansion();
-        let constants = self.local.constants(parameters);
+        let mut expansion = local_tape.expansion();
+        let constants = local_tape.constants(parameters);
         let time = self.time.map_or(R::ZERO, |index| start[index]);
         let mut trajectory = Trajectory::start(system, &mut work, parameters, time, start)?;
         let mut sequence = Sequence {
@@ -127,6 +124,7 @@ impl Follower {
             impacts: Vec::new(),
             verdict: Verdict::NoChatter,
             begins: 0,
+            released: None,
         };
         // Until when the present flight is local.
         let mut limit: Option<R> = None;
@@ -152,14 +150,23 @@ impl Follower {
             }
             quiet += 1;
             match trajectory.advance(system, &mut work, R::splat(NO_HORIZON))? {
-                Some(Occurrence::Impact { rate_before, .. }) => {
+                Some(Occurrence::Impact {
+                    contact: touched,
+                    rate_before,
+                    ..
+                }) => {
+                    if touched != contact {
+                        // A flight that another contact cuts is none of a chatter sequence.
+                        limit = None;
+                        continue;
+                    }
                     quiet = 0;
                     let arrives = limit.is_none_or(|limit| trajectory.time() > limit);
                     if arrives && sequence.is_chatter(after) {
                         sequence.verdict = Verdict::Incomplete;
                         return Ok(sequence);
                     }
-                    let local = self.local.at(
+                    let local = local_tape.at(
                         &mut expansion,
                         &constants,
                         trajectory.state(),
@@ -191,8 +198,17 @@ impl Follower {
                         return Ok(sequence);
                     }
                 }
-                Some(Occurrence::Accumulation { .. } | Occurrence::Capture { .. }) => {
+                Some(
+                    Occurrence::Accumulation {
+                        contact: closes, ..
+                    }
+                    | Occurrence::Capture { contact: closes },
+                ) if closes == contact => {
                     sequence.verdict = Verdict::Complete;
+                    if matches!(until, Until::Verdict { .. }) {
+                        sequence.released =
+                            until_release(system, &mut work, &mut trajectory, contact);
+                    }
                     return Ok(sequence);
                 }
                 Some(Occurrence::Horizon) => break,
@@ -204,6 +220,28 @@ impl Follower {
         }
         Ok(sequence)
     }
+}
+
+/// Goes on until a contact is released, and says where.
+fn until_release<R: Real>(
+    system: &System,
+    work: &mut Workspace<R>,
+    trajectory: &mut Trajectory<R>,
+    contact: usize,
+) -> Option<Vec<R>> {
+    for _ in 0..STEPS_WITHOUT_IMPACT {
+        match trajectory
+            .advance(system, work, R::splat(NO_HORIZON))
+            .ok()?
+        {
+            Some(Occurrence::Release { contact: opened }) if opened == contact => {
+                return Some(trajectory.state().to_vec());
+            }
+            Some(Occurrence::Horizon) => return None,
+            _ => {}
+        }
+    }
+    None
 }
 
 impl<R: Real> Sequence<R> {

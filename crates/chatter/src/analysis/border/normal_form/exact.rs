@@ -3,15 +3,17 @@
 use super::super::coordinate::local::Slopes;
 use super::super::coordinate::root::Point;
 use super::super::error::BorderError;
-use super::super::problem::{PARAMETER_COLUMN, Problem, STATES};
-use crate::numerics::Estimate;
-use crate::numerics::Real;
+use super::super::problem::Problem;
+use crate::numerics::{Estimate, Real, dot};
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of z -> Upsilon(K z + mu), mu = M (p - p*), and what they are made of.
 ///
-/// States after the first impact lie on the contact surface. They are given by two of the model's states, the
+/// States after the first impact lie on the contact surface. They are given by all of the model's states but one, the
 /// [`section`](super::super::Border::section) coordinates.
+///
+/// With more than three states orbits remember where they were released: the map is that of orbits that repeat after one
+/// passage, and [`Memory`](Memory) has what others need.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exact<R> {
     /// K = C A B.
@@ -26,12 +28,38 @@ pub struct Exact<R> {
     pub first_impact_by_parameter: Vec<Estimate<R>>,
     /// A: derivative of the first impact by the state at release, a row for each of the model's states.
     pub flight: Vec<Vec<Estimate<R>>>,
-    /// B: the offset at release that Upsilon = 1 makes.
+    /// B: the offset at release that Upsilon = 1 makes, in orbits that repeat.
     pub offset: Vec<Estimate<R>>,
     /// C = dX/ds_0 in the section coordinates.
     pub covector: Vec<Estimate<R>>,
     /// D = dX/dp at fixed section coordinates.
     pub covector_parameter: Estimate<R>,
+    /// With more than three states what orbits remember from passage to passage.
+    pub memory: Option<Memory<R>>,
+}
+
+/// How orbits remember the coordinates y of the point where they were released, told from where the orbit at this parameter with
+/// Upsilon = 0 is: x = k z + c y + mu, then z' = Upsilon(x) and y' = R y + b z.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memory<R> {
+    /// The states that are coordinates.
+    pub states: Vec<usize>,
+    /// R: how they return, a row for each.
+    pub returns: Vec<Vec<R>>,
+    /// b: what Upsilon = 1 adds.
+    pub by_upsilon: Vec<R>,
+    /// How those of the border orbit move with the parameter.
+    pub by_parameter: Vec<R>,
+    /// c = dX/dy.
+    pub covector: Vec<R>,
+    /// k: the slope where nothing is remembered. K = k + c (1 - R)^-1 b.
+    pub slope: R,
+    /// The slope at which the period doubles: k - c (1 + R)^-1 b.
+    pub doubling_slope: R,
+    /// The change of the first impact, all states, that Upsilon = 1 makes where nothing is remembered.
+    pub first_impact_by_upsilon: Vec<R>,
+    /// The change that each coordinate makes.
+    pub first_impact_by_memory: Vec<Vec<R>>,
 }
 
 /// The states that parametrise the contact surface h = 0 at a point, and how the one left out follows them.
@@ -46,11 +74,12 @@ pub(crate) struct SectionChart<R> {
 }
 
 impl<R: Real> SectionChart<R> {
-    /// Leaves out the state that the gap depends on most; no phase, since it does not come back.
-    pub(crate) fn new(problem: &Problem, parameters: &[R], state: &[R]) -> Self {
-        let [gap, _] = problem.release.gap_and_rate_slopes(state, parameters);
-        let bound = (0..STATES)
-            .filter(|&i| !problem.release.forcing.is_phase(i))
+    /// At a contact. Leaves out the state that the gap depends on most; no phase, since it does not come back.
+    pub(crate) fn new(problem: &Problem, contact: usize, parameters: &[R], state: &[R]) -> Self {
+        let equations = &problem.releases[contact];
+        let [gap, _] = equations.gap_and_rate_slopes(state, parameters);
+        let bound = (0..state.len())
+            .filter(|&i| !equations.forcing.is_phase(i))
             .max_by(|&a, &b| {
                 let (a, b) = (gap[a].abs(), gap[b].abs());
                 // On a tie the first, as max_by would keep the last.
@@ -59,19 +88,19 @@ impl<R: Real> SectionChart<R> {
                     .unwrap_or(core::cmp::Ordering::Greater)
             })
             .unwrap_or(0);
-        Self::with_bound(problem, parameters, state, bound)
+        Self::with_bound(problem, (contact, bound), parameters, state)
     }
 
     /// Leaves out a given state.
     pub(crate) fn with_bound(
         problem: &Problem,
+        (contact, bound): (usize, usize),
         parameters: &[R],
         state: &[R],
-        bound: usize,
     ) -> Self {
-        let [gap, _] = problem.release.gap_and_rate_slopes(state, parameters);
-        let free: Vec<usize> = (0..STATES).filter(|&i| i != bound).collect();
-        let bound_slopes = (free.iter().copied().chain([PARAMETER_COLUMN]))
+        let [gap, _] = problem.releases[contact].gap_and_rate_slopes(state, parameters);
+        let free: Vec<usize> = (0..state.len()).filter(|&i| i != bound).collect();
+        let bound_slopes = (free.iter().copied().chain([state.len()]))
             .map(|i| -gap[i] / gap[bound])
             .collect();
         Self {
@@ -84,8 +113,9 @@ impl<R: Real> SectionChart<R> {
     /// Weights of the columns (states, parameter) along a coordinate of the section, or along the parameter at fixed
     /// coordinates.
     pub(crate) fn weights(&self, along: usize) -> Vec<R> {
-        let mut weights = vec![R::ZERO; STATES + 1];
-        weights[self.free.get(along).copied().unwrap_or(PARAMETER_COLUMN)] = R::ONE;
+        let states = self.free.len() + 1;
+        let mut weights = vec![R::ZERO; states + 1];
+        weights[self.free.get(along).copied().unwrap_or(states)] = R::ONE;
         weights[self.bound] = self.bound_slopes[along];
         weights
     }
@@ -93,7 +123,7 @@ impl<R: Real> SectionChart<R> {
 
 /// Sum of columns times weights, for the state after an impact.
 pub(crate) fn combine<R: Real>(slopes: &[Slopes<R>], weights: &[R]) -> Vec<R> {
-    (0..STATES)
+    (0..slopes.first().map_or(0, |slope| slope.state.len()))
         .map(|i| {
             (slopes.iter().zip(weights)).fold(R::ZERO, |sum, (slope, &weight)| {
                 sum + slope.state[i] * weight
@@ -122,18 +152,31 @@ pub(crate) fn exact<R: Real>(
         ..
     } = point;
     let parameters = problem.parameters(point.value);
+    let states = problem.states();
+    let contact = release.contact;
     let amplitude = limits.amplitude(sequence, *end);
     let scale = amplitude.value * amplitude.value / release.jerk;
-    let mut jump = release.jump.clone();
-    jump.push(R::ZERO);
-    let by_rate = limits.x_slope(sequence, *end, &jump, false);
+    let loops = &point.memory;
+    let remembered = |sign: f64| -> Option<Vec<R>> {
+        let added = loops.settled(&loops.by_rate, sign)?;
+        Some(added.iter().map(|&x| x * R::splat(sign)).collect())
+    };
+    let by_memory = remembered(1.0).ok_or(BorderError::NotAlone {
+        value: point.value.to_f64(),
+    })?;
+    let jump: Vec<R> = (release.jump.iter().zip(release.along(&by_memory)))
+        .map(|(&jump, more)| jump + more)
+        .collect();
+    let offset_at_release = jump.clone();
+    let jump = Problem::weights(&jump, false);
+    let restitution = dot(&release.restitution_by, &by_memory);
+    let by_rate = limits.x_slope(sequence, *end, &jump, restitution);
     let relative = 2.0 * amplitude.error / amplitude.value.to_f64().abs();
     let mut slope = by_rate.scaled(scale);
     slope.error += relative * slope.value.to_f64().abs();
-    let mut shift = release.slope.clone();
-    shift.push(R::ONE);
+    let shift = Problem::weights(&release.slope, true);
     let first = &sequence.impacts[0];
-    let start = &first.state[..STATES];
+    let start = &first.state[..states];
     // One flight knows its derivatives to roundoff against the largest of them.
     let columns = &first.local.slopes;
     let largest = |i: usize, weights: &[R]| {
@@ -148,10 +191,10 @@ pub(crate) fn exact<R: Real>(
         value,
         error: FLIGHT_ROUNDOFFS * relative_error * size,
     };
-    let flight = (0..STATES)
+    let flight = (0..states)
         .map(|i| {
-            let size = largest(i, &[R::ONE; STATES]);
-            (0..STATES)
+            let size = largest(i, &vec![R::ONE; states]);
+            (0..states)
                 .map(|c| known(columns[c].state[i], size))
                 .collect()
         })
@@ -167,12 +210,32 @@ pub(crate) fn exact<R: Real>(
         product
     };
     let exactly_known = |&value: &R| known(value, value.abs().to_f64());
-    let offset = (release.jump.iter())
+    let offset = (offset_at_release.iter())
         .map(exactly_known)
         .map(times_scale)
         .collect();
     let by_upsilon = along(&jump).into_iter().map(times_scale).collect();
     let by_parameter = along(&shift);
+    let memory = (problem.dimensions() > 0).then(|| {
+        let rate = Problem::weights(&release.jump, false);
+        let restitution = dot(&release.restitution_by, &loops.by_rate);
+        let direct = limits.x_slope(sequence, *end, &rate, restitution).value * scale;
+        let twice = remembered(-1.0).map(|added| direct + dot(&loops.covector, &added) * scale);
+        let count = release.free.len();
+        Memory {
+            states: release.free.clone(),
+            returns: (0..count).map(|i| loops.returns.row(i).to_vec()).collect(),
+            by_upsilon: loops.by_rate.iter().map(|&x| x * scale).collect(),
+            by_parameter: loops.settled(&loops.by_parameter, 1.0).unwrap_or_default(),
+            covector: loops.covector.clone(),
+            slope: direct,
+            doubling_slope: twice.unwrap_or(R::splat(f64::NAN)),
+            first_impact_by_upsilon: combine(columns, &rate).iter().map(|&x| x * scale).collect(),
+            first_impact_by_memory: (release.directions.iter())
+                .map(|direction| combine(columns, &Problem::weights(direction, false)))
+                .collect(),
+        }
+    });
     // From the first impact on, again with unit columns: X as a function of the state there. That impact itself is not
     // in the new sequence, whose X is therefore measured one power of eta later. Rounding of the state leaves X there
     // somewhat off zero, which the sequence magnifies: the state that can be set most finely makes up for it.
@@ -182,12 +245,30 @@ pub(crate) fn exact<R: Real>(
     let mut covector = Vec::new();
     let mut covector_parameter = point.slope;
     for _ in 0..RESTARTS {
-        let onward = problem.variation(&parameters, &start, settles, sequence.impacts.len() - 1)?;
+        let most = sequence.impacts.len() - 1;
+        let onward = problem.variation(&parameters, (contact, &start), settles, most)?;
         let end = (*end - 1).min(onward.impacts.len() - 1);
         let by = |along: usize, by_parameter: bool| {
             let weights = chart.weights(along);
+            let mut restitution = if by_parameter {
+                point.held_restitution
+            } else {
+                R::ZERO
+            };
+            if release.restitution_by.iter().any(|x| *x != R::ZERO) {
+                let places = (&problem.releases[contact], &*parameters, &*release.free);
+                let landed = limits.accumulation_place(
+                    &onward,
+                    end,
+                    places,
+                    core::slice::from_ref(&weights),
+                );
+                for (&by, (_, slopes)) in release.restitution_by.iter().zip(&landed) {
+                    restitution += by * slopes[0].value;
+                }
+            }
             limits
-                .x_slope(&onward, end, &weights, by_parameter)
+                .x_slope(&onward, end, &weights, restitution)
                 .scaled(limits.constants.eta)
         };
         covector = (0..along).map(|i| by(i, false)).collect();
@@ -197,7 +278,9 @@ pub(crate) fn exact<R: Real>(
             let size = start[chart.free[i]].abs().to_f64().max(f64::MIN_POSITIVE);
             covector[i].value.abs().to_f64() / size
         };
-        let finest = if leverage(0) >= leverage(1) { 0 } else { 1 };
+        // Of equals the first.
+        let more = |&a: &usize, &b: &usize| leverage(a).total_cmp(&leverage(b));
+        let finest = (0..along).rev().max_by(more).unwrap_or(0);
         let correction = x / covector[finest].value;
         if !correction.is_finite() {
             break;
@@ -214,5 +297,6 @@ pub(crate) fn exact<R: Real>(
         offset,
         covector,
         covector_parameter,
+        memory,
     })
 }

@@ -8,15 +8,15 @@ use super::super::coordinate::limits::Limits;
 use super::super::coordinate::local::{LocalCoordinate, LocalTape, Slopes};
 use super::super::coordinate::root::Point;
 use super::super::error::BorderError;
-use super::super::problem::{PARAMETER_COLUMN, Problem, STATES, exactly};
+use super::super::problem::{Problem, columns};
 use super::super::spec::BorderSpec;
 use super::exact::{SectionChart, combine};
 use crate::expressions::Graph;
 use crate::flow::with_identity;
-use crate::flow::{Column, Occurrence, Settings, System, SystemError, Trajectory};
+use crate::flow::{Occurrence, Settings, System, SystemError, Trajectory};
 use crate::model::{Direction, Model, Section};
-use crate::numerics::Real;
 use crate::numerics::linear::solve;
+use crate::numerics::{Real, dot};
 use serde::{Deserialize, Serialize};
 
 /// The section that the flight after release crosses where the leading order is matched to the true flight.
@@ -36,7 +36,8 @@ const SECTION_DISTANCE: f64 = 0.01;
 /// zero if it is this small against what it moves by.
 const AT_REST: f64 = 1e-9;
 
-/// Coefficients of (17) to (24). Offsets on the section are (gap, rate), states after the first impact the
+/// Coefficients of (17) to (24). Offsets on the section are (gap, rate), with more than three states those held that are
+/// coordinates of release points; states after the first impact the
 /// [`section`](super::super::Border::section) coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LeadingOrder<R> {
@@ -45,25 +46,21 @@ pub struct LeadingOrder<R> {
     /// Gap and rate where the border orbit crosses it.
     pub crossing: [R; 2],
     /// A: a row for each coordinate after the first impact, a column each for gap and rate on the section.
-    pub a: [[R; 2]; 2],
+    pub a: Vec<[R; 2]>,
     /// B: gap and rate on the section that Upsilon = 1 makes.
     pub b: [R; 2],
     /// C: derivative of u by the coordinates after the first impact.
-    pub c: [R; 2],
+    pub c: Vec<R>,
     /// D: derivative of u by the parameter.
     pub d: R,
     /// E: derivative of gap and rate on the section by the parameter.
     pub e: [R; 2],
     /// F: derivative of the coordinates after the first impact by the parameter, gap and rate on the section fixed.
-    pub f: [R; 2],
+    pub f: Vec<R>,
     /// C A B.
     pub slope: R,
     /// C A E + C F + D.
     pub unfolding_rate: R,
-}
-
-fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
-    a[0] * b[0] + a[1] * b[1]
 }
 
 /// The state that changes most against its size at release, and a level that it reaches soon after.
@@ -71,15 +68,18 @@ fn default_section<R: Real>(problem: &Problem, point: &Point<R>) -> (usize, f64)
     let release = &point.release;
     let distance = |i: usize| {
         let size = release.state[i].abs().to_f64();
-        if problem.release.forcing.is_phase(i) || size <= SECTION_DISTANCE * AT_REST {
+        if problem.releases[release.contact].forcing.is_phase(i)
+            || size <= SECTION_DISTANCE * AT_REST
+        {
             SECTION_DISTANCE
         } else {
             SECTION_DISTANCE * size
         }
     };
     let speed = |i: usize| release.field[i].abs().to_f64();
-    let fastest = (0..STATES).map(speed).fold(0.0, f64::max);
-    let index = (0..STATES)
+    let choice = || (0..release.state.len()).filter(|i| !release.free.contains(i));
+    let fastest = choice().map(speed).fold(0.0, f64::max);
+    let index = choice()
         .filter(|&i| speed(i) > AT_REST * fastest)
         .max_by(|&a, &b| {
             let share = |i: usize| speed(i) / distance(i);
@@ -151,41 +151,54 @@ pub(crate) fn leading_order<R: Real>(
     let release = &point.release;
 
     // The flight from the section to the first impact, in terms of gap and rate there.
-    let [gap, rate] = problem.release.gap_and_rate_slopes(&at, &parameters);
-    let mut fixed = vec![R::ZERO; STATES];
-    fixed[index] = R::ONE;
-    let rows = vec![gap[..STATES].to_vec(), rate[..STATES].to_vec(), fixed];
-    let displacement = |gap: R, rate: R| solve(&rows, &[gap, rate, R::ZERO]);
-    let flight = problem.variation(&parameters, &at, 0, 1)?;
+    let equations = &problem.releases[release.contact];
+    let states = problem.states();
+    let [gap, rate] = equations.gap_and_rate_slopes(&at, &parameters);
+    let fixed = release.free.iter().chain([&index]).map(|&held| {
+        let mut row = vec![R::ZERO; states];
+        row[held] = R::ONE;
+        row
+    });
+    let rows: Vec<Vec<R>> = [gap[..states].to_vec(), rate[..states].to_vec()]
+        .into_iter()
+        .chain(fixed)
+        .collect();
+    let displacement = |gap: R, rate: R| {
+        let mut right = vec![R::ZERO; states];
+        (right[0], right[1]) = (gap, rate);
+        solve(&rows, &right)
+    };
+    let flight = problem.variation(&parameters, (release.contact, &at), 0, 1)?;
     let (Some(first), Some(by_gap), Some(by_rate), Some(at_fixed)) = (
         flight.impacts.first(),
         displacement(R::ONE, R::ZERO),
         displacement(R::ZERO, R::ONE),
-        displacement(-gap[PARAMETER_COLUMN], -rate[PARAMETER_COLUMN]),
+        displacement(-gap[states], -rate[states]),
     ) else {
         return Ok(Err(section));
     };
-    let reached = |mut weights: Vec<R>, by_parameter: R| -> [R; 2] {
-        weights.push(by_parameter);
-        let moved = combine(&first.local.slopes, &weights);
-        [moved[chart.free[0]], moved[chart.free[1]]]
+    let reached = |weights: Vec<R>, by_parameter: bool| -> Vec<R> {
+        let moved = combine(
+            &first.local.slopes,
+            &Problem::weights(&weights, by_parameter),
+        );
+        chart.free.iter().map(|&i| moved[i]).collect()
     };
-    let by_gap = reached(by_gap, R::ZERO);
-    let by_rate = reached(by_rate, R::ZERO);
-    let a = [[by_gap[0], by_rate[0]], [by_gap[1], by_rate[1]]];
-    let f = reached(at_fixed, R::ONE);
+    let by_gap = reached(by_gap, false);
+    let by_rate = reached(by_rate, false);
+    let a: Vec<[R; 2]> = by_gap
+        .into_iter()
+        .zip(by_rate)
+        .map(|(gap, rate)| [gap, rate])
+        .collect();
+    let f = reached(at_fixed, true);
 
     // u and nu at the first impact.
-    let columns: Vec<Column> = (0..STATES)
-        .map(|_| Column::State)
-        .chain([Column::Parameter(problem.parameter)])
-        .collect();
-    let at_rest = LocalTape::new(&problem.model, &columns, LocalCoordinate::AtRest)
+    let columns = columns(&problem.model, problem.parameter);
+    let contact = release.contact;
+    let at_rest = LocalTape::new(&problem.model, contact, &columns, LocalCoordinate::AtRest)
         .map_err(|error| BorderError::System(SystemError::Model(error)))?;
-    let start = with_identity(
-        &point.sequence.impacts[0].state[..STATES],
-        PARAMETER_COLUMN + 1,
-    );
+    let start = with_identity(&point.sequence.impacts[0].state[..states], columns.len());
     let low = vec![R::ZERO; start.len()];
     let local = at_rest.at(
         &mut at_rest.expansion(),
@@ -204,14 +217,15 @@ pub(crate) fn leading_order<R: Real>(
         let (dw, da) = (total(&|s| s.rate), total(&|s| s.acceleration));
         jerk * (dw / (nu * nu) + number(2.0) * w * da / (nu * nu * nu))
     };
-    let c = [u_slope(0), u_slope(1)];
-    let d = u_slope(2) + release.jerk_slope * w / (nu * nu);
+    let coordinates = chart.free.len();
+    let c: Vec<R> = (0..coordinates).map(u_slope).collect();
+    let d = u_slope(coordinates) + release.jerk_slope * w / (nu * nu);
 
     // The flight from release to the section, to leading order.
     let length = R::splat(level) - release.state[index];
     let speed = release.field[index];
     let time = length / speed;
-    let time_slope = -(release.slope[index] + time * release.field_slope[index]) / speed;
+    let time_slope = -(point.held_slope[index] + time * release.field_slope[index]) / speed;
     let rate_offset = nu * nu / jerk;
     let b = [time * rate_offset, rate_offset];
     let square = time * time;
@@ -219,13 +233,13 @@ pub(crate) fn leading_order<R: Real>(
         release.jerk_slope * square * time / number(6.0) + jerk * square * time_slope / number(2.0),
         release.jerk_slope * square / number(2.0) + jerk * time * time_slope,
     ];
-    let after = |v: [R; 2]| [dot(a[0], v), dot(a[1], v)];
-    let gap_value = problem.release.gap_and_rate(&at, &parameters);
+    let after = |v: [R; 2]| -> Vec<R> { a.iter().map(|row| dot(row, &v)).collect() };
+    let gap_value = equations.gap_and_rate(&at, &parameters);
     Ok(Ok(LeadingOrder {
         section,
         crossing: gap_value,
-        slope: dot(c, after(b)),
-        unfolding_rate: dot(c, after(e)) + dot(c, f) + d,
+        slope: dot(&c, &after(b)),
+        unfolding_rate: dot(&c, &after(e)) + dot(&c, &f) + d,
         a,
         b,
         c,
@@ -262,11 +276,10 @@ pub fn leading_order_at<R: Real>(
         }
     }
     let (_, settles, release) = nearest;
-    let near = exactly(&release.state);
-    let point = problem.point(value, &near, settles, spec.extrapolation)?;
+    let point = problem.point(value, &release.place(), settles, spec.extrapolation)?;
     let parameters = problem.parameters(value);
-    let first = &point.sequence.impacts[0].state[..STATES];
-    let chart = SectionChart::new(&problem, &parameters, first);
+    let first = &point.sequence.impacts[0].state[..problem.states()];
+    let chart = SectionChart::new(&problem, release.contact, &parameters, first);
     let form = leading_order(&problem, &point, &chart, spec.section.as_ref())??;
     Ok(form)
 }

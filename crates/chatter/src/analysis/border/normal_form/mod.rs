@@ -4,6 +4,6 @@ pub(in crate::analysis::border) mod exact;
 pub(in crate::analysis::border) mod leading_order;
 mod section;
 
-pub use exact::Exact;
+pub use exact::{Exact, Memory};
 pub use leading_order::{LeadingOrder, ReleaseSection, leading_order_at};
 pub use section::section_states;

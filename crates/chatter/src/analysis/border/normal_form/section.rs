@@ -3,13 +3,13 @@
 use super::super::error::BorderError;
 use super::super::orbit::Border;
 use super::super::prediction::AffineStates;
-use super::super::problem::{PARAMETER_COLUMN, Problem, STATES};
+use super::super::problem::{Problem, columns};
 use super::super::spec::BorderSpec;
 use crate::expressions::{Expr, Symbol, nearest};
 use crate::flow::with_identity;
-use crate::flow::{Column, Occurrence, Settings, System, Trajectory};
+use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
-use crate::numerics::{DoubleDouble, Real};
+use crate::numerics::{DoubleDouble, Real, dot};
 
 /// The states where orbits near the border cross a section of the model for the first time after release, with the exact
 /// coefficients: what (27) becomes on the section of an orbit diagram, such as y3 = 9.7 for the valve. `z` is that of
@@ -37,19 +37,14 @@ pub fn section_states<R: Real>(
     let problem = Problem::new(model, spec)?;
     let mut model = model.clone();
     model.sections.retain(|s| s.name == section);
-    let columns: Vec<Column> = (0..STATES)
-        .map(|_| Column::State)
-        .chain([Column::Parameter(problem.parameter)])
-        .collect();
+    let columns = columns(&model, problem.parameter);
+    let states = problem.states();
     let system = System::with_columns(&model, &columns)?;
     // The coefficients are wanted to plot by: the border is needed more finely than they are.
     let value: DoubleDouble = border.value.value.to_double_double();
     let parameters = problem.parameters(value);
-    let near: Vec<DoubleDouble> = (border.release.state.iter())
-        .map(|x| x.to_double_double())
-        .collect();
-    let release = problem.release_point(value, &near)?;
-    let start = with_identity(&release.state, PARAMETER_COLUMN + 1);
+    let release = problem.release_point(value, &border.release.place())?;
+    let start = with_identity(&release.state, columns.len());
     let time = model.time.map_or(DoubleDouble::ZERO, |index| start[index]);
     let until = time + border.first_impact.time.to_double_double();
     let mut work = system.workspace::<DoubleDouble>(&Settings::default());
@@ -62,10 +57,10 @@ pub fn section_states<R: Real>(
         }
     }
     let state = trajectory.state();
-    let here = &state[..STATES];
+    let here = &state[..states];
     let mut graph = model.graph.clone();
     let rates = model.parameter_rates(&mut graph, problem.parameter);
-    let symbols: Vec<Symbol> = (0..STATES).map(Symbol::State).collect();
+    let symbols: Vec<Symbol> = (0..states).map(Symbol::State).collect();
     let mut slopes = graph.gradient(surface, &symbols);
     slopes.push(
         graph.directional_derivatives(&[surface], &|symbol| match symbol {
@@ -80,29 +75,28 @@ pub fn section_states<R: Real>(
             .collect()
     };
     let (slopes, field) = (evaluate(&slopes), evaluate(&model.field()));
-    let dot = |a: &[DoubleDouble], b: &[DoubleDouble]| {
-        (a.iter().zip(b)).fold(DoubleDouble::ZERO, |sum, (&a, &b)| sum + a * b)
-    };
-    let speed = dot(&slopes[..STATES], &field);
+    let speed = dot(&slopes[..states], &field);
     let along = |weights: &[DoubleDouble], by_parameter: DoubleDouble| -> Vec<f64> {
-        let moved: Vec<DoubleDouble> = (0..STATES)
+        let moved: Vec<DoubleDouble> = (0..states)
             .map(|i| {
                 (weights.iter().chain([&by_parameter]).enumerate())
                     .map(|(column, &weight)| system.column(state, column)[i] * weight)
                     .fold(DoubleDouble::ZERO, |sum, part| sum + part)
             })
             .collect();
-        let drift = dot(&slopes[..STATES], &moved) + slopes[PARAMETER_COLUMN] * by_parameter;
+        let drift = dot(&slopes[..states], &moved) + slopes[states] * by_parameter;
         (moved.iter().zip(&field))
             .map(|(&moved, &field)| (moved - field * drift / speed).to_f64())
             .collect()
     };
-    let amplitude = border.exact.amplitude.value.to_double_double();
-    let scale = amplitude * amplitude / release.jerk;
-    let offset: Vec<DoubleDouble> = release.jump.iter().map(|&w| w * scale).collect();
+    let exactly = |values: &mut dyn Iterator<Item = R>| -> Vec<DoubleDouble> {
+        values.map(|x| x.to_double_double()).collect()
+    };
+    let offset = exactly(&mut border.exact.offset.iter().map(|x| x.value));
+    let slope = exactly(&mut border.release.slope.iter().copied());
     Ok(AffineStates {
         origin: here.iter().map(|x| x.to_f64()).collect(),
         by_upsilon: along(&offset, DoubleDouble::ZERO),
-        by_parameter: along(&release.slope, DoubleDouble::ONE),
+        by_parameter: along(&slope, DoubleDouble::ONE),
     })
 }

@@ -61,7 +61,7 @@ impl WindowComparison {
 }
 
 /// A window of the system with the prediction that led to it.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Found {
     predicted: PredictedWindow,
     ends: WindowEnds,
@@ -89,12 +89,12 @@ impl Simulator {
         observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Option<Vec<WindowComparison>> {
         let map = self.return_map(prediction);
-        let Some(nearest) = last_resolved(prediction, map.free) else {
+        let Some(nearest) = last_resolved(prediction, &map.free) else {
             return Some(Vec::new());
         };
         let last = last.min(nearest);
         let alone = |predicted: PredictedWindow| {
-            let ends = map.locate(prediction, &predicted, [0.0; 3])?;
+            let ends = map.locate(prediction, &predicted, &vec![0.0; map.free.len() + 1])?;
             Some(Found { predicted, ends })
         };
         // Beyond the last one asked for, if need be, is where to begin.
@@ -132,12 +132,13 @@ impl Simulator {
     fn return_map<'a>(&'a self, prediction: &'a Prediction) -> ReturnMap<'a> {
         let origin = &prediction.states.origin;
         let parameters = self.problem.parameters(prediction.border);
-        let chart = SectionChart::new(&self.problem, &parameters, origin);
+        let contact = self.equations().contact;
+        let chart = SectionChart::new(&self.problem, contact, &parameters, origin);
         ReturnMap {
             simulator: self,
             border: prediction.border,
             origin,
-            free: [chart.free[0], chart.free[1]],
+            free: chart.free,
             bound: chart.bound,
             impacts: 0,
         }
@@ -146,18 +147,20 @@ impl Simulator {
 
 impl ReturnMap<'_> {
     /// The coordinates and the parameter of a predicted point.
-    fn expected(&self, prediction: &Prediction, z: f64, parameter: f64) -> [f64; 3] {
+    fn expected(&self, prediction: &Prediction, z: f64, parameter: f64) -> Vec<f64> {
         let state = prediction.states.at(z, parameter - prediction.border);
-        [state[self.free[0]], state[self.free[1]], parameter]
+        (self.free.iter().map(|&i| state[i]))
+            .chain([parameter])
+            .collect()
     }
 
     /// Locates the window of the orbit with as many impacts as predicted, starting at this offset from predicted orbits.
     /// `None` where the orbit is not found.
     fn locate(
-        self,
+        &self,
         prediction: &Prediction,
         predicted: &PredictedWindow,
-        offset: [f64; 3],
+        offset: &[f64],
     ) -> Option<WindowEnds> {
         let map = self.with_lap(predicted.lap);
         let (begin, end) = (predicted.superstable.x, predicted.grazing.x);
@@ -166,13 +169,13 @@ impl ReturnMap<'_> {
             let z = prediction.universal().value(x);
             let parameter = prediction.parameter(x - prediction.slope * z);
             let start = map.expected(prediction, z, parameter);
-            map.window_from([0, 1, 2].map(|i| start[i] + offset[i]), None)
+            map.window_from(&sum(&start, offset), None)
         })
     }
 
     /// Locates the window of a lap, starting at what the next lap's ends are off by.
     fn locate_beside(
-        self,
+        &self,
         prediction: &Prediction,
         predicted: PredictedWindow,
         next: &Found,
@@ -185,44 +188,51 @@ impl ReturnMap<'_> {
         let known = &next.predicted;
         let starts = [
             (
-                next.ends.period_doubling,
+                next.ends.period_doubling.as_ref(),
                 known.period_doubling,
                 predicted.period_doubling,
             ),
-            (next.ends.fold, known.fold, predicted.fold),
+            (next.ends.fold.as_ref(), known.fold, predicted.fold),
         ];
         let starts = starts.into_iter().filter_map(|(found, known, predicted)| {
             let (found, known, predicted) = (found?, known?, predicted?);
             let known = self.expected(prediction, known.z, known.parameter);
             let start = self.expected(prediction, predicted.z, predicted.parameter);
-            let offset = [0, 1, 2].map(|i| (found.at[i] - known[i]) * growth);
+            let off = found
+                .at
+                .iter()
+                .zip(&known)
+                .map(|(x, known)| (x - known) * growth);
+            let offset: Vec<f64> = off.collect();
             Some((start, offset, found.rate * faster))
         });
         let map = self.with_lap(predicted.lap);
         let ends = starts
             .clone()
-            .find_map(|(start, offset, rate)| {
-                map.window_from([0, 1, 2].map(|i| start[i] + offset[i]), Some(rate))
-            })
+            .find_map(|(start, offset, rate)| map.window_from(&sum(&start, &offset), Some(rate)))
             .or_else(|| {
                 let (_, offset, _) = starts.clone().next()?;
-                self.locate(prediction, &predicted, offset)
+                self.locate(prediction, &predicted, &offset)
             })?;
         Some(Found { predicted, ends })
     }
 
     /// With n + 1 impacts in a loop.
-    fn with_lap(self, lap: u32) -> Self {
+    fn with_lap(&self, lap: u32) -> Self {
         Self {
             impacts: lap as usize + 1,
-            ..self
+            ..self.clone()
         }
     }
 
-    fn window_from(&self, guess: [f64; 3], rate: Option<f64>) -> Option<WindowEnds> {
+    fn window_from(&self, guess: &[f64], rate: Option<f64>) -> Option<WindowEnds> {
         let ends = self.window(self.solve(guess, rate)?);
         (ends.window() != LocatedWindow::default()).then_some(ends)
     }
+}
+
+fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
 /// No window beyond this one is looked at.
@@ -230,7 +240,7 @@ const LAST_LAP: u32 = 1 << 20;
 
 /// The last lap whose window doubles tell from the border, in the parameter and in these states: windows come nearer to it
 /// from lap to lap.
-fn last_resolved(prediction: &Prediction, free: [usize; 2]) -> Option<u32> {
+fn last_resolved(prediction: &Prediction, free: &[usize]) -> Option<u32> {
     let least = RESOLVED * f64::EPSILON;
     let border = prediction.border;
     let origin = &prediction.states.origin;
@@ -239,7 +249,7 @@ fn last_resolved(prediction: &Prediction, free: [usize; 2]) -> Option<u32> {
         let distance = graze.parameter - border;
         let state = prediction.states.at(graze.z, distance);
         let moved = |i: usize| (state[i] - origin[i]).abs() > least * origin[i].abs();
-        distance.abs() > least * border.abs() && free.into_iter().any(moved)
+        distance.abs() > least * border.abs() && free.iter().copied().any(moved)
     };
     let (mut resolved, mut lost) = (is_resolved(0).then_some(0)?, LAST_LAP);
     while lost - resolved > 1 {

@@ -1,10 +1,10 @@
 //! What the one-dimensional map says about the system near a border orbit.
 
 use super::super::error::BorderError;
+use super::super::normal_form::exact::Memory;
 use super::super::orbit::Border;
 use crate::analysis::universal::Universal;
-use crate::numerics::Estimate;
-use crate::numerics::Real;
+use crate::numerics::{Estimate, Real, dot};
 use serde::{Deserialize, Serialize};
 
 /// z -> Upsilon(K z + M (p - p*)), and the states after the first impact that go with z, (26) and (27).
@@ -19,6 +19,8 @@ pub struct Prediction {
     pub border: f64,
     /// States after the first impact: s_0* + by_upsilon z + by_parameter (p - p*).
     pub states: AffineStates,
+    /// What orbits that do not repeat after each passage remember, with more than three states.
+    pub(in crate::analysis::border) memory: Option<Memory<f64>>,
 }
 
 /// States that are affine in z and p - p*.
@@ -33,7 +35,7 @@ pub struct AffineStates {
 }
 
 /// One predicted passage.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PredictedPassage {
     /// Upsilon of the passage before: what it adds to the first impact of this one.
     pub z: f64,
@@ -41,6 +43,8 @@ pub struct PredictedPassage {
     pub x: f64,
     /// Impacts until release in flight; `None` where chatter is complete.
     pub impacts: Option<u64>,
+    /// What is remembered of where the orbit was released, beyond what one with Upsilon = 0 would have: nothing with three states.
+    pub memory: Vec<f64>,
 }
 
 /// Where an orbit settles.
@@ -130,6 +134,7 @@ impl Prediction {
                 by_upsilon: values(&exact.first_impact_by_upsilon),
                 by_parameter: values(&exact.first_impact_by_parameter),
             },
+            memory: exact.memory.as_ref().map(Memory::rounded),
         })
     }
 
@@ -157,6 +162,7 @@ impl Prediction {
                 by_upsilon,
                 by_parameter,
             },
+            memory: None,
         })
     }
 
@@ -175,16 +181,24 @@ impl Prediction {
         self.border + mu / self.unfolding_rate
     }
 
-    /// The passage that follows one with this z.
+    /// The passage that follows one with this z in an orbit that has settled to it.
     pub fn passage(&self, mu: f64, z: f64) -> PredictedPassage {
-        let x = self.slope.mul_add(z, mu);
+        self.passage_at(self.slope.mul_add(z, mu), z, Vec::new())
+    }
+
+    fn passage_at(&self, x: f64, z: f64, memory: Vec<f64>) -> PredictedPassage {
         let at = self.universal.at(x);
         // Lap n has n impacts after the first; above x_e laps are negative, and one impact is left at least.
         let impacts = (x > 0.0).then(|| (at.lap + 1.0).max(1.0) as u64);
-        PredictedPassage { z, x, impacts }
+        PredictedPassage {
+            z,
+            x,
+            impacts,
+            memory,
+        }
     }
 
-    /// The z of the next passage.
+    /// The z of the next passage in an orbit that has settled to this one.
     pub fn next(&self, mu: f64, z: f64) -> f64 {
         self.universal.value(self.slope.mul_add(z, mu))
     }
@@ -193,21 +207,45 @@ impl Prediction {
     pub fn orbit(&self, parameter: f64, transient: usize, keep: usize) -> Vec<PredictedPassage> {
         let mu = self.mu(parameter);
         let mut z = 0.0;
+        let mut y = vec![0.0; self.memory.as_ref().map_or(0, |memory| memory.states.len())];
+        let mut step = || {
+            let (before, remembered) = (z, y.clone());
+            let x = match &self.memory {
+                Some(memory) => memory.slope.mul_add(z, mu) + dot(&memory.covector, &y),
+                None => self.slope.mul_add(z, mu),
+            };
+            if let Some(memory) = &self.memory {
+                y = (memory.returns.iter().zip(&memory.by_upsilon))
+                    .map(|(row, b)| dot(row, &y) + b * z)
+                    .collect();
+            }
+            z = self.universal.value(x);
+            (x, before, remembered)
+        };
         for _ in 0..transient {
-            z = self.next(mu, z);
+            step();
         }
         (0..keep)
             .map(|_| {
-                let passage = self.passage(mu, z);
-                z = self.next(mu, z);
-                passage
+                let (x, z, y) = step();
+                self.passage_at(x, z, y)
             })
             .collect()
     }
 
     /// The state after the first impact of a passage.
     pub fn state(&self, parameter: f64, passage: &PredictedPassage) -> Vec<f64> {
-        self.states.at(passage.z, parameter - self.border)
+        let Some(memory) = self.memory.as_ref().filter(|_| !passage.memory.is_empty()) else {
+            return self.states.at(passage.z, parameter - self.border);
+        };
+        let mut state = self.states.at(0.0, parameter - self.border);
+        let remembered = memory.first_impact_by_memory.iter().zip(&passage.memory);
+        for (by, &part) in remembered.chain([(&memory.first_impact_by_upsilon, &passage.z)]) {
+            for (x, by) in state.iter_mut().zip(by) {
+                *x += by * part;
+            }
+        }
+        state
     }
 
     /// Where orbits settle: how many passages and impacts a period has.

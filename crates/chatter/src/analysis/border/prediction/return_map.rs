@@ -1,53 +1,72 @@
 //! The system's own return map from first impact to first impact, and its fixed points by Newton's method.
 
+use super::super::coordinate::local::Slopes;
 use super::super::coordinate::sequence::Until;
 use super::super::normal_form::exact::SectionChart;
 use super::simulated::Simulator;
 use crate::flow::with_identity;
+use crate::numerics::Matrix;
 use crate::numerics::linear::solve;
 
 /// What the map found for one loop.
 struct Loop {
-    image: [f64; 2],
-    /// Derivatives by the two coordinates and the parameter.
-    slopes: [[f64; 3]; 2],
+    /// The coordinates after it.
+    image: Vec<f64>,
+    /// Derivatives by the coordinates and the parameter.
+    slopes: Vec<Vec<f64>>,
     rate: f64,
-    rate_slopes: [f64; 3],
+    rate_slopes: Vec<f64>,
 }
 
 impl Loop {
     /// Derivatives of image - point, and one more row.
     fn fixed_point_rows(&self, last: Vec<f64>) -> Vec<Vec<f64>> {
-        let mut rows: Vec<Vec<f64>> = self.slopes.iter().map(|s| s.to_vec()).collect();
-        rows[0][0] -= 1.0;
-        rows[1][1] -= 1.0;
+        let mut rows = self.slopes.clone();
+        for (i, row) in rows.iter_mut().enumerate() {
+            row[i] -= 1.0;
+        }
         rows.push(last);
         rows
     }
 }
 
 /// A fixed point of the return map.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(in crate::analysis::border) struct FixedPoint {
-    /// Two coordinates and the parameter.
-    pub at: [f64; 3],
+    /// The coordinates and the parameter.
+    pub at: Vec<f64>,
     /// After the last impact.
     pub rate: f64,
-    /// Of the derivative of the map: sum and product of its two multipliers, be they real or a complex pair.
-    pub trace: f64,
-    pub determinant: f64,
+    /// Derivative of the map, by the coordinates.
+    pub slopes: Vec<Vec<f64>>,
     /// d at / d rate.
-    pub direction: [f64; 3],
+    pub direction: Vec<f64>,
     /// Of the parameter.
     pub error: f64,
 }
 
 impl FixedPoint {
-    /// By how much a multiplier m exceeds a `target` of 1 or -1: (m - target) (1 - target n) with the other one, n, which is
-    /// next to nothing near a border orbit. Zero just where a multiplier is that; a complex pair has none, though its real
-    /// part may pass the target.
+    /// The parameter.
+    pub fn parameter(&self) -> f64 {
+        self.at[self.at.len() - 1]
+    }
+
+    /// By how much a multiplier m exceeds a `target` of 1 or -1: -target det(1 - target J), which is (m - target) times
+    /// 1 - target n for each other one, n, next to nothing near a border orbit but for what is remembered. Zero just where a
+    /// multiplier is that; a complex pair has none, though its real part may pass the target.
     pub fn excess(&self, target: f64) -> f64 {
-        self.trace - target * (1.0 + self.determinant)
+        let mut rows = Matrix::from_rows(&self.slopes);
+        for i in 0..self.slopes.len() {
+            let row = rows.row_mut(i);
+            row.iter_mut().for_each(|entry| *entry *= -target);
+            row[i] += 1.0;
+        }
+        -target * rows.factored().map_or(0.0, |factors| factors.determinant())
+    }
+
+    /// On which side of 0 multipliers lie.
+    pub fn trace(&self) -> f64 {
+        self.slopes.iter().enumerate().map(|(i, row)| row[i]).sum()
     }
 }
 
@@ -59,18 +78,20 @@ const STEP_HALVINGS: usize = 12;
 const NEWTON_DONE: f64 = 1e-11;
 const ROUNDOFFS: f64 = 16.0;
 const STALLED: f64 = 1e3;
+/// What hardly leaves the border orbit is measured by this part of what does.
+const LEAST_OFF: f64 = 1e-6;
 /// However near to the border orbit, no more of a correction is let pass.
 const VAGUE: f64 = 1e-6;
 
 /// The return map of the system near its border orbit.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(in crate::analysis::border) struct ReturnMap<'a> {
     pub simulator: &'a Simulator,
     pub border: f64,
     /// The state after the first impact of the border orbit.
     pub origin: &'a [f64],
-    /// The two coordinates, and the state that follows from them.
-    pub free: [usize; 2],
+    /// The coordinates, and the state that follows from them.
+    pub free: Vec<usize>,
     pub bound: usize,
     /// In a loop.
     pub impacts: usize,
@@ -80,7 +101,7 @@ impl ReturnMap<'_> {
     /// By how much a component of the state grows in a loop beyond what it was, and the derivative of that by the
     /// parameter: zero but for phases.
     fn turn(&self, parameters: &[f64], component: usize) -> (f64, f64) {
-        let turns = self.simulator.problem.release.turns(parameters);
+        let turns = self.simulator.equations().turns(parameters);
         let count = (self.simulator.turns.iter()).find(|(state, _)| *state == component);
         match (turns.iter().find(|turn| turn.state == component), count) {
             (Some(turn), Some(&(_, count))) => {
@@ -92,19 +113,22 @@ impl ReturnMap<'_> {
     }
 
     /// One loop from a first impact to the next; `None` if it has another number of impacts.
-    fn follow(&self, at: [f64; 3]) -> Option<Loop> {
-        let problem = &self.simulator.problem;
-        let parameters = problem.parameters(at[2]);
+    fn follow(&self, at: &[f64]) -> Option<Loop> {
+        let (problem, equations) = (&self.simulator.problem, self.simulator.equations());
+        let contact = equations.contact;
+        let coordinates = self.free.len();
+        let parameters = problem.parameters(at[coordinates]);
         let mut state = self.origin.to_vec();
-        state[self.free[0]] = at[0];
-        state[self.free[1]] = at[1];
-        let state = (problem.release).onto_surface(&parameters, &state, self.bound)?;
-        let chart = SectionChart::with_bound(problem, &parameters, &state, self.bound);
+        for (&i, &x) in self.free.iter().zip(at) {
+            state[i] = x;
+        }
+        let state = equations.onto_surface(&parameters, &state, self.bound)?;
+        let chart = SectionChart::with_bound(problem, (contact, self.bound), &parameters, &state);
         let start = with_identity(&state, state.len() + 1);
         let count = self.impacts;
         let sequence = problem
             .variational
-            .follow(&parameters, &start, Until::Count(count))
+            .follow(&parameters, (contact, &start), Until::Count(count))
             .ok()?;
         let impacts = &sequence.impacts;
         let (long, count_long) = self.simulator.long_flight;
@@ -117,59 +141,75 @@ impl ReturnMap<'_> {
             return None;
         }
         let (last, next) = (&impacts[count - 2].local, &impacts[count - 1].local);
-        let turns = self.free.map(|i| self.turn(&parameters, i));
-        let weights: Vec<Vec<f64>> = (0..3).map(|along| chart.weights(along)).collect();
-        let image = |k: usize| impacts[count - 1].state[self.free[k]] - turns[k].0;
-        let slope = |k: usize, along: usize| {
-            let sum: f64 = (next.slopes.iter().zip(&weights[along]))
-                .map(|(slope, weight)| slope.state[self.free[k]] * weight)
-                .sum();
-            if along == 2 { sum - turns[k].1 } else { sum }
+        let weights: Vec<Vec<f64>> = (0..=coordinates)
+            .map(|along| chart.weights(along))
+            .collect();
+        let sum = |of: &dyn Fn(&Slopes<f64>) -> f64, slopes: &[Slopes<f64>], weights: &[f64]| {
+            slopes
+                .iter()
+                .zip(weights)
+                .map(|(slope, weight)| of(slope) * weight)
+                .sum::<f64>()
         };
-        let row = |k: usize| [slope(k, 0), slope(k, 1), slope(k, 2)];
-        let rate_slope = |along: usize| {
-            (last.slopes.iter().zip(&weights[along]))
-                .map(|(slope, weight)| slope.rate * weight)
-                .sum()
-        };
+        let (mut image, mut slopes) = (Vec::new(), Vec::new());
+        for &i in &self.free {
+            let (turn, turn_slope) = self.turn(&parameters, i);
+            image.push(impacts[count - 1].state[i] - turn);
+            let along = |weights: &Vec<f64>| sum(&|slope| slope.state[i], &next.slopes, weights);
+            let mut row: Vec<f64> = weights.iter().map(along).collect();
+            row[coordinates] -= turn_slope;
+            slopes.push(row);
+        }
+        let rate = |weights: &Vec<f64>| sum(&|slope| slope.rate, &last.slopes, weights);
         Some(Loop {
-            image: [image(0), image(1)],
-            slopes: [row(0), row(1)],
+            image,
+            slopes,
             rate: last.rate,
-            rate_slopes: [rate_slope(0), rate_slope(1), rate_slope(2)],
+            rate_slopes: weights.iter().map(rate).collect(),
         })
     }
 
     /// The fixed point at this rate after the last impact, or at the guess's own parameter if none is given.
-    pub fn solve(&self, guess: [f64; 3], rate: Option<f64>) -> Option<FixedPoint> {
-        let mut at = guess;
-        let mut found = self.follow(at)?;
+    pub fn solve(&self, guess: &[f64], rate: Option<f64>) -> Option<FixedPoint> {
+        let last = self.free.len();
+        let unit = |length: f64| {
+            let mut unit = vec![0.0; last + 1];
+            unit[last] = length;
+            unit
+        };
+        let origin: Vec<f64> = (self.free.iter().map(|&i| self.origin[i]))
+            .chain([self.border])
+            .collect();
+        let mut at = guess.to_vec();
+        let mut found = self.follow(&at)?;
         let mut before = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
-            let (last, off) = match rate {
-                Some(rate) => (found.rate_slopes.to_vec(), rate - found.rate),
-                None => (vec![0.0, 0.0, 1.0], guess[2] - at[2]),
+            let (row, off) = match rate {
+                Some(rate) => (found.rate_slopes.clone(), rate - found.rate),
+                None => (unit(1.0), guess[last] - at[last]),
             };
-            let right = [at[0] - found.image[0], at[1] - found.image[1], off];
-            let step = solve(&found.fixed_point_rows(last), &right)?;
-            let origin = [
-                self.origin[self.free[0]],
-                self.origin[self.free[1]],
-                self.border,
-            ];
-            let largest = |values: [f64; 3]| {
-                let parts = [0, 1, 2].map(|i| (values[i] / (at[i] - origin[i])).abs());
-                parts[0].max(parts[1]).max(parts[2])
+            let missed = at.iter().zip(&found.image).map(|(x, image)| x - image);
+            let right: Vec<f64> = missed.chain([off]).collect();
+            let step = solve(&found.fixed_point_rows(row), &right)?;
+            let off = |i: usize| (at[i] - origin[i]).abs();
+            let relative = (0..=last).map(|i| off(i) / (1.0 + origin[i].abs()));
+            let least = LEAST_OFF * relative.fold(0.0, f64::max);
+            let largest = |values: &[f64]| {
+                let parts = values
+                    .iter()
+                    .enumerate()
+                    .map(|(i, value)| value.abs() / off(i).max(least * (1.0 + origin[i].abs())));
+                parts.fold(0.0, f64::max)
             };
-            let size = largest([step[0], step[1], step[2]]);
+            let size = largest(&step);
             let done = NEWTON_DONE
-                .max(ROUNDOFFS * f64::EPSILON * largest(at))
+                .max(ROUNDOFFS * f64::EPSILON * largest(&at))
                 .min(VAGUE);
             let mut part = 1.0;
             let mut moved = None;
             for _ in 0..STEP_HALVINGS {
-                let trial = [0, 1, 2].map(|i| at[i] + part * step[i]);
-                if let Some(good) = self.follow(trial) {
+                let trial: Vec<f64> = at.iter().zip(&step).map(|(x, dx)| x + part * dx).collect();
+                if let Some(good) = self.follow(&trial) {
                     moved = Some((trial, good));
                     break;
                 }
@@ -177,18 +217,17 @@ impl ReturnMap<'_> {
             }
             (at, found) = moved?;
             if size <= done || (size <= STALLED * done && size >= before) {
-                let [[a, b, _], [c, d, _]] = found.slopes;
-                let direction = solve(
-                    &found.fixed_point_rows(found.rate_slopes.to_vec()),
-                    &[0.0, 0.0, 1.0],
-                )?;
+                let rows = found.fixed_point_rows(found.rate_slopes.clone());
                 return Some(FixedPoint {
-                    at,
                     rate: found.rate,
-                    trace: a + d,
-                    determinant: a * d - b * c,
-                    direction: [direction[0], direction[1], direction[2]],
-                    error: size.max(done) * (at[2] - self.border).abs(),
+                    slopes: found
+                        .slopes
+                        .iter()
+                        .map(|row| row[..last].to_vec())
+                        .collect(),
+                    direction: solve(&rows, &unit(1.0))?,
+                    error: size.max(done) * (at[last] - self.border).abs(),
+                    at,
                 });
             }
             before = size;
@@ -203,11 +242,10 @@ mod tests {
 
     fn with(trace: f64, determinant: f64) -> FixedPoint {
         FixedPoint {
-            at: [0.0; 3],
+            at: vec![0.0; 3],
             rate: 1.0,
-            trace,
-            determinant,
-            direction: [0.0; 3],
+            slopes: vec![vec![trace, -determinant], vec![1.0, 0.0]],
+            direction: vec![0.0; 3],
             error: 0.0,
         }
     }

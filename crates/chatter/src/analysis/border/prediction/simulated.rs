@@ -3,11 +3,12 @@
 use super::super::coordinate::sequence::{Until, Verdict};
 use super::super::error::BorderError;
 use super::super::orbit::Border;
-use super::super::problem::{Problem, exactly};
+use super::super::problem::Problem;
+use super::super::release::equations::{Place, ReleaseEquations};
 use super::super::spec::BorderSpec;
 use super::map::{Settled, settle, to_f64};
 use crate::model::Model;
-use crate::numerics::{DoubleDouble, Real};
+use crate::numerics::Real;
 use serde::{Deserialize, Serialize};
 
 /// Passages of the flow through the neighbourhood of release.
@@ -15,7 +16,7 @@ use serde::{Deserialize, Serialize};
 pub struct Simulator {
     pub(in crate::analysis::border) problem: Problem,
     pub(in crate::analysis::border) long_flights: usize,
-    pub(in crate::analysis::border) release: Vec<DoubleDouble>,
+    pub(in crate::analysis::border) release: Place,
     /// By how many periods the phases of the border orbit advance.
     pub(in crate::analysis::border) turns: Vec<(usize, i64)>,
     /// Flights at least this long come before the chatter of the border orbit, or early in it, and how many there are.
@@ -58,18 +59,23 @@ impl Simulator {
     ) -> Result<Self, BorderError> {
         let problem = Problem::new(model, spec)?;
         let value = border.value.value.to_f64();
-        let release = to_f64(&border.release.state);
+        let release = (border.release.contact, &*to_f64(&border.release.state));
         let until = Until::Count(border.sequence_begins + FOLLOWED);
-        let begin = (problem.plain).follow(&problem.parameters(value), &release, until)?;
+        let begin = (problem.plain).follow(&problem.parameters(value), release, until)?;
         Ok(Self {
             problem,
             long_flight: widest_gap(begin.flights().collect()),
             long_flights: border.long_flights,
-            release: exactly(&border.release.state),
+            release: border.release.place(),
             turns: (border.turns.iter())
                 .map(|turn| (turn.state, turn.count))
                 .collect(),
         })
+    }
+
+    /// Where the contact ends.
+    pub(in crate::analysis::border) fn equations(&self) -> &ReleaseEquations {
+        &self.problem.releases[self.release.contact]
     }
 
     /// Follows the flow from release at a parameter value: `keep` passages after `transient` others.
@@ -86,7 +92,8 @@ impl Simulator {
         let parameters = self.problem.parameters(parameter);
         let arrivals = (transient + keep) * self.long_flights + 1;
         let follower = &self.problem.plain;
-        let sequence = follower.follow(&parameters, &release.state, Until::Arrivals(arrivals))?;
+        let start = (release.contact, &*release.state);
+        let sequence = follower.follow(&parameters, start, Until::Arrivals(arrivals))?;
         if sequence.verdict != Verdict::Stopped {
             // Far from the border impacts may go on for ever without a long flight.
             let settled = match sequence.verdict {
@@ -122,7 +129,7 @@ impl Simulator {
         let same = |a: &Passage, b: &Passage| {
             a.impacts == b.impacts
                 && (0..scale.len())
-                    .filter(|&i| !self.problem.release.forcing.is_phase(i))
+                    .filter(|&i| !self.equations().forcing.is_phase(i))
                     .all(|i| (a.state[i] - b.state[i]).abs() <= SAME * scale[i])
         };
         let settled = settle(&passages, same, |passage| Some(passage.impacts));

@@ -26,7 +26,7 @@ impl LocatedWindow {
 }
 
 /// The fixed points at which a window begins and ends.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(in crate::analysis::border) struct WindowEnds {
     pub fold: Option<FixedPoint>,
     pub period_doubling: Option<FixedPoint>,
@@ -36,13 +36,13 @@ pub(in crate::analysis::border) struct WindowEnds {
 impl WindowEnds {
     /// Their parameter values.
     pub fn window(&self) -> LocatedWindow {
-        let parameter = |point: FixedPoint| Estimate {
-            value: point.at[2],
+        let parameter = |point: &FixedPoint| Estimate {
+            value: point.parameter(),
             error: point.error,
         };
         LocatedWindow {
-            fold: self.fold.map(parameter),
-            period_doubling: self.period_doubling.map(parameter),
+            fold: self.fold.as_ref().map(parameter),
+            period_doubling: self.period_doubling.as_ref().map(parameter),
             grazing: self.grazing,
         }
     }
@@ -95,33 +95,38 @@ impl ReturnMap<'_> {
 
     fn at_rate_by(&self, from: &FixedPoint, rate: f64, halvings: u32) -> Option<FixedPoint> {
         let step = rate - from.rate;
-        let guess = [0, 1, 2].map(|i| from.at[i] + from.direction[i] * step);
-        self.solve(guess, Some(rate)).or_else(|| {
-            let halvings = halvings.checked_sub(1)?;
-            let between = self.at_rate_by(from, (rate * from.rate).sqrt(), halvings)?;
-            self.at_rate_by(&between, rate, halvings)
-        })
+        let moved = from
+            .at
+            .iter()
+            .zip(&from.direction)
+            .map(|(x, by)| x + by * step);
+        self.solve(&moved.collect::<Vec<f64>>(), Some(rate))
+            .or_else(|| {
+                let halvings = halvings.checked_sub(1)?;
+                let between = self.at_rate_by(from, (rate * from.rate).sqrt(), halvings)?;
+                self.at_rate_by(&between, rate, halvings)
+            })
     }
 
     /// The whole window, from one of its orbits.
     pub fn window(&self, middle: FixedPoint) -> WindowEnds {
-        let towards = self.walk(middle, TOWARDS_GRAZE, |_| false);
-        let mut nearest = towards[towards.len() - 1];
+        let towards = self.walk(&middle, TOWARDS_GRAZE, |_| false);
+        let mut nearest = &towards[towards.len() - 1];
         let mut nearer = Vec::new();
         if towards.len() <= TOWARDS_GRAZE.steps {
             // The orbit ends before its graze: as far as it goes.
             nearer = self.walk(nearest, NEARER, |_| false);
-            nearest = nearer[nearer.len() - 1];
+            nearest = &nearer[nearer.len() - 1];
         }
-        let wanted = -nearest.trace.signum();
-        let away = self.walk(middle, AWAY, |point| point.excess(wanted) * wanted > 0.0);
+        let wanted = -nearest.trace().signum();
+        let away = self.walk(&middle, AWAY, |point| point.excess(wanted) * wanted > 0.0);
         let end = |multiplier: f64| {
             let crossed = |pair: &&[FixedPoint]| {
                 pair[0].excess(multiplier) * pair[1].excess(multiplier) <= 0.0
             };
             let mut branches = [&towards, &nearer, &away].into_iter();
             let pair = branches.find_map(|branch| branch.windows(2).find(crossed))?;
-            self.meet((pair[0], pair[1]), multiplier)
+            self.meet((&pair[0], &pair[1]), multiplier)
         };
         WindowEnds {
             fold: end(1.0),
@@ -133,18 +138,18 @@ impl ReturnMap<'_> {
     /// Fixed points one after the other, the first given, until one of them is far enough.
     fn walk(
         &self,
-        first: FixedPoint,
+        first: &FixedPoint,
         walk: Walk,
         is_far: impl Fn(&FixedPoint) -> bool,
     ) -> Vec<FixedPoint> {
-        let mut points = vec![first];
+        let mut points = vec![first.clone()];
         let (mut factor, mut roots) = (walk.factor, 0);
         while points.len() <= walk.steps && roots <= walk.roots {
-            let last = points[points.len() - 1];
-            if is_far(&last) {
+            let last = &points[points.len() - 1];
+            if is_far(last) {
                 break;
             }
-            match self.at_rate(&last, last.rate * factor) {
+            match self.at_rate(last, last.rate * factor) {
                 Some(next) => points.push(next),
                 None => {
                     factor = factor.sqrt();
@@ -158,22 +163,23 @@ impl ReturnMap<'_> {
     /// Between two fixed points the one where the multiplier takes a value: a root over the rate of w times its excess, which
     /// has no pole at the graze. Its error is what the last change makes of the multiplier's miss, and of what it is
     /// known to.
-    fn meet(&self, (low, high): (FixedPoint, FixedPoint), multiplier: f64) -> Option<FixedPoint> {
+    fn meet(&self, (low, high): (&FixedPoint, &FixedPoint), multiplier: f64) -> Option<FixedPoint> {
         let value = |point: &FixedPoint| point.rate * point.excess(multiplier);
         let miss = |point: &FixedPoint| point.excess(multiplier).abs();
-        let (mut best, other) = if miss(&low) < miss(&high) {
+        let (best, other) = if miss(low) < miss(high) {
             (low, high)
         } else {
             (high, low)
         };
         let change = |from: &FixedPoint, to: &FixedPoint| {
             let moved = to.excess(multiplier) - from.excess(multiplier);
-            ((to.at[2] - from.at[2]) / moved).abs()
+            ((to.parameter() - from.parameter()) / moved).abs()
         };
-        let mut slope = change(&other, &best);
+        let mut slope = change(other, best);
+        let mut best = best.clone();
         let mut idle = 0;
-        let mut bracket = Bracket::new((low.rate, value(&low)), (high.rate, value(&high)));
-        let mut ends = [low, high];
+        let mut bracket = Bracket::new((low.rate, value(low)), (high.rate, value(high)));
+        let mut ends = [low.clone(), high.clone()];
         for _ in 0..SECANT_STEPS {
             if miss(&best) <= MULTIPLIER_DONE || idle == PATIENCE {
                 break;
@@ -186,7 +192,7 @@ impl ReturnMap<'_> {
             let point = self.at_rate(&ends[near], rate)?;
             if miss(&point) < miss(&best) {
                 slope = change(&best, &point);
-                best = point;
+                best = point.clone();
                 idle = 0;
             } else {
                 idle += usize::from(miss(&best) <= MULTIPLIER_VAGUE);
@@ -206,7 +212,7 @@ impl ReturnMap<'_> {
 /// graze, the less of the rate is left above rounding: of all beginnings of the sequence that counts which agrees best with
 /// its neighbours.
 fn graze(points: &[FixedPoint]) -> Option<Estimate<f64>> {
-    let values: Vec<f64> = points.iter().map(|point| point.at[2]).collect();
+    let values: Vec<f64> = points.iter().map(FixedPoint::parameter).collect();
     let plan = Plan {
         stride: 1,
         orders: HALVES.len(),

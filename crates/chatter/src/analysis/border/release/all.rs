@@ -20,6 +20,8 @@ const HALVINGS: usize = 10;
 
 /// Release points this near to each other, relative to their size, are one.
 const SAME: f64 = 1e-7;
+/// The same of those that orbits return to: they are closed less well where chatter ends in flight.
+const SAME_ORBIT: f64 = 1e-3;
 
 impl ReleaseEquations {
     /// The release points in a period of the forcing, from the initial phase on; without forcing those that are found from
@@ -64,7 +66,8 @@ impl ReleaseEquations {
         b: &ReleasePoint<f64>,
         parameters: &[f64],
     ) -> bool {
-        self.apart(&a.state, &b.state, parameters) <= SAME
+        let same = if a.free.is_empty() { SAME } else { SAME_ORBIT };
+        self.apart(&a.state, &b.state, parameters) <= same
     }
 
     /// Where the acceleration of a state held in contact rises through zero over a period.

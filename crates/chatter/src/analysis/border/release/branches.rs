@@ -3,6 +3,7 @@
 use super::super::error::BorderError;
 use super::super::problem::Problem;
 use super::equations::ReleasePoint;
+use crate::numerics::Real;
 
 /// All release points are looked for at every so manieth value; in between they are followed.
 const LOOK_EVERY: usize = 8;
@@ -88,8 +89,9 @@ impl Problem {
     ) -> Option<(ReleasePoint<f64>, f64)> {
         let parameters = self.parameters(there);
         let expected = from.expected(there - value);
-        let point = self.release.solve(&parameters, &expected)?;
-        let off = self.release.apart(&point.state, &expected, &parameters);
+        let point = self.returning(there, &expected).ok()?;
+        let state: Vec<f64> = expected.state.iter().map(|x| x.to_f64()).collect();
+        let off = self.releases[from.contact].apart(&point.state, &state, &parameters);
         Some((point, off))
     }
 
@@ -103,6 +105,9 @@ impl Problem {
         (branches
             .iter()
             .filter_map(|branch| branch.points[k].as_ref()))
-        .any(|known| self.release.is_same(known, point, parameters))
+        .any(|known| {
+            known.contact == point.contact
+                && self.releases[point.contact].is_same(known, point, parameters)
+        })
     }
 }

@@ -4,8 +4,7 @@ use super::super::error::BorderError;
 use super::forcing::{Forcing, Turn};
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Mechanics, MechanicsError, Model};
-use crate::numerics::linear::solve;
-use crate::numerics::{DoubleDouble, Equations, Linearised, Matrix, Newton, Real};
+use crate::numerics::{DoubleDouble, Equations, Linearised, Matrix, Newton, Real, dot};
 use serde::{Deserialize, Serialize};
 
 /// A state this small against the largest is zero: far below rounding of any number type.
@@ -14,12 +13,15 @@ const NOTHING: f64 = 1e-50;
 /// A correction this many roundoffs of the state is no correction.
 const NEWTON_DONE: f64 = 8.0;
 
-/// Place of the acceleration among the functions.
+/// Place of the acceleration among the functions, and how many they are.
 const ACCELERATION: usize = 2;
+pub(crate) const CONDITIONS: usize = 3;
 
-/// Equations of the release point of a model with one contact.
+/// Equations of the release points of one contact. With n states they fill a surface of n - 3 dimensions, which as many of the
+/// states are coordinates on.
 #[derive(Clone, Debug)]
 pub(crate) struct ReleaseEquations {
+    pub contact: usize,
     graph: Graph,
     /// h, v, a.
     functions: Vec<Expr>,
@@ -38,9 +40,15 @@ pub(crate) struct ReleaseEquations {
 /// A release point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReleasePoint<R> {
+    /// Which contact ends.
+    pub contact: usize,
     /// The state.
     pub state: Vec<R>,
-    /// How it moves with the parameter.
+    /// The states that are coordinates on the surface of release points: none where there are three.
+    pub free: Vec<usize>,
+    /// How the point moves with each of them.
+    pub directions: Vec<Vec<R>>,
+    /// How it moves with the parameter: of a border orbit, as its orbit does; else with the coordinates fixed.
     pub slope: Vec<R>,
     /// j > 0 there.
     pub jerk: R,
@@ -48,6 +56,8 @@ pub struct ReleasePoint<R> {
     pub restitution: R,
     /// How the restitution there moves with the parameter.
     pub restitution_slope: R,
+    /// How it moves with each coordinate.
+    pub restitution_by: Vec<R>,
     /// How the jerk there moves with the parameter.
     pub jerk_slope: R,
     /// The free field there.
@@ -58,19 +68,63 @@ pub struct ReleasePoint<R> {
     pub jump: Vec<R>,
 }
 
+/// Near which point of which contact a release point is looked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    pub contact: usize,
+    pub state: Vec<DoubleDouble>,
+}
+
 impl<R: Real> ReleasePoint<R> {
+    /// Where it is.
+    pub(crate) fn place(&self) -> Place {
+        self.moved(&vec![R::ZERO; self.state.len()])
+    }
+
+    /// A displacement away from where it is.
+    pub(crate) fn moved(&self, by: &[R]) -> Place {
+        let moved = self.state.iter().zip(by).map(|(&x, &by)| x + by);
+        Place {
+            contact: self.contact,
+            state: moved.map(|x| x.to_double_double()).collect(),
+        }
+    }
+
     /// Where it is expected at another value of the parameter.
-    pub(crate) fn expected(&self, by: R) -> Vec<R> {
-        (self.state.iter().zip(&self.slope))
-            .map(|(&x, &slope)| x + slope * by)
-            .collect()
+    pub(crate) fn expected(&self, by: R) -> Place {
+        let moved: Vec<R> = self.slope.iter().map(|&slope| slope * by).collect();
+        self.moved(&moved)
+    }
+
+    /// Lets it move with the parameter as orbits that return to it do: their coordinates change so much.
+    pub(crate) fn follow_orbit(&mut self, moved: &[R]) {
+        let along = self.along(moved);
+        for (slope, part) in self.slope.iter_mut().zip(along) {
+            *slope += part;
+        }
+        self.restitution_slope += dot(&self.restitution_by, moved);
+    }
+
+    /// The displacement that these changes of the coordinates make.
+    pub(crate) fn along(&self, changes: &[R]) -> Vec<R> {
+        let mut sum = vec![R::ZERO; self.state.len()];
+        for (direction, &change) in self.directions.iter().zip(changes) {
+            for (sum, &part) in sum.iter_mut().zip(direction) {
+                *sum += part * change;
+            }
+        }
+        sum
     }
 }
 
 impl ReleaseEquations {
-    pub(crate) fn new(model: &Model, parameter: usize) -> Result<Self, MechanicsError> {
+    pub(crate) fn new(
+        model: &Model,
+        parameter: usize,
+        index: usize,
+    ) -> Result<Self, MechanicsError> {
         let mut mechanics = Mechanics::new(model)?;
-        let contact = mechanics.contacts[0].clone();
+        let contact = mechanics.contacts[index].clone();
         let field = mechanics.field.clone();
         let graph = &mut mechanics.graph;
         let rates = model.parameter_rates(graph, parameter);
@@ -90,6 +144,7 @@ impl ReleaseEquations {
         let slopes = jacobian.split_off(functions.len());
         let forcing = Forcing::new(model, graph, &rates);
         Ok(Self {
+            contact: index,
             forcing,
             graph: mechanics.graph,
             functions,
@@ -160,14 +215,51 @@ impl ReleaseEquations {
         Some(newton.solve(&mut equations, guess).ok()?.at)
     }
 
-    /// The release point that Newton's method finds from a guess, in the first forcing period; `None` where it does not
-    /// converge to a point with positive jerk.
+    /// The states that the surface of release points near a state is a graph over: all but those that gap, rate and acceleration
+    /// depend on most.
+    fn free_states<R: Real>(&self, state: &[R], parameters: &[R]) -> Vec<usize> {
+        let states = state.len();
+        let mut rows: Vec<Vec<R>> = (self.jacobian.iter())
+            .map(|row| self.values(&row[..states], state, parameters))
+            .collect();
+        let mut free: Vec<usize> = (0..states).collect();
+        while free.len() + CONDITIONS > states && !rows.is_empty() {
+            let largest = |row: &[R]| {
+                free.iter()
+                    .map(|&i| row[i].abs().to_f64())
+                    .fold(0.0, f64::max)
+            };
+            // Of equals the first.
+            let row = rows.remove(
+                (0..rows.len())
+                    .rev()
+                    .max_by(|&a, &b| largest(&rows[a]).total_cmp(&largest(&rows[b])))
+                    .unwrap_or(0),
+            );
+            let most = largest(&row);
+            let place = free.iter().position(|&i| row[i].abs().to_f64() == most);
+            let pivot = free.remove(place.unwrap_or(0));
+            for other in &mut rows {
+                let factor = other[pivot] / row[pivot];
+                for (entry, &above) in other.iter_mut().zip(&row) {
+                    *entry -= factor * above;
+                }
+            }
+        }
+        free
+    }
+
+    /// The release point that Newton's method finds from a guess with its coordinates, in the first forcing period; `None`
+    /// where it does not converge to a point with positive jerk.
     pub(crate) fn solve<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<ReleasePoint<R>> {
         let states = guess.len();
-        let mut state = self.converge(parameters, guess, &[])?;
+        let free = self.free_states(guess, parameters);
+        let held =
+            |state: &[R]| -> Vec<(usize, R)> { free.iter().map(|&i| (i, state[i])).collect() };
+        let mut state = self.converge(parameters, guess, &held(guess))?;
         if self.forcing.reduce(&self.graph, parameters, &mut state) {
             // A shift by many periods has lost digits.
-            state = self.converge(parameters, &state, &[])?;
+            state = self.converge(parameters, &state, &held(&state))?;
         }
         // What Newton's method leaves of a zero.
         let largest = state.iter().fold(R::ONE, |most, x| most.max(x.abs()));
@@ -176,35 +268,61 @@ impl ReleaseEquations {
                 *x = R::ZERO;
             }
         }
-        let rows: Vec<Vec<R>> = (self.jacobian.iter())
+        let mut rows: Vec<Vec<R>> = (self.jacobian.iter())
             .map(|row| self.values(&row[..states], &state, parameters))
             .collect();
-        let shift: Vec<R> = (self.jacobian.iter())
+        let mut shift: Vec<R> = (self.jacobian.iter())
             .map(|row| -self.graph.evaluate(row[states], &state, parameters))
             .collect();
-        let slope = solve(&rows, &shift)?;
+        for &i in &free {
+            let mut row = vec![R::ZERO; states];
+            row[i] = R::ONE;
+            rows.push(row);
+            shift.push(R::ZERO);
+        }
+        let factors = Matrix::from_rows(&rows).factored()?;
+        let slope = factors.solve(&shift);
+        let directions: Vec<Vec<R>> = (CONDITIONS..states)
+            .map(|place| {
+                let mut unit = vec![R::ZERO; states];
+                unit[place] = R::ONE;
+                factors.solve(&unit)
+            })
+            .collect();
         let jerk = self.graph.evaluate(self.jerk, &state, parameters);
         if !(jerk > R::ZERO && jerk.is_finite()) {
             return None;
         }
+        let by = |row: &[Expr]| self.values(row, &state, parameters);
         let mut totals: Vec<R> = (self.slopes.iter())
             .map(|row| {
-                let by = self.values(row, &state, parameters);
-                (by.iter().zip(&slope)).fold(by[states], |sum, (&by, &moves)| sum + by * moves)
+                let by = by(row);
+                by[states] + dot(&by[..states], &slope)
             })
             .collect();
         let field_slope = totals.split_off(2);
+        let restitution_by = by(&self.slopes[0][..states]);
         Some(ReleasePoint {
+            contact: self.contact,
             restitution: self.graph.evaluate(self.restitution, &state, parameters),
             restitution_slope: totals[0],
+            restitution_by: directions.iter().map(|d| dot(&restitution_by, d)).collect(),
             jerk_slope: totals[1],
             field: self.values(&self.field, &state, parameters),
             field_slope,
             jump: self.values(&self.jump, &state, parameters),
             state,
+            free,
+            directions,
             slope,
             jerk,
         })
+    }
+
+    /// Field, W / b, and the derivatives of the acceleration by the states.
+    pub(crate) fn around<R: Real>(&self, state: &[R], parameters: &[R]) -> [Vec<R>; 3] {
+        let slopes = &self.jacobian[ACCELERATION][..state.len()];
+        [&self.field, &self.jump, slopes].map(|exprs| self.values(exprs, state, parameters))
     }
 
     /// The acceleration.
@@ -227,17 +345,23 @@ impl ReleaseEquations {
         self.forcing.turns(&self.graph, parameters).first().copied()
     }
 
+    /// What leads from one state to another, phases up to whole periods.
+    pub(crate) fn difference(&self, from: &[f64], to: &[f64], parameters: &[f64]) -> Vec<f64> {
+        let mut off: Vec<f64> = to.iter().zip(from).map(|(b, a)| b - a).collect();
+        for turn in self.turns(parameters) {
+            let off = &mut off[turn.state];
+            *off -= turn.period * libm::round(*off / turn.period);
+        }
+        off
+    }
+
     /// How far two states lie apart, phases up to whole periods, relative to their size.
     pub(crate) fn apart(&self, a: &[f64], b: &[f64], parameters: &[f64]) -> f64 {
-        let turns = self.turns(parameters);
-        (a.iter().zip(b).enumerate())
-            .map(|(i, (a, b))| {
-                let mut off = a - b;
-                if let Some(turn) = turns.iter().find(|turn| turn.state == i) {
-                    off -= turn.period * libm::round(off / turn.period);
-                }
-                off.abs() / (1.0 + a.abs() + b.abs())
-            })
+        let sizes = a.iter().zip(b).map(|(a, b)| 1.0 + a.abs() + b.abs());
+        let off = self.difference(a, b, parameters);
+        off.iter()
+            .zip(sizes)
+            .map(|(off, size)| off.abs() / size)
             .fold(0.0, f64::max)
     }
 
@@ -245,9 +369,11 @@ impl ReleaseEquations {
     pub(crate) fn polish<R: Real>(
         &self,
         parameters: &[R],
-        near: &[DoubleDouble],
+        near: &Place,
     ) -> Option<ReleasePoint<R>> {
-        let guess: Vec<R> = near.iter().map(|&x| R::from_double_double(x)).collect();
+        let guess: Vec<R> = (near.state.iter())
+            .map(|&x| R::from_double_double(x))
+            .collect();
         self.solve(parameters, &guess)
     }
 }

@@ -4,6 +4,7 @@ mod all;
 pub(in crate::analysis::border) mod branches;
 pub(in crate::analysis::border) mod equations;
 pub(in crate::analysis::border) mod forcing;
+mod orbits;
 
 pub use equations::ReleasePoint;
 pub use forcing::Turn;

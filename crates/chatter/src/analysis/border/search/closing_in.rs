@@ -4,7 +4,7 @@ use super::super::coordinate::limits::Limits;
 use super::super::coordinate::root::Root;
 use super::super::coordinate::sequence::Verdict;
 use super::super::error::Break;
-use super::super::problem::{Problem, exactly};
+use super::super::problem::Problem;
 use super::breaks::break_between;
 use super::samples::{Sample, Search};
 
@@ -180,7 +180,7 @@ impl Search<'_> {
         if nearest == sequence.begins || limits.distance(impact.local.u()) > NEAR {
             return None;
         }
-        let near = exactly(&release.state);
+        let near = release.place();
         let settles = limits.settles(sequence);
         (self.problem)
             .root(sample.value, &near, settles, self.extrapolation, within)

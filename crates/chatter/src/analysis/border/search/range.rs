@@ -160,9 +160,13 @@ impl<R: Real> RangeSearch<'_, R> {
         };
         // The value that two stretches share counts once.
         let own = first..last + usize::from(last == parts);
+        // Release points of contacts that never chatter are none that orbits come to.
+        let alone = self.problem.releases.len() == 1;
+        let chatters =
+            |branch: &&Vec<Sample>| alone || !branch.iter().all(Sample::is_without_chatter);
         let silent = |place: &usize| {
             let is_silent = |branch: &Vec<Sample>| branch[*place - before].is_without_chatter();
-            samples.iter().any(is_silent)
+            samples.iter().filter(chatters).any(is_silent)
         };
         self.without_chatter += own.filter(silent).count();
         let within = (self.value(first), self.value(last));

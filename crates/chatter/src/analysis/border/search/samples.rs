@@ -3,7 +3,7 @@
 use super::super::coordinate::limits::{Extrapolation, Limits};
 use super::super::coordinate::sequence::{Sequence, Verdict};
 use super::super::error::BorderError;
-use super::super::problem::{Problem, exactly};
+use super::super::problem::Problem;
 use super::super::release::equations::ReleasePoint;
 use core::ops::ControlFlow;
 
@@ -123,8 +123,8 @@ impl Search<'_> {
     pub(crate) fn sample_near(&self, value: f64, near: &[&Sample]) -> Sample {
         let known = near.iter().filter_map(|near| {
             let (release, _) = near.found.as_ref()?;
-            let expected = exactly(&release.expected(value - near.value));
-            self.problem.release_point(value, &expected).ok()
+            let expected = release.expected(value - near.value);
+            self.problem.returning(value, &expected).ok()
         });
         let mut sampled = known.filter_map(|release| self.sample(value, release).ok());
         sampled.next().unwrap_or_else(|| Sample::unknown(value))
