@@ -44,6 +44,7 @@ pub use number::Number;
 pub use parse_error::{ParseError, ParseErrorKind};
 pub use parser::{DEEPEST_NESTING, LONGEST_TEXT, names};
 pub use piecewise::{Condition, CurveId, Edge};
+pub(crate) use series::ORDER_CLASSES;
 pub use series::{Expansion, MAX_ORDER};
 pub use singularity::Singularity;
 pub use suggest::{is_reserved, nearest};

@@ -14,6 +14,9 @@ use crate::numerics::{Scalar, two_sum};
 /// Highest order that an expansion may have.
 pub const MAX_ORDER: usize = 50;
 
+/// How many orders an expansion can choose from.
+pub(crate) const ORDER_CLASSES: usize = f64::ORDERS.len();
+
 /// 1 / k for k from 1 on, correctly rounded at each number's own precision.
 #[inline(always)]
 fn reciprocal<S: Scalar>(k: usize) -> S {
@@ -170,18 +173,22 @@ impl<S: Scalar> Expansion<S> {
         size
     }
 
-    /// How large the last terms of a series are against its leading ones, for each of several truncation orders: each
+    /// How large the last terms of a series are against its leading ones, for each of the lowest orders, `count` of them: each
     /// entry of `worst` is raised to that ratio.
     ///
     /// The term before the last counts a little, for series in which every other one vanishes.
     #[inline(always)]
-    pub fn tail_ratios(&self, slot: usize, orders: &[usize], worst: &mut [S]) {
+    pub fn tail_ratios(&self, slot: usize, count: usize, worst: &mut [S; ORDER_CLASSES]) {
         const BEFORE_LAST: f64 = 1.0 / 16.0;
         const TINY: f64 = 1e-290;
-        let c = self.series(slot);
+        // With what lies beyond the order of the run, which is not asked for: so that all places are known to exist.
+        let c = &self.values[slot * Self::STRIDE..][..Self::STRIDE];
         let leading = (c[0].abs() + c[1].abs()) + (c[2].abs() + c[3].abs());
         let inverse = S::splat(1.0) / leading.max(S::splat(TINY));
-        for (worst, &order) in worst.iter_mut().zip(orders) {
+        for (class, (worst, &order)) in worst.iter_mut().zip(&S::ORDERS).enumerate() {
+            if class == count {
+                break;
+            }
             let tail = c[order]
                 .abs()
                 .max(c[order - 1].abs() * S::splat(BEFORE_LAST));

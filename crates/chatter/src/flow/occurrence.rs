@@ -112,6 +112,19 @@ pub enum Occurrence<R> {
 }
 
 impl<R> Occurrence<R> {
+    /// An impact of one contact after which it is open, by the rates before and after.
+    pub(crate) const fn ordinary_impact(contact: usize, (rate_before, rate_after): (R, R)) -> Self
+    where
+        R: Copy,
+    {
+        Self::Impact {
+            contact,
+            rate_before,
+            rate_after,
+            closes: false,
+        }
+    }
+
     /// What kind of event it is; none where it tells of nothing that the equations made happen: the horizon, and the capture
     /// that an impact has told of.
     pub const fn kind(&self) -> Option<EventKind> {

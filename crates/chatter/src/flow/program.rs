@@ -10,6 +10,7 @@ use crate::expressions::{Expr, Graph, Names, Node, Symbol, Tape};
 use crate::model::{ContactMechanics, Direction, Mechanics, Section, Sticking};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
+use core::sync::atomic::{AtomicU64, Ordering};
 use serde::{Deserialize, Serialize};
 
 /// A set of contacts in persistent contact, one bit each.
@@ -141,6 +142,8 @@ pub struct Program {
 /// The constants of a program's tapes at one parameter set.
 #[derive(Clone, Debug)]
 pub(crate) struct ProgramConstants<R> {
+    /// A number that none have in which anything differs.
+    pub edition: u64,
     pub tape: Vec<R>,
     pub impacts: Vec<Vec<R>>,
     pub sequences: Vec<SequenceConstants<R>>,
@@ -151,6 +154,11 @@ pub(crate) struct ProgramConstants<R> {
     pub resets: Vec<[Vec<R>; 2]>,
     pub standings: Vec<[Vec<R>; 3]>,
     pub field: Vec<R>,
+}
+
+fn next_edition() -> u64 {
+    static LATEST: AtomicU64 = AtomicU64::new(0);
+    LATEST.fetch_add(1, Ordering::Relaxed) + 1
 }
 
 /// How a state stands to a corner in a mode.
@@ -444,6 +452,7 @@ impl Program {
     ) -> ProgramConstants<R> {
         let of = |tape: &Tape| tape.constants(graph, parameters);
         ProgramConstants {
+            edition: next_edition(),
             tape: of(&self.tape),
             impacts: self
                 .impacts
@@ -485,6 +494,7 @@ impl Program {
         parameters: &[R],
         constants: &mut ProgramConstants<R>,
     ) {
+        constants.edition = next_edition();
         let parts = constants.of_tapes(self);
         self.looked_up.renew(graph, parameters, parts);
     }

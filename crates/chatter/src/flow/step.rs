@@ -13,13 +13,12 @@ use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::{
-    bernstein, bernstein_from, horner, horner_with_slope, magnitude, short_magnitude,
+    bernstein, bernstein_from, horner, horner_with_slope_of_part, magnitude, short_magnitude,
 };
 use crate::numerics::roots::Crossing;
 use crate::numerics::{Mask, Real, Scalar, two_sum};
 
-/// How many orders an expansion can choose from.
-pub(crate) const ORDER_CLASSES: usize = f64::ORDERS.len();
+pub(crate) use crate::expressions::ORDER_CLASSES;
 
 /// A step may outgrow the predicted one by this factor at most: beyond it the scaled coefficients say little.
 const GROWTH: f64 = 4.0;
@@ -85,6 +84,8 @@ pub struct Workspace<S: Scalar> {
     /// Tape constants of the program and of its impacts.
     pub(crate) constants: Vec<S>,
     pub(crate) impact_constants: Vec<Vec<S>>,
+    /// Whose they are, by edition; none where nobody says.
+    edition: Option<u64>,
     /// State before the step, overwritten by the state after it; `low` is its rounding remainder.
     pub(crate) state: Vec<S>,
     pub(crate) low: Vec<S>,
@@ -140,6 +141,7 @@ impl<S: Scalar> Workspace<S> {
             outputs: vec![zero; widest.max(IMPACT_SCALARS + dimension)],
             constants: Vec::new(),
             impact_constants: Vec::new(),
+            edition: None,
             state: vec![zero; dimension],
             low: vec![zero; dimension],
             sides: vec![zero; sections],
@@ -189,14 +191,13 @@ impl<S: Scalar> Workspace<S> {
             order,
         );
         let dimension = self.state.len();
-        let orders = &S::ORDERS[..=class];
         let mut worst = [S::splat(0.0); ORDER_CLASSES];
         for slot in 0..dimension {
-            self.expansion.tail_ratios(slot, orders, &mut worst);
+            self.expansion.tail_ratios(slot, class + 1, &mut worst);
         }
         for guard in &program.guards {
             if let (true, Operand::Series(slot)) = (guard.is_expanded, guard.series) {
-                self.expansion.tail_ratios(slot, orders, &mut worst);
+                self.expansion.tail_ratios(slot, class + 1, &mut worst);
             }
         }
         for (m, &worst) in worst.iter().enumerate().take(class + 1) {
@@ -499,28 +500,44 @@ fn quadratic_root<S: Scalar>(p: &[S]) -> S {
 /// slope at the root.
 #[inline(always)]
 fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
-    let usable = S::splat(0.0).less(guess) & guess.at_most(end + end);
-    let mut at = S::select(usable, guess, end);
+    let (mut at, mut slope, mut converged) = (guess, guess, S::Mask::splat(false));
+    for part in 0..S::PARTS {
+        let found = newton_of_part(p, (guess.part(part), end.part(part)), part);
+        at.set_part(part, found.0);
+        S::set_mask_part(&mut converged, part, found.1);
+        slope.set_part(part, found.2);
+    }
+    (at, converged, slope)
+}
+
+#[inline(always)]
+fn newton_of_part<S: Scalar>(
+    p: &[S],
+    (guess, end): (S::Part, S::Part),
+    part: usize,
+) -> (S::Part, <S::Part as Scalar>::Mask, S::Part) {
+    let zero = S::Part::splat(0.0);
+    let usable = zero.less(guess) & guess.at_most(end + end);
+    let mut at = S::Part::select(usable, guess, end);
     let mut done = !usable;
     // The leading terms bring the guess close at a part of the cost.
     if p.len() >= 2 * NEWTON_LEADING {
         for _ in 0..NEWTON_FIRST_STEPS {
-            let (value, slope) = horner_with_slope(&p[..NEWTON_LEADING], at);
+            let (value, slope) = horner_with_slope_of_part(&p[..NEWTON_LEADING], at, part);
             let nearer = at - value / slope;
-            let helps = usable & S::splat(0.0).less(nearer) & nearer.at_most(end + end);
-            at = S::select(helps, nearer, at);
+            let helps = usable & zero.less(nearer) & nearer.at_most(end + end);
+            at = S::Part::select(helps, nearer, at);
         }
     }
-    let mut last_slope = S::splat(0.0);
+    let mut last_slope = zero;
+    // The square of what double-double has to reach is not reached by what suffices for a double.
+    let least = S::Part::splat(NEWTON_DONE * (S::ROUNDOFF * 1e16).sqrt());
     for _ in 0..NEWTON_STEPS {
-        let (value, slope) = horner_with_slope(p, at);
+        let (value, slope) = horner_with_slope_of_part(p, at, part);
         let correction = value / slope;
-        last_slope = S::select(done, last_slope, slope);
-        at = S::select(done, at, at - correction);
-        // The square of what double-double has to reach is not reached by what suffices for a double.
-        let small = correction
-            .abs()
-            .at_most(at.abs() * S::splat(NEWTON_DONE * (S::ROUNDOFF * 1e16).sqrt()));
+        last_slope = S::Part::select(done, last_slope, slope);
+        at = S::Part::select(done, at, at - correction);
+        let small = correction.abs().at_most(at.abs() * least);
         done = done | small;
         if done.all() {
             break;
@@ -529,32 +546,56 @@ fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
     (at, done & usable, last_slope)
 }
 
+/// The whole numbers that a derivative multiplies coefficients by.
+static FACTORS: [f64; MAX_ORDER + 1] = {
+    let mut factors = [0.0; MAX_ORDER + 1];
+    let mut k = 0;
+    while k <= MAX_ORDER {
+        factors[k] = k as f64;
+        k += 1;
+    }
+    factors
+};
+
 /// Whether p' < 0 on all of [0, s], by bounding what follows the quadratic: then p has no other root there.
 #[inline(always)]
 fn falls_steadily<S: Scalar>(p: &[S], s: S) -> S::Mask {
-    let first = p[1];
-    let bend = if p.len() > 2 {
-        p[2] + p[2]
-    } else {
-        S::splat(0.0)
-    };
+    let mut falls = S::Mask::splat(false);
+    for part in 0..S::PARTS {
+        S::set_mask_part(&mut falls, part, falls_in_part(p, s.part(part), part));
+    }
+    falls
+}
+
+#[inline(always)]
+fn falls_in_part<S: Scalar>(p: &[S], s: S::Part, part: usize) -> <S::Part as Scalar>::Mask {
+    let zero = S::Part::splat(0.0);
+    let first = p[1].part(part);
+    let bend = p.get(2).map_or(zero, |c| c.part(part) + c.part(part));
     // Even and odd powers need not wait for each other.
     let square = s * s;
-    let (mut even, mut odd) = (S::splat(0.0), S::splat(0.0));
+    let (mut even, mut odd) = (zero, zero);
     let high = p.get(3..).unwrap_or_default();
-    let pairs = high.chunks_exact(2);
-    let mut k = 3 + high.len() - pairs.remainder().len();
-    if let [c] = pairs.remainder() {
-        odd = c.abs() * S::splat(k as f64);
+    let factors = &FACTORS[3..3 + high.len()];
+    let (fours, factors) = (high.chunks_exact(4), factors.chunks_exact(4));
+    let pairs = fours.remainder().chunks_exact(2);
+    let of_pairs = factors.remainder().chunks_exact(2);
+    if let ([c], &[k]) = (pairs.remainder(), of_pairs.remainder()) {
+        odd = c.part(part).abs() * S::Part::splat(k);
     }
-    for pair in pairs.rev() {
-        k -= 2;
-        even = even.mul_add(square, pair[1].abs() * S::splat((k + 1) as f64));
-        odd = odd.mul_add(square, pair[0].abs() * S::splat(k as f64));
+    for (pair, k) in pairs.rev().zip(of_pairs.rev()) {
+        even = even.mul_add(square, pair[1].part(part).abs() * S::Part::splat(k[1]));
+        odd = odd.mul_add(square, pair[0].part(part).abs() * S::Part::splat(k[0]));
+    }
+    for (four, k) in fours.rev().zip(factors.rev()) {
+        even = even.mul_add(square, four[3].part(part).abs() * S::Part::splat(k[3]));
+        odd = odd.mul_add(square, four[2].part(part).abs() * S::Part::splat(k[2]));
+        even = even.mul_add(square, four[1].part(part).abs() * S::Part::splat(k[1]));
+        odd = odd.mul_add(square, four[0].part(part).abs() * S::Part::splat(k[0]));
     }
     let rest = even.mul_add(s, odd) * square;
     let last = bend.mul_add(s, first);
-    (first.max(last) + rest).less(S::splat(0.0))
+    (first.max(last) + rest).less(zero)
 }
 
 /// Whether p has one sign on all of [0, s] by its leading terms: the Bernstein coefficients of these enclose them, and what
@@ -782,8 +823,12 @@ impl<R: Real> Workspace<R> {
     }
 
     /// Sets the constants of a program for a single trajectory.
+    #[inline]
     pub(crate) fn load_constants(&mut self, constants: &ProgramConstants<R>) {
-        self.constants.clone_from(&constants.tape);
-        self.impact_constants.clone_from(&constants.impacts);
+        if self.edition != Some(constants.edition) {
+            self.edition = Some(constants.edition);
+            self.constants.clone_from(&constants.tape);
+            self.impact_constants.clone_from(&constants.impacts);
+        }
     }
 }

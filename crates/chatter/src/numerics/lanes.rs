@@ -139,8 +139,34 @@ impl<const L: usize> Neg for Lanes<L> {
     }
 }
 
+/// Lanes of a part: one register with AVX-512, two with AVX2. Four running sums of sixteen lanes are more than there are registers.
+const PART: usize = 8;
+
+/// These values of an array, or zeros beyond its end.
+#[inline(always)]
+fn part<T: Copy, const L: usize>(values: &[T; L], index: usize, beyond: T) -> [T; PART] {
+    if let Some(part) = values.as_chunks().0.get(index) {
+        return *part;
+    }
+    lanes(beyond, |i| *values.get(index * PART + i).unwrap_or(&beyond))
+}
+
+/// Replaces these values of an array, as far as it goes.
+#[inline(always)]
+fn set_part<T: Copy, const L: usize>(values: &mut [T; L], index: usize, part: [T; PART]) {
+    if let Some(place) = values.as_chunks_mut().0.get_mut(index) {
+        *place = part;
+        return;
+    }
+    for (value, &new) in values.iter_mut().skip(index * PART).zip(&part) {
+        *value = new;
+    }
+}
+
 impl<const L: usize> Scalar for Lanes<L> {
     type Mask = LaneMask<L>;
+    type Part = Lanes<PART>;
+    const PARTS: usize = L.div_ceil(PART);
     const ROUNDOFF: f64 = f64::ROUNDOFF;
     const ORDERS: [usize; 6] = f64::ORDERS;
 
@@ -229,40 +255,17 @@ impl<const L: usize> Scalar for Lanes<L> {
             },
         ))
     }
-    /// Eight lanes at a time: four running sums of sixteen lanes each are more than there are registers.
     #[inline(always)]
-    fn horner_with_slope(coefficients: &[Self], at: Self) -> (Self, Self) {
-        const CHUNK: usize = 8;
-        let mut value = Self::splat(0.0);
-        let mut slope = Self::splat(0.0);
-        for first in (0..L).step_by(CHUNK) {
-            let count = CHUNK.min(L - first);
-            let mut square = [0.0; CHUNK];
-            let (mut even, mut even_slope) = ([0.0; CHUNK], [0.0; CHUNK]);
-            let (mut odd, mut odd_slope) = ([0.0; CHUNK], [0.0; CHUNK]);
-            for (square, &s) in square.iter_mut().zip(&at.0[first..first + count]) {
-                *square = s * s;
-            }
-            let pairs = coefficients.chunks_exact(2);
-            if let [last] = pairs.remainder() {
-                even[..count].copy_from_slice(&last.0[first..first + count]);
-            }
-            for pair in pairs.rev() {
-                for i in 0..count {
-                    even_slope[i] = f64::mul_add(even_slope[i], square[i], even[i]);
-                    odd_slope[i] = f64::mul_add(odd_slope[i], square[i], odd[i]);
-                    even[i] = f64::mul_add(even[i], square[i], pair[0].0[first + i]);
-                    odd[i] = f64::mul_add(odd[i], square[i], pair[1].0[first + i]);
-                }
-            }
-            for i in 0..count {
-                let s = at.0[first + i];
-                value.0[first + i] = f64::mul_add(odd[i], s, even[i]);
-                let both = f64::mul_add(odd_slope[i], s, even_slope[i]);
-                slope.0[first + i] = f64::mul_add(s + s, both, odd[i]);
-            }
-        }
-        (value, slope)
+    fn part(&self, index: usize) -> Lanes<PART> {
+        Lanes(part(&self.0, index, 0.0))
+    }
+    #[inline(always)]
+    fn set_part(&mut self, index: usize, part: Lanes<PART>) {
+        set_part(&mut self.0, index, part.0);
+    }
+    #[inline(always)]
+    fn set_mask_part(mask: &mut LaneMask<L>, index: usize, part: LaneMask<PART>) {
+        set_part(&mut mask.0, index, part.0);
     }
     #[inline(always)]
     fn coarse_log2(self) -> Self {

@@ -28,23 +28,83 @@ static INVERSE_BINOMIALS: LazyLock<Vec<Vec<DoubleDouble>>> = LazyLock::new(|| {
 /// p(s), the even and the odd powers each by Horner's rule: two sums that need not wait for each other.
 #[inline(always)]
 pub fn horner<S: Scalar>(coefficients: &[S], s: S) -> S {
+    let mut value = s;
+    for part in 0..S::PARTS {
+        value.set_part(part, horner_of_part(coefficients, s.part(part), part));
+    }
+    value
+}
+
+#[inline(always)]
+fn horner_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> S::Part {
     let square = s * s;
-    let (mut even, mut odd) = (S::splat(0.0), S::splat(0.0));
-    let pairs = coefficients.chunks_exact(2);
-    if let &[last] = pairs.remainder() {
-        even = last;
+    let (mut even, mut odd) = (S::Part::splat(0.0), S::Part::splat(0.0));
+    // Two pairs at a time, after those that are left over at the top.
+    let fours = coefficients.chunks_exact(4);
+    let pairs = fours.remainder().chunks_exact(2);
+    if let [last] = pairs.remainder() {
+        even = last.part(part);
     }
     for pair in pairs.rev() {
-        even = even.mul_add(square, pair[0]);
-        odd = odd.mul_add(square, pair[1]);
+        even = even.mul_add(square, pair[0].part(part));
+        odd = odd.mul_add(square, pair[1].part(part));
+    }
+    for four in fours.rev() {
+        even = even.mul_add(square, four[2].part(part));
+        odd = odd.mul_add(square, four[3].part(part));
+        even = even.mul_add(square, four[0].part(part));
+        odd = odd.mul_add(square, four[1].part(part));
     }
     odd.mul_add(s, even)
 }
 
-/// p(s) and p'(s).
+/// p(s) and p'(s), each as [`horner`].
 #[inline(always)]
 pub fn horner_with_slope<S: Scalar>(coefficients: &[S], s: S) -> (S, S) {
-    S::horner_with_slope(coefficients, s)
+    let (mut value, mut slope) = (s, s);
+    for part in 0..S::PARTS {
+        let (here, change) = horner_with_slope_of_part(coefficients, s.part(part), part);
+        value.set_part(part, here);
+        slope.set_part(part, change);
+    }
+    (value, slope)
+}
+
+/// [`horner_with_slope`] of one part of the lanes.
+#[inline(always)]
+pub(crate) fn horner_with_slope_of_part<S: Scalar>(
+    coefficients: &[S],
+    s: S::Part,
+    part: usize,
+) -> (S::Part, S::Part) {
+    let zero = S::Part::splat(0.0);
+    let square = s * s;
+    let (mut even, mut even_slope) = (zero, zero);
+    let (mut odd, mut odd_slope) = (zero, zero);
+    let fours = coefficients.chunks_exact(4);
+    let pairs = fours.remainder().chunks_exact(2);
+    if let [last] = pairs.remainder() {
+        even = last.part(part);
+    }
+    for pair in pairs.rev() {
+        even_slope = even_slope.mul_add(square, even);
+        odd_slope = odd_slope.mul_add(square, odd);
+        even = even.mul_add(square, pair[0].part(part));
+        odd = odd.mul_add(square, pair[1].part(part));
+    }
+    for four in fours.rev() {
+        even_slope = even_slope.mul_add(square, even);
+        odd_slope = odd_slope.mul_add(square, odd);
+        even = even.mul_add(square, four[2].part(part));
+        odd = odd.mul_add(square, four[3].part(part));
+        even_slope = even_slope.mul_add(square, even);
+        odd_slope = odd_slope.mul_add(square, odd);
+        even = even.mul_add(square, four[0].part(part));
+        odd = odd.mul_add(square, four[1].part(part));
+    }
+    let value = odd.mul_add(s, even);
+    let slope = (s + s).mul_add(odd_slope.mul_add(s, even_slope), odd);
+    (value, slope)
 }
 
 /// sum_k |c_k| s^k for s >= 0: no partial sum of p on [0, s] is larger.
@@ -60,19 +120,31 @@ pub fn magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
 /// [`magnitude`] as four sums that need not wait for each other: where the whole step waits for it.
 #[inline(always)]
 pub(crate) fn short_magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
+    let mut sum = s;
+    for part in 0..S::PARTS {
+        let here = short_magnitude_of_part(coefficients, s.part(part), part);
+        sum.set_part(part, here);
+    }
+    sum
+}
+
+#[inline(always)]
+fn short_magnitude_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> S::Part {
+    let zero = S::Part::splat(0.0);
     let square = s * s;
     let fourth = square * square;
     let chunks = coefficients.chunks_exact(4);
-    let rest = chunks.remainder();
-    let size = |place: usize| rest.get(place).map_or(S::splat(0.0), |c| c.abs());
-    let mut sums = [size(0), size(1), size(2), S::splat(0.0)];
+    let mut sums = [zero; 4];
+    for (sum, c) in sums.iter_mut().zip(chunks.remainder()) {
+        *sum = c.part(part).abs();
+    }
     for chunk in chunks.rev() {
-        if let &[first, second, third, last] = chunk {
+        if let [first, second, third, last] = chunk {
             sums = [
-                sums[0].mul_add(fourth, first.abs()),
-                sums[1].mul_add(fourth, second.abs()),
-                sums[2].mul_add(fourth, third.abs()),
-                sums[3].mul_add(fourth, last.abs()),
+                sums[0].mul_add(fourth, first.part(part).abs()),
+                sums[1].mul_add(fourth, second.part(part).abs()),
+                sums[2].mul_add(fourth, third.part(part).abs()),
+                sums[3].mul_add(fourth, last.part(part).abs()),
             ];
         }
     }
@@ -121,11 +193,45 @@ pub fn bernstein_from<S: Scalar>(constant: S, rest: &[S], width: S, out: &mut [S
     }
     // The scaled coefficients are the forward differences of the Bernstein ones: sum them up, antidiagonal by
     // antidiagonal.
-    for first in 1..n {
-        for i in (first..n).rev() {
-            let below = out[i - 1];
-            out[i] += below;
+    for part in 0..S::PARTS {
+        let mut first = 1;
+        while first + 3 < n {
+            add_up::<S, 4>(out, first, part);
+            first += 4;
         }
+        while first < n {
+            add_up::<S, 1>(out, first, part);
+            first += 1;
+        }
+    }
+}
+
+/// Adds to each number from `first` on the one before it, `TIMES` times in turn, each time from one place further on. All in one
+/// run, which hands sums from one to the next.
+#[inline(always)]
+fn add_up<S: Scalar, const TIMES: usize>(out: &mut [S], first: usize, part: usize) {
+    let (before, rest) = out.split_at_mut(first);
+    let Some(last) = before.last() else { return };
+    // What the number before was after so many times.
+    let mut below = [last.part(part); TIMES];
+    let (begin, rest) = rest.split_at_mut((TIMES - 1).min(rest.len()));
+    for (done, value) in begin.iter_mut().enumerate() {
+        let mut sum = value.part(part);
+        for (time, below) in below.iter_mut().enumerate() {
+            let next = if time <= done { sum + *below } else { sum };
+            *below = sum;
+            sum = next;
+        }
+        value.set_part(part, sum);
+    }
+    for value in rest {
+        let mut sum = value.part(part);
+        for below in &mut below {
+            let next = sum + *below;
+            *below = sum;
+            sum = next;
+        }
+        value.set_part(part, sum);
     }
 }
 

@@ -124,28 +124,17 @@ pub trait Scalar:
         Self::select(other.less(self), self, other)
     }
 
-    /// Value and slope of a polynomial, lowest coefficient first, by Horner's rule for the even powers and for the odd ones: two
-    /// sums that need not wait for each other.
-    #[inline(always)]
-    fn horner_with_slope(coefficients: &[Self], at: Self) -> (Self, Self) {
-        let zero = Self::splat(0.0);
-        let square = at * at;
-        let (mut even, mut even_slope) = (zero, zero);
-        let (mut odd, mut odd_slope) = (zero, zero);
-        let pairs = coefficients.chunks_exact(2);
-        if let &[last] = pairs.remainder() {
-            even = last;
-        }
-        for pair in pairs.rev() {
-            even_slope = even_slope.mul_add(square, even);
-            odd_slope = odd_slope.mul_add(square, odd);
-            even = even.mul_add(square, pair[0]);
-            odd = odd.mul_add(square, pair[1]);
-        }
-        let value = odd.mul_add(at, even);
-        let slope = (at + at).mul_add(odd_slope.mul_add(at, even_slope), odd);
-        (value, slope)
-    }
+    /// A few lanes of a number, so few that several running sums of them fit the registers of a processor at once; a number with a
+    /// single lane is its own part.
+    type Part: Scalar;
+    /// How many parts a number has.
+    const PARTS: usize;
+    /// One of them.
+    fn part(&self, index: usize) -> Self::Part;
+    /// Replaces one of them.
+    fn set_part(&mut self, index: usize, part: Self::Part);
+    /// Replaces one part of truth values.
+    fn set_mask_part(mask: &mut Self::Mask, index: usize, part: <Self::Part as Scalar>::Mask);
 
     /// A crude base-two logarithm of a positive number, off by at most 0.09: enough to choose an order or a step, and
     /// free of any call. Zero gives about -1023.
@@ -153,6 +142,27 @@ pub trait Scalar:
     /// Inverse of [`coarse_log2`](Self::coarse_log2); arguments below -1000 give a number that is as good as zero.
     fn coarse_exp2(self) -> Self;
 }
+
+/// For an implementation of [`Scalar`]: a number with a single lane is its own part.
+macro_rules! is_its_own_part {
+    () => {
+        type Part = Self;
+        const PARTS: usize = 1;
+        #[inline(always)]
+        fn part(&self, _: usize) -> Self {
+            *self
+        }
+        #[inline(always)]
+        fn set_part(&mut self, _: usize, part: Self) {
+            *self = part;
+        }
+        #[inline(always)]
+        fn set_mask_part(mask: &mut bool, _: usize, part: bool) {
+            *mask = part;
+        }
+    };
+}
+pub(crate) use is_its_own_part;
 
 /// A [`Scalar`] with a single lane: values can be compared and decided upon.
 pub trait Real: Scalar<Mask = bool> + PartialOrd + PartialEq + Display {
@@ -187,6 +197,7 @@ pub(super) fn coarse_exp2(value: f64) -> f64 {
 }
 
 impl Scalar for f64 {
+    is_its_own_part!();
     type Mask = bool;
     const ROUNDOFF: f64 = f64::EPSILON / 2.0;
     const ORDERS: [usize; 6] = [8, 10, 13, 16, 20, 26];

@@ -131,6 +131,7 @@ impl<R: Real> MulAssign for WithTerms<R> {
 }
 
 impl<R: Real> Scalar for WithTerms<R> {
+    crate::numerics::scalar::is_its_own_part!();
     type Mask = bool;
     const ROUNDOFF: f64 = R::ROUNDOFF;
     /// Values at a point are all that it is for.

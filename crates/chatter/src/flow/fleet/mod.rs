@@ -4,6 +4,7 @@
 //! order with the same roots divided out wait in one queue; a full queue makes a full vector. What a lane computes does
 //! not depend on its neighbours, so results do not depend on packing, width or thread count.
 
+mod rows;
 mod shared;
 mod vector;
 
@@ -56,8 +57,8 @@ const FEW: usize = 4;
 struct Queue {
     mode: usize,
     touching: Touching,
-    /// By order class, those that can share a vector: index of the trajectory and its unit of time.
-    waiting: [Vec<(usize, f64)>; ORDER_CLASSES],
+    /// By order class, those that can share a vector.
+    waiting: [Vec<usize>; ORDER_CLASSES],
 }
 
 struct Fleet<'s, 't, const L: usize, V> {
@@ -103,6 +104,9 @@ where
         {
             self.step(queue, class);
         }
+        for (index, trajectory) in self.trajectories.iter_mut().enumerate() {
+            self.vector.catch_up(index, trajectory);
+        }
     }
 
     /// A queue and class that fill a vector, or else those with the most waiting.
@@ -137,9 +141,14 @@ where
         }
         let trajectory = &self.trajectories[index];
         let (mode, touching) = (trajectory.mode, trajectory.touching);
+        let Some(program) = self.system.program(mode) else {
+            // A trajectory enters only modes that have a program.
+            return;
+        };
         let (class, unit) = trajectory.plan();
+        self.vector.take_in((index, trajectory, unit), program);
         let place = self.queue(mode, touching);
-        self.queues[place].waiting[class].push((index, unit));
+        self.queues[place].waiting[class].push(index);
     }
 
     /// The queue of trajectories in this mode with so many roots to divide out.
@@ -165,49 +174,49 @@ where
         let (mode, touching) = (queue.mode, queue.touching);
         let waiting = &mut queue.waiting[class];
         let Some(program) = self.system.program(mode) else {
-            // A trajectory enters only modes that have a program.
             waiting.clear();
             return;
         };
         let count = waiting.len().min(L);
         let first = waiting.len() - count;
-        let mut members = [(0, 0.0); L];
+        // Lanes that are left over repeat the first.
+        let mut members = [waiting[first]; L];
         members[..count].copy_from_slice(&waiting[first..]);
         waiting.truncate(first);
         if count <= FEW {
-            for &(index, _) in &members[..count] {
+            for &index in &members[..count] {
                 let trajectory = &mut self.trajectories[index];
+                self.vector.catch_up(index, trajectory);
                 let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);
                 self.hand_on(index, &outcome);
             }
             return;
         }
-        self.vector
-            .enter(mode, program, &self.trajectories[members[0].0]);
-        for (lane, &(index, unit)) in members[..count].iter().enumerate() {
-            let trajectory = &self.trajectories[index];
-            self.vector.load(lane, mode, (index, trajectory, unit));
-        }
-        self.vector.step(count, program, class, touching);
+        self.vector.enter(mode);
+        self.vector.step(&members, mode, program, class, touching);
         // What ordinary steps lead to is the same for all that end at the same guard.
         let mut known = None;
-        for (lane, &(index, _)) in members[..count].iter().enumerate() {
+        for (lane, &index) in members[..count].iter().enumerate() {
             let trajectory = &mut self.trajectories[index];
-            let outcome = match self.vector.store(lane, program, trajectory) {
+            let ended = (self.vector).give_back(lane, (index, trajectory), (program, touching));
+            let outcome = match ended {
                 Ended::Ordinary {
                     at,
                     told: None,
-                    next: Some((class, unit)),
+                    next: Some(class),
                 } => {
                     let place = match known {
                         Some((before, place)) if before == at => place,
                         _ => self.queue(mode, Touching::after(at)),
                     };
                     known = Some((at, place));
-                    self.queues[place].waiting[class].push((index, unit));
+                    self.queues[place].waiting[class].push(index);
                     continue;
                 }
-                Ended::Ordinary { told, .. } => Ok(told),
+                Ended::Ordinary { told, .. } => {
+                    self.vector.catch_up(index, trajectory);
+                    Ok(told)
+                }
                 Ended::Digest(result) => {
                     trajectory.digest(self.system, &mut self.single, program, &result)
                 }
@@ -222,7 +231,6 @@ where
     /// Tells the visitor what happened to a trajectory, and lets it wait for its next step.
     #[inline]
     fn hand_on(&mut self, index: usize, outcome: &Told) {
-        self.vector.forget(index);
         let trajectory = &mut self.trajectories[index];
         if tell(&mut self.visit, index, trajectory, outcome) == Next::Continue {
             self.enqueue(index);

@@ -1,8 +1,9 @@
-//! One step of a vector of trajectories: what each brings is laid side by side, the step is made, what is ordinary in it decided for
-//! all lanes at once, and each gets its own back.
+//! One step of a vector of trajectories: their rows are laid side by side, the step is made, what is ordinary in it decided for all
+//! lanes at once, and each gets its own back.
 
-use super::shared::{Rows, Shared};
-use crate::flow::flight::{Course, Flight, Outcome, largest, plan, reaches, remaining};
+use super::rows::{Places, Rows};
+use super::shared::Shared;
+use crate::flow::flight::{Flight, Outcome, largest, plan, reaches, remaining};
 use crate::flow::guard::Transition;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, IMPACT_SCALARS, Program};
@@ -22,10 +23,12 @@ pub(super) struct Vector<'a, const L: usize> {
     swept: Vec<usize>,
     /// By number of the mode.
     shared: Vec<Option<Shared<L>>>,
+    /// All trajectories, those that are not in the vector, too.
     rows: Rows,
+    /// The rows of those that are, side by side: before a step, then after it.
+    block: Vec<Lanes<L>>,
     /// The mode whose constants the workspace holds.
     loaded: Option<usize>,
-    flight: Flight<Lanes<L>>,
     verdict: Verdict<L>,
 }
 
@@ -34,25 +37,25 @@ pub(super) struct Vector<'a, const L: usize> {
 struct Verdict<const L: usize> {
     /// Where the step is certain.
     certain: LaneMask<L>,
-    /// Where it is an ordinary one, too, with what it came to.
+    /// Where it is an ordinary one, too.
     ordinary: LaneMask<L>,
-    course: Course<Lanes<L>>,
-    /// Where time is left then, with the order class of the next step and its unit of time.
+    /// Where time is left then, with the order class of the next step.
     goes_on: LaneMask<L>,
     class: Lanes<L>,
-    unit: Lanes<L>,
+    /// How long the sequence of impacts may still go on after one.
+    rest_of_sequence: Lanes<L>,
 }
 
 /// What became of a trajectory in a lane.
 pub(super) enum Ended {
-    /// An ordinary step.
+    /// An ordinary step, which its row knows of.
     Ordinary {
         /// The guard that ended it.
         at: Option<usize>,
         /// What is to be told of it.
         told: Option<Occurrence<f64>>,
-        /// Order class and unit of time of its next step; none where its time is over.
-        next: Option<(usize, f64)>,
+        /// Order class of its next step; none where its time is over.
+        next: Option<usize>,
     },
     /// Something else, of which the mode machine knows more; the state is in place.
     Digest(StepResult<f64>),
@@ -62,21 +65,41 @@ pub(super) enum Ended {
 
 /// The step of a vector. Not generic, so that it is compiled here and not again for every visitor of every user.
 pub(super) trait VectorStep<const L: usize> {
-    fn make_step(&mut self, program: &Program, class: usize, touching: Touching);
+    /// Makes a step with these trajectories, by number, whose mode was entered.
+    fn step(
+        &mut self,
+        members: &[usize; L],
+        mode: usize,
+        program: &Program,
+        class: usize,
+        touching: Touching,
+    );
 }
 
 macro_rules! vector_step {
     ($width:expr) => {
         impl VectorStep<{ $width }> for Vector<'_, { $width }> {
-            fn make_step(&mut self, program: &Program, class: usize, touching: Touching) {
-                let coordinates = self.system.coordinates();
-                let may_bounce = self.system.corners().is_empty();
+            fn step(
+                &mut self,
+                members: &[usize; $width],
+                mode: usize,
+                program: &Program,
+                class: usize,
+                touching: Touching,
+            ) {
+                let Some(shared) = self.shared.get(mode).and_then(Option::as_ref) else {
+                    self.verdict.certain = LaneMask::splat(false);
+                    return;
+                };
                 dispatch(LaneStep {
+                    rows: &self.rows,
+                    members,
+                    shared,
+                    block: &mut self.block,
                     work: &mut self.work,
-                    flight: &self.flight,
                     verdict: &mut self.verdict,
-                    coordinates,
-                    may_bounce,
+                    coordinates: self.system.coordinates(),
+                    may_bounce: self.system.corners().is_empty(),
                     program,
                     class,
                     touching,
@@ -93,8 +116,11 @@ vector_step!(8);
 vector_step!(4);
 
 struct LaneStep<'a, const L: usize> {
+    rows: &'a Rows,
+    members: &'a [usize; L],
+    shared: &'a Shared<L>,
+    block: &'a mut [Lanes<L>],
     work: &'a mut Workspace<Lanes<L>>,
-    flight: &'a Flight<Lanes<L>>,
     verdict: &'a mut Verdict<L>,
     coordinates: usize,
     may_bounce: bool,
@@ -108,11 +134,23 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { work, program, .. } = self;
+        let Self {
+            work,
+            program,
+            block,
+            verdict,
+            ..
+        } = self;
+        let places = self.rows.places;
+        self.rows.gather(self.members, block);
+        load(work, self.shared, (places, block));
+        let flight = flight(places, block);
+        work.time = flight.time;
+        work.horizon = flight.remaining();
         work.expand(program, self.class);
         let certain = work.locate(program, self.touching);
         work.finish(program);
-        let verdict = self.verdict;
+        store(work, (places, block));
         verdict.certain = certain;
         if !program.is_free {
             verdict.ordinary = LaneMask::splat(false);
@@ -126,16 +164,67 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
             }
         }
         let (largest, is_finite) = largest(&work.state, self.coordinates);
-        let (course, is_ordinary) =
-            (self.flight).follow(&work.outcome(), (nowhere, at_impact), largest);
+        let (course, is_ordinary) = flight.follow(&work.outcome(), (nowhere, at_impact), largest);
         verdict.ordinary = certain & is_ordinary & is_finite;
-        (verdict.class, verdict.unit) = plan(course.flight_time, &work.reach);
+        (verdict.class, block[places.unit()]) = plan(course.flight_time, &work.reach);
         let (horizon, now) = (
-            (self.flight.horizon, self.flight.horizon_low),
+            (flight.horizon, flight.horizon_low),
             (course.time, course.time_low),
         );
         verdict.goes_on = Lanes::splat(0.0).less(remaining(horizon, now));
-        verdict.course = course;
+        verdict.rest_of_sequence = course.rest_of_sequence;
+        block[places.time()] = course.time;
+        block[places.time_low()] = course.time_low;
+        block[places.flight_time()] = course.flight_time;
+        block[places.longest_step()] = course.longest_step;
+    }
+}
+
+/// Puts rows that stand side by side where a step expects them.
+#[inline(always)]
+fn load<const L: usize>(
+    work: &mut Workspace<Lanes<L>>,
+    shared: &Shared<L>,
+    (places, block): (Places, &[Lanes<L>]),
+) {
+    work.state.copy_from_slice(&block[places.state()]);
+    work.low.copy_from_slice(&block[places.low()]);
+    work.sides.copy_from_slice(&block[places.sides()]);
+    work.reach.copy_from_slice(&block[places.reach()]);
+    work.tau = block[places.unit()];
+    let (tape, mut impacts) = block[places.constants()..].split_at(shared.varying_tape.len());
+    for (&place, &value) in shared.varying_tape.iter().zip(tape) {
+        work.constants[place] = value;
+    }
+    let constants = work.impact_constants.iter_mut();
+    for (wide, places) in constants.zip(&shared.varying_impacts) {
+        for (&place, &value) in places.iter().zip(impacts) {
+            wide[place] = value;
+        }
+        impacts = &impacts[places.len()..];
+    }
+}
+
+/// Puts back what any step changes.
+#[inline(always)]
+fn store<const L: usize>(work: &Workspace<Lanes<L>>, (places, block): (Places, &mut [Lanes<L>])) {
+    block[places.state()].copy_from_slice(&work.state);
+    block[places.low()].copy_from_slice(&work.low);
+    block[places.sides()].copy_from_slice(&work.sides);
+    block[places.reach()].copy_from_slice(&work.reach);
+}
+
+#[inline(always)]
+fn flight<const L: usize>(places: Places, block: &[Lanes<L>]) -> Flight<Lanes<L>> {
+    Flight {
+        time: block[places.time()],
+        time_low: block[places.time_low()],
+        horizon: block[places.horizon()],
+        horizon_low: block[places.horizon_low()],
+        flight_time: block[places.flight_time()],
+        longest_step: block[places.longest_step()],
+        restitution: block[places.restitution()],
+        border: block[places.border()],
     }
 }
 
@@ -150,6 +239,7 @@ impl<'a, const L: usize> Vector<'a, L> {
         let corners = system.corners();
         let slots = corners.first_slot..corners.first_slot + corners.slots();
         let (zero, nowhere) = (Lanes::splat(0.0), LaneMask::splat(false));
+        let rows = Rows::new((system.dimension(), system.sections()), trajectories);
         Self {
             system,
             work: system.workspace(settings),
@@ -157,149 +247,112 @@ impl<'a, const L: usize> Vector<'a, L> {
                 .chain(slots)
                 .collect(),
             shared: Vec::new(),
-            rows: Rows::new(trajectories),
+            block: vec![zero; rows.width()],
+            rows,
             loaded: None,
-            flight: Flight {
-                time: zero,
-                time_low: zero,
-                horizon: zero,
-                horizon_low: zero,
-                flight_time: zero,
-                longest_step: zero,
-                restitution: zero,
-                border: zero,
-            },
             verdict: Verdict {
                 certain: nowhere,
                 ordinary: nowhere,
-                course: Course {
-                    time: zero,
-                    time_low: zero,
-                    flight_time: zero,
-                    longest_step: zero,
-                    rest_of_sequence: zero,
-                },
                 goes_on: nowhere,
                 class: zero,
-                unit: zero,
+                rest_of_sequence: zero,
             },
         }
     }
 
-    /// Loads the constants of a mode that the trajectories share; takes them from any of them.
-    pub fn enter(&mut self, mode: usize, program: &Program, any: &Trajectory<f64>) {
-        if self.loaded == Some(mode) {
-            return;
-        }
+    /// Lets a trajectory, by its number, wait in its row for its next step, which has this unit of time.
+    pub fn take_in(
+        &mut self,
+        (index, trajectory, unit): (usize, &Trajectory<f64>, f64),
+        program: &Program,
+    ) {
+        let mode = trajectory.mode;
         if self.shared.len() <= mode {
             self.shared.resize_with(mode + 1, || None);
         }
         if self.shared[mode].is_none()
-            && let Some(constants) = &any.constants[mode]
+            && let Some(constants) = &trajectory.constants[mode]
         {
             let shared = Shared::new(self.system, mode, program, &self.swept, constants);
             self.rows.widen(shared.varying());
+            self.block.resize(self.rows.width(), Lanes::splat(0.0));
             self.shared[mode] = Some(shared);
         }
         if let Some(shared) = &self.shared[mode] {
+            self.rows.fill((index, trajectory, unit), shared);
+        }
+    }
+
+    /// Brings a trajectory up to date with its row.
+    pub fn catch_up(&mut self, index: usize, trajectory: &mut Trajectory<f64>) {
+        self.rows.catch_up(index, trajectory);
+    }
+
+    /// Loads the constants of a mode that the trajectories share.
+    pub fn enter(&mut self, mode: usize) {
+        if self.loaded == Some(mode) {
+            return;
+        }
+        if let Some(shared) = self.shared.get(mode).and_then(Option::as_ref) {
             self.work.constants.clone_from(&shared.tape);
             self.work.impact_constants.clone_from(&shared.impacts);
             self.loaded = Some(mode);
         }
     }
 
-    /// A trajectory may have entered another mode, or have other constants, since it was loaded last.
-    pub fn forget(&mut self, index: usize) {
-        self.rows.forget(index);
-    }
-
-    /// Loads a trajectory, the one with this index, whose next step has this unit of time, into a lane.
+    /// Gives the end of a lane's step to its trajectory: to its row if it is an ordinary one, else to the trajectory itself, as far
+    /// as it is known.
     #[inline(always)]
-    pub fn load(
+    pub fn give_back(
         &mut self,
         lane: usize,
-        mode: usize,
-        (index, trajectory, unit): (usize, &Trajectory<f64>, f64),
-    ) {
-        let Self { work, flight, .. } = self;
-        for (wide, &value) in work.state.iter_mut().zip(&trajectory.state) {
-            wide.0[lane] = value;
+        (index, trajectory): (usize, &mut Trajectory<f64>),
+        (program, touching): (&Program, Touching),
+    ) -> Ended {
+        let Self {
+            work,
+            verdict,
+            rows,
+            block,
+            ..
+        } = self;
+        if !verdict.ordinary.lane(lane) {
+            rows.catch_up(index, trajectory);
+            return self.give_to_mode_machine(lane, trajectory);
         }
-        for (wide, &value) in work.low.iter_mut().zip(&trajectory.low) {
-            wide.0[lane] = value;
-        }
-        for (section, wide) in work.sides.iter_mut().enumerate() {
-            wide.0[lane] = trajectory.sides.get(section);
-        }
-        for (wide, &value) in work.reach.iter_mut().zip(&trajectory.reach) {
-            wide.0[lane] = value;
-        }
-        let own = trajectory.flight();
-        flight.time.0[lane] = own.time;
-        flight.time_low.0[lane] = own.time_low;
-        flight.horizon.0[lane] = own.horizon;
-        flight.horizon_low.0[lane] = own.horizon_low;
-        flight.flight_time.0[lane] = own.flight_time;
-        flight.longest_step.0[lane] = own.longest_step;
-        flight.restitution.0[lane] = own.restitution;
-        flight.border.0[lane] = own.border;
-        work.tau.0[lane] = unit;
-        let Some(shared) = &self.shared[mode] else {
-            return;
+        let event = work.event.0[lane];
+        let at = (event > NO_EVENT).then_some(event as usize);
+        rows.take(index, (lane, block), at);
+        let told = match at {
+            None => {
+                trajectory.note_glide(touching, work.step.0[lane]);
+                None
+            }
+            Some(at) => {
+                let guard = &program.guards[at];
+                guard.closing().and_then(|contact| {
+                    let rate = work.impact[0].0[lane];
+                    let time = block[rows.places.time()].0[lane];
+                    let rest = verdict.rest_of_sequence.0[lane];
+                    let is_told = trajectory.note_bounce(guard, (contact, rate), (time, rest));
+                    let rates = (rate, work.impact[1].0[lane]);
+                    is_told.then(|| Occurrence::ordinary_impact(contact, rates))
+                })
+            }
         };
-        let row = self.rows.get(index, shared, &trajectory.constants[mode]);
-        let (tape, mut impacts) = row.split_at(shared.varying_tape.len());
-        for (&place, &value) in shared.varying_tape.iter().zip(tape) {
-            work.constants[place].0[lane] = value;
-        }
-        for (wide, places) in work
-            .impact_constants
-            .iter_mut()
-            .zip(&shared.varying_impacts)
-        {
-            for (&place, &value) in places.iter().zip(impacts) {
-                wide[place].0[lane] = value;
-            }
-            impacts = &impacts[places.len()..];
+        let class = verdict.class.0[lane] as usize;
+        Ended::Ordinary {
+            at,
+            told,
+            next: verdict.goes_on.lane(lane).then_some(class),
         }
     }
 
-    /// Makes a step with the trajectories of the first lanes; the others repeat the first.
-    pub fn step(&mut self, count: usize, program: &Program, class: usize, touching: Touching)
-    where
-        Self: VectorStep<L>,
-    {
-        let Self { work, flight, .. } = self;
-        if count < L {
-            let Flight {
-                time,
-                time_low,
-                horizon,
-                horizon_low,
-                ..
-            } = flight;
-            let rows = (work.state.iter_mut())
-                .chain(&mut work.low)
-                .chain(&mut work.sides)
-                .chain(&mut work.reach)
-                .chain(&mut work.constants)
-                .chain(work.impact_constants.iter_mut().flatten())
-                .chain([&mut work.tau, time, time_low, horizon, horizon_low]);
-            for wide in rows {
-                let first = wide.0[0];
-                wide.0[count..].fill(first);
-            }
-        }
-        work.time = flight.time;
-        work.horizon = flight.remaining();
-        self.make_step(program, class, touching);
-    }
-
-    /// Gives the end of a lane's step to its trajectory, as far as it is known.
-    #[inline(always)]
-    pub fn store(&self, lane: usize, program: &Program, trajectory: &mut Trajectory<f64>) -> Ended {
-        let (work, verdict) = (&self.work, &self.verdict);
-        if !verdict.certain.lane(lane) {
+    /// Gives the end of a step that is no ordinary one to a trajectory that knows where it began.
+    #[inline(never)]
+    fn give_to_mode_machine(&self, lane: usize, trajectory: &mut Trajectory<f64>) -> Ended {
+        let work = &self.work;
+        if !self.verdict.certain.lane(lane) {
             return Ended::Uncertain;
         }
         for (value, wide) in trajectory.state.iter_mut().zip(&work.state) {
@@ -324,39 +377,14 @@ impl<'a, const L: usize> Vector<'a, L> {
         for (value, wide) in outcome.impact.iter_mut().zip(&work.impact) {
             *value = wide.0[lane];
         }
-        if !verdict.ordinary.lane(lane) {
-            let remaining = trajectory.remaining();
-            return Ended::Digest(StepResult {
-                outcome,
-                event,
-                touched: None,
-                crowd: Closed::NONE,
-                jumped: false,
-                at_horizon: event.is_none() && reaches(outcome.step, remaining),
-            });
-        }
-        let course = Course {
-            time: verdict.course.time.0[lane],
-            time_low: verdict.course.time_low.0[lane],
-            flight_time: verdict.course.flight_time.0[lane],
-            longest_step: verdict.course.longest_step.0[lane],
-            rest_of_sequence: verdict.course.rest_of_sequence.0[lane],
-        };
-        let told = match event {
-            Some(index) => trajectory.keep_bounce(&course, (index, program), &outcome.impact),
-            None => {
-                trajectory.keep_glide(&course, outcome.step);
-                None
-            }
-        };
-        let next = verdict
-            .goes_on
-            .lane(lane)
-            .then(|| (verdict.class.0[lane] as usize, verdict.unit.0[lane]));
-        Ended::Ordinary {
-            at: event,
-            told,
-            next,
-        }
+        let remaining = trajectory.remaining();
+        Ended::Digest(StepResult {
+            outcome,
+            event,
+            touched: None,
+            crowd: Closed::NONE,
+            jumped: false,
+            at_horizon: event.is_none() && reaches(outcome.step, remaining),
+        })
     }
 }

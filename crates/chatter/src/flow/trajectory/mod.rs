@@ -35,6 +35,7 @@ use crate::expressions::Sides as SurfaceSides;
 use crate::model::Simultaneous;
 use crate::numerics::Real;
 use collisions::Collisions;
+pub(crate) use ordinary::Caught;
 use ordinary::Untold;
 use stall::Stall;
 use std::collections::VecDeque;

@@ -2,7 +2,7 @@
 
 use super::{StepResult, Trajectory};
 use crate::flow::flight::{Course, Flight, Outcome, largest};
-use crate::flow::guard::Transition;
+use crate::flow::guard::{Guard, Transition};
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, IMPACT_SCALARS, Program};
 use crate::flow::system::System;
@@ -27,6 +27,19 @@ impl<R: Real> Untold<R> {
         count: 0,
         times: [R::ZERO; 2],
     };
+}
+
+/// Where ordinary steps have led.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Caught<R> {
+    /// Time, and its rounding remainder.
+    pub time: (R, R),
+    pub flight_time: R,
+    pub longest_step: R,
+    /// Whether one of them ended in an impact.
+    pub has_bounced: bool,
+    /// The guard that ended the latest, in an impact.
+    pub ended_at: Option<usize>,
 }
 
 impl<R: Real> Trajectory<R> {
@@ -106,17 +119,17 @@ impl<R: Real> Trajectory<R> {
 
     /// Keeps what an ordinary step without event came to.
     #[inline(always)]
-    pub(crate) fn keep_glide(&mut self, course: &Course<R>, step: R) {
+    fn keep_glide(&mut self, course: &Course<R>, step: R) {
         self.keep(course);
         self.may_have_crossed = false;
         self.burst = 0;
-        self.left = self.left.after(self.touching, step);
+        self.note_glide(self.touching, step);
         self.touching = Touching::after(None);
     }
 
     /// Keeps what an ordinary impact came to, which is the zero of a guard with this number. Says what is to be told.
     #[inline(always)]
-    pub(crate) fn keep_bounce(
+    fn keep_bounce(
         &mut self,
         course: &Course<R>,
         (index, program): (usize, &Program),
@@ -125,28 +138,71 @@ impl<R: Real> Trajectory<R> {
         let guard = &program.guards[index];
         let contact = guard.closing()?;
         self.keep(course);
+        self.has_bounced(index);
+        let is_told = self.note_bounce(
+            guard,
+            (contact, rate),
+            (course.time, course.rest_of_sequence),
+        );
+        is_told.then(|| Occurrence::ordinary_impact(contact, (rate, rate_after)))
+    }
+
+    /// What holds after an ordinary impact.
+    #[inline(always)]
+    fn has_bounced(&mut self, index: usize) {
         self.may_have_crossed = true;
         self.burst = 1;
-        self.left = Left::NONE;
         self.touching = Touching::after(Some(index));
-        self.touched_at = course.time;
+        self.tracker.interrupt();
+    }
+
+    /// Takes note of an ordinary step without event that began with so many roots of each guard. What else it changes may wait.
+    #[inline(always)]
+    pub(crate) fn note_glide(&mut self, touching: Touching, step: R) {
+        self.left = self.left.after(touching, step);
+    }
+
+    /// Takes note of an ordinary impact of a contact at this rate: the time and how long its sequence may still go on. Says whether
+    /// it is to be told. What else it changes may wait.
+    #[inline(always)]
+    pub(crate) fn note_bounce(
+        &mut self,
+        guard: &Guard,
+        (contact, rate): (usize, R),
+        (time, rest_of_sequence): (R, R),
+    ) -> bool {
+        self.left = Left::NONE;
+        self.touched_at = time;
         self.ended_by = Some(guard.kind);
         self.count_impact(contact, rate);
-        self.tracker
-            .keep_pace(contact, course.time, course.rest_of_sequence);
-        self.tracker.interrupt();
+        self.tracker.keep_pace(contact, time, rest_of_sequence);
         let untold = &mut self.untold;
-        if untold.allowed > 0 {
-            untold.allowed -= 1;
-            untold.count += 1;
-            untold.times = [untold.times[1], course.time];
-            return None;
+        if untold.allowed == 0 {
+            return true;
         }
-        Some(Occurrence::Impact {
-            contact,
-            rate_before: rate,
-            rate_after,
-            closes: false,
-        })
+        untold.allowed -= 1;
+        untold.count += 1;
+        untold.times = [untold.times[1], time];
+        false
+    }
+
+    /// Takes over what has waited: the end of ordinary steps of which note was taken. States, remainders, sides and what orders
+    /// reach are in place.
+    pub(crate) fn catch_up(&mut self, caught: &Caught<R>) {
+        (self.time, self.time_low) = caught.time;
+        self.flight_time = caught.flight_time;
+        self.longest_step = caught.longest_step;
+        self.met = None;
+        self.rates_of_instant.clear();
+        if caught.has_bounced {
+            self.tracker.interrupt();
+        }
+        if let Some(index) = caught.ended_at {
+            self.has_bounced(index);
+        } else {
+            self.may_have_crossed = false;
+            self.burst = 0;
+            self.touching = Touching::after(None);
+        }
     }
 }
