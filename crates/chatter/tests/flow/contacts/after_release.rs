@@ -94,10 +94,15 @@ fn events<R: Real>(model: &Model, pauses: &[f64]) -> Result<Told, FlowError> {
     }
 }
 
-/// Events but for the impacts of sequences, of which completion leaves more or fewer to be integrated.
+/// Events but for the impacts of sequences that are completed, of which more or fewer are integrated, and for the slowest of others.
 fn outline(told: &Told) -> Told {
     let (mut all, mut last) = (Told::new(), 0.0);
     for &(what, time, rate) in told {
+        if what == "accumulation" {
+            while all.last().is_some_and(|&(before, ..)| before == "impact") {
+                all.pop();
+            }
+        }
         if what != "impact" || rate.abs() > 1e-3 && time > last {
             all.push((what, time, rate));
         }
