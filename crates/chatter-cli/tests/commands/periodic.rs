@@ -207,6 +207,10 @@ fn wrong_questions_are_told_what_is_wrong() {
             "expected NAME=LOW:HIGH",
         ),
         (
+            "continue pressure_relief_valve --sweep q=0.02:0.02",
+            "expected a range of some length",
+        ),
+        (
             "continue pressure_relief_valve --sweep q=0.02:0.021 --step 2",
             "at most 1",
         ),

@@ -62,11 +62,16 @@ const POINTS: u64 = 20_000;
 const STEP: f64 = 0.01;
 
 impl Reach {
-    /// Over this range.
+    /// Over the range between two values, whichever is the greater.
     ///
     /// # Errors
-    /// The step is no part of it.
-    pub fn over(self, range: (f64, f64)) -> Result<Limits, Refusal> {
+    /// The range has no length, or the step is no part of it.
+    pub fn over(self, (one, other): (f64, f64)) -> Result<Limits, Refusal> {
+        if !(one < other || other < one) {
+            return Err(Refusal::input(format!(
+                "from {one} to {other}: expected a range of some length"
+            )));
+        }
         let step = self.step.unwrap_or(STEP);
         if !(step > 0.0 && step <= 1.0) {
             return Err(Refusal::input(format!(
@@ -75,7 +80,7 @@ impl Reach {
         }
         let points = self.points.unwrap_or(POINTS);
         Ok(Limits {
-            range,
+            range: (one.min(other), one.max(other)),
             impacts: self.impacts.unwrap_or(IMPACTS),
             points: usize::try_from(points).unwrap_or(usize::MAX),
             longest_step: step,
