@@ -7,6 +7,7 @@ mod failure;
 mod options;
 mod parallel;
 mod reproduction;
+mod resume;
 mod terminal;
 
 use chatter_work::{

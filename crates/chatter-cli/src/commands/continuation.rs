@@ -6,6 +6,7 @@ use crate::numbers::Digits;
 use crate::options::{
     Assignment, Count, FigureFile, Initial, Loaded, PeriodBegins, Quantity, TableFile, Window,
 };
+use crate::resume::nothing_to_resume;
 use crate::terminal::{self, Console, Style};
 use chatter::analysis::periodic::{Branch, End, Known, Spec, SpecialKind};
 use chatter::expressions::nearest;
@@ -18,7 +19,7 @@ use chatter_work::periodic::{
 };
 use chatter_work::source::Source;
 use clap::{Args, ValueEnum};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 const EXAMPLES: &str = "\
@@ -203,7 +204,10 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         None => (arguments.job()?, None),
         Some(target) => match Begun::open(&journal_of(target))? {
             Some(begun) => (begun.job.clone(), Some(begun)),
-            None => return nothing_to_resume(target),
+            None => {
+                let takes = "the name that was given to --out";
+                return nothing_to_resume(target, holds_branches(target)?, takes);
+            }
         },
     };
     let Ready {
@@ -320,23 +324,6 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         ));
     }
     Ok(failure::INTERRUPTED)
-}
-
-/// No journal: the branches are complete, or there never were any.
-fn nothing_to_resume(target: &Path) -> Result<u8, Failure> {
-    if holds_branches(target)? {
-        let text = format!(
-            "{} is complete: there is nothing to resume\n",
-            target.display()
-        );
-        terminal::print(&text).map_err(Failure::Output)?;
-        return Ok(failure::SUCCESS);
-    }
-    Err(Failure::input(format!(
-        "there is nothing to resume: no `{}`",
-        journal_of(target).display()
-    ))
-    .help("--resume takes the name that was given to --out"))
 }
 
 impl Arguments {

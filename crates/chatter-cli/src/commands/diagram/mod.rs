@@ -6,9 +6,10 @@ mod produce;
 pub use arguments::Arguments;
 
 use crate::diagram::{Beginning, Begun, Stored, journal_of, table};
-use crate::failure::{self, Failure};
+use crate::failure::Failure;
 use crate::options::{ShareOption, ThreadCount};
-use crate::terminal::{self, Console};
+use crate::resume::nothing_to_resume;
+use crate::terminal::Console;
 use chatter::analysis::diagram::Threads;
 use chatter_files::Format;
 use chatter_work::source::Source;
@@ -34,7 +35,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         };
     };
     let Some(begun) = Begun::open(&journal_of(target))? else {
-        return nothing_to_resume(target);
+        let takes = "the name that was given to --out, or to --plot where there was no --out";
+        return nothing_to_resume(target, is_diagram(target)?, takes);
     };
     begun.of_this_version()?;
     let plot = arguments.plot.as_ref().map(|file| file.0.clone());
@@ -52,23 +54,6 @@ pub fn threads_of(count: Option<ThreadCount>) -> Threads {
         Some(ThreadCount(count)) => Threads::new(count),
         None => Threads::available(),
     }
-}
-
-/// No journal: the diagram is complete, or there never was one.
-fn nothing_to_resume(target: &Path) -> Result<u8, Failure> {
-    if is_diagram(target)? {
-        let text = format!(
-            "{} is complete: there is nothing to resume\n",
-            target.display()
-        );
-        terminal::print(&text).map_err(Failure::Output)?;
-        return Ok(failure::SUCCESS);
-    }
-    Err(Failure::input(format!(
-        "there is nothing to resume: no `{}`",
-        journal_of(target).display()
-    ))
-    .help("--resume takes the name that was given to --out, or to --plot where there was no --out"))
 }
 
 /// Whether a finished diagram stands there.
