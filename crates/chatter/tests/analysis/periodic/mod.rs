@@ -30,13 +30,13 @@ fn orbit(model: &Model) -> Orbit {
     settled(model, &Spec::default(), &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
-fn over(
+fn branch_spec(
     model: &Model,
-    name: &str,
-    range: (f64, f64),
+    (name, range): (&str, (f64, f64)),
     (impacts, longest_step): (u64, f64),
-) -> Vec<Branch> {
-    let spec = BranchSpec {
+    beside: Beside,
+) -> BranchSpec {
+    BranchSpec {
         parameter: model.parameter_index(name).unwrap(),
         limits: Limits {
             range,
@@ -44,11 +44,21 @@ fn over(
             points: 5000,
             longest_step,
         },
-        beside: Beside {
-            doublings: 0,
-            branch_points: 1,
-        },
+        beside,
+    }
+}
+
+fn over(
+    model: &Model,
+    name: &str,
+    range: (f64, f64),
+    (impacts, longest_step): (u64, f64),
+) -> Vec<Branch> {
+    let beside = Beside {
+        doublings: 0,
+        branch_points: 1,
     };
+    let spec = branch_spec(model, (name, range), (impacts, longest_step), beside);
     branches(model, &Spec::default(), &spec, Vec::new(), &mut |_| {
         ControlFlow::Continue(())
     })

@@ -1,9 +1,9 @@
 //! Surveys that are broken off and gone on with.
 
 use super::branches::TWO_SIDED;
-use super::{model, with};
+use super::{branch_spec, model, with};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Limits, Record, Spec, Special, Told, branches,
+    Beside, Branch, BranchSpec, End, Record, Spec, Special, Told, branches,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -32,19 +32,11 @@ struct Asked {
 
 impl Asked {
     fn new(model: Model, parameter: &str, range: (f64, f64), doublings: usize) -> Self {
-        let over = BranchSpec {
-            parameter: model.parameter_index(parameter).unwrap(),
-            limits: Limits {
-                range,
-                impacts: 38,
-                points: 5000,
-                longest_step: 0.003,
-            },
-            beside: Beside {
-                doublings,
-                branch_points: doublings,
-            },
+        let beside = Beside {
+            doublings,
+            branch_points: doublings,
         };
+        let over = branch_spec(&model, (parameter, range), (38, 0.003), beside);
         Self { model, over }
     }
 
