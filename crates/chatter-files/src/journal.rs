@@ -19,7 +19,6 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::atomic_file::{sync_folder, temporary_for};
-use crate::crc32::Crc32;
 use crate::error::{FileAction, FileError};
 
 /// First bytes of a journal.
@@ -406,12 +405,12 @@ fn place(at: u64) -> Place {
 
 fn prefix(bytes: &[u8]) -> [u8; PREFIX] {
     let length = (bytes.len() as u64).to_le_bytes();
-    let mut sum = Crc32::default();
+    let mut sum = crc32fast::Hasher::new();
     sum.update(&length);
     sum.update(bytes);
     let mut prefix = [0; PREFIX];
     prefix[..8].copy_from_slice(&length);
-    prefix[8..].copy_from_slice(&sum.sum().to_le_bytes());
+    prefix[8..].copy_from_slice(&sum.finalize().to_le_bytes());
     prefix
 }
 

@@ -37,7 +37,6 @@
 //! not at all. Errors ([`Error`]) name the path and the reason.
 
 pub mod atomic_file;
-mod crc32;
 mod error;
 mod format;
 pub mod journal;

@@ -80,7 +80,7 @@ fn equal_input_gives_equal_bytes() {
 }
 
 #[test]
-fn streamed_arrays_of_unknown_length_equal_written_ones() {
+fn arrays_in_pieces_equal_those_written_at_once() {
     let folder = Folder::new("stream");
     let (a, b) = (folder.path("a.npz"), folder.path("b.npz"));
     let values: Vec<f64> = (0..100_001).map(|k| f64::from(k) * 0.5).collect();
@@ -89,8 +89,9 @@ fn streamed_arrays_of_unknown_length_equal_written_ones() {
     writer.array("m", &values[..6]).unwrap();
     writer.finish().unwrap();
     let mut writer = NpzWriter::create(&b).unwrap();
-    writer.stream("x", values.iter().copied()).unwrap();
-    let mut rows = writer.begin("m").unwrap();
+    let numbers = values.iter().copied();
+    writer.stream("x", 100_001, numbers).unwrap();
+    let mut rows = writer.begin("m", 6).unwrap();
     rows.extend(values[..3].iter().copied()).unwrap();
     rows.extend(values[3..6].iter().copied()).unwrap();
     rows.finish().unwrap();
@@ -126,7 +127,33 @@ fn what_the_caller_got_wrong_is_said() {
     ));
 
     let mut writer = NpzWriter::create(&path).unwrap();
-    drop(writer.begin::<f64>("x").unwrap());
+    let more = writer.stream("x", 2, [1.0, 2.0, 3.0]).unwrap_err();
+    assert_eq!(
+        more.to_string(),
+        "array `x` was given 3 values, where 2 were told of"
+    );
+    assert!(writer.finish().is_err(), "the array is not whole");
+
+    let mut writer = NpzWriter::create(&path).unwrap();
+    let named = ["a:b", "C:", "..", ".", "~", "périodique Ω", "-"];
+    for (k, name) in named.into_iter().enumerate() {
+        writer.array(name, &[k as f64]).unwrap();
+    }
+    let colon = writer.array("Ω:q", &[1.0]).unwrap_err();
+    assert!(matches!(
+        colon,
+        Error::Table(TableError::BadName { name }) if name == "Ω:q"
+    ));
+    writer.finish().unwrap();
+    let reader = NpzReader::open(&path).unwrap();
+    let read: Vec<&str> = reader.arrays().map(|array| array.name.as_str()).collect();
+    assert_eq!(read, named);
+
+    let mut writer = NpzWriter::create(&path).unwrap();
+    writer.array("x", &[1.0]).unwrap();
+    writer.finish().unwrap();
+    let mut writer = NpzWriter::create(&path).unwrap();
+    drop(writer.begin::<f64>("x", 1).unwrap());
     assert!(matches!(
         writer.finish(),
         Err(Error::Table(TableError::Unfinished { name })) if name == "x"

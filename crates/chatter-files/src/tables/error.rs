@@ -33,6 +33,15 @@ pub enum TableError {
         /// The array's name.
         name: String,
     },
+    /// An array was given more or fewer values than its header says.
+    OtherCount {
+        /// The array's name.
+        name: String,
+        /// How many were told of.
+        expected: u64,
+        /// How many came.
+        count: u64,
+    },
     /// The file has no such array.
     NoSuchArray {
         /// The file.
@@ -86,6 +95,14 @@ impl fmt::Display for TableError {
             TableError::Unfinished { name } => {
                 write!(f, "array `{name}` was begun and not finished")
             }
+            TableError::OtherCount {
+                name,
+                expected,
+                count,
+            } => write!(
+                f,
+                "array `{name}` was given {count} values, where {expected} were told of"
+            ),
             TableError::NoSuchArray { path, name, known } => write!(
                 f,
                 "`{}` has no array `{name}`; it has {}",

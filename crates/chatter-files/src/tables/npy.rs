@@ -122,15 +122,14 @@ impl Element for i64 {
     }
 }
 
-/// Length of every header written: room for any shape, so that it can be filled in after the data are known.
-/// A multiple of 64, as the format asks for.
+/// Length of every header written: room for any shape, and a multiple of 64, as the format asks for.
 pub(super) const HEADER_LENGTH: usize = 192;
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
 /// The header of format version 1.0, padded to [`HEADER_LENGTH`].
-pub(super) fn header(kind: Kind, shape: &[usize]) -> [u8; HEADER_LENGTH] {
-    let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
+pub(super) fn header(kind: Kind, shape: &[u64]) -> [u8; HEADER_LENGTH] {
+    let lengths: Vec<String> = shape.iter().map(u64::to_string).collect();
     let shape = match lengths.as_slice() {
         [single] => format!("({single},)"),
         many => format!("({})", many.join(", ")),
@@ -234,7 +233,8 @@ mod tests {
             (Kind::Boolean, vec![3, 4, 5]),
             (Kind::Text { width: 17 }, vec![usize::MAX >> 8]),
         ] {
-            let header = header(kind, &shape);
+            let lengths: Vec<u64> = shape.iter().map(|&length| length as u64).collect();
+            let header = header(kind, &lengths);
             let length = header_length(header[..PREFIX_LENGTH].try_into().unwrap()).unwrap();
             assert_eq!(length, HEADER_LENGTH);
             assert_eq!(parse_header(&header).unwrap(), (kind, shape));

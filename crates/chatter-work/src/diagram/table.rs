@@ -116,7 +116,7 @@ fn write_npz(
     let rows = sweep.rows();
     for (place, range) in sweep.spec().sweeps.iter().enumerate() {
         let values = (0..rows).map(|row| sweep.values(row)[place]);
-        writer.stream(&range.name(), values).map_err(output)?;
+        writer.stream(&range.name(), rows, values).map_err(output)?;
     }
     let [outcome, period, impacts, exponent, start, attractor] = Sweep::CLASS_NAMES;
     words(&mut writer, outcome, store, rows, |row| row.outcome.name())?;
@@ -130,14 +130,19 @@ fn write_npz(
     words(&mut writer, start, store, rows, |row| row.start.name())?;
     if sweep.compares() {
         let told = (0..rows).map(|row| i64::from(store.attractor(row)));
-        writer.stream(attractor, told).map_err(output)?;
+        writer.stream(attractor, rows, told).map_err(output)?;
     }
     for (index, name) in origins(sweep) {
         numbers(&mut writer, &name, store, rows, |row| row.origin[index])?;
     }
     if sweep.spec().record == Record::Samples {
         let observed = sweep.spec().observe.len();
-        let mut array = writer.begin::<i64>(Sweep::COLUMN_NAME).map_err(output)?;
+        let mut count = 0;
+        for row in 0..rows {
+            count += (store.row(row)?.samples.len() / observed) as u64;
+        }
+        let column = Sweep::COLUMN_NAME;
+        let mut array = writer.begin::<i64>(column, count).map_err(output)?;
         for row in 0..rows {
             let count = store.row(row)?.samples.len() / observed;
             let repeated = std::iter::repeat_n(row as i64, count);
@@ -145,7 +150,8 @@ fn write_npz(
         }
         array.finish().map_err(output)?;
         for (place, quantity) in sweep.spec().observe.iter().enumerate() {
-            let mut array = writer.begin::<f64>(&quantity.name).map_err(output)?;
+            let name = &quantity.name;
+            let mut array = writer.begin::<f64>(name, count).map_err(output)?;
             for row in 0..rows {
                 let row = store.row(row)?;
                 let values = row.samples.iter().skip(place).step_by(observed);
@@ -176,7 +182,7 @@ fn words(
             Ok("")
         }
     });
-    let written = writer.stream_texts(name, WORD, rows as usize, texts);
+    let written = writer.stream_texts(name, WORD, rows, texts);
     match failure {
         Some(failure) => Err(failure),
         None => written.map_err(output),
@@ -190,7 +196,7 @@ fn numbers<T: chatter_files::tables::Element>(
     rows: u64,
     number: impl Fn(&Row) -> T,
 ) -> Result<(), Refusal> {
-    let mut array = writer.begin::<T>(name).map_err(output)?;
+    let mut array = writer.begin::<T>(name, rows).map_err(output)?;
     for row in 0..rows {
         array.push(number(&store.row(row)?)).map_err(output)?;
     }

@@ -161,7 +161,7 @@ fn write_npz<R: Real>(
             }
             Column::Double(name, value) => numbers(&mut writer, record, name, value)?,
             Column::Count(name, value) => {
-                let mut array = writer.begin(name)?;
+                let mut array = writer.begin(name, record.len())?;
                 for noted in record.events() {
                     array.push(value(&noted?))?;
                 }
@@ -173,7 +173,7 @@ fn write_npz<R: Real>(
                     width = width.max(value(&noted?).chars().count());
                 }
                 let texts = record.events().map(|noted| Ok(value(&noted?)));
-                writer.stream_texts(name, width, record.len() as usize, texts)?;
+                writer.stream_texts(name, width, record.len(), texts)?;
             }
         }
     }
@@ -189,7 +189,7 @@ fn numbers<R: Real>(
     name: &str,
     value: impl Fn(&Noted<R>) -> f64,
 ) -> Result<(), Error> {
-    let mut array = writer.begin(name)?;
+    let mut array = writer.begin(name, record.len())?;
     for noted in record.events() {
         array.push(value(&noted?))?;
     }
