@@ -25,7 +25,6 @@
 //!   exact        (M5)
 //!   leading_order   the paper's A to F
 //!   section      states on a section of the model
-//! rounded        the same in another number type
 //! prediction/
 //!   map          the one-dimensional map: impacts per passage, states after the first impact
 //!   windows      fold, period doubling and graze of the n-impact orbit, predicted
@@ -42,7 +41,6 @@ mod orbit;
 mod prediction;
 mod problem;
 mod release;
-mod rounded;
 mod search;
 mod spec;
 

@@ -9,49 +9,53 @@ use super::release::{ReleasePoint, Turn};
 use super::search::breaks::grazing_start;
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
-use crate::numerics::{DoubleDouble, Estimate, Real};
+use crate::numerics::{DoubleDouble, Estimate, Real, Rounded, with_rounding};
 use serde::{Deserialize, Serialize};
 
-/// The state after the first impact that follows release.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FirstImpact<R> {
-    /// Time since release.
-    pub time: R,
-    /// The state.
-    pub state: Vec<R>,
-    /// Gap rate before the impact.
-    pub rate_before: R,
+with_rounding! {
+    /// The state after the first impact that follows release.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct FirstImpact<R> {
+        /// Time since release.
+        pub time: R,
+        /// The state.
+        pub state: Vec<R>,
+        /// Gap rate before the impact.
+        pub rate_before: R,
+    }
 }
 
-/// A border orbit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Border<R> {
-    /// Name of the parameter.
-    pub parameter: String,
-    /// Its value p*.
-    pub value: Estimate<R>,
-    /// Constants of the universal map at the restitution of release: r, u*, lambda, eta.
-    pub constants: Constants<R>,
-    /// Where the orbit is released and where its chatter ends.
-    pub release: ReleasePoint<R>,
-    /// s_0.
-    pub first_impact: FirstImpact<R>,
-    /// From release to the accumulation of the impacts at the release point: the period.
-    pub period: Estimate<R>,
-    /// What a forced system returns shifted by: the phase, its period, and how many of them the orbit takes.
-    pub turns: Vec<Turn<R>>,
-    /// Number of the impact after which the chatter sequence begins, the first being 0.
-    pub sequence_begins: usize,
-    /// Long flights in a period: the one after release, and one before each further excursion until chatter begins.
-    pub long_flights: usize,
-    /// How many impacts were integrated one by one.
-    pub impacts: usize,
-    /// Indices of the states that are coordinates on the contact surface at the first impact.
-    pub section: Vec<usize>,
-    /// (M5).
-    pub exact: Exact<R>,
-    /// (17) to (24); or the section that is not crossed between release and first impact.
-    pub leading_order: Result<LeadingOrder<R>, ReleaseSection>,
+with_rounding! {
+    /// A border orbit.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Border<R> {
+        /// Name of the parameter.
+        pub parameter: String,
+        /// Its value p*.
+        pub value: Estimate<R>,
+        /// Constants of the universal map at the restitution of release: r, u*, lambda, eta.
+        pub constants: Constants<R>,
+        /// Where the orbit is released and where its chatter ends.
+        pub release: ReleasePoint<R>,
+        /// s_0.
+        pub first_impact: FirstImpact<R>,
+        /// From release to the accumulation of the impacts at the release point: the period.
+        pub period: Estimate<R>,
+        /// What a forced system returns shifted by: the phase, its period, and how many of them the orbit takes.
+        pub turns: Vec<Turn<R>>,
+        /// Number of the impact after which the chatter sequence begins, the first being 0.
+        pub sequence_begins: usize,
+        /// Long flights in a period: the one after release, and one before each further excursion until chatter begins.
+        pub long_flights: usize,
+        /// How many impacts were integrated one by one.
+        pub impacts: usize,
+        /// Indices of the states that are coordinates on the contact surface at the first impact.
+        pub section: Vec<usize>,
+        /// (M5).
+        pub exact: Exact<R>,
+        /// (17) to (24); or the section that is not crossed between release and first impact.
+        pub leading_order: Result<LeadingOrder<R>, ReleaseSection>,
+    }
 }
 
 /// The normal form at a root found in `f64`, or why that is no border; in double-double: its limits keep half the digits of the number that they

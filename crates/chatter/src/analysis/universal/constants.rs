@@ -2,35 +2,37 @@
 
 use super::error::UniversalError;
 use crate::flow::border_value::{fixed_point, multiplier};
-use crate::numerics::{DoubleDouble, Real, Scalar};
+use crate::numerics::{DoubleDouble, Real, Scalar, with_rounding};
 use serde::{Deserialize, Serialize};
 
-/// What the restitution alone determines in closed form (MATH.md 2, (M6)).
-///
-/// Every value, and the complements `1 - lambda` and `1 - eta` too, is accurate to rounding relative to itself for all
-/// restitutions in (0, 1), however near to either end.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Constants<R> {
-    /// Coefficient of restitution r.
-    pub restitution: R,
-    /// The fixed point u* of g in (0, 1/3): the border between complete and incomplete chatter.
-    pub chatter_fixed_point: R,
-    /// s* = sqrt(1 - 8 u* / 3).
-    pub flight_root: R,
-    /// lambda = h(u*): the factor of nu from one impact to the next along the border orbit.
-    pub lambda: R,
-    /// eta = 1 / g'(u*): the factor of u - u* from one impact to the one before it.
-    pub eta: R,
-    /// 1 - lambda, without cancellation.
-    pub one_minus_lambda: R,
-    /// 1 - eta, without cancellation.
-    pub one_minus_eta: R,
-    /// ln lambda.
-    pub ln_lambda: R,
-    /// ln eta.
-    pub ln_eta: R,
-    /// ln lambda^2 / ln eta: Upsilon(x) is of the order of x to this power.
-    pub exponent: R,
+with_rounding! {
+    /// What the restitution alone determines in closed form (MATH.md 2, (M6)).
+    ///
+    /// Every value, and the complements `1 - lambda` and `1 - eta` too, is accurate to rounding relative to itself for all
+    /// restitutions in (0, 1), however near to either end.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Constants<R> {
+        /// Coefficient of restitution r.
+        pub restitution: R,
+        /// The fixed point u* of g in (0, 1/3): the border between complete and incomplete chatter.
+        pub chatter_fixed_point: R,
+        /// s* = sqrt(1 - 8 u* / 3).
+        pub flight_root: R,
+        /// lambda = h(u*): the factor of nu from one impact to the next along the border orbit.
+        pub lambda: R,
+        /// eta = 1 / g'(u*): the factor of u - u* from one impact to the one before it.
+        pub eta: R,
+        /// 1 - lambda, without cancellation.
+        pub one_minus_lambda: R,
+        /// 1 - eta, without cancellation.
+        pub one_minus_eta: R,
+        /// ln lambda.
+        pub ln_lambda: R,
+        /// ln eta.
+        pub ln_eta: R,
+        /// ln lambda^2 / ln eta: Upsilon(x) is of the order of x to this power.
+        pub exponent: R,
+    }
 }
 
 /// ln(1 + x), to rounding relative to itself.

@@ -4,62 +4,66 @@ use super::super::coordinate::local::Slopes;
 use super::super::coordinate::root::Point;
 use super::super::error::BorderError;
 use super::super::problem::Problem;
-use crate::numerics::{Estimate, Real, dot};
+use crate::numerics::{Estimate, Real, dot, with_rounding};
 use serde::{Deserialize, Serialize};
 
-/// Coefficients of z -> Upsilon(K z + mu), mu = M (p - p*), and what they are made of.
-///
-/// States after the first impact lie on the contact surface. They are given by all of the model's states but one, the
-/// [`section`](super::super::Border::section) coordinates.
-///
-/// With more than three states orbits remember where they were released: the map is that of orbits that repeat after one
-/// passage, and [`Memory`](Memory) has what others need.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Exact<R> {
-    /// K = C A B.
-    pub slope: Estimate<R>,
-    /// M = C ds_0/dp + D.
-    pub unfolding_rate: Estimate<R>,
-    /// N* of (M4).
-    pub amplitude: Estimate<R>,
-    /// A B: the change of the first impact, all states, that Upsilon = 1 makes.
-    pub first_impact_by_upsilon: Vec<Estimate<R>>,
-    /// ds_0/dp: how the first impact moves with the parameter, release point included, all states.
-    pub first_impact_by_parameter: Vec<Estimate<R>>,
-    /// A: derivative of the first impact by the state at release, a row for each of the model's states.
-    pub flight: Vec<Vec<Estimate<R>>>,
-    /// B: the offset at release that Upsilon = 1 makes, in orbits that repeat.
-    pub offset: Vec<Estimate<R>>,
-    /// C = dX/ds_0 in the section coordinates.
-    pub covector: Vec<Estimate<R>>,
-    /// D = dX/dp at fixed section coordinates.
-    pub covector_parameter: Estimate<R>,
-    /// With more than three states what orbits remember from passage to passage.
-    pub memory: Option<Memory<R>>,
+with_rounding! {
+    /// Coefficients of z -> Upsilon(K z + mu), mu = M (p - p*), and what they are made of.
+    ///
+    /// States after the first impact lie on the contact surface. They are given by all of the model's states but one, the
+    /// [`section`](super::super::Border::section) coordinates.
+    ///
+    /// With more than three states orbits remember where they were released: the map is that of orbits that repeat after one
+    /// passage, and [`Memory`](Memory) has what others need.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Exact<R> {
+        /// K = C A B.
+        pub slope: Estimate<R>,
+        /// M = C ds_0/dp + D.
+        pub unfolding_rate: Estimate<R>,
+        /// N* of (M4).
+        pub amplitude: Estimate<R>,
+        /// A B: the change of the first impact, all states, that Upsilon = 1 makes.
+        pub first_impact_by_upsilon: Vec<Estimate<R>>,
+        /// ds_0/dp: how the first impact moves with the parameter, release point included, all states.
+        pub first_impact_by_parameter: Vec<Estimate<R>>,
+        /// A: derivative of the first impact by the state at release, a row for each of the model's states.
+        pub flight: Vec<Vec<Estimate<R>>>,
+        /// B: the offset at release that Upsilon = 1 makes, in orbits that repeat.
+        pub offset: Vec<Estimate<R>>,
+        /// C = dX/ds_0 in the section coordinates.
+        pub covector: Vec<Estimate<R>>,
+        /// D = dX/dp at fixed section coordinates.
+        pub covector_parameter: Estimate<R>,
+        /// With more than three states what orbits remember from passage to passage.
+        pub memory: Option<Memory<R>>,
+    }
 }
 
-/// How orbits remember the coordinates y of the point where they were released, told from where the orbit at this parameter with
-/// Upsilon = 0 is: x = k z + c y + mu, then z' = Upsilon(x) and y' = R y + b z.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Memory<R> {
-    /// The states that are coordinates.
-    pub states: Vec<usize>,
-    /// R: how they return, a row for each.
-    pub returns: Vec<Vec<R>>,
-    /// b: what Upsilon = 1 adds.
-    pub by_upsilon: Vec<R>,
-    /// How those of the border orbit move with the parameter.
-    pub by_parameter: Vec<R>,
-    /// c = dX/dy.
-    pub covector: Vec<R>,
-    /// k: the slope where nothing is remembered. K = k + c (1 - R)^-1 b.
-    pub slope: R,
-    /// The slope at which the period doubles: k - c (1 + R)^-1 b.
-    pub doubling_slope: R,
-    /// The change of the first impact, all states, that Upsilon = 1 makes where nothing is remembered.
-    pub first_impact_by_upsilon: Vec<R>,
-    /// The change that each coordinate makes.
-    pub first_impact_by_memory: Vec<Vec<R>>,
+with_rounding! {
+    /// How orbits remember the coordinates y of the point where they were released, told from where the orbit at this parameter with
+    /// Upsilon = 0 is: x = k z + c y + mu, then z' = Upsilon(x) and y' = R y + b z.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Memory<R> {
+        /// The states that are coordinates.
+        pub states: Vec<usize>,
+        /// R: how they return, a row for each.
+        pub returns: Vec<Vec<R>>,
+        /// b: what Upsilon = 1 adds.
+        pub by_upsilon: Vec<R>,
+        /// How those of the border orbit move with the parameter.
+        pub by_parameter: Vec<R>,
+        /// c = dX/dy.
+        pub covector: Vec<R>,
+        /// k: the slope where nothing is remembered. K = k + c (1 - R)^-1 b.
+        pub slope: R,
+        /// The slope at which the period doubles: k - c (1 + R)^-1 b.
+        pub doubling_slope: R,
+        /// The change of the first impact, all states, that Upsilon = 1 makes where nothing is remembered.
+        pub first_impact_by_upsilon: Vec<R>,
+        /// The change that each coordinate makes.
+        pub first_impact_by_memory: Vec<Vec<R>>,
+    }
 }
 
 /// The states that parametrise the contact surface h = 0 at a point, and how the one left out follows them.

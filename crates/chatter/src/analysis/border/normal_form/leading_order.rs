@@ -16,7 +16,7 @@ use crate::flow::with_identity;
 use crate::flow::{Occurrence, Settings, System, SystemError, Trajectory};
 use crate::model::{Direction, Model, Section};
 use crate::numerics::linear::solve;
-use crate::numerics::{Real, dot};
+use crate::numerics::{Real, dot, unchanged, with_rounding};
 use serde::{Deserialize, Serialize};
 
 /// The section that the flight after release crosses where the leading order is matched to the true flight.
@@ -28,6 +28,8 @@ pub struct ReleaseSection {
     pub level: f64,
 }
 
+unchanged!(ReleaseSection);
+
 /// How far the section lies from release if nothing else is asked for, relative to the state there: the paper's 10.1 for
 /// the valve, which is released at 10. Absolute for a phase, and for a state that is released at zero.
 const SECTION_DISTANCE: f64 = 0.01;
@@ -36,31 +38,33 @@ const SECTION_DISTANCE: f64 = 0.01;
 /// zero if it is this small against what it moves by.
 const AT_REST: f64 = 1e-9;
 
-/// Coefficients of (17) to (24). Offsets on the section are (gap, rate), with more than three states those held that are
-/// coordinates of release points; states after the first impact the
-/// [`section`](super::super::Border::section) coordinates.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LeadingOrder<R> {
-    /// The section y3 = 10.1 in the paper.
-    pub section: ReleaseSection,
-    /// Gap and rate where the border orbit crosses it.
-    pub crossing: [R; 2],
-    /// A: a row for each coordinate after the first impact, a column each for gap and rate on the section.
-    pub a: Vec<[R; 2]>,
-    /// B: gap and rate on the section that Upsilon = 1 makes.
-    pub b: [R; 2],
-    /// C: derivative of u by the coordinates after the first impact.
-    pub c: Vec<R>,
-    /// D: derivative of u by the parameter.
-    pub d: R,
-    /// E: derivative of gap and rate on the section by the parameter.
-    pub e: [R; 2],
-    /// F: derivative of the coordinates after the first impact by the parameter, gap and rate on the section fixed.
-    pub f: Vec<R>,
-    /// C A B.
-    pub slope: R,
-    /// C A E + C F + D.
-    pub unfolding_rate: R,
+with_rounding! {
+    /// Coefficients of (17) to (24). Offsets on the section are (gap, rate), with more than three states those held that are
+    /// coordinates of release points; states after the first impact the
+    /// [`section`](super::super::Border::section) coordinates.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct LeadingOrder<R> {
+        /// The section y3 = 10.1 in the paper.
+        pub section: ReleaseSection,
+        /// Gap and rate where the border orbit crosses it.
+        pub crossing: [R; 2],
+        /// A: a row for each coordinate after the first impact, a column each for gap and rate on the section.
+        pub a: Vec<[R; 2]>,
+        /// B: gap and rate on the section that Upsilon = 1 makes.
+        pub b: [R; 2],
+        /// C: derivative of u by the coordinates after the first impact.
+        pub c: Vec<R>,
+        /// D: derivative of u by the parameter.
+        pub d: R,
+        /// E: derivative of gap and rate on the section by the parameter.
+        pub e: [R; 2],
+        /// F: derivative of the coordinates after the first impact by the parameter, gap and rate on the section fixed.
+        pub f: Vec<R>,
+        /// C A B.
+        pub slope: R,
+        /// C A E + C F + D.
+        pub unfolding_rate: R,
+    }
 }
 
 /// The state that changes most against its size at release, and a level that it reaches soon after.

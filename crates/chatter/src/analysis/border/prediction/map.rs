@@ -4,7 +4,7 @@ use super::super::error::BorderError;
 use super::super::normal_form::exact::Memory;
 use super::super::orbit::Border;
 use crate::analysis::universal::Universal;
-use crate::numerics::{Estimate, Real, dot};
+use crate::numerics::{Estimate, Real, Rounded, dot};
 use serde::{Deserialize, Serialize};
 
 /// z -> Upsilon(K z + M (p - p*)), and the states after the first impact that go with z, (26) and (27).
@@ -109,7 +109,7 @@ impl AffineStates {
     }
 }
 
-pub(in crate::analysis::border) fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
+fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
     values.iter().map(|x| x.to_f64()).collect()
 }
 
@@ -134,7 +134,7 @@ impl Prediction {
                 by_upsilon: values(&exact.first_impact_by_upsilon),
                 by_parameter: values(&exact.first_impact_by_parameter),
             },
-            memory: exact.memory.as_ref().map(Memory::rounded),
+            memory: exact.memory.rounded(),
         })
     }
 

@@ -4,7 +4,9 @@ use super::super::error::BorderError;
 use super::forcing::{Forcing, Turn};
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Mechanics, MechanicsError, Model};
-use crate::numerics::{DoubleDouble, Equations, Linearised, Matrix, Newton, Real, dot};
+use crate::numerics::{
+    DoubleDouble, Equations, Linearised, Matrix, Newton, Real, dot, with_rounding,
+};
 use serde::{Deserialize, Serialize};
 
 /// A state this small against the largest is zero: far below rounding of any number type.
@@ -37,35 +39,37 @@ pub(crate) struct ReleaseEquations {
     pub forcing: Forcing,
 }
 
-/// A release point.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ReleasePoint<R> {
-    /// Which contact ends.
-    pub contact: usize,
-    /// The state.
-    pub state: Vec<R>,
-    /// The states that are coordinates on the surface of release points: none where there are three.
-    pub free: Vec<usize>,
-    /// How the point moves with each of them.
-    pub directions: Vec<Vec<R>>,
-    /// How it moves with the parameter: of a border orbit, as its orbit does; else with the coordinates fixed.
-    pub slope: Vec<R>,
-    /// j > 0 there.
-    pub jerk: R,
-    /// Restitution of an impact of vanishing rate there.
-    pub restitution: R,
-    /// How the restitution there moves with the parameter.
-    pub restitution_slope: R,
-    /// How it moves with each coordinate.
-    pub restitution_by: Vec<R>,
-    /// How the jerk there moves with the parameter.
-    pub jerk_slope: R,
-    /// The free field there.
-    pub field: Vec<R>,
-    /// How the field there moves with the parameter.
-    pub field_slope: Vec<R>,
-    /// W / b there: what an impulse does to the state that changes the rate by one.
-    pub jump: Vec<R>,
+with_rounding! {
+    /// A release point.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct ReleasePoint<R> {
+        /// Which contact ends.
+        pub contact: usize,
+        /// The state.
+        pub state: Vec<R>,
+        /// The states that are coordinates on the surface of release points: none where there are three.
+        pub free: Vec<usize>,
+        /// How the point moves with each of them.
+        pub directions: Vec<Vec<R>>,
+        /// How it moves with the parameter: of a border orbit, as its orbit does; else with the coordinates fixed.
+        pub slope: Vec<R>,
+        /// j > 0 there.
+        pub jerk: R,
+        /// Restitution of an impact of vanishing rate there.
+        pub restitution: R,
+        /// How the restitution there moves with the parameter.
+        pub restitution_slope: R,
+        /// How it moves with each coordinate.
+        pub restitution_by: Vec<R>,
+        /// How the jerk there moves with the parameter.
+        pub jerk_slope: R,
+        /// The free field there.
+        pub field: Vec<R>,
+        /// How the field there moves with the parameter.
+        pub field_slope: Vec<R>,
+        /// W / b there: what an impulse does to the state that changes the rate by one.
+        pub jump: Vec<R>,
+    }
 }
 
 /// Near which point of which contact a release point is looked for.

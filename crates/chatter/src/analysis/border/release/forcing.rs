@@ -3,7 +3,7 @@
 use super::super::error::BorderError;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Model, Phase};
-use crate::numerics::Real;
+use crate::numerics::{Real, with_rounding};
 use serde::{Deserialize, Serialize};
 
 /// The phases of a model, and how their periods depend on the parameter that is varied.
@@ -23,17 +23,19 @@ struct PhaseOf {
     rate_slopes: Vec<Expr>,
 }
 
-/// A state that returns shifted by whole periods.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Turn<R> {
-    /// Place of the state: time, or an angle.
-    pub state: usize,
-    /// Its period.
-    pub period: R,
-    /// How the period changes with the parameter.
-    pub period_slope: R,
-    /// By how many periods the border orbit advances.
-    pub count: i64,
+with_rounding! {
+    /// A state that returns shifted by whole periods.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Turn<R> {
+        /// Place of the state: time, or an angle.
+        pub state: usize,
+        /// Its period.
+        pub period: R,
+        /// How the period changes with the parameter.
+        pub period_slope: R,
+        /// By how many periods the border orbit advances.
+        pub count: i64,
+    }
 }
 
 impl Forcing {
