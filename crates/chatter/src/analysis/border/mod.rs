@@ -24,7 +24,7 @@
 //! normal_form/   K, M and what they are made of
 //!   exact        (M5)
 //!   leading_order   the paper's A to F
-//!   section      states on a section of the model
+//!   section      states on a section of the model, and where one is crossed
 //! prediction/
 //!   map          the one-dimensional map: impacts per passage, states after the first impact
 //!   windows      fold, period doubling and graze of the n-impact orbit, predicted

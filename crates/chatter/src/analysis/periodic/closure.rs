@@ -265,6 +265,11 @@ impl Closure {
         }
     }
 
+    /// Whether a state is a phase, which comes back shifted by whole turns.
+    pub(crate) fn is_phase(&self, state: usize) -> bool {
+        self.turning.iter().any(|turning| turning.state == state)
+    }
+
     /// States that a displacement of which is no displacement of the orbit.
     pub(crate) fn is_idle(&self, state: usize) -> bool {
         self.idle.iter().any(|free| free.state == state)

@@ -22,7 +22,7 @@
 
 mod aside;
 mod branch;
-mod closure;
+pub(in crate::analysis) mod closure;
 mod condition;
 mod crossing;
 mod cycle;

@@ -83,7 +83,7 @@ impl<R: Real> SectionChart<R> {
         let equations = &problem.releases[contact];
         let [gap, _] = equations.gap_and_rate_slopes(state, parameters);
         let bound = (0..state.len())
-            .filter(|&i| !equations.forcing.is_phase(i))
+            .filter(|&i| !equations.is_phase(i))
             .max_by(|&a, &b| {
                 let (a, b) = (gap[a].abs(), gap[b].abs());
                 // On a tie the first, as max_by would keep the last.

@@ -11,9 +11,10 @@ use super::super::error::BorderError;
 use super::super::problem::{Problem, columns};
 use super::super::spec::BorderSpec;
 use super::exact::{SectionChart, combine};
+use super::section::crossing;
 use crate::expressions::Graph;
 use crate::flow::with_identity;
-use crate::flow::{Occurrence, Settings, System, SystemError, Trajectory};
+use crate::flow::{System, SystemError};
 use crate::model::{Direction, Model, Section};
 use crate::numerics::linear::solve;
 use crate::numerics::{Real, dot, unchanged, with_rounding};
@@ -72,9 +73,7 @@ fn default_section<R: Real>(problem: &Problem, point: &Point<R>) -> (usize, f64)
     let release = &point.release;
     let distance = |i: usize| {
         let size = release.state[i].abs().to_f64();
-        if problem.releases[release.contact].forcing.is_phase(i)
-            || size <= SECTION_DISTANCE * AT_REST
-        {
+        if problem.releases[release.contact].is_phase(i) || size <= SECTION_DISTANCE * AT_REST {
             SECTION_DISTANCE
         } else {
             SECTION_DISTANCE * size
@@ -98,7 +97,7 @@ fn default_section<R: Real>(problem: &Problem, point: &Point<R>) -> (usize, f64)
 }
 
 /// The state where the flight from release reaches the section.
-fn crossing<R: Real>(
+fn reached<R: Real>(
     problem: &Problem,
     point: &Point<R>,
     (index, level): (usize, f64),
@@ -115,19 +114,11 @@ fn crossing<R: Real>(
         direction: Direction::Either,
     });
     let system = System::new(&model)?;
-    let mut work = system.workspace::<R>(&Settings::default());
     let parameters = problem.parameters(point.value);
     let start = &point.release.state;
-    let time = model.time.map_or(R::ZERO, |index| start[index]);
-    let first = point.sequence.impacts[0].time;
-    let mut trajectory = Trajectory::start(&system, &mut work, &parameters, time, start)?;
-    loop {
-        match trajectory.advance(&system, &mut work, first)? {
-            Some(Occurrence::Section { .. }) => return Ok(Some(trajectory.state().to_vec())),
-            Some(Occurrence::Impact { .. } | Occurrence::Horizon) => return Ok(None),
-            _ => {}
-        }
-    }
+    let started = model.time.map_or(R::ZERO, |index| start[index]);
+    let within = point.sequence.impacts[0].time - started;
+    Ok(crossing(&system, &parameters, start, within)?)
 }
 
 /// The leading-order coefficients at a border, with the section asked for or a default one.
@@ -148,7 +139,7 @@ pub(crate) fn leading_order<R: Real>(
         state: problem.model.states[index].name.clone(),
         level,
     };
-    let Some(at) = crossing(problem, point, (index, level))? else {
+    let Some(at) = reached(problem, point, (index, level))? else {
         return Ok(Err(section));
     };
     let parameters = problem.parameters(point.value);

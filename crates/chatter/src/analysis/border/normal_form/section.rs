@@ -7,9 +7,29 @@ use super::super::problem::{Problem, columns};
 use super::super::spec::BorderSpec;
 use crate::expressions::{Expr, Symbol, nearest};
 use crate::flow::with_identity;
-use crate::flow::{Occurrence, Settings, System, Trajectory};
+use crate::flow::{FlowError, Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Real, dot};
+
+/// The state, columns included, in which the flight from a state crosses the section of a system, within a time and before an
+/// impact; `None` if it does not.
+pub(super) fn crossing<R: Real>(
+    system: &System,
+    parameters: &[R],
+    start: &[R],
+    within: R,
+) -> Result<Option<Vec<R>>, FlowError> {
+    let mut work = system.workspace::<R>(&Settings::default());
+    let time = system.model().time.map_or(R::ZERO, |index| start[index]);
+    let mut trajectory = Trajectory::start(system, &mut work, parameters, time, start)?;
+    loop {
+        match trajectory.advance(system, &mut work, time + within)? {
+            Some(Occurrence::Section { .. }) => return Ok(Some(trajectory.state().to_vec())),
+            Some(Occurrence::Impact { .. } | Occurrence::Horizon) => return Ok(None),
+            _ => {}
+        }
+    }
+}
 
 /// The states where orbits near the border cross a section of the model for the first time after release, with the exact
 /// coefficients: what (27) becomes on the section of an orbit diagram, such as y3 = 9.7 for the valve. `z` is that of
@@ -45,18 +65,8 @@ pub fn section_states<R: Real>(
     let parameters = problem.parameters(value);
     let release = problem.release_point(value, &border.release.place())?;
     let start = with_identity(&release.state, columns.len());
-    let time = model.time.map_or(DoubleDouble::ZERO, |index| start[index]);
-    let until = time + border.first_impact.time.to_double_double();
-    let mut work = system.workspace::<DoubleDouble>(&Settings::default());
-    let mut trajectory = Trajectory::start(&system, &mut work, &parameters, time, &start)?;
-    loop {
-        match trajectory.advance(&system, &mut work, until)? {
-            Some(Occurrence::Section { .. }) => break,
-            Some(Occurrence::Impact { .. } | Occurrence::Horizon) => return Err(not_crossed()),
-            _ => {}
-        }
-    }
-    let state = trajectory.state();
+    let within = border.first_impact.time.to_double_double();
+    let state = &*crossing(&system, &parameters, &start, within)?.ok_or_else(not_crossed)?;
     let here = &state[..states];
     let mut graph = model.graph.clone();
     let rates = model.parameter_rates(&mut graph, problem.parameter);

@@ -109,7 +109,7 @@ impl AffineStates {
     }
 }
 
-fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
+pub(in crate::analysis::border) fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
     values.iter().map(|x| x.to_f64()).collect()
 }
 

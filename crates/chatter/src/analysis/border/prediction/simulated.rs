@@ -129,7 +129,7 @@ impl Simulator {
         let same = |a: &Passage, b: &Passage| {
             a.impacts == b.impacts
                 && (0..scale.len())
-                    .filter(|&i| !self.equations().forcing.is_phase(i))
+                    .filter(|&i| !self.equations().is_phase(i))
                     .all(|i| (a.state[i] - b.state[i]).abs() <= SAME * scale[i])
         };
         let settled = settle(&passages, same, |passage| Some(passage.impacts));

@@ -34,7 +34,7 @@ impl ReleaseEquations {
     ) -> Vec<ReleasePoint<f64>> {
         let initial = model.initial_state(parameters);
         let start = model.time.map_or(0.0, |index| initial[index]);
-        let turn = self.first_turn(parameters);
+        let turn = self.turns(parameters).first().copied();
         let mut guesses = turn.map_or_else(Vec::new, |turn| {
             self.along_contact(parameters, &initial, &turn)
         });

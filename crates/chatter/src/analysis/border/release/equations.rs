@@ -1,7 +1,6 @@
 //! The release point: where contact ends, h = v = a = 0 and j > 0.
 
-use super::super::error::BorderError;
-use super::forcing::{Forcing, Turn};
+use crate::analysis::periodic::closure::Closure;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::{
@@ -24,7 +23,7 @@ pub(crate) const CONDITIONS: usize = 3;
 #[derive(Clone, Debug)]
 pub(crate) struct ReleaseEquations {
     pub contact: usize,
-    graph: Graph,
+    pub(super) graph: Graph,
     /// h, v, a.
     functions: Vec<Expr>,
     /// Their derivatives, a row each: by the states, then by the parameter.
@@ -35,8 +34,9 @@ pub(crate) struct ReleaseEquations {
     field: Vec<Expr>,
     /// Derivatives of restitution, jerk and field: a row each, by the states, then by the parameter.
     slopes: Vec<Vec<Expr>>,
-    /// What the forcing, if there is one, does to the phase.
-    pub forcing: Forcing,
+    /// The phases of a forcing, and where all states start; none where the equations have no period.
+    pub(super) closure: Option<Closure>,
+    pub(super) initial: Vec<Expr>,
 }
 
 with_rounding! {
@@ -146,10 +146,11 @@ impl ReleaseEquations {
             row.push(entry);
         }
         let slopes = jacobian.split_off(functions.len());
-        let forcing = Forcing::new(model, graph, &rates);
         Ok(Self {
             contact: index,
-            forcing,
+            closure: (Closure::with_section(model, &[parameter], None, None).ok())
+                .map(|(closure, _)| closure),
+            initial: model.states.iter().map(|state| state.initial).collect(),
             graph: mechanics.graph,
             functions,
             jacobian,
@@ -185,16 +186,6 @@ impl ReleaseEquations {
         let others = (0..state.len()).filter(|&i| i != bound);
         let held: Vec<(usize, f64)> = others.map(|i| (i, state[i])).collect();
         self.converge(parameters, state, &held)
-    }
-
-    /// Fails where the forcing has no period.
-    pub(crate) fn check_forcing(&self, parameters: &[f64], value: f64) -> Result<(), BorderError> {
-        self.forcing.check(&self.graph, parameters, value)
-    }
-
-    /// The phases with their periods.
-    pub(crate) fn turns<R: Real>(&self, parameters: &[R]) -> Vec<Turn<R>> {
-        self.forcing.turns(&self.graph, parameters)
     }
 
     /// Gap and rate.
@@ -261,7 +252,7 @@ impl ReleaseEquations {
         let held =
             |state: &[R]| -> Vec<(usize, R)> { free.iter().map(|&i| (i, state[i])).collect() };
         let mut state = self.converge(parameters, guess, &held(guess))?;
-        if self.forcing.reduce(&self.graph, parameters, &mut state) {
+        if self.to_first_turn(parameters, &mut state) {
             // A shift by many periods has lost digits.
             state = self.converge(parameters, &state, &held(&state))?;
         }
@@ -342,31 +333,6 @@ impl ReleaseEquations {
         (state.iter().zip(jump))
             .map(|(x, jump)| x - rate * jump)
             .collect()
-    }
-
-    /// The first phase, if there is one.
-    pub(crate) fn first_turn(&self, parameters: &[f64]) -> Option<Turn<f64>> {
-        self.forcing.turns(&self.graph, parameters).first().copied()
-    }
-
-    /// What leads from one state to another, phases up to whole periods.
-    pub(crate) fn difference(&self, from: &[f64], to: &[f64], parameters: &[f64]) -> Vec<f64> {
-        let mut off: Vec<f64> = to.iter().zip(from).map(|(b, a)| b - a).collect();
-        for turn in self.turns(parameters) {
-            let off = &mut off[turn.state];
-            *off -= turn.period * libm::round(*off / turn.period);
-        }
-        off
-    }
-
-    /// How far two states lie apart, phases up to whole periods, relative to their size.
-    pub(crate) fn apart(&self, a: &[f64], b: &[f64], parameters: &[f64]) -> f64 {
-        let sizes = a.iter().zip(b).map(|(a, b)| 1.0 + a.abs() + b.abs());
-        let off = self.difference(a, b, parameters);
-        off.iter()
-            .zip(sizes)
-            .map(|(off, size)| off.abs() / size)
-            .fold(0.0, f64::max)
     }
 
     /// A release point polished in another number type.

@@ -1,27 +1,9 @@
 //! The phase of a forced system: states that the equations know up to whole periods.
 
 use super::super::error::BorderError;
-use crate::expressions::{Expr, Graph, Symbol};
-use crate::model::{Model, Phase};
+use super::equations::ReleaseEquations;
 use crate::numerics::{Real, with_rounding};
 use serde::{Deserialize, Serialize};
-
-/// The phases of a model, and how their periods depend on the parameter that is varied.
-#[derive(Clone, Debug)]
-pub(crate) struct Forcing {
-    phases: Vec<PhaseOf>,
-    /// Whether time enters the equations in another way.
-    aperiodic: bool,
-}
-
-#[derive(Clone, Debug)]
-struct PhaseOf {
-    phase: Phase,
-    /// Where the model starts.
-    initial: Expr,
-    /// Derivatives of the rates by the parameter.
-    rate_slopes: Vec<Expr>,
-}
 
 with_rounding! {
     /// A state that returns shifted by whole periods.
@@ -38,75 +20,67 @@ with_rounding! {
     }
 }
 
-impl Forcing {
-    /// `graph` continues the model's own; `parameter_rates` are the derivatives of all parameters by the varied one.
-    pub(crate) fn new(model: &Model, graph: &mut Graph, parameter_rates: &[Expr]) -> Self {
-        let phases: Vec<PhaseOf> = (model.phases(graph).into_iter())
-            .map(|phase| PhaseOf {
-                initial: model.states[phase.state].initial,
-                rate_slopes: graph.directional_derivatives(phase.rates(), &|symbol| match symbol {
-                    Symbol::Parameter(i) => parameter_rates.get(i).copied(),
-                    Symbol::State(_) => None,
-                }),
-                phase,
+impl ReleaseEquations {
+    /// The phases with their periods, no turn counted yet.
+    pub(crate) fn turns<R: Real>(&self, parameters: &[R]) -> Vec<Turn<R>> {
+        let known = self.closure.as_ref().map(|phases| phases.turns(parameters));
+        let turns = known.and_then(Result::ok).unwrap_or_default();
+        (turns.iter())
+            .map(|turn| Turn {
+                state: turn.state,
+                period: turn.period,
+                period_slope: turn.slopes[0],
+                count: 0,
             })
-            .collect();
-        let aperiodic =
-            (model.time).is_some_and(|time| phases.iter().all(|p| p.phase.state != time));
-        Self { phases, aperiodic }
+            .collect()
     }
 
     /// Fails where the equations never return to what they were.
-    pub(crate) fn check(
-        &self,
-        graph: &Graph,
-        parameters: &[f64],
-        value: f64,
-    ) -> Result<(), BorderError> {
-        let has_period = |p: &PhaseOf| p.phase.period(graph, parameters).is_some();
-        if self.aperiodic || !self.phases.iter().all(has_period) {
-            return Err(BorderError::Aperiodic { value });
+    pub(crate) fn check_forcing(&self, parameters: &[f64], value: f64) -> Result<(), BorderError> {
+        let known = self.closure.as_ref().map(|phases| phases.turns(parameters));
+        match known {
+            Some(Ok(_)) => Ok(()),
+            _ => Err(BorderError::Aperiodic { value }),
         }
-        Ok(())
     }
 
     /// Whether a state is a phase.
     pub(crate) fn is_phase(&self, state: usize) -> bool {
-        self.phases.iter().any(|p| p.phase.state == state)
-    }
-
-    /// The phases with their periods, no turn counted yet.
-    pub(crate) fn turns<R: Real>(&self, graph: &Graph, parameters: &[R]) -> Vec<Turn<R>> {
-        let turn = |p: &PhaseOf| {
-            let period = p.phase.period(graph, parameters)?;
-            let relative_slope = (p.phase.rates().iter().zip(&p.rate_slopes))
-                .map(|(&rate, &slope)| [rate, slope].map(|e| graph.evaluate(e, &[], parameters)))
-                .find(|[rate, _]| *rate != R::ZERO)
-                .map_or(R::ZERO, |[rate, slope]| slope / rate);
-            Some(Turn {
-                state: p.phase.state,
-                period,
-                period_slope: -period * relative_slope,
-                count: 0,
-            })
-        };
-        self.phases.iter().filter_map(turn).collect()
+        (self.closure.as_ref()).is_some_and(|phases| phases.is_phase(state))
     }
 
     /// Takes whole periods from the phases until they are within one from where the model starts; whether there were any.
-    pub(crate) fn reduce<R: Real>(&self, graph: &Graph, parameters: &[R], state: &mut [R]) -> bool {
+    pub(super) fn to_first_turn<R: Real>(&self, parameters: &[R], state: &mut [R]) -> bool {
         let mut reduced = false;
-        for p in &self.phases {
-            let Some(period) = p.phase.period(graph, parameters) else {
-                continue;
-            };
-            let start = graph.evaluate(p.initial, &[], parameters);
-            let turns = ((state[p.phase.state] - start) / period).to_f64().floor();
+        for turn in self.turns(parameters) {
+            let initial = self.initial[turn.state];
+            let start = self.graph.evaluate(initial, &[], parameters);
+            let turns = ((state[turn.state] - start) / turn.period).to_f64().floor();
             if turns != 0.0 && turns.is_finite() {
-                state[p.phase.state] -= period * R::splat(turns);
+                state[turn.state] -= turn.period * R::splat(turns);
                 reduced = true;
             }
         }
         reduced
+    }
+
+    /// What leads from one state to another, phases up to whole periods.
+    pub(crate) fn difference(&self, from: &[f64], to: &[f64], parameters: &[f64]) -> Vec<f64> {
+        let mut off: Vec<f64> = to.iter().zip(from).map(|(b, a)| b - a).collect();
+        for turn in self.turns(parameters) {
+            let off = &mut off[turn.state];
+            *off -= turn.period * libm::round(*off / turn.period);
+        }
+        off
+    }
+
+    /// How far two states lie apart, phases up to whole periods, relative to their size.
+    pub(crate) fn apart(&self, a: &[f64], b: &[f64], parameters: &[f64]) -> f64 {
+        let sizes = a.iter().zip(b).map(|(a, b)| 1.0 + a.abs() + b.abs());
+        let off = self.difference(a, b, parameters);
+        off.iter()
+            .zip(sizes)
+            .map(|(off, size)| off.abs() / size)
+            .fold(0.0, f64::max)
     }
 }
