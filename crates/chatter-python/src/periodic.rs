@@ -115,14 +115,15 @@ pub fn branches(
                 limits: reach.over(ends(&mut model, (low, high))?)?,
                 beside: beside(doublings, branch_points)?,
             },
+            search: None,
         };
         let found = find_branches(&model, &wanted, None, listener)?;
-        if (found.iter()).any(|branch| branch.ends.contains(&End::Interrupted)) {
+        if !found.complete {
             return Err(Refusal::Interrupted);
         }
         written(&branch_document(
             &subject(&about, &monitors, vec![parameter], Digits::DOUBLE),
-            &found,
+            &found.branches,
         ))
     })?;
     found.map_err(raised)

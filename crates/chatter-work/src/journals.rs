@@ -1,6 +1,8 @@
 //! Journals beside the files that long computations write.
 
 use crate::refusal::Refusal;
+use chatter::analysis::diagram::Share;
+use chatter_files::journal::Unread;
 use std::path::{Path, PathBuf};
 
 /// The journal beside a file that is to be written.
@@ -8,6 +10,51 @@ pub fn journal_of(output: &Path) -> PathBuf {
     let mut name = output.file_name().unwrap_or_default().to_os_string();
     name.push(".journal");
     output.with_file_name(name)
+}
+
+/// The journal of a share of the work whose result is to be written to `output`.
+pub fn shard_journal(output: &Path, share: Share) -> PathBuf {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let digits = share.of().to_string().len();
+    let name = format!(
+        "{stem}.{:0digits$}-of-{}.journal",
+        share.number(),
+        share.of()
+    );
+    output.with_file_name(name)
+}
+
+/// Opens the journals that are to be merged into `own`.
+///
+/// # Errors
+/// There is none, or one cannot be opened.
+pub(crate) fn parts<T>(
+    journals: &[PathBuf],
+    own: &Path,
+    open: impl Fn(&Path) -> Result<Option<T>, Refusal>,
+) -> Result<Vec<T>, Refusal> {
+    // A pattern of names may take in the journal of a merge that was broken off, which is read anyway.
+    let is_own = |path: &Path| match (path.canonicalize(), own.canonicalize()) {
+        (Ok(path), Ok(own)) => path == own,
+        _ => false,
+    };
+    let mut parts = Vec::new();
+    for path in journals.iter().filter(|path| !is_own(path)) {
+        let missing = || Refusal::input(format!("there is no file `{}`", path.display()));
+        parts.push(open(path)?.ok_or_else(missing)?);
+    }
+    match parts.is_empty() {
+        true => Err(Refusal::input("there is no journal to be merged")),
+        false => Ok(parts),
+    }
+}
+
+/// What the first of these journals is about, if it can be read.
+pub fn is_of_branches(journals: &[PathBuf]) -> bool {
+    let first = journals.iter().find_map(|path| Unread::open(path).ok()?);
+    let header =
+        first.and_then(|unread| serde_json::from_slice::<serde_json::Value>(unread.header()).ok());
+    header.is_some_and(|header| header.get("branches").is_some())
 }
 
 /// Whether this version began a journal: another's results may differ in their last digits.

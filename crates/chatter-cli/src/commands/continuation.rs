@@ -4,22 +4,24 @@ use crate::accounts::periodic::{branches as account, curves as curves_account};
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
 use crate::options::{
-    Assignment, Count, FigureFile, Initial, Loaded, PeriodBegins, Quantity, TableFile, Window,
+    Assignment, Count, FigureFile, Initial, Loaded, PeriodBegins, Quantity, ShareOption, TableFile,
+    Window,
 };
 use crate::resume::nothing_to_resume;
 use crate::terminal::{self, Console, Style};
+use chatter::analysis::diagram::Share;
 use chatter::analysis::periodic::{Branch, End, Known, Spec, SpecialKind};
 use chatter::expressions::nearest;
 use chatter::model::Model;
-use chatter_work::journals::journal_of;
+use chatter_work::journals::{journal_of, shard_journal};
 use chatter_work::periodic::{
-    Begun, Branches, Curve, Job, Log, Ready, Subject, Vertical, beneath, branch_document,
-    curves_document, find_branches, find_curve, first_that_changes, holds_branches, picture, plane,
-    restore, write,
+    Begun, Curve, Job, Log, Ready, Shared, Sought, Subject, Vertical, beneath, branch_document,
+    curves_document, find_branches, find_curve, find_share, first_that_changes, holds_branches,
+    picture, plane, restore, write,
 };
 use chatter_work::source::Source;
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 const EXAMPLES: &str = "\
@@ -27,6 +29,7 @@ EXAMPLES
   chatter continue pressure_relief_valve --sweep q=0.0195:0.0235 --out branch.npz --plot branch.pdf
   chatter continue pressure_relief_valve --sweep q=0.0202:0.021 --switch period-doubling --depth 2 --json
   chatter continue --resume branch.npz
+  chatter continue impact_oscillator --sweep omega=2.4:3 --all 3 --starts 500 --out all.npz
   chatter continue impact_oscillator --set sigma=0 --sweep omega=2.4:3 --plot branch.svg
   chatter continue impact_oscillator --from branch.npz:2 --free omega,r --sweep r=0.4:0.9 --plot curve.svg
 
@@ -34,6 +37,10 @@ The orbit that the motion settles to is followed to both sides of the parameter'
 around folds, and through grazes from one sequence of events to the next, where the branch gains or loses an impact. At a
 border, where complete chatter ends exactly at release, infinitely many arcs accumulate: there the branch ends, and the one
 beyond is followed, too. Special points are solutions of their own equations.
+
+With --all every orbit that a search finds, at the model's value of the parameter or else in the middle of the range, is followed
+unless it lies on a branch of one before it. What is followed from one orbit is a piece of the work: on several cores, and with
+--shard on several machines, whose journals `chatter merge` puts together.
 
 JSON
   branches, a list of {points: columns (the parameter under its name, period, impacts (null where infinitely many), stable,
@@ -86,6 +93,27 @@ pub struct Arguments {
         allow_hyphen_values = true
     )]
     sweep: Option<Swept>,
+
+    /// Follow the branches of every orbit of up to so many periods of the forcing, or returns to the section, stable or not
+    #[arg(
+        long,
+        value_name = "PERIODS",
+        conflicts_with = "from",
+        allow_hyphen_values = true
+    )]
+    all: Option<Count>,
+
+    /// Starts of that search [default: 200]
+    #[arg(long, value_name = "N", requires = "all", allow_hyphen_values = true)]
+    starts: Option<Count>,
+
+    /// Draw other starts
+    #[arg(long, value_name = "N", requires = "all", allow_hyphen_values = true)]
+    seed: Option<u64>,
+
+    /// Follow a share of these orbits only, into a journal of its own beside --out; `chatter merge` puts shares together
+    #[arg(long, value_name = "NUMBER/COUNT", requires = "all", requires = "out", conflicts_with_all = ["plot", "json"])]
+    shard: Option<ShareOption>,
 
     /// Follow the branches that leave at such points, too
     #[arg(long, value_name = "KIND", value_enum)]
@@ -198,24 +226,105 @@ impl FromStr for Seed {
     }
 }
 
+/// What of an answer is shown, and how.
+#[derive(Default)]
+pub struct Shown<'a> {
+    plot: Option<&'a Path>,
+    over: Option<&'a Path>,
+    observe: Option<&'a str>,
+    json: bool,
+    from: &'a [Seed],
+    free: Option<&'a str>,
+}
+
+impl<'a> Shown<'a> {
+    /// An account, and a figure if this names one.
+    pub fn plain(plot: Option<&'a Path>) -> Self {
+        Self {
+            plot,
+            ..Self::default()
+        }
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
-    let (job, begun) = match &arguments.resume {
-        None => (arguments.job()?, None),
-        Some(target) => match Begun::open(&journal_of(target))? {
-            Some(begun) => (begun.job.clone(), Some(begun)),
-            None => {
-                let takes = "the name that was given to --out";
-                return nothing_to_resume(target, holds_branches(target)?, takes);
-            }
-        },
+    let shown = Shown {
+        plot: arguments.plot.as_ref().map(|file| file.0.as_path()),
+        over: arguments.over.as_deref(),
+        observe: arguments.observe.as_deref(),
+        json: arguments.json,
+        from: &arguments.from,
+        free: arguments.free.as_deref(),
     };
-    let Ready {
-        model,
-        mut spec,
-        over: what,
-    } = job.ready()?;
-    let vertical = match arguments.observe.as_deref() {
+    if let Some(target) = &arguments.resume {
+        let Some(begun) = Begun::open(&journal_of(target))? else {
+            let takes = "the name that was given to --out";
+            return nothing_to_resume(target, holds_branches(target)?, takes);
+        };
+        let job = begun.job.clone();
+        return answer(
+            &job,
+            Some(target),
+            Beginning::Begun(Box::new(begun)),
+            &shown,
+        );
+    }
+    let job = arguments.job()?;
+    let out = arguments.out.as_ref().map(|file| file.0.as_path());
+    match (arguments.shard, out) {
+        (Some(ShareOption(share)), Some(out)) => produce_shard(&job, share, out),
+        (_, Some(out)) if arguments.from.is_empty() => {
+            answer(&job, Some(out), Beginning::At(journal_of(out)), &shown)
+        }
+        _ => answer(&job, out, Beginning::Nowhere, &shown),
+    }
+}
+
+/// Where it is kept how far branches have come.
+pub enum Beginning {
+    /// Nowhere.
+    Nowhere,
+    /// In the journal of this name.
+    At(PathBuf),
+    /// In one that is there.
+    Begun(Box<Begun>),
+    /// In one that is open.
+    Open(Log),
+}
+
+/// Follows a share of the orbits that a search finds, into a journal of its own.
+fn produce_shard(job: &Job, share: Share, out: &Path) -> Result<u8, Failure> {
+    let Ready { model, wanted } = job.ready()?;
+    let journal = shard_journal(out, share);
+    terminal::catch_interrupts();
+    let console = Console::new();
+    let mut log = Log::find(&journal, job, &console)?;
+    let found = find_share(&model, &wanted, (share, &mut log), &console);
+    drop(console);
+    let Shared { done, orbits, all } = found?;
+    let journal = journal.display();
+    if done < orbits {
+        terminal::remark(&format!(
+            "stopped with {done} of {orbits} orbits done in `{journal}`; the same command goes on"
+        ));
+        return Ok(failure::INTERRUPTED);
+    }
+    let text = format!("share {share} is done: {orbits} of {all} orbits in `{journal}`\n");
+    terminal::print(&text).map_err(Failure::Output)?;
+    Ok(failure::SUCCESS)
+}
+
+/// Follows what is missing, writes the files and tells of it.
+pub fn answer(
+    job: &Job,
+    out: Option<&Path>,
+    beginning: Beginning,
+    shown: &Shown<'_>,
+) -> Result<u8, Failure> {
+    let Ready { model, wanted } = job.ready()?;
+    let what = wanted.over;
+    let vertical = match shown.observe {
         None => None,
         Some("period") => Some(Vertical::Period),
         Some(name) => Some(Vertical::State(model.state_index(name).ok_or_else(
@@ -226,10 +335,10 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         )?)),
     };
     let mut free = vec![what.parameter];
-    if !arguments.from.is_empty() {
-        free.insert(0, other_parameter(arguments, &model, what.parameter)?);
+    if !shown.from.is_empty() {
+        free.insert(0, other_parameter(shown.free, &model, what.parameter)?);
     }
-    let beneath = match &arguments.over {
+    let beneath = match shown.over {
         Some(over) => {
             let names: Vec<&str> = (free.iter())
                 .map(|&index| model.parameters[index].name.as_str())
@@ -238,22 +347,18 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         }
         None => None,
     };
-    let out = arguments.out.as_ref().map(|file| file.0.as_path());
-    let out = out.or(arguments.resume.as_deref());
     terminal::catch_interrupts();
     let console = Console::new();
-    let mut log = match (begun, out) {
-        (Some(begun), _) => Some(begun.read(&console)?),
-        (None, Some(out)) if arguments.from.is_empty() => {
-            Some(Log::find(&journal_of(out), &job, &console)?)
-        }
-        _ => None,
+    let mut log = match beginning {
+        Beginning::Nowhere => None,
+        Beginning::At(journal) => Some(Log::find(&journal, job, &console)?),
+        Beginning::Begun(begun) => Some(begun.read(&console)?),
+        Beginning::Open(log) => Some(log),
     };
-    let (found, monitors) = if arguments.from.is_empty() {
-        let monitors = spec.monitors.clone();
-        let wanted = Branches { spec, over: what };
+    let mut monitors = wanted.spec.monitors.clone();
+    let (found, complete) = if shown.from.is_empty() {
         match find_branches(&model, &wanted, log.as_mut(), &console) {
-            Ok(found) => (Found::Branches(found), monitors),
+            Ok(found) => (Found::Branches(found.branches), found.complete),
             Err(refusal) => {
                 // Nothing is kept of nothing.
                 if let Some(log) = log.filter(Log::is_empty) {
@@ -263,8 +368,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             }
         }
     } else {
+        let mut spec = wanted.spec;
         let mut curves = Vec::new();
-        for seed in &arguments.from {
+        for seed in shown.from {
             let mut model = model.clone();
             let known = known_point((&mut model, &mut spec), seed)?;
             let wanted = Curve {
@@ -275,7 +381,11 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
             };
             curves.push(find_curve(&model, &wanted, &console)?);
         }
-        (Found::Curves(curves), spec.monitors)
+        monitors = spec.monitors;
+        let interrupted =
+            |(_, curve): &(SpecialKind, Branch)| curve.ends.contains(&End::Interrupted);
+        let complete = !curves.iter().any(interrupted);
+        (Found::Curves(curves), complete)
     };
     drop(console);
     let subject = Subject {
@@ -290,7 +400,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     if let Some(path) = out {
         write(&subject, &all, path)?;
     }
-    if let Some(FigureFile(path)) = &arguments.plot {
+    if let Some(path) = shown.plot {
         let vertical = vertical
             .or(beneath.as_ref().and_then(|beneath| beneath.vertical))
             .unwrap_or_else(|| first_that_changes(&subject, &all));
@@ -300,7 +410,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         };
         (figure.write(path)).map_err(|error| Failure::Output(error.to_string()))?;
     }
-    let answer = if arguments.json {
+    let answer = if shown.json {
         terminal::Answer::Document(match &found {
             Found::Branches(branches) => branch_document(&subject, branches),
             Found::Curves(curves) => curves_document(&subject, curves),
@@ -312,8 +422,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         })
     };
     answer.print()?;
-    let interrupted = |branch: &Branch| branch.ends.contains(&End::Interrupted);
-    if !all.iter().any(interrupted) {
+    if complete {
         log.map_or(Ok(()), Log::remove)?;
         return Ok(failure::SUCCESS);
     }
@@ -328,9 +437,9 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
 
 impl Arguments {
     /// What branches that are gone on with have been told already.
-    const SETTLED: [&'static str; 14] = [
-        "model", "set", "initial", "period", "section", "sweep", "switch", "depth", "impacts",
-        "points", "step", "monitor", "from", "out",
+    const SETTLED: [&'static str; 18] = [
+        "model", "set", "initial", "period", "section", "sweep", "all", "starts", "seed", "shard",
+        "switch", "depth", "impacts", "points", "step", "monitor", "from", "out",
     ];
 
     fn job(&self) -> Result<Job, Failure> {
@@ -356,6 +465,11 @@ impl Arguments {
             data_files,
             set: pairs(&self.set),
             initial: pairs(&self.initial.initial),
+            search: self.all.map(|periods| Sought {
+                periods: periods.0,
+                starts: self.starts.map(|starts| starts.0),
+                seed: self.seed,
+            }),
             period: self.begins.period.clone(),
             section: self.begins.section.clone(),
             monitors: self.monitor.clone(),
@@ -386,8 +500,8 @@ impl Found {
 }
 
 /// The parameter that is free beside the one of the sweep.
-fn other_parameter(arguments: &Arguments, model: &Model, swept: usize) -> Result<usize, Failure> {
-    let names = arguments.free.as_deref().unwrap_or_default();
+fn other_parameter(free: Option<&str>, model: &Model, swept: usize) -> Result<usize, Failure> {
+    let names = free.unwrap_or_default();
     let wrong = || {
         Failure::input(format!(
             "--free {names}: expected two parameters, one of them that of --sweep, such as q,kappa"

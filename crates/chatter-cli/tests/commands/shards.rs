@@ -1,6 +1,6 @@
 //! Orbit diagrams that several machines compute: shares, their journals, and the diagram that comes of them.
 
-use crate::common::{Folder, begin, chatter, fails, succeeds, typed, wait_for};
+use crate::common::{Folder, begin, chatter, fails, interrupt, succeeds, told, typed, wait_for};
 
 /// Small enough for a test, with pieces of several rows.
 fn small<'a>(sweep: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
@@ -91,6 +91,92 @@ fn a_share_that_was_killed_goes_on_or_is_merged_as_far_as_it_is() {
     let said = chatter(&first);
     assert_eq!(said.status.code(), Some(0));
     assert!(String::from_utf8_lossy(&said.stderr).contains("going on from"));
+}
+
+#[test]
+fn branches_from_several_orbits_are_shared_merged_and_gone_on_with() {
+    let folder = Folder::new("shared-branches");
+    let (whole, parts, killed) = (
+        folder.file("whole.npz"),
+        folder.file("parts.npz"),
+        folder.file("killed.npz"),
+    );
+    let line = "continue impact_oscillator --set omega=2.6 --sweep omega=2.4:3.2 --step 0.004 --all 3 --starts 40 --out";
+    let asked = |out: &str, rest: &[&str]| {
+        let mut arguments = typed(line, &[out]);
+        arguments.extend(rest);
+        arguments
+            .into_iter()
+            .map(str::to_owned)
+            .collect::<Vec<String>>()
+    };
+    let ask = |arguments: &[String]| {
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        succeeds(&arguments)
+    };
+    let said = ask(&asked(&whole, &[]));
+    // Two of the orbits there lie on one branch, which is followed once.
+    let orbits = "orbit impact_oscillator --set omega=2.6 --all 3 --starts 40";
+    let orbits = succeeds(&typed(orbits, &[]));
+    let count = |text: &str, word: &str| text.lines().filter(|l| l.starts_with(word)).count();
+    let (orbits, branches) = (count(&orbits, "  period "), count(&said, "branch "));
+    assert!(
+        (2..orbits).contains(&branches),
+        "{branches} branches of {orbits} orbits"
+    );
+    let mut journals = Vec::new();
+    for number in 1..=4 {
+        let share = asked(&parts, &["--shard", &format!("{number}/4")]);
+        let said = ask(&share);
+        assert!(
+            said.contains(&format!("share {number} of 4 is done")),
+            "{said}"
+        );
+        let journal = folder.file(&format!("parts.{number}-of-4.journal"));
+        let before = std::fs::read(&journal).unwrap();
+        ask(&share);
+        assert!(std::fs::read(&journal).unwrap() == before);
+        journals.push(journal);
+    }
+    // In another order, and one left out, which is followed then.
+    journals.rotate_left(2);
+    journals.pop();
+    let mut merge = vec!["merge"];
+    merge.extend(journals.iter().map(String::as_str));
+    merge.extend(["--out", &parts]);
+    assert!(succeeds(&merge).contains("branch 1"));
+    assert!(folder.bytes("whole.npz") == folder.bytes("parts.npz"));
+    // Others are refused.
+    let other = typed(
+        "continue impact_oscillator --set omega=2.6 --sweep omega=2.4:3.1 --all 3 --starts 40 --shard 1/40 --out",
+        &[&killed],
+    );
+    succeeds(&other);
+    let foreign = folder.file("killed.01-of-40.journal");
+    let said = fails(&["merge", &journals[0], &foreign, "--out", &killed]);
+    assert!(
+        said.contains("other branches") && said.contains("another sweep"),
+        "{said}"
+    );
+    // Killed and gone on with.
+    let arguments = asked(&killed, &[]);
+    let mut child = begin(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    wait_for(&format!("{killed}.journal"), 30_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!std::fs::exists(&killed).unwrap());
+    // And stopped: what is done by then is written.
+    let known = std::fs::metadata(format!("{killed}.journal"))
+        .unwrap()
+        .len();
+    let child = begin(&["continue", "--resume", &killed]);
+    wait_for(&format!("{killed}.journal"), known + 30_000);
+    told(&interrupt(child), 130, &killed);
+    succeeds(&["continue", "--resume", &killed]);
+    assert!(folder.bytes("whole.npz") == folder.bytes("killed.npz"));
+    assert!(!folder.names().contains(&"killed.npz.journal".to_owned()));
+    let wrong = "continue impact_oscillator --sweep omega=2.4:3 --shard 1/2 --out";
+    assert!(fails(&typed(wrong, &[&killed])).contains("--all"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::Answering;
 use super::file::{Extension, stem};
 use crate::question::{self, BranchesQuestion};
-use chatter::analysis::periodic::{Branch, BranchSpec, End};
+use chatter::analysis::periodic::{Branch, BranchSpec};
 use chatter_work::Refusal;
 use chatter_work::numbers::Digits;
 use chatter_work::periodic::{
@@ -52,14 +52,13 @@ fn found(answering: &Answering, question: &BranchesQuestion) -> Result<Found, Re
             limits: Reach::default().over(range)?,
             beside: beside(question.doublings.min(MOST_DOUBLINGS), 0)?,
         },
+        search: None,
     };
-    let branches = find_branches(model, &wanted, None, answering)?;
-    if branches
-        .iter()
-        .any(|branch| branch.ends.contains(&End::Interrupted))
-    {
+    let found = find_branches(model, &wanted, None, answering)?;
+    if !found.complete {
         return Err(Refusal::Interrupted);
     }
+    let branches = found.branches;
     Ok(Found {
         loaded,
         parameter,

@@ -17,6 +17,7 @@ pub mod tally;
 mod watched;
 
 pub use crate::journals::journal_of;
+pub use crate::journals::shard_journal;
 pub use columns::{Columns, columns};
 pub use hysteresis::{Hysteresis, hysteresis};
 pub use job::{Header, Job, Order, Ready};
@@ -25,7 +26,7 @@ pub use picture::{Shear, Show, View, Zoom};
 pub use produce::{
     Beginning, Produced, Take, Work, Written, produce, produce_in_memory, produce_rows, rows_of,
 };
-pub use shards::{merge, shard_journal, small_share};
+pub use shards::{merge, small_share};
 pub use source::{Class, InMemory, Rows, Source};
 pub use store::{Begun, Found, Store, check_size};
 pub use stored::{Stored, Subject};

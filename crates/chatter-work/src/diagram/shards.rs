@@ -3,7 +3,7 @@
 use super::job::Order;
 use super::source::Rows;
 use super::store::{Begun, Found, Store};
-use crate::journals::journal_of;
+use crate::journals::{journal_of, parts};
 use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::{Share, Standing, Sweep};
@@ -12,18 +12,6 @@ use std::path::{Path, PathBuf};
 
 /// Fewer pieces than this leave lanes of the processor empty.
 const FEW_PIECES: u64 = 64;
-
-/// The journal of a share of the diagram that is to be written to `output`.
-pub fn shard_journal(output: &Path, share: Share) -> PathBuf {
-    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
-    let digits = share.of().to_string().len();
-    let name = format!(
-        "{stem}.{:0digits$}-of-{}.journal",
-        share.number(),
-        share.of()
-    );
-    output.with_file_name(name)
-}
 
 /// What there is to say of a share that is too small to be worth a machine.
 pub fn small_share(sweep: &Sweep, share: Share) -> Option<String> {
@@ -46,25 +34,11 @@ pub fn merge(
     observer: &dyn Observer,
 ) -> Result<Order, Refusal> {
     let own = journal_of(out);
-    // A pattern of names may take in the journal of a merge that was broken off, which is read anyway.
-    let is_own = |path: &Path| match (path.canonicalize(), own.canonicalize()) {
-        (Ok(path), Ok(own)) => path == own,
-        _ => false,
-    };
-    let mut parts = Vec::new();
-    for path in journals.iter().filter(|path| !is_own(path)) {
-        let Some(part) = Begun::open(path)? else {
-            return Err(Refusal::input(format!(
-                "there is no file `{}`",
-                path.display()
-            )));
-        };
+    let parts = parts(journals, &own, Begun::open)?;
+    for part in &parts {
         part.of_this_version()?;
-        parts.push(part);
     }
-    let Some(first) = parts.first() else {
-        return Err(Refusal::input("there is no journal to be merged"));
-    };
+    let first = &parts[0];
     for part in &parts {
         let (one, other) = (&first.header, &part.header);
         if one.job != other.job || one.model_text != other.model_text {

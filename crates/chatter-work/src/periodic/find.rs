@@ -2,10 +2,11 @@
 
 use super::log::Log;
 use super::refused;
+use super::several::from_several;
 use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, Known, Limits, Orbit, Point, Search, Spec, SpecialCurve,
+    Beside, Branch, BranchSpec, End, Known, Limits, Orbit, Point, Search, Spec, SpecialCurve,
     SpecialKind, Told, all, branches, forcing, settled, special_curve,
 };
 use chatter::model::Model;
@@ -115,6 +116,17 @@ pub struct Branches {
     pub spec: Spec,
     /// Over what, how far, and what else than the first branch.
     pub over: BranchSpec,
+    /// From every orbit that this search finds; without it from the one that the motion settles to.
+    pub search: Option<Search>,
+}
+
+/// Branches that were found.
+#[derive(Debug)]
+pub struct Found {
+    /// The branches; those that the observer stopped end there (`End::Interrupted`).
+    pub branches: Vec<Branch>,
+    /// Whether the observer let the work come to its end.
+    pub complete: bool,
 }
 
 /// Which curve of special points is looked for; the model has the values of the parameters at its point.
@@ -167,7 +179,7 @@ pub fn find_orbits(
 }
 
 /// Tells how far along its range a curve is.
-struct Reached<'a> {
+pub(super) struct Reached<'a> {
     observer: &'a dyn Observer,
     parameter: &'a str,
     range: (f64, f64),
@@ -176,7 +188,7 @@ struct Reached<'a> {
 }
 
 impl<'a> Reached<'a> {
-    fn new(
+    pub(super) fn new(
         model: &'a Model,
         parameter: usize,
         limits: &Limits,
@@ -191,7 +203,7 @@ impl<'a> Reached<'a> {
         }
     }
 
-    fn tell(&mut self, point: &Point) {
+    pub(super) fn tell(&mut self, point: &Point) {
         self.orbits += 1;
         let (at, orbits, (low, high)) = (point.parameter(), self.orbits, self.range);
         let done = ((at - low) / (high - low)).clamp(0.0, 1.0);
@@ -209,8 +221,7 @@ impl<'a> Reached<'a> {
     }
 }
 
-/// The branches; those that the observer stopped end there (`End::Interrupted`). With a log they go on from what it held, and
-/// how far they come is kept in it.
+/// The branches. With a log they go on from what it held, and how far they come is kept in it.
 ///
 /// # Errors
 /// There are none, or the log cannot be written.
@@ -219,18 +230,22 @@ pub fn find_branches(
     wanted: &Branches,
     log: Option<&mut Log>,
     observer: &dyn Observer,
-) -> Result<Vec<Branch>, Refusal> {
+) -> Result<Found, Refusal> {
+    if let Some(search) = &wanted.search {
+        return from_several(model, (wanted, search), log, observer);
+    }
     let over = &wanted.over;
     let mut reached = Reached::new(model, over.parameter, &over.limits, observer);
     let mut log = log;
-    let before = log.as_mut().map(|log| log.before()).unwrap_or_default();
+    let mut before = log.as_mut().map(|log| log.before()).unwrap_or_default();
+    let before = before.parts.remove(&0).unwrap_or_default();
     let mut broken = None;
     let found = branches(model, &wanted.spec, over, before, &mut |told| {
         match told {
             Told::Settling => {}
             Told::Orbit(point) => reached.tell(point),
             Told::Record(record) => {
-                let kept = log.as_mut().map_or(Ok(()), |log| log.append(record));
+                let kept = log.as_mut().map_or(Ok(()), |log| log.part(0, record));
                 if let Err(refusal) = kept {
                     broken = Some(refusal);
                     return ControlFlow::Break(());
@@ -239,10 +254,12 @@ pub fn find_branches(
         }
         observer.going_on()
     });
-    match broken {
-        Some(refusal) => Err(refusal),
-        None => found.map_err(|error| refused(&error, model)),
+    if let Some(refusal) = broken {
+        return Err(refusal);
     }
+    let branches = found.map_err(|error| refused(&error, model))?;
+    let complete = !(branches.iter()).any(|branch| branch.ends.contains(&End::Interrupted));
+    Ok(Found { branches, complete })
 }
 
 /// The curve and of what; one that the observer stopped ends there (`End::Interrupted`).

@@ -1,12 +1,12 @@
 //! Which branches are to be found: all that a run needs to go on where another was broken off.
 
-use super::find::{Reach, beside};
+use super::find::{Branches, Reach, beside, search};
 use super::request::{free_parameter, specification};
 use crate::data_files::DataFiles;
 use crate::options::{Assignment, Quantity, Window};
 use crate::refusal::Refusal;
 use crate::source::{Source, set_initial, set_parameters};
-use chatter::analysis::periodic::{BranchSpec, Spec};
+use chatter::analysis::periodic::BranchSpec;
 use chatter::model::Model;
 use chatter::numerics::Real;
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,9 @@ pub struct Job {
     pub set: Vec<(String, String)>,
     /// Initial values set by the user: name and expression.
     pub initial: Vec<(String, String)>,
+    /// From every orbit that such a search finds; without it from the one that the motion settles to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<Sought>,
     /// Period of the forcing.
     pub period: Option<String>,
     /// The section at which states are told.
@@ -49,14 +52,23 @@ pub struct Job {
     pub branch_points: u64,
 }
 
+/// A search for orbits, as it was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sought {
+    /// Of so many periods, at most, …
+    pub periods: u64,
+    /// … from so many starts …
+    pub starts: Option<u64>,
+    /// … that this seed draws.
+    pub seed: Option<u64>,
+}
+
 /// A job made ready.
 pub struct Ready {
     /// The model, with everything set into it.
     pub model: Model,
-    /// Which orbits.
-    pub spec: Spec,
-    /// Over what.
-    pub over: BranchSpec,
+    /// Which branches.
+    pub wanted: Branches,
 }
 
 fn assignments(all: &[(String, String)]) -> Vec<Assignment> {
@@ -94,7 +106,14 @@ impl Job {
             limits: reach.over(range)?,
             beside: beside(self.doublings, self.branch_points)?,
         };
-        Ok(Ready { model, spec, over })
+        let sought = |Sought {
+                          periods,
+                          starts,
+                          seed,
+                      }: Sought| search(periods, starts, seed);
+        let search = self.search.map(sought).transpose()?;
+        let wanted = Branches { spec, over, search };
+        Ok(Ready { model, wanted })
     }
 
     /// What another job differs in, in words.
@@ -109,6 +128,8 @@ impl Job {
             "other tables in the model's files"
         } else if (&self.parameter, &self.range) != (&other.parameter, &other.range) {
             "another sweep"
+        } else if self.search != other.search {
+            "another search"
         } else {
             "other options"
         }

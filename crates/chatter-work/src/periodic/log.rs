@@ -4,9 +4,11 @@ use super::job::Job;
 use crate::journals::of_this_version;
 use crate::observer::Observer;
 use crate::refusal::Refusal;
-use chatter::analysis::periodic::Record;
+use chatter::analysis::periodic::{Record, Start};
 use chatter_files::journal::{Found, Journal, JournalError, Unread};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// What a journal of branches begins with.
@@ -18,6 +20,41 @@ struct Header {
     record_format: u32,
 }
 
+/// What is appended. A piece is what is followed from one orbit.
+#[derive(Serialize, Deserialize)]
+enum Entry<'a> {
+    /// The orbits that branches are followed from, where there are several.
+    Starts(Cow<'a, [Start]>),
+    /// How far a piece has come since its entry before.
+    Part(usize, Cow<'a, Record>),
+    /// Nothing is left to be done for a piece.
+    Done(usize),
+}
+
+/// What is known of branches that were begun.
+#[derive(Default)]
+pub(super) struct Known {
+    /// The orbits that they are followed from.
+    pub starts: Option<Vec<Start>>,
+    /// How far each piece has come.
+    pub parts: BTreeMap<usize, Vec<Record>>,
+    /// Pieces that are done; those without parts were found to be on others.
+    pub done: BTreeSet<usize>,
+}
+
+impl Known {
+    fn take(&mut self, entry: Entry<'_>) {
+        match entry {
+            Entry::Starts(starts) => self.starts = Some(starts.into_owned()),
+            Entry::Part(piece, record) => {
+                let parts = self.parts.entry(piece).or_default();
+                parts.push(record.into_owned());
+            }
+            Entry::Done(piece) => _ = self.done.insert(piece),
+        }
+    }
+}
+
 /// A journal that was begun before. No other process can have it meanwhile.
 pub struct Begun {
     unread: Unread,
@@ -25,11 +62,18 @@ pub struct Begun {
     pub job: Job,
 }
 
+impl Begun {
+    /// The file.
+    pub(super) fn path(&self) -> &Path {
+        self.unread.path()
+    }
+}
+
 /// An open journal, and what it held.
 pub struct Log {
     journal: Journal,
-    before: Vec<Record>,
-    records: usize,
+    before: Known,
+    entries: usize,
 }
 
 /// Longest record: more is no part of a branch.
@@ -73,11 +117,15 @@ impl Begun {
     /// The file cannot be read.
     pub fn read(self, observer: &dyn Observer) -> Result<Log, Refusal> {
         let path = self.unread.path().to_path_buf();
-        let mut before = Vec::new();
+        let mut before = Known::default();
+        let mut entries = 0;
         let mut damaged = None;
         let read = self.unread.read(LONGEST, |_, bytes| {
-            match serde_json::from_slice::<Record>(bytes) {
-                Ok(record) => before.push(record),
+            match serde_json::from_slice::<Entry<'_>>(bytes) {
+                Ok(entry) => {
+                    before.take(entry);
+                    entries += 1;
+                }
                 Err(error) => damaged = Some(error),
             }
         });
@@ -89,15 +137,16 @@ impl Begun {
             ))
             .help("delete it and compute the branches anew"));
         }
-        let orbits: usize = before.iter().map(Record::orbits).sum();
+        let records = before.parts.values().flatten();
+        let orbits: usize = records.map(Record::orbits).sum();
         observer.remark(&format!(
             "going on from `{}`: {orbits} orbits are known",
             path.display()
         ));
         Ok(Log {
             journal,
-            records: before.len(),
             before,
+            entries,
         })
     }
 }
@@ -117,8 +166,8 @@ impl Log {
         match Journal::find(path, &bytes) {
             Ok(Found::New(journal)) => Ok(Self {
                 journal,
-                before: Vec::new(),
-                records: 0,
+                before: Known::default(),
+                entries: 0,
             }),
             Ok(Found::Old(unread)) => {
                 let begun = Begun::of(unread)?;
@@ -140,24 +189,43 @@ impl Log {
     }
 
     /// What was known when it was opened.
-    pub(super) fn before(&mut self) -> Vec<Record> {
+    pub(super) fn before(&mut self) -> Known {
         core::mem::take(&mut self.before)
     }
 
-    /// Keeps a record.
-    pub(super) fn append(&mut self, record: &Record) -> Result<(), Refusal> {
+    /// What was known when it was opened, unless it was taken.
+    pub(super) fn known(&self) -> &Known {
+        &self.before
+    }
+
+    /// Keeps the orbits that branches are followed from.
+    pub(super) fn starts(&mut self, starts: &[Start]) -> Result<(), Refusal> {
+        self.append(&Entry::Starts(Cow::Borrowed(starts)))
+    }
+
+    /// Keeps a record of a piece.
+    pub(super) fn part(&mut self, piece: usize, record: &Record) -> Result<(), Refusal> {
+        self.append(&Entry::Part(piece, Cow::Borrowed(record)))
+    }
+
+    /// Keeps that a piece is done.
+    pub(super) fn done(&mut self, piece: usize) -> Result<(), Refusal> {
+        self.append(&Entry::Done(piece))
+    }
+
+    fn append(&mut self, entry: &Entry<'_>) -> Result<(), Refusal> {
         let bytes =
-            serde_json::to_vec(record).map_err(|error| Refusal::Output(error.to_string()))?;
+            serde_json::to_vec(entry).map_err(|error| Refusal::Output(error.to_string()))?;
         self.journal
             .append(&bytes)
             .map_err(|error| output(&error))?;
-        self.records += 1;
+        self.entries += 1;
         Ok(())
     }
 
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {
-        self.records == 0
+        self.entries == 0
     }
 
     /// Deletes the journal.

@@ -11,14 +11,15 @@ mod picture;
 mod refused;
 mod request;
 mod restored;
+mod several;
 mod table;
 
 pub use arcs::{Arc, arcs};
 pub use branch_document::{curves_document, document as branch_document};
 pub use find::{
-    Branches, Curve, Orbits, Reach, beside, find_branches, find_curve, find_orbits, search,
+    Branches, Curve, Found, Orbits, Reach, beside, find_branches, find_curve, find_orbits, search,
 };
-pub use job::{Job, Ready};
+pub use job::{Job, Ready, Sought};
 pub use log::{Begun, Log};
 pub use orbit_document::{document as orbit_document, events_of};
 pub use over::{Beneath, beneath};
@@ -26,6 +27,7 @@ pub use picture::{Vertical, first_that_changes, picture, plane};
 pub use refused::refused;
 pub use request::{free_parameter, specification};
 pub use restored::{Restored, holds_branches, restore};
+pub use several::{Shared, find_share, merge};
 pub use table::write;
 
 use crate::numbers::Digits;

@@ -13,6 +13,7 @@
 //! multipliers  functions that change their sign where something happens to an orbit
 //! aside        orbits beside one whose equations are singular: once or twice around
 //! search       all that Newton's method finds from many starts
+//! distinct     of branches from several orbits, each once
 //! diary        what a survey tells of, and what it goes on from
 //! survey       a branch with those beyond its borders, and those that leave it
 //! branch       orbits over a parameter, from one sequence of events to the next
@@ -27,6 +28,7 @@ mod condition;
 mod crossing;
 mod cycle;
 mod diary;
+mod distinct;
 mod error;
 mod margins;
 mod multipliers;
@@ -39,6 +41,7 @@ mod survey;
 pub use branch::{Branch, End, Limits, Point, Record, Special, SpecialKind};
 pub use cycle::settle::Patience;
 pub use diary::Told;
+pub use distinct::{Distinct, Start};
 pub use error::PeriodicError;
 pub use margins::{Margin, MarginKind};
 pub use orbit::Orbit;
