@@ -4,8 +4,8 @@
 use super::graph::{Expr, Graph, Node};
 use super::piecewise::{CurveId, Edge, floor};
 use crate::numerics::{DoubleDouble, Real};
+use rustc_hash::{FxBuildHasher, FxHashMap};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 
 /// Where a state stands to a surface.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
@@ -217,7 +217,7 @@ impl Corners {
         let parts = graph.reachable(exprs);
         let moves = graph.depend_on_state(&parts);
         // What is needed, from the outside in: of a choice only the piece that holds.
-        let mut needed: HashMap<Expr, bool> = parts.iter().map(|&part| (part, false)).collect();
+        let mut needed: FxHashMap<Expr, bool> = parts.iter().map(|&part| (part, false)).collect();
         for expr in exprs {
             needed.insert(*expr, true);
         }
@@ -249,7 +249,8 @@ impl Corners {
                 }),
             }
         }
-        let mut known: HashMap<Expr, Expr> = HashMap::with_capacity(parts.len());
+        let mut known: FxHashMap<Expr, Expr> =
+            FxHashMap::with_capacity_and_hasher(parts.len(), FxBuildHasher);
         for (&part, &moves) in parts.iter().zip(&moves) {
             if !needed[&part] {
                 continue;

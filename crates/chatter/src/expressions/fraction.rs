@@ -34,7 +34,7 @@ impl Graph {
     pub(super) fn fraction(&self, expr: Expr) -> Fraction {
         let mut fraction = Fraction::default();
         let factors = match self.node(expr) {
-            Node::Product(factors) => factors.as_slice(),
+            Node::Product(factors) => &factors[..],
             _ => core::slice::from_ref(&expr),
         };
         for &factor in factors {

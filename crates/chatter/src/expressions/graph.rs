@@ -5,7 +5,7 @@ use super::curve::Curve;
 use super::domain::{Domain, Folding};
 use super::piecewise::{CurveId, Edge};
 use crate::numerics::DoubleDouble;
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
 /// Handle of an expression in the [`Graph`] that made it. Equal handles are equal expressions.
@@ -84,9 +84,9 @@ pub enum Node {
     /// A state or a parameter.
     Symbol(Symbol),
     /// Two terms or more, in the order they were written; none is itself a sum.
-    Sum(Vec<Expr>),
+    Sum(Arc<[Expr]>),
     /// Two factors or more, numbers first; none is itself a product.
-    Product(Vec<Expr>),
+    Product(Arc<[Expr]>),
     /// Base and exponent. An integer exponent takes any base, another needs a base that is not negative.
     Power(Expr, Expr),
     /// A function and its argument.
@@ -123,7 +123,7 @@ pub struct Graph {
     nodes: Vec<Node>,
     domains: Vec<Domain>,
     folding: Folding,
-    known: HashMap<Node, Expr>,
+    known: FxHashMap<Node, Expr>,
     pub(super) curves: Vec<Arc<Curve>>,
 }
 
@@ -266,7 +266,7 @@ impl Graph {
     /// The same in time that grows with what is reached, not with the graph.
     fn walked(&self, roots: &[Expr]) -> Vec<Expr> {
         let mut pending = roots.to_vec();
-        let mut used: HashSet<Expr> = roots.iter().copied().collect();
+        let mut used: FxHashSet<Expr> = roots.iter().copied().collect();
         while let Some(expr) = pending.pop() {
             self.for_each_operand(expr, |operand| {
                 if used.insert(operand) {

@@ -7,7 +7,8 @@ use super::graph::{Expr, Function, Graph, Node, Symbol};
 use super::machine::Compiled;
 use super::singularity::{Singular, Singularity};
 use super::tape::{Op, Operand, Sign, Swing, Tape};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
 
 /// Up to this power an expansion of the lowest order sees what a base of any size grows into, by the size of its terms.
 const VISIBLE_POWER: f64 = 16.0;
@@ -21,10 +22,10 @@ impl Tape {
         let folding = graph.set_folding(Folding::Continued);
         let mut lowering = Lowering {
             stateful: Vec::new(),
-            series: HashMap::new(),
-            constants: HashMap::new(),
-            slopes: HashMap::new(),
-            sine_cosines: HashMap::new(),
+            series: FxHashMap::default(),
+            constants: FxHashMap::default(),
+            slopes: FxHashMap::default(),
+            sine_cosines: FxHashMap::default(),
             graph,
             tape: Self {
                 dimension,
@@ -43,7 +44,7 @@ impl Tape {
         let field: Vec<Operand> = field.iter().map(|&e| lowering.operand(e)).collect();
         lowering.tape.field = field.into_iter().enumerate().collect();
         lowering.tape.outputs = outputs.iter().map(|&e| lowering.operand(e)).collect();
-        let mut exprs = HashMap::new();
+        let mut exprs = FxHashMap::default();
         for (&expr, &slot) in &lowering.series {
             // Of equal ones the first, so that it does not depend on the order of the map.
             let first = exprs.entry(slot).or_insert(expr);
@@ -51,7 +52,10 @@ impl Tape {
                 *first = expr;
             }
         }
-        for (&argument, &(sine, cosine)) in &lowering.sine_cosines {
+        // In an order of their own, since the graph may grow by what is asked of it here.
+        let mut pairs: Vec<_> = lowering.sine_cosines.drain().collect();
+        pairs.sort_unstable();
+        for (argument, (sine, cosine)) in pairs {
             exprs.insert(sine, lowering.graph.call(Function::Sin, argument));
             exprs.insert(cosine, lowering.graph.call(Function::Cos, argument));
         }
@@ -82,10 +86,10 @@ struct Lowering<'g> {
     tape: Tape,
     /// Per node: whether it depends on a state, once known.
     stateful: Vec<Option<bool>>,
-    series: HashMap<Expr, usize>,
-    constants: HashMap<Expr, usize>,
-    slopes: HashMap<usize, usize>,
-    sine_cosines: HashMap<Expr, (usize, usize)>,
+    series: FxHashMap<Expr, usize>,
+    constants: FxHashMap<Expr, usize>,
+    slopes: FxHashMap<usize, usize>,
+    sine_cosines: FxHashMap<Expr, (usize, usize)>,
 }
 
 impl Lowering<'_> {
@@ -100,7 +104,7 @@ impl Lowering<'_> {
             Node::Number(_) | Node::Pi | Node::Symbol(Symbol::Parameter(_)) => false,
             Node::Symbol(Symbol::State(_)) => true,
             Node::Sum(parts) | Node::Product(parts) => {
-                parts.into_iter().any(|part| self.depends_on_state(part))
+                parts.iter().any(|&part| self.depends_on_state(part))
             }
             Node::Power(base, exponent) => {
                 self.depends_on_state(base) || self.depends_on_state(exponent)
@@ -199,11 +203,10 @@ impl Lowering<'_> {
         }
         let factors = match self.graph.node(term).clone() {
             Node::Product(factors) => factors,
-            _ => vec![term],
+            _ => Arc::from([term]),
         };
-        let (varying, fixed): (Vec<Expr>, Vec<Expr>) = factors
-            .into_iter()
-            .partition(|&factor| self.depends_on_state(factor));
+        let (varying, fixed): (Vec<Expr>, Vec<Expr>) =
+            (factors.iter().copied()).partition(|&factor| self.depends_on_state(factor));
         let coefficient = self.graph.product(&fixed);
         (coefficient, Some(self.product_as_written(&varying)))
     }
@@ -496,6 +499,25 @@ impl Lowering<'_> {
 mod tests {
     use super::super::Expansion;
     use super::*;
+
+    /// Handles are given out by age, and factors are put in the order of their handles: what a tape adds to the graph must
+    /// not depend on the order of a map. Of each pair of sine and cosine it adds the one that nobody has asked for.
+    #[test]
+    fn the_graph_grows_in_the_same_order_each_time() {
+        let mut graph = Graph::default();
+        let rates: Vec<Expr> = (0..40).map(|k| graph.parameter(k)).collect();
+        let x = graph.state(0);
+        let arguments: Vec<Expr> = rates.iter().map(|&rate| graph.mul(rate, x)).collect();
+        let sines: Vec<Expr> = (arguments.iter())
+            .map(|&argument| graph.call(Function::Sin, argument))
+            .collect();
+        let field = graph.sum(&sines);
+        let _ = Tape::new(&mut graph, 1, &[field], &[]);
+        let cosines: Vec<Expr> = (arguments.iter())
+            .map(|&argument| graph.call(Function::Cos, argument))
+            .collect();
+        assert!(cosines.is_sorted());
+    }
 
     /// With half the exponent the number leaves the power, 0.4^500 y^500, and no operation is left that reads 0.4 y.
     #[test]

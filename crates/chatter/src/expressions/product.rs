@@ -22,7 +22,7 @@ impl Graph {
                 if let Node::Product(inner) = self.node(factor) {
                     // The numbers of a product have been multiplied as far as they can be.
                     let none_yet = numbers.is_empty();
-                    for &inner_factor in inner {
+                    for &inner_factor in inner.iter() {
                         match self.as_number(inner_factor) {
                             Some(number) if none_yet => numbers.push(number),
                             _ => self.collect_factor(inner_factor, &mut numbers, &mut collected),
@@ -43,7 +43,7 @@ impl Graph {
                     if self.meets_like_bases(base, exponent, &collected.weights) {
                         again = true;
                         if let Node::Product(inner) = self.node(base).clone() {
-                            for factor in inner {
+                            for &factor in inner.iter() {
                                 rebuilt.push(self.power(factor, exponent_expr));
                             }
                         }
@@ -79,7 +79,7 @@ impl Graph {
             return match all[..] {
                 [] => self.number(1.0),
                 [only] => only,
-                _ => self.intern(Node::Product(all)),
+                _ => self.intern(Node::Product(all.into())),
             };
         }
     }

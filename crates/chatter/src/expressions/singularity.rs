@@ -17,7 +17,7 @@ use super::series::{Expansion, convolve};
 use super::tape::{Op, Operand, Tape};
 use crate::numerics::polynomial::short_magnitude;
 use crate::numerics::{Mask, Scalar};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// What has no value, or a corner, where its argument vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,7 +99,7 @@ const NOTHING: f64 = 1e-290;
 
 impl Tape {
     /// Adds what its operations need to be different from zero; what is there already says better why.
-    pub(super) fn find_singular(&mut self, exprs: &HashMap<usize, Expr>) {
+    pub(super) fn find_singular(&mut self, exprs: &FxHashMap<usize, Expr>) {
         let mut producers = vec![None; self.slots];
         for op in &self.ops {
             for out in op.writes() {

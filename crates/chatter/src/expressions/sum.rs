@@ -19,7 +19,7 @@ impl Graph {
             let mut collected = Weighted::default();
             for &term in &pending {
                 if let Node::Sum(inner) = self.node(term).clone() {
-                    for inner_term in inner {
+                    for &inner_term in inner.iter() {
                         let (coefficient, rest) = self.split_coefficient(inner_term, one);
                         collected.add(rest, coefficient);
                     }
@@ -50,7 +50,7 @@ impl Graph {
             return match rebuilt[..] {
                 [] => self.number(0.0),
                 [only] => only,
-                _ => self.intern(Node::Sum(rebuilt)),
+                _ => self.intern(Node::Sum(rebuilt.into())),
             };
         }
     }
@@ -62,7 +62,7 @@ impl Graph {
             Node::Product(factors) => match (self.as_number(factors[0]), &factors[1..]) {
                 (Some(number), [rest]) => (number, *rest),
                 (Some(number), rest) => {
-                    let rest = Node::Product(rest.to_vec());
+                    let rest = Node::Product(rest.into());
                     (number, self.intern(rest))
                 }
                 _ => (DoubleDouble::ONE, term),
@@ -81,7 +81,7 @@ impl Graph {
 
     pub(super) fn distribute(&mut self, coefficient: DoubleDouble, sum: Expr, out: &mut Vec<Expr>) {
         if let Node::Sum(terms) = self.node(sum).clone() {
-            for term in terms {
+            for &term in terms.iter() {
                 out.push(self.scaled(coefficient, term));
             }
         }
@@ -99,7 +99,7 @@ impl Graph {
         let Node::Sum(terms) = self.node(rest).clone() else {
             return false;
         };
-        terms.into_iter().any(|term| {
+        terms.iter().any(|&term| {
             let (inner, key) = self.split_coefficient(term, one);
             let Some(outer) = collected.weight(key) else {
                 return false;

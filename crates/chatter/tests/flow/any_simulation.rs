@@ -20,13 +20,7 @@ fn gaps_are_never_negative_time_rises_and_runs_end() {
         .and_then(|text| text.parse().ok())
         .unwrap_or(0);
     for seed in first..first + executions() {
-        // SplitMix64, one number for each byte.
-        let byte = |k: u64| {
-            let mut z = (seed << 8 | k).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            (z ^ (z >> 31)) as u8
-        };
+        let byte = |k: u64| simulation::chance(seed << 8 | k) as u8;
         let bytes: Vec<u8> = (0..20).map(byte).collect();
         simulation::law(&bytes);
     }

@@ -1,6 +1,7 @@
-//! A short run of a model made from any bytes: no gap is ever negative, time rises, and the run ends.
+//! Short runs of a model made from any bytes: no gap is ever negative, time rises, and the runs end.
 
 use chatter::analysis::simulate::{Outcome, Sampling, Spec, simulate};
+use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;
 use std::ops::ControlFlow;
 
@@ -8,6 +9,9 @@ use std::ops::ControlFlow;
 const UNTIL: f64 = 5.0;
 const IMPACTS: u64 = 300;
 const STEPS: u64 = 200_000;
+
+/// Further starts of each model: to derive its equations costs more than to run it.
+pub const STARTS: u64 = 63;
 
 /// Share of the largest gap by which a gap may seem negative.
 const ROUNDING: f64 = 1e-9;
@@ -90,16 +94,73 @@ fn model(bytes: &[u8]) -> (String, bool) {
     (text, has_ceiling)
 }
 
-/// Runs the model that the bytes stand for.
+/// SplitMix64: the bits of number k of a sequence.
+pub fn chance(k: u64) -> u64 {
+    let mut z = k.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+/// Runs the model that the bytes stand for, from where they say and from other places.
 pub fn law(bytes: &[u8]) {
     let (text, has_ceiling) = model(bytes);
     let model = Model::from_toml(&text, "any.toml").unwrap();
+    from_its_own_start(&model, (&text, has_ceiling));
+    from_elsewhere(&model, (&text, has_ceiling), bytes);
+}
+
+fn from_elsewhere(model: &Model, (text, has_ceiling): (&str, bool), bytes: &[u8]) {
+    let Ok(system) = System::new(model) else {
+        return;
+    };
+    let mut work = system.workspace::<f64>(&Settings::default());
+    let parameters = model.parameter_values::<f64>(&[]);
+    let first = (bytes.iter()).fold(0_u64, |seed, &byte| chance(seed ^ u64::from(byte)));
+    for k in 0..STARTS {
+        let bits = chance(first.wrapping_add(k));
+        let place = |shift: u32, scale: f64| f64::from((bits >> shift) as i16) / 32_768.0 * scale;
+        let start = [1.0 + place(0, 1.0), place(16, 4.0), place(32, 4.0), 0.0];
+        let start = &start[..model.initial_state(&parameters).len()];
+        let context = || format!("from {start:?}\n{text}");
+        let Ok(mut trajectory) = Trajectory::start(&system, &mut work, &parameters, 0.0, start)
+        else {
+            continue;
+        };
+        let (mut steps, mut impacts, mut time, mut largest) = (0, 0, 0.0, 2.0_f64);
+        while let Ok(occurrence) = trajectory.advance(&system, &mut work, UNTIL) {
+            steps += 1;
+            assert!(steps < STEPS, "no end {}", context());
+            assert!(time <= trajectory.time(), "time falls {}", context());
+            time = trajectory.time();
+            let dense = work.dense();
+            let within = (0..=4_u8)
+                .filter(|_| dense.step() > 0.0)
+                .map(|part| dense.state(0, f64::from(part) / 4.0));
+            for y in within.chain([trajectory.state()[0]]) {
+                largest = largest.max(y.abs());
+                let least = if has_ceiling { y.min(2.0 - y) } else { y };
+                assert!(least >= -ROUNDING * largest, "gap {least} {}", context());
+            }
+            match occurrence {
+                Some(Occurrence::Horizon) => break,
+                Some(Occurrence::Impact { .. }) => impacts += 1,
+                _ => {}
+            }
+            if impacts >= IMPACTS {
+                break;
+            }
+        }
+    }
+}
+
+fn from_its_own_start(model: &Model, (text, has_ceiling): (&str, bool)) {
     let spec = Spec {
         impacts: IMPACTS,
         sampling: vec![Sampling::Dense { per_step: 3 }],
         ..Spec::until(UNTIL)
     };
-    let run = simulate::<f64>(&model, &spec, &mut |reached| {
+    let run = simulate::<f64>(model, &spec, &mut |reached| {
         if reached.steps > STEPS {
             ControlFlow::Break(())
         } else {
