@@ -37,8 +37,12 @@ const HALVINGS: i32 = 100;
 
 impl<R: Real> SectionPath<'_, R> {
     fn start(&self) -> Option<Start<R>> {
-        let size = magnitude(self.series, self.reach).max(self.terms);
-        let level = size * R::splat(self.noise);
+        let largest = magnitude(self.series, self.reach);
+        let level = largest.max(self.terms) * R::splat(self.noise);
+        // It is nowhere as far from zero as that, as where the trajectory rests in it.
+        if largest <= level {
+            return None;
+        }
         let (order, sign) = if self.series[0].abs() > level {
             (0, unit(self.series[0]))
         } else {

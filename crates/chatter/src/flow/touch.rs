@@ -4,6 +4,7 @@ use super::looked_up::LookedUp;
 use super::variation::Direction;
 use crate::expressions::{Expansion, Expr, Graph, Node, Symbol, Tape};
 use crate::model::Mechanics;
+use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::{Real, WithTerms};
 
 /// Gap, rate, acceleration and restitution of every contact, how impulses couple them, the directions in which states are
@@ -291,17 +292,40 @@ fn sliding(mechanics: &mut Mechanics, contact: usize, coordinates: usize) -> Opt
 pub(crate) fn with_terms<R: Real>(
     tape: &Tape,
     constants: &[R],
-    (state, low): (&[R], &[R]),
+    start: (&[R], &[R]),
 ) -> Vec<WithTerms<R>> {
-    let mut values = vec![WithTerms::exact(R::ZERO); tape.outputs.len()];
-    Expansion::new(&[tape]).evaluate(
+    dispatch_narrow(Evaluation {
         tape,
-        &WithTerms::all(constants),
-        &WithTerms::all(state),
-        &WithTerms::remainders(low),
-        &mut values,
-    );
-    values
+        constants,
+        start,
+    })
+}
+
+struct Evaluation<'a, R> {
+    tape: &'a Tape,
+    constants: &'a [R],
+    start: (&'a [R], &'a [R]),
+}
+
+impl<R: Real> Kernel for Evaluation<'_, R> {
+    type Output = Vec<WithTerms<R>>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self {
+            tape, constants, ..
+        } = self;
+        let (state, low) = self.start;
+        let mut values = vec![WithTerms::exact(R::ZERO); tape.outputs.len()];
+        Expansion::new(&[tape]).evaluate(
+            tape,
+            &WithTerms::all(constants),
+            &WithTerms::all(state),
+            &WithTerms::remainders(low),
+            &mut values,
+        );
+        values
+    }
 }
 
 impl<R: Real> Touch<R> {

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 /// Runs; `CHATTER_ANY_SIMULATIONS` sets another number, for long runs.
 fn executions() -> u64 {
     let wanted = std::env::var("CHATTER_ANY_SIMULATIONS").ok();
-    wanted.and_then(|text| text.parse().ok()).unwrap_or(500)
+    wanted.and_then(|text| text.parse().ok()).unwrap_or(200)
 }
 
 #[test]

@@ -11,7 +11,7 @@ const IMPACTS: u64 = 300;
 const STEPS: u64 = 200_000;
 
 /// Further starts of each model: to derive its equations costs more than to run it.
-pub const STARTS: u64 = 63;
+pub const STARTS: u64 = 7;
 
 /// Share of the largest gap by which a gap may seem negative.
 const ROUNDING: f64 = 1e-9;
