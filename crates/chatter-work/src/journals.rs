@@ -49,7 +49,7 @@ pub(crate) fn parts<T>(
     }
 }
 
-/// What the first of these journals is about, if it can be read.
+/// Whether the first of these journals that can be read is one of branches.
 pub fn is_of_branches(journals: &[PathBuf]) -> bool {
     let first = journals.iter().find_map(|path| Unread::open(path).ok()?);
     let header =

@@ -16,8 +16,7 @@ pub mod table;
 pub mod tally;
 mod watched;
 
-pub use crate::journals::journal_of;
-pub use crate::journals::shard_journal;
+pub use crate::journals::{journal_of, shard_journal};
 pub use columns::{Columns, columns};
 pub use hysteresis::{Hysteresis, hysteresis};
 pub use job::{Header, Job, Order, Ready};

@@ -6,8 +6,8 @@ use super::several::from_several;
 use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Orbit, Point, Search, Spec, SpecialCurve,
-    SpecialKind, Told, all, branches, forcing, settled, special_curve,
+    Beside, Branch, BranchSpec, End, Known, Limits, Orbit, PeriodicError, Point, Record, Search,
+    Spec, SpecialCurve, SpecialKind, Told, all, branches, forcing, settled, special_curve,
 };
 use chatter::model::Model;
 use core::ops::ControlFlow;
@@ -179,7 +179,7 @@ pub fn find_orbits(
 }
 
 /// Tells how far along its range a curve is.
-pub(super) struct Reached<'a> {
+struct Reached<'a> {
     observer: &'a dyn Observer,
     parameter: &'a str,
     range: (f64, f64),
@@ -188,7 +188,7 @@ pub(super) struct Reached<'a> {
 }
 
 impl<'a> Reached<'a> {
-    pub(super) fn new(
+    fn new(
         model: &'a Model,
         parameter: usize,
         limits: &Limits,
@@ -203,7 +203,7 @@ impl<'a> Reached<'a> {
         }
     }
 
-    pub(super) fn tell(&mut self, point: &Point) {
+    fn tell(&mut self, point: &Point) {
         self.orbits += 1;
         let (at, orbits, (low, high)) = (point.parameter(), self.orbits, self.range);
         let done = ((at - low) / (high - low)).clamp(0.0, 1.0);
@@ -234,19 +234,41 @@ pub fn find_branches(
     if let Some(search) = &wanted.search {
         return from_several(model, (wanted, search), log, observer);
     }
-    let over = &wanted.over;
-    let mut reached = Reached::new(model, over.parameter, &over.limits, observer);
     let mut log = log;
     let mut before = log.as_mut().map(|log| log.before()).unwrap_or_default();
     let before = before.parts.remove(&0).unwrap_or_default();
+    let mut keep = |record: &Record| log.as_mut().map_or(Ok(()), |log| log.part(0, record));
+    let found = follow(
+        model,
+        (&wanted.spec, &wanted.over),
+        before,
+        &mut keep,
+        observer,
+    )?;
+    let branches = found.map_err(|error| refused(&error, model))?;
+    let complete = !(branches.iter()).any(|branch| branch.ends.contains(&End::Interrupted));
+    Ok(Found { branches, complete })
+}
+
+/// The branches from one orbit, each record kept as it comes; or why there are none.
+///
+/// # Errors
+/// A record cannot be kept.
+pub(super) fn follow(
+    model: &Model,
+    (spec, over): (&Spec, &BranchSpec),
+    before: Vec<Record>,
+    keep: &mut dyn FnMut(&Record) -> Result<(), Refusal>,
+    observer: &dyn Observer,
+) -> Result<Result<Vec<Branch>, PeriodicError>, Refusal> {
+    let mut reached = Reached::new(model, over.parameter, &over.limits, observer);
     let mut broken = None;
-    let found = branches(model, &wanted.spec, over, before, &mut |told| {
+    let found = branches(model, spec, over, before, &mut |told| {
         match told {
             Told::Settling => {}
             Told::Orbit(point) => reached.tell(point),
             Told::Record(record) => {
-                let kept = log.as_mut().map_or(Ok(()), |log| log.part(0, record));
-                if let Err(refusal) = kept {
+                if let Err(refusal) = keep(record) {
                     broken = Some(refusal);
                     return ControlFlow::Break(());
                 }
@@ -254,12 +276,7 @@ pub fn find_branches(
         }
         observer.going_on()
     });
-    if let Some(refusal) = broken {
-        return Err(refusal);
-    }
-    let branches = found.map_err(|error| refused(&error, model))?;
-    let complete = !(branches.iter()).any(|branch| branch.ends.contains(&End::Interrupted));
-    Ok(Found { branches, complete })
+    broken.map_or(Ok(found), Err)
 }
 
 /// The curve and of what; one that the observer stopped ends there (`End::Interrupted`).

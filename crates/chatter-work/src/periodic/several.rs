@@ -1,7 +1,7 @@
 //! Branches from every orbit that a search finds. A piece of the work is what is followed from one orbit: pieces are independent, and what
 //! two of them have in common is taken out when all are there, in their order.
 
-use super::find::{Branches, Found, Orbits, Reached, find_orbits};
+use super::find::{Branches, Found, Orbits, find_orbits, follow};
 use super::job::Job;
 use super::log::{Begun, Known, Log};
 use super::refused;
@@ -10,11 +10,8 @@ use crate::observer::Observer;
 use crate::parallel::each;
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::Share;
-use chatter::analysis::periodic::{
-    Branch, Distinct, End, PeriodicError, Search, Start, Told, branches,
-};
+use chatter::analysis::periodic::{Branch, Distinct, End, PeriodicError, Record, Search, Start};
 use chatter::model::Model;
-use core::ops::ControlFlow;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -122,26 +119,8 @@ impl<'a> Pieces<'a> {
             let spec = standing.followed.spec(&self.starts[piece]);
             (spec, before.unwrap_or_default())
         };
-        let mut broken = None;
-        let mut reached = Reached::new(&self.model, over.parameter, &over.limits, observer);
-        let found = branches(&self.model, &spec, over, before, &mut |told| {
-            match told {
-                Told::Settling => {}
-                Told::Orbit(point) => reached.tell(point),
-                Told::Record(record) => {
-                    let kept = lock(standing).keep(|log| log.part(piece, record));
-                    if let Err(refusal) = kept {
-                        broken = Some(refusal);
-                        return ControlFlow::Break(());
-                    }
-                }
-            }
-            observer.going_on()
-        });
-        if let Some(refusal) = broken {
-            return Err(refusal);
-        }
-        match found {
+        let mut keep = |record: &Record| lock(standing).keep(|log| log.part(piece, record));
+        match follow(&self.model, (&spec, over), before, &mut keep, observer)? {
             Err(PeriodicError::Interrupted) => Err(Refusal::Interrupted),
             Err(_) => Ok(Vec::new()),
             Ok(found) => match found.iter().any(|b| b.ends.contains(&End::Interrupted)) {
