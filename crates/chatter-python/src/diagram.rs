@@ -1,6 +1,7 @@
 //! Orbit diagrams.
 
 use crate::arrays::columns as arrays;
+use crate::asked::Asked;
 use crate::errors::{raised, unreadable};
 use crate::interruptible::{Listener, interruptible};
 use crate::model::{Core, assignments};
@@ -23,39 +24,6 @@ use std::str::FromStr;
 struct Answer {
     order: Order,
     columns: Columns,
-}
-
-/// What a text or number means, by its name in the dictionary of what is asked.
-struct Asked<'a, 'py>(&'a Bound<'py, PyDict>);
-
-impl<'py> Asked<'_, 'py> {
-    fn get<T: for<'a> FromPyObject<'a, 'py, Error = PyErr>>(
-        &self,
-        name: &str,
-    ) -> PyResult<Option<T>> {
-        match self.0.get_item(name)? {
-            Some(value) if !value.is_none() => value.extract().map(Some),
-            _ => Ok(None),
-        }
-    }
-
-    fn texts<T: FromStr<Err: ToString>>(&self, name: &str) -> PyResult<Vec<T>> {
-        let texts: Vec<String> = self.get(name)?.unwrap_or_default();
-        let read = |text: &String| {
-            text.parse()
-                .map_err(|error: T::Err| unreadable(name, error.to_string()))
-        };
-        texts.iter().map(read).collect()
-    }
-
-    fn text<T: FromStr<Err: ToString>>(&self, name: &str) -> PyResult<Option<T>> {
-        let text: Option<String> = self.get(name)?;
-        let read = |text: String| {
-            text.parse()
-                .map_err(|error: T::Err| unreadable(name, error.to_string()))
-        };
-        text.map(read).transpose()
-    }
 }
 
 fn request(core: &Core, asked: &Asked) -> PyResult<Request> {
@@ -127,18 +95,7 @@ pub fn diagram<'py>(
     let threads = threads(asked.get::<String>("threads")?.as_deref())?;
     let request = request(core, &asked)?;
     let source = core.source();
-    let shard = match shard {
-        None => None,
-        Some((number, of)) => match Share::new(number, of) {
-            Some(share) => Some(share),
-            None => {
-                return Err(unreadable(
-                    "shard",
-                    "expected (NUMBER, COUNT), NUMBER from 1 to COUNT",
-                ));
-            }
-        },
-    };
+    let shard = share(shard)?;
     let answer = interruptible(py, progress, move |listener| {
         let order = request.order(source)?;
         if let Some(share) = shard {
@@ -155,6 +112,15 @@ pub fn diagram<'py>(
         .map_err(raised)?
         .map(|answer| told(py, answer))
         .transpose()
+}
+
+/// A share, as (NUMBER, COUNT).
+pub fn share(shard: Option<(u64, u64)>) -> PyResult<Option<Share>> {
+    let read = |(number, of)| {
+        Share::new(number, of)
+            .ok_or_else(|| unreadable("shard", "expected (NUMBER, COUNT), NUMBER from 1 to COUNT"))
+    };
+    shard.map(read).transpose()
 }
 
 /// A share of a diagram, into its journal beside the table.

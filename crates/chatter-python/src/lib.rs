@@ -2,7 +2,9 @@
 //! is answered goes as arrays. Everything that a Python user sees is made of it in `python/chatter`.
 
 mod arrays;
+mod asked;
 mod border;
+mod branches;
 mod diagram;
 mod errors;
 mod explorer;
@@ -31,7 +33,10 @@ fn _chatter(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(diagram::merge, module)?)?;
     module.add_function(wrap_pyfunction!(border::border, module)?)?;
     module.add_function(wrap_pyfunction!(periodic::orbit, module)?)?;
-    module.add_function(wrap_pyfunction!(periodic::branches, module)?)?;
+    module.add_function(wrap_pyfunction!(branches::branches, module)?)?;
+    module.add_function(wrap_pyfunction!(branches::resume_branches, module)?)?;
+    module.add_function(wrap_pyfunction!(branches::merge_branches, module)?)?;
+    module.add_function(wrap_pyfunction!(branches::of_branches, module)?)?;
     module.add_function(wrap_pyfunction!(periodic::curve, module)?)?;
     module.add_function(wrap_pyfunction!(exponents::exponents, module)?)?;
     module.add_class::<explorer::Question>()?;

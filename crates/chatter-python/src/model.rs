@@ -1,9 +1,11 @@
 //! A model, immutable.
 
+use crate::arrays::floats;
 use crate::errors::raised;
 use chatter::model::Model;
 use chatter_work::Refusal;
 use chatter_work::data_files::DataFiles;
+use chatter_work::drawing::drawn;
 use chatter_work::options::Assignment;
 use chatter_work::source::{Loaded, Source, set_initial, set_parameters};
 use pyo3::prelude::*;
@@ -15,6 +17,9 @@ type Pairs = Vec<(String, String)>;
 
 /// All that a model is made of again.
 type State = (String, String, DataFiles, Pairs, Pairs);
+
+/// A shape that is drawn: its kind, its numbers, and x and y of its outline and of its hatches.
+type Shape<'py> = (&'static str, Vec<f64>, [Bound<'py, PyAny>; 4]);
 
 /// A model with what was set into it.
 #[pyclass(frozen, module = "chatter._chatter")]
@@ -200,6 +205,27 @@ impl Core {
             .filter_map(|(name, label)| {
                 let label = label.as_ref()?;
                 Some((name.clone(), label.text.clone(), label.unit.clone()))
+            })
+            .collect()
+    }
+
+    /// The mechanism at values of the states, in the order of `states`, and a time: for each shape of the drawing what it is,
+    /// its numbers, and the lines that it is drawn with, its outline and its hatches, each as x and y.
+    fn drawn<'py>(&self, py: Python<'py>, state: Vec<f64>, time: f64) -> Vec<Shape<'py>> {
+        let mut values = state.into_iter();
+        let states = 0..self.model.states.len();
+        let state: Vec<f64> = states
+            .map(|index| match Some(index) == self.model.time {
+                true => time,
+                false => values.next().unwrap_or(f64::NAN),
+            })
+            .collect();
+        let shapes = drawn(&self.model, &state, time).into_iter();
+        shapes
+            .map(|shape| {
+                let ((x, y), (hatch_x, hatch_y)) = (shape.outline, shape.hatches);
+                let lines = [x, y, hatch_x, hatch_y].map(|values| floats(py, values));
+                (shape.kind.name(), shape.numbers, lines)
             })
             .collect()
     }

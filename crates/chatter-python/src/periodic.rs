@@ -1,16 +1,16 @@
-//! Periodic orbits and their branches, as documents.
+//! Periodic orbits and curves of special points, as documents.
 
 use crate::errors::{raised, unreadable};
 use crate::interruptible::interruptible;
 use crate::model::Core;
-use chatter::analysis::periodic::{BranchSpec, End, Known, Spec, SpecialKind};
+use chatter::analysis::periodic::{End, Known, SpecialKind};
 use chatter::model::Model;
 use chatter_work::Refusal;
 use chatter_work::numbers::Digits;
 use chatter_work::options::{Precision, Quantity};
 use chatter_work::periodic::{
-    Branches, Curve, Orbits, Reach, Subject, beside, branch_document, curves_document,
-    find_branches, find_curve, find_orbits, free_parameter, orbit_document, search, specification,
+    Curve, Orbits, Reach, Subject, curves_document, find_curve, find_orbits, free_parameter,
+    orbit_document, search, specification,
 };
 use pyo3::prelude::*;
 use std::str::FromStr;
@@ -32,7 +32,7 @@ fn subject<'a>(
     }
 }
 
-fn written(document: &impl serde::Serialize) -> Result<String, Refusal> {
+pub fn written(document: &impl serde::Serialize) -> Result<String, Refusal> {
     serde_json::to_string(document).map_err(|error| Refusal::Output(error.to_string()))
 }
 
@@ -64,67 +64,6 @@ pub fn orbit(
         let orbits = find_orbits(&model, &Orbits { spec, search }, listener)?;
         let subject = subject(&about, &[], Vec::new(), digits);
         written(&orbit_document(&subject, &orbits, periods.is_some())?)
-    })?;
-    found.map_err(raised)
-}
-
-/// The document of the branches of periodic orbits over a range of a parameter; `through` is an orbit at the model's value of it:
-/// all its states in order where it starts, and its period.
-#[pyfunction]
-#[pyo3(signature = (core, parameter, low, high, *, period=None, section=None, through=None, monitors=Vec::new(), doublings=0,
-                    branch_points=0, impacts=None, points=None, step=None, progress=None))]
-#[allow(clippy::too_many_arguments)]
-pub fn branches(
-    py: Python<'_>,
-    core: &Core,
-    parameter: String,
-    low: String,
-    high: String,
-    period: Option<String>,
-    section: Option<String>,
-    through: Option<(Vec<f64>, f64)>,
-    monitors: Vec<String>,
-    doublings: u64,
-    branch_points: u64,
-    impacts: Option<u64>,
-    points: Option<u64>,
-    step: Option<f64>,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<String> {
-    let reach = Reach {
-        impacts,
-        points,
-        step,
-    };
-    let about = (Arc::clone(&core.model), core.name.clone());
-    let found = interruptible(py, progress, move |listener| {
-        let mut model = (*about.0).clone();
-        let spec = Spec {
-            through,
-            ..specification(
-                &mut model,
-                period.as_deref(),
-                (section.as_deref(), &monitors),
-            )?
-        };
-        let parameter = free_parameter(&model, &parameter)?;
-        let wanted = Branches {
-            spec,
-            over: BranchSpec {
-                parameter,
-                limits: reach.over(ends(&mut model, (low, high))?)?,
-                beside: beside(doublings, branch_points)?,
-            },
-            search: None,
-        };
-        let found = find_branches(&model, &wanted, None, listener)?;
-        if !found.complete {
-            return Err(Refusal::Interrupted);
-        }
-        written(&branch_document(
-            &subject(&about, &monitors, vec![parameter], Digits::DOUBLE),
-            &found.branches,
-        ))
     })?;
     found.map_err(raised)
 }

@@ -9,6 +9,7 @@ pub mod border;
 pub mod columns;
 pub mod data_files;
 pub mod diagram;
+pub mod drawing;
 pub mod exponents;
 pub mod journals;
 pub mod json;

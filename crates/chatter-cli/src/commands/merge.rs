@@ -1,6 +1,6 @@
 //! `chatter merge`: one diagram, or the branches of one search, from the journals of shares.
 
-use super::continuation::{self, Shown, answer};
+use super::continuation::{Shown, answer};
 use super::diagram::{produce, threads_of};
 use crate::diagram::{self, Beginning, journal_of};
 use crate::failure::Failure;
@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     if is_of_branches(&arguments.journals) {
         let (job, log) = periodic::merge(&arguments.journals, out, &Console::new())?;
         let shown = Shown::plain(plot.as_deref());
-        return answer(&job, Some(out), continuation::Beginning::Open(log), &shown);
+        return answer(&job, Some(out), periodic::Beginning::Open(log), &shown);
     }
     let order = diagram::merge(&arguments.journals, (out, plot), &Console::new())?;
     let beginning = Beginning::At(journal_of(out));

@@ -17,18 +17,20 @@ if TYPE_CHECKING:
     from typing import Any
 
     from chatter._border import Border, Borders
+    from chatter._branches import branches
     from chatter._builder import (
         Expr, ModelBuilder, abs_, acos, asin, atan, atan2, clamp, cos, cosh, exp, expr, floor, if_, log, max_, min_, mod, pi,
         sign, sin, sinh, sqrt, step, tan, tanh, time,
     )
     from chatter._chatter import __version__
-    from chatter._diagram import Diagram, Orbit, merge, resume
+    from chatter._diagram import Diagram, Orbit
     from chatter._errors import (
         ChatterError, ChatterWarning, InputError, ModelError, ModelIssue, OutputError, RunError, UnfinishedError,
     )
     from chatter._explorer import explore
+    from chatter._journals import merge, resume
     from chatter._model import Model, shipped_models
-    from chatter._periodic import Arc, Branch, Curve, Exponents, PeriodicOrbit, Special, branches
+    from chatter._periodic import Arc, Branch, Curve, Exponents, PeriodicOrbit, Special
     from chatter._run import ContactPhases, Events, Run
     from chatter._universal import Universal
 
@@ -43,14 +45,16 @@ __all__ = [
 
 _HOMES = {
     "_border": "Border Borders",
+    "_branches": "branches",
     "_builder": "Expr ModelBuilder abs_ acos asin atan atan2 clamp cos cosh exp expr floor if_ log max_ min_ mod pi sign sin sinh "
     "sqrt step tan tanh time",
     "_chatter": "__version__",
-    "_diagram": "Diagram Orbit merge resume",
+    "_diagram": "Diagram Orbit",
     "_errors": "ChatterError ChatterWarning InputError ModelError ModelIssue OutputError RunError UnfinishedError",
     "_explorer": "explore",
+    "_journals": "merge resume",
     "_model": "Model shipped_models",
-    "_periodic": "Arc Branch Curve Exponents PeriodicOrbit Special branches",
+    "_periodic": "Arc Branch Curve Exponents PeriodicOrbit Special",
     "_run": "ContactPhases Events Run",
     "_universal": "Universal",
 }

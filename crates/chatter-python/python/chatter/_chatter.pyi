@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Core", "EVENT_KINDS", "Question", "Upsilon", "__version__", "border", "branches", "curve", "diagram", "explorer_answer",
-    "explorer_page", "exponents", "main", "merge", "orbit", "resume", "shipped", "simulate",
+    "explorer_page", "exponents", "main", "merge", "merge_branches", "of_branches", "orbit", "resume", "resume_branches", "shipped",
+    "simulate",
 ]
 __version__: str
 EVENT_KINDS: list[str]
@@ -44,6 +45,7 @@ class Core:
     @staticmethod
     def restore(state: tuple[str, str, dict[str, str], _Pairs, _Pairs]) -> Core: ...
     def with_values(self, values: _Pairs) -> Core: ...
+    def drawn(self, state: Sequence[float], time: float) -> list[tuple[str, list[float], list[NDArray[np.float64]]]]: ...
     def __getstate__(self) -> tuple[str, str, dict[str, str], list[tuple[str, str]], list[tuple[str, str]]]: ...
 
 @final
@@ -96,21 +98,19 @@ def orbit(
 ) -> str: ...
 def branches(
     core: Core,
-    parameter: str,
-    low: str,
-    high: str,
-    *,
-    period: str | None = None,
-    section: str | None = None,
+    asked: dict[str, Any],
+    journal: str | os.PathLike[str] | None = None,
+    shard: tuple[int, int] | None = None,
     through: tuple[Sequence[float], float] | None = None,
-    monitors: Sequence[str] = ...,
-    doublings: int = 0,
-    branch_points: int = 0,
-    impacts: int | None = None,
-    points: int | None = None,
-    step: float | None = None,
     progress: _Progress = None,
-) -> str: ...
+) -> tuple[str, str] | None: ...
+def merge_branches(
+    journals: Sequence[str | os.PathLike[str]],
+    out: str | os.PathLike[str],
+    progress: _Progress = None,
+) -> tuple[str, str]: ...
+def resume_branches(path: str | os.PathLike[str], progress: _Progress = None) -> tuple[str, str]: ...
+def of_branches(paths: Sequence[str | os.PathLike[str]]) -> bool: ...
 def curve(
     core: Core,
     kind: str,

@@ -12,7 +12,6 @@ import numpy as np
 from chatter import _chatter
 from chatter._errors import InputError
 from chatter._frozen import Frozen, frozen
-from chatter._progress import shown
 from chatter._text import labelled, text_of
 
 if TYPE_CHECKING:
@@ -260,38 +259,15 @@ def _made(answer: Mapping[str, Any]) -> Diagram:
     return Diagram(answer["orbits"], answer["samples"], answer["specification"], answer["model"])
 
 
-def resume(path: str | os.PathLike[str], *, threads: int | None = None, progress: bool | Progress = False) -> Diagram:
-    """Goes on with a diagram that was broken off, to the same bits; gives a finished one as it is.
-
-    path: the `out` or the `journal` that was given, by Python or by the command line.
-    """
-    path = os.fspath(path)
-    with shown(progress) as hears:
-        answer = _chatter.resume(path, None if threads is None else str(threads), hears)
+def resume(path: str, threads: int | None, progress: Progress | None) -> Diagram:
+    """Goes on with a diagram that was broken off; gives a finished one as it is."""
+    answer = _chatter.resume(path, None if threads is None else str(threads), progress)
     return _read(path) if answer is None else _made(answer)
 
 
-def shard_journal(out: str, number: int, of: int) -> str:
-    """The journal of a share, beside the table."""
-    stem = os.path.splitext(os.path.basename(out))[0]
-    return os.path.join(os.path.dirname(out), f"{stem}.{number:0{len(str(of))}}-of-{of}.journal")
-
-
-def merge(
-    journals: Sequence[str | os.PathLike[str]],
-    out: str | os.PathLike[str],
-    *,
-    threads: int | None = None,
-    progress: bool | Progress = False,
-) -> Diagram:
-    """Puts the shares of a diagram together: writes `out`, to the bit as one machine would have, and gives the diagram.
-
-    journals: those of `Model.diagram_shard` or of `chatter diagram --shard`; foreign ones are refused, and what none of them has
-        is computed. They stay.
-    """
-    with shown(progress) as hears:
-        paths = [os.fspath(path) for path in journals]
-        return _made(_chatter.merge(paths, os.fspath(out), None if threads is None else str(threads), hears))
+def merge(journals: Sequence[str], out: str, threads: int | None, progress: Progress | None) -> Diagram:
+    """Puts the shares of a diagram together."""
+    return _made(_chatter.merge(journals, out, None if threads is None else str(threads), progress))
 
 
 _TEXTS = ("specification", "model", "parameters", "version")

@@ -10,17 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chatter import _border, _chatter, _diagram, _periodic, _run, _shared
+from chatter import _border, _branches, _chatter, _diagram, _drawing, _journals, _periodic, _run, _shared
 from chatter._border import Border, Borders
 from chatter._diagram import Diagram
 from chatter._errors import InputError
 from chatter._frozen import Frozen
-from chatter._periodic import Exponents, PeriodicOrbit
+from chatter._periodic import Branch, Exponents, PeriodicOrbit
 from chatter._progress import Progress, shown
 from chatter._run import Run
 from chatter._text import text_of
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike
 
 
@@ -149,6 +150,16 @@ class Model(Frozen):
         with shown(progress) as hears:
             return _run.simulate(self, request, sample, hears)
 
+    def draw(
+        self, state: Mapping[str, float] | ArrayLike | None = None, *, t: float | None = None, ax: Axes | None = None
+    ) -> Axes:
+        """Draws the mechanism as the model's `[drawing]` has it, in its units of length; gives the axes.
+
+        state: where it is drawn, by name or in the order of `states`; the start, as far as it says nothing else.
+        t: when, for drawings that depend on time; that of the start without it.
+        """
+        return _drawing.draw(self, state, t, ax)
+
     def diagram(
         self,
         *,
@@ -229,7 +240,7 @@ class Model(Frozen):
         sweeps = {**(asked.pop("sweep", None) or {}), **{name: asked.pop(name) for name in asked.keys() - _OPTIONS}}
         with shown(progress) as hears:
             _diagram.compute(self._core, _asked(out=out, **asked), observe, sweeps, None, (number, of), hears)
-        return _diagram.shard_journal(out, number, of)
+        return _journals.shard_journal(out, number, of)
 
     def border(
         self,
@@ -319,6 +330,62 @@ class Model(Frozen):
                 self._core, periods=periods, starts=starts, seed=seed, digits=digits, progress=hears, **how
             )
         return _periodic.read_orbits(self, how, text)
+
+    def branches(
+        self,
+        *,
+        all: int | None = None,
+        starts: int | None = None,
+        seed: int | None = None,
+        period: Any = None,
+        section: str | None = None,
+        monitors: Sequence[Any] = (),
+        doublings: int = 0,
+        branch_points: int = 0,
+        impacts: int | None = None,
+        points: int | None = None,
+        step: Any = None,
+        out: str | os.PathLike[str] | None = None,
+        journal: str | os.PathLike[str] | None = None,
+        progress: bool | Progress = False,
+        **swept: tuple[Any, Any],
+    ) -> list[Branch]:
+        """Branches of periodic orbits over a range of a parameter, q=(low, high), from the orbit that the motion settles to.
+
+        all: from every orbit of up to so many periods of the forcing, or returns to the section, that is found from so many
+            `starts` (200), which `seed` draws (0): at the model's value of the parameter, or else in the middle of the range.
+        period, section: as for `orbit`.
+        monitors: functions of the state at the section and of parameters, whose zeros are special points.
+        doublings, branch_points: how often a branch is left for another there (0).
+        impacts, points, step: impacts a period (80) and orbits of a branch to either side (20000) at most, and the longest step in
+            parts of the range (0.01).
+        out: the NPZ or CSV file that `chatter continue --out` writes, to the bit; how far branches have come stands in
+            out + ".journal" until then.
+        journal: a file that keeps how far they have come. `chatter.resume` goes on with it; it stays when all is done.
+        progress: True for a bar, or a function of the part done and a message.
+        """
+        name, (low, high) = _branches.swept(swept)
+        how = {"period": period, "section": section}
+        return _branches.branches(
+            self, name, low, high, how=how, all=all, starts=starts, seed=seed, monitors=monitors, doublings=doublings,
+            branch_points=branch_points, impacts=impacts, points=points, step=step, out=out, journal=journal, progress=progress,
+        )  # fmt: skip
+
+    def branches_shard(
+        self, number: int, of: int, *, all: int, out: str | os.PathLike[str], progress: bool | Progress = False, **asked: Any
+    ) -> str:
+        """Follows a share of all orbits that are found, `number` (from 1) of so many, for `chatter.merge`; gives the path of its
+        journal.
+
+        Everything else as for `branches`. Each share may be followed on another machine or by another process; one that was
+        broken off goes on, one that is done does nothing.
+        """
+        out = os.fspath(out)
+        options = {name: asked.pop(name) for name in list(asked) if name in _branches.OPTIONS}
+        name, ends = _branches.swept(asked)
+        with shown(progress) as hears:
+            _branches.share(self, number, of, name, ends, {**options, "all": all, "out": out}, hears)
+        return _journals.shard_journal(out, number, of)
 
     def exponents(
         self,

@@ -55,11 +55,12 @@ class PeriodicOrbit(Frozen):
 
         limits: as for `branches`.
         """
+        from chatter._branches import branches
+
         own = self.model.parameters[parameter]
         ends = sorted((own, float(self.model.with_values({parameter: to}).parameters[parameter])))
         through = (list(self.start.values()), self.period)
-        found = branches(self.model, parameter, *ends, how=self._how, through=through, progress=progress, **limits)
-        return found[0]
+        return branches(self.model, parameter, *ends, how=self._how, through=through, progress=progress, **limits)[0]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (PeriodicOrbit, (self.model, self._how, self.document))
@@ -94,7 +95,7 @@ class Special(Mapping[str, Any]):
         low, high: the range of the other one, over which it is followed; from half its value to twice as much without them.
         limits: `impacts` (80) a period at most, `points` (20000), and the longest `step` in parts of the range (0.01).
         """
-        _check(limits, {"impacts", "points", "step"})
+        check_names(limits, {"impacts", "points", "step"})
         branch = self._branch
         other = {one, two} - {branch.parameter}
         if branch.parameter not in (one, two) or len(other) != 1:
@@ -328,7 +329,8 @@ def _columns(document: Mapping[str, Any]) -> dict[str, Any]:
     return columns
 
 
-def _check(limits: Mapping[str, Any], known: set[str]) -> None:
+def check_names(limits: Mapping[str, Any], known: set[str]) -> None:
+    """Refuses options that are none."""
     unknown = limits.keys() - known
     if unknown:
         raise InputError(f"there is no option {', '.join(sorted(unknown))}")
@@ -343,31 +345,3 @@ def read_orbits(model: Model, how: Mapping[str, Any], text: str) -> list[Periodi
     document = json.loads(text)
     found = document["orbits"] if "orbits" in document else [document["orbit"]]
     return [PeriodicOrbit(model, how, one) for one in found]
-
-
-def branches(
-    model: Model,
-    parameter: str,
-    low: Any,
-    high: Any,
-    *,
-    how: Mapping[str, Any] | None = None,
-    through: tuple[list[float], float] | None = None,
-    progress: bool | Progress = False,
-    **limits: Any,
-) -> list[Branch]:
-    """All branches that are found over a range of a parameter, from the orbit that the motion settles to, or from the one through
-    these states and of this period.
-
-    limits: `doublings` and `branch_points`, how often a branch is left for another there (0), `impacts` (80) a period at most,
-        `points` (20000), and the longest `step` in parts of the range (0.01). `monitors`: functions of the state at the
-        section and of parameters, whose zeros are special points.
-    """
-    _check(limits, {"doublings", "branch_points", "impacts", "points", "step", "monitors"})
-    limits = {**limits, "monitors": [text_of(one) for one in limits.get("monitors", ())]}
-    with shown(progress) as hears:
-        text = _chatter.branches(
-            model._core, parameter, text_of(low), text_of(high), through=through, progress=hears, **{**(how or {}), **limits}
-        )
-    found = json.loads(text)["branches"]
-    return [Branch(model, parameter, how or {}, one) for one in found]

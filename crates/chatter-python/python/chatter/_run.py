@@ -270,6 +270,15 @@ class Run(Frozen):
             ax.legend()
         return ax
 
+    def draw(self, t: float | None = None, *, ax: Axes | None = None) -> Axes:
+        """Draws the mechanism as the model's `[drawing]` has it at a time, or at the end; gives the axes."""
+        if t is None:
+            return self.model.draw(self.end, t=self.time, ax=ax)
+        state = self(t)
+        if not np.all(np.isfinite(state)):
+            raise InputError(f"the run goes from {self.start_time!r} to {self.time!r}: it is nowhere at {t!r}")
+        return self.model.draw(state, t=t, ax=ax)
+
     def __repr__(self) -> str:
         return f"<Run of {self.model.name!r} to {self.time!r}: {self.outcome}, {self.events!r}>"
 

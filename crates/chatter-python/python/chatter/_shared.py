@@ -48,7 +48,7 @@ def diagram(model: Model, client: Any, shards: int | None, asked: Mapping[str, A
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ChatterWarning)
-        found = merge(journals, asked["out"])
+        found = merge(journals, asked["out"], None, None)
     for journal in journals:
         os.remove(journal)
     return found

@@ -5,9 +5,11 @@ mod branch_document;
 mod find;
 mod job;
 mod log;
+mod merged;
 mod orbit_document;
 mod over;
 mod picture;
+mod produce;
 mod refused;
 mod request;
 mod restored;
@@ -21,13 +23,15 @@ pub use find::{
 };
 pub use job::{Job, Ready, Sought};
 pub use log::{Begun, Log};
+pub use merged::merge;
 pub use orbit_document::{document as orbit_document, events_of};
 pub use over::{Beneath, beneath};
 pub use picture::{Vertical, first_that_changes, picture, plane};
+pub use produce::{Beginning, Produced, produce, produce_share};
 pub use refused::refused;
 pub use request::{free_parameter, specification};
 pub use restored::{Restored, holds_branches, restore};
-pub use several::{Shared, find_share, merge};
+pub use several::Shared;
 pub use table::write;
 
 use crate::numbers::Digits;

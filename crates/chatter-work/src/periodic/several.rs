@@ -2,10 +2,8 @@
 //! two of them have in common is taken out when all are there, in their order.
 
 use super::find::{Branches, Found, Orbits, find_orbits, follow};
-use super::job::Job;
-use super::log::{Begun, Known, Log};
+use super::log::{Known, Log};
 use super::refused;
-use crate::journals::{journal_of, parts};
 use crate::observer::Observer;
 use crate::parallel::each;
 use crate::refusal::Refusal;
@@ -13,7 +11,6 @@ use chatter::analysis::diagram::Share;
 use chatter::analysis::periodic::{Branch, Distinct, End, PeriodicError, Record, Search, Start};
 use chatter::model::Model;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The orbits, and what is followed from them.
@@ -273,61 +270,4 @@ pub fn find_share(
     pieces.fill(share, &shared, observer)?;
     let standing = lock(&shared);
     Ok(told(&standing.done))
-}
-
-/// Puts what these journals know into that of the branches which are to be written to `out`.
-///
-/// # Errors
-/// A journal is of other branches, cannot be read, or is in use.
-pub fn merge(
-    journals: &[PathBuf],
-    out: &Path,
-    observer: &dyn Observer,
-) -> Result<(Job, Log), Refusal> {
-    let own = journal_of(out);
-    let parts = parts(journals, &own, Begun::open)?;
-    let job = parts[0].job.clone();
-    for part in &parts {
-        if part.job != job {
-            return Err(Refusal::input(format!(
-                "`{}` is a part of other branches than `{}`: it has {}",
-                part.path().display(),
-                parts[0].path().display(),
-                job.difference(&part.job)
-            )));
-        }
-    }
-    let mut log = Log::find(&own, &job, observer)?;
-    let known: Result<Vec<Known>, Refusal> = (parts.into_iter())
-        .map(|part| Ok(part.read(observer)?.before()))
-        .collect();
-    let mut known = known?;
-    let starts = known
-        .iter_mut()
-        .filter_map(|known| known.starts.take())
-        .next();
-    if let Some(starts) = starts {
-        if log.known().starts.is_none() {
-            log.starts(&starts)?;
-        }
-        for piece in 0..starts.len() {
-            let how_far = |known: &&Known| (known.done.contains(&piece), known.parts[&piece].len());
-            let furthest = (known.iter())
-                .filter(|known| known.parts.contains_key(&piece))
-                .max_by_key(how_far);
-            let Some(furthest) = furthest.filter(|_| !log.known().parts.contains_key(&piece))
-            else {
-                continue;
-            };
-            for record in &furthest.parts[&piece] {
-                log.part(piece, record)?;
-            }
-            if furthest.done.contains(&piece) {
-                log.done(piece)?;
-            }
-        }
-    }
-    drop(log);
-    let log = Log::find(&own, &job, observer)?;
-    Ok((job, log))
 }
