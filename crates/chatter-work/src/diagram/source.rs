@@ -41,8 +41,16 @@ pub trait Rows {
         self.sweep().rows()
     }
 
+    /// How many samples the rows that are there have, all together.
+    fn sample_count(&self) -> u64;
+
     /// The number of a row's attractor; zero for none, or where none are told apart.
     fn attractor(&self, row: u64) -> u32;
+}
+
+/// How many samples a row has.
+pub(super) fn samples_of(sweep: &Sweep, row: &Row) -> u64 {
+    (row.samples.len() / sweep.spec().observe.len().max(1)) as u64
 }
 
 impl<R: Rows + ?Sized> Source for R {
@@ -119,6 +127,11 @@ impl Rows for InMemory<'_> {
 
     fn done(&self) -> u64 {
         self.rows.len() as u64
+    }
+
+    fn sample_count(&self) -> u64 {
+        let counts = self.rows.iter().map(|row| samples_of(self.sweep, row));
+        counts.sum()
     }
 
     fn attractor(&self, row: u64) -> u32 {

@@ -1,7 +1,7 @@
 //! The journal of a diagram: its rows, in the order in which they were done.
 
 use super::job::Header;
-use super::source::Rows;
+use super::source::{Rows, samples_of};
 use crate::journals::of_this_version;
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::{Collector, Outcome, Record, Row, Standing, Sweep};
@@ -75,6 +75,8 @@ pub struct Store {
     sweep: Sweep,
     places: Vec<Option<Place>>,
     counts: BTreeMap<Outcome, u64>,
+    /// Samples of all rows.
+    samples: u64,
     /// Numbers of the rows' attractors, once they are told apart.
     attractors: Vec<u32>,
     bytes: Vec<u8>,
@@ -128,6 +130,7 @@ impl Begun {
         let mut standing = Standing::default();
         let mut places = vec![None; sweep.rows() as usize];
         let mut counts = BTreeMap::new();
+        let mut samples = 0;
         let read = self.unread.read(longest, |place, bytes| {
             // Rows that another program wrote are made again.
             if let Ok(row) = Row::from_bytes(bytes)
@@ -136,10 +139,11 @@ impl Begun {
             {
                 places[row.row as usize] = Some(place);
                 *counts.entry(row.outcome).or_default() += 1;
+                samples += samples_of(sweep, &row);
             }
         });
         let mut store = Store::new(read.map_err(Refusal::input)?, sweep);
-        (store.places, store.counts) = (places, counts);
+        (store.places, store.counts, store.samples) = (places, counts, samples);
         Ok((store, standing))
     }
 }
@@ -187,6 +191,7 @@ impl Store {
             places: vec![None; sweep.rows() as usize],
             sweep: sweep.clone(),
             counts: BTreeMap::new(),
+            samples: 0,
             attractors: Vec::new(),
             bytes: Vec::new(),
         }
@@ -197,6 +202,7 @@ impl Store {
         let place = self.journal.append(&row.to_bytes())?;
         self.places[row.row as usize] = Some(place);
         *self.counts.entry(row.outcome).or_default() += 1;
+        self.samples += samples_of(&self.sweep, row);
         Ok(())
     }
 
@@ -235,6 +241,10 @@ impl Rows for Store {
         let place = self.places[row as usize].ok_or_else(missing)?;
         self.journal.read(place, &mut self.bytes).map_err(output)?;
         Row::from_bytes(&self.bytes).map_err(|error| Refusal::Output(error.to_string()))
+    }
+
+    fn sample_count(&self) -> u64 {
+        self.samples
     }
 
     fn attractor(&self, row: u64) -> u32 {

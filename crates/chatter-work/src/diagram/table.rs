@@ -137,10 +137,7 @@ fn write_npz(
     }
     if sweep.spec().record == Record::Samples {
         let observed = sweep.spec().observe.len();
-        let mut count = 0;
-        for row in 0..rows {
-            count += (store.row(row)?.samples.len() / observed) as u64;
-        }
+        let count = store.sample_count();
         let column = Sweep::COLUMN_NAME;
         let mut array = writer.begin::<i64>(column, count).map_err(output)?;
         for row in 0..rows {
