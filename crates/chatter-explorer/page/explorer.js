@@ -108,7 +108,7 @@ export async function explore(root, ask, place) {
     function all() {
         title.textContent = store.checked?.source ?? "";
         document.title = `${store.checked?.title ?? store.state.name} · chatter`;
-        diagram.controls();
+        diagram.panel.build();
         knobs.build();
         diagram.question_key = "";
         diagram.refresh();
@@ -144,7 +144,7 @@ export async function explore(root, ask, place) {
         }
         merge(store.state, found);
         store.change("view", () => {});
-        diagram.controls();
+        diagram.panel.build();
         knobs.follow();
         motions.refresh();
     }
@@ -160,7 +160,7 @@ export async function explore(root, ask, place) {
             if (!known.includes(store.state.diagram.over)) store.state.diagram = fresh;
             store.state.through = null;
             title.textContent = store.checked?.source ?? "";
-            diagram.controls();
+            diagram.panel.build();
         }
         if (change !== "look" && change !== "view") motions.refresh();
         void remember(change !== "values");

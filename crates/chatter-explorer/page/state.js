@@ -43,8 +43,7 @@
  * @property {Quantity[]} states
  * @property {Quantity[]} parameters
  * @property {string[]} contacts
- * @property {string[][]} gaps the states that each contact's gap depends on
- * @property {{ name: string, surface: string, direction: string, on: string[] }[]} sections and the states that each depends on
+ * @property {{ name: string, surface: string, direction: string }[]} sections
  * @property {string[]} phases
  * @property {string[]} warnings
  * @property {any} drawing

@@ -25,7 +25,7 @@ pub fn read<T: DeserializeOwned>(body: &[u8]) -> Result<T, Refusal> {
 }
 
 /// The model that is asked about.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelQuestion {
     /// What it is called.
@@ -77,7 +77,7 @@ impl ModelQuestion {
 }
 
 /// What is asked about a diagram.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DiagramQuestion {
     pub model: ModelQuestion,

@@ -512,6 +512,53 @@ fn rows_come_as_numbers_and_end() {
     assert_eq!(told.last().unwrap().0, Kind::End as u32);
 }
 
+/// A ball that falls from a height rises to r^2 of it: what is on that line comes with the points, as numbers and as files.
+#[test]
+fn a_return_map_of_one_dimension_comes_with_its_curve() {
+    let question =
+        |axes: &str| json!({ "model": model(), "until": "9", "axes": [axes], "sample": "events" });
+    let told = asked("returns", &question("y,next:apex"));
+    let sampled: Value = serde_json::from_slice(&told[0].1).unwrap();
+    assert_eq!(
+        (&sampled["held"], &sampled["level"]),
+        (&json!("v"), &json!(0.0))
+    );
+    let column = |place: usize| {
+        let (kind, bytes): &(u32, Vec<u8>) = &told[place];
+        assert_eq!(*kind, Kind::Numbers as u32);
+        let numbers = bytes.chunks_exact(8);
+        numbers
+            .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap()))
+            .collect::<Vec<f64>>()
+    };
+    let (heights, next) = (column(1), column(2));
+    assert_eq!((heights.len(), next.len()), (400, 400));
+    for (height, next) in heights
+        .iter()
+        .zip(next)
+        .filter(|(height, _)| **height > 0.0)
+    {
+        assert!((next - 0.25 * height).abs() < 1e-13, "{height}: {next}");
+    }
+    // The velocity is what the section holds, and nothing of two states has a curve.
+    let told = asked("returns", &question("v,next:apex"));
+    assert_eq!(told[0].1, b"null");
+    let files = |asked_for: &str| -> Vec<String> {
+        let told = asked(asked_for, &question("y,next:apex")).into_iter();
+        told.filter(|(kind, _)| *kind == Kind::File as u32)
+            .map(|(_, content)| {
+                let length = u32::from_le_bytes(content[..4].try_into().unwrap()) as usize;
+                String::from_utf8(content[4..4 + length].to_vec()).unwrap()
+            })
+            .collect()
+    };
+    assert_eq!(files("returns.svg"), ["ball-returns.svg"]);
+    assert_eq!(
+        files("returns.npz"),
+        ["ball-returns.npz", "ball-returns-curve.npz"]
+    );
+}
+
 /// Every shape of every shipped model is somewhere at all times.
 #[test]
 fn drawings_of_shipped_models_have_values() {
@@ -625,7 +672,7 @@ proptest! {
 
     #[test]
     fn any_question_is_answered_or_refused(
-        topic in prop::sample::select(vec!["start", "check", "diagram", "history", "branches", "border", "diagram.svg", "history.npz"]),
+        topic in prop::sample::select(vec!["start", "check", "diagram", "history", "branches", "returns", "border", "diagram.svg", "history.npz", "returns.csv"]),
         question in any_json(),
         change in prop::sample::select(vec!["runs", "observe", "keep", "until", "window", "parameter", "start", "set", "period"]),
         value in any_json(),

@@ -16,6 +16,7 @@ use crate::terminal::{self, Console, Printer, Waiting};
 use chatter::analysis::simulate::{Outcome, Simulation, Spec, Verification};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
+use chatter_work::Silent;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -257,7 +258,14 @@ fn run_in<R: Real>(
     let mut written: Vec<PathBuf> = path.map(Path::to_path_buf).into_iter().collect();
     let mut remarks = Vec::new();
     if let (Some(FigureFile(path)), Some(samples)) = (&arguments.plot, &drawn) {
-        let picture = picture::draw(subject, run, samples, window, &arguments.axes())?;
+        let picture = picture::draw(
+            subject,
+            run,
+            samples,
+            window,
+            &arguments.axes(),
+            &Silent::default(),
+        )?;
         let outcome = picture.figure.write(path);
         outcome.map_err(|error| Failure::Output(error.to_string()))?;
         written.push(path.clone());

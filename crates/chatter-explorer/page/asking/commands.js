@@ -96,22 +96,40 @@ export class Commands {
 
     /**
      * The question about the return map's own curve, which is a sweep over initial values.
-     * @param {import("../motion/return-curve.js").OneDimension} one
+     * @param {import("../motion/return-curve.js").Sampled} curve
      */
-    returned(one) {
+    returned(curve) {
         const { diagram } = this.store.state;
         const at = Object.entries(sampled(diagram.sampling)).flatMap(([name, value]) => [`--${name}`, value]);
         return line([
-            "chatter", "diagram", this.model(), ...this.fixed(one), "--sweep", one.sweep, ...at,
-            "--observe", one.name, "--transient", "0", "--keep", "1", "--out", "returns-curve.npz", "--plot", "returns-curve.svg",
+            "chatter", "diagram", this.model(), ...this.fixed(curve), "--sweep", curve.sweep, ...at,
+            "--observe", curve.name, "--transient", "0", "--keep", "1", "--out", "returns-curve.npz", "--plot", "returns-curve.svg",
         ]);
     }
 
-    /** @param {import("../motion/return-curve.js").OneDimension} one */
-    fixed(one) {
-        const { set, initial } = this.store.model(true);
-        const starts = initial.filter(([name]) => name !== one.name && name !== one.held);
-        return [...set.flatMap(([name, value]) => ["--set", `${name}=${value}`]), ...starts.flatMap(([name, value]) => ["--initial", `${name}=${value}`]), "--initial", `${one.held}=${one.value}`];
+    /** @param {import("../motion/return-curve.js").Sampled} curve */
+    fixed(curve) {
+        const { set } = this.store.model(true);
+        return [...set.flatMap(([name, value]) => ["--set", `${name}=${value}`]), "--initial", `${curve.held}=${curve.level}`];
+    }
+
+    /**
+     * The return map with its cobweb, and the curve that it is on where there is one.
+     * @param {string} name of the quantity
+     * @param {boolean} state whether it is one
+     * @param {import("../motion/return-curve.js").Sampled | null} curve
+     */
+    python_returned(name, state, curve) {
+        const { sampling } = this.store.state.diagram;
+        const events = `e = ${this.python_events(sampling)}`;
+        if (!state) return this.python_history(`${events}; e`);
+        const cobweb = `${events}; x = e[${string(name)}]; w = x[-61:].repeat(2); plt.plot(x[:-1], x[1:], ".", w[:-1], w[1:])`;
+        if (!curve) return this.python_history(cobweb);
+        const [from, to, count] = curve.sweep.slice(curve.sweep.indexOf("=") + 1).split(":");
+        const at = Object.entries(sampled(sampling)).map(([option, value]) => `${option}=${string(value)}`);
+        const asked = [`sweep={${string(`initial:${curve.name}`)}: (${from}, ${to}, ${count})}`, ...at, `observe=${string(curve.name)}`, "transient=0", "keep=1"];
+        const drawn = `d = ${this.python_source([...this.store.model(true).set, [curve.held, String(curve.level)]])}.diagram(${asked.join(", ")}); plt.plot(d[${string(`initial_${curve.name}`)}][d["column"]], d[${string(curve.name)}])`;
+        return this.python_history(`${cobweb}; ${drawn}`);
     }
 
     /** @param {{ restitution: number, slope: number, mu: number }} map */

@@ -1,8 +1,11 @@
 /** The orbit diagram: sharpens column by column, keeps what it has, and shows where the picked value is. */
 
 import { make } from "../elements/dom.js";
-import { layers, legend, words } from "./classes.js";
+import { look_at, readable } from "./box.js";
+import { layers, legend } from "./classes.js";
 import { DiagramControls } from "./controls.js";
+import { draw_picked, there } from "./place.js";
+import { question, whole } from "./question.js";
 import { COARSE, Rows, hangs_together, slope_of } from "./rows.js";
 import { axis_label } from "../drawing/labels.js";
 import { Overlay } from "../theory/overlay.js";
@@ -11,7 +14,6 @@ import { gifts, panel } from "../elements/panel.js";
 import { Plot } from "../drawing/plot.js";
 import { Raster } from "../drawing/raster.js";
 import { DOCUMENT, NUMBERS, REMARK, ROW, document_of, numbers, text } from "../asking/records.js";
-import { sampled } from "../state.js";
 import { rounded, shown } from "../drawing/ticks.js";
 import { Refused, is_abort } from "../asking/transport.js";
 
@@ -66,13 +68,13 @@ export class DiagramView {
         this.legend = make("div", { class: "legend" });
         const menu = gifts(ask, {
             name: "orbit diagram",
-            files: () => ({ asked: "diagram", question: { ...this.question(), runs: [this.whole()] } }),
+            files: () => ({ asked: "diagram", question: { ...this.question(), runs: [whole(this.diagram, this.size())] } }),
             command: () => commands.diagram(this.size()),
             python: () => commands.python_diagram(this.size()),
         }, say);
         this.element = panel("diagram", "Orbit diagram", [], make("div", { class: "body" }, this.panel.element, this.error, this.plot.element, make("div", { class: "foot" }, this.readout, this.legend, this.progress), this.overlay.element), menu);
         store.on((change) => {
-            if (change === "model") this.controls();
+            if (change === "model") this.panel.build();
             if (change !== "look" && change !== "motion") this.refresh(change === "values");
             if (change === "look") this.show_legend();
             this.plot.repaint();
@@ -88,31 +90,8 @@ export class DiagramView {
         return this.rows.size(this.diagram);
     }
 
-    /** The sweep that a file is made of: what is seen. */
-    whole() {
-        const { over, from, to, second, second_from, second_to } = this.diagram;
-        const first = `${over}=${from}:${to}:${this.size()}`;
-        return second ? [first, `${second}=${second_from}:${second_to}:${this.size()}`] : [first];
-    }
-
     question() {
-        const { diagram } = this;
-        const model = this.store.model(false);
-        model.set = model.set.filter(([name]) => name !== diagram.over && name !== diagram.second);
-        return {
-            model,
-            ...sampled(diagram.sampling),
-            observe: [diagram.observe],
-            transient: diagram.transient,
-            keep: String(diagram.keep),
-            start: diagram.start,
-            bounds: this.commands.bounds(),
-            exponent: diagram.exponent,
-        };
-    }
-
-    controls() {
-        this.panel.build();
+        return question(this.store, this.commands.bounds());
     }
 
     /**
@@ -239,24 +218,8 @@ export class DiagramView {
             this.raster.show(context, plot);
         }
         this.overlay.draw(context, plot, colors);
-        const { picked } = this.store.state;
-        if (picked !== null) {
-            const at = Math.round(plot.px(picked)) + 0.5;
-            context.strokeStyle = colors.accent;
-            context.lineWidth = 1.25;
-            context.beginPath();
-            context.moveTo(at, plot.area.top);
-            context.lineTo(at, plot.area.top + height);
-            context.stroke();
-            if (diagram.second) {
-                const value = Number(this.store.state.set[diagram.second]);
-                const up = Math.round(plot.py(value)) + 0.5;
-                context.beginPath();
-                context.moveTo(plot.area.left, up);
-                context.lineTo(plot.area.left + width, up);
-                context.stroke();
-            }
-        }
+        const { picked, set } = this.store.state;
+        if (picked !== null) draw_picked(context, plot, colors.accent, [picked, diagram.second ? Number(set[diagram.second]) : null]);
     }
 
     /**
@@ -267,20 +230,8 @@ export class DiagramView {
         const { diagram } = this;
         this.dragging = !done;
         this.stale = true;
-        Object.assign(diagram, { from: box.x0, to: box.x1 });
-        if (diagram.second) Object.assign(diagram, { second_from: box.y0, second_to: box.y1 });
-        else diagram.y = [box.y0, box.y1];
-        if (done) {
-            // Numbers that can be read and written down.
-            const x = (box.x1 - box.x0) / 1e4;
-            const y = (box.y1 - box.y0) / 1e4;
-            this.store.change("view", ({ diagram }) => {
-                Object.assign(diagram, { from: rounded(box.x0, x), to: rounded(box.x1, x) });
-                const up = /** @type {[number, number]} */ ([rounded(box.y0, y), rounded(box.y1, y)]);
-                if (diagram.second) Object.assign(diagram, { second_from: up[0], second_to: up[1] });
-                else diagram.y = up;
-            });
-        }
+        look_at(diagram, box);
+        if (done) this.store.change("view", ({ diagram }) => look_at(diagram, readable(box)));
     }
 
     /** Shows everything: the range that was typed last, or the values that are known. */
@@ -341,19 +292,8 @@ export class DiagramView {
             this.readout.textContent = "";
             return;
         }
-        const parts = [];
-        if (diagram.second) {
-            const cell = this.rows.plane.at(at.x, at.y);
-            parts.push(`${diagram.over} = ${shown(at.x)}`, `${diagram.second} = ${shown(at.y)}`);
-            if (cell) parts.push(...words(cell.row, this.outcomes));
-        } else {
-            const column = this.rows.nearest(at.x);
-            if (!column) return;
-            parts.push(`${diagram.over} = ${shown(column.x, 8)}`);
-            const [row] = column.rows.filter((row) => row);
-            if (row) parts.push(...words(row, this.outcomes));
-            if (Number.isFinite(at.y)) parts.push(`${diagram.observe} = ${shown(at.y + slope_of(diagram) * at.x)}`);
-        }
+        const parts = there(this.rows, diagram, this.outcomes, at);
+        if (parts.length === 0) return;
         this.readout.textContent = parts.join("  ·  ");
     }
 }

@@ -4,11 +4,11 @@ import { choice, field, make } from "../elements/dom.js";
 import { nearest } from "./history.js";
 import { theme } from "../drawing/palette.js";
 import { gifts, panel } from "../elements/panel.js";
+import { draw_shapes, reach } from "./shapes.js";
 import { Sound } from "./sound.js";
 import { shown } from "../drawing/ticks.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {import("../drawing/palette.js").Theme} Theme */
 
 /** The whole of what is shown lasts so long, in seconds. */
 const LASTS = 8;
@@ -55,7 +55,7 @@ export class MechanismView {
             name: "mechanism",
             files: () => ({ asked: "history", question: { ...motions.question(), window: `${store.state.from}:${until()}`, axes: ["drawing"] } }),
             command: () => commands.history("mechanism", ["drawing"], { until: until() }),
-            python: () => commands.python_history(`run(${this.now})`),
+            python: () => commands.python_history(`run.draw(${this.now})`),
         }, say);
         this.element = panel("mechanism", "Mechanism", [field("sound", heard), field("speed", speed)], make("div", { class: "body" }, this.frame, this.hint, make("div", { class: "foot player" }, this.button, this.slider, this.readout)), this.menu);
         motions.on((motion) => {
@@ -166,22 +166,8 @@ export class MechanismView {
         const scale = Math.min((width - 24) / (x1 - x0), (height - 24) / (y1 - y0));
         const px = (/** @type {number} */ x) => width / 2 + (x - (x0 + x1) / 2) * scale;
         const py = (/** @type {number} */ y) => height / 2 - (y - (y0 + y1) / 2) * scale;
-        const colors = theme();
         const glowing = (performance.now() - this.hit) / 1000 < GLOW;
-        const ordered = shapes.map((shape, index) => ({ shape, index })).sort((one, other) => LAYERS.indexOf(one.shape.kind) - LAYERS.indexOf(other.shape.kind));
-        for (const { shape, index } of ordered) {
-            const at = numbers(index);
-            if (at.some((value) => !Number.isFinite(value))) continue;
-            if (shape.kind === "mass") mass(context, colors, shape, [px(at[0]), py(at[1])], [at[2] * scale, (at[3] ?? 0) * scale], at[4] ?? 0);
-            else if (shape.kind === "disc") mass(context, colors, shape, [px(at[0]), py(at[1])], [at[2] * scale], at[3] ?? 0);
-            else if (shape.kind === "round_wall") round_wall(context, colors, [px(at[0]), py(at[1])], at[2] * scale, glowing);
-            else {
-                const ends = /** @type {[number, number, number, number]} */ ([px(at[0]), py(at[1]), px(at[2]), py(at[3])]);
-                if (shape.kind === "spring") spring(context, colors, ends);
-                else if (shape.kind === "wall") wall(context, colors, ends, glowing);
-                else rod(context, colors, ends);
-            }
-        }
+        draw_shapes(context, theme(), { px, py, scale }, shapes.map((shape, index) => ({ kind: shape.kind, at: numbers(index) })), glowing);
     }
 
     /** The sample that is shown. */
@@ -195,156 +181,11 @@ export class MechanismView {
         const { motion } = this;
         if (!motion) return [0, 1, 0, 1];
         if (motion.bounds) return motion.bounds;
-        let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
-        const reach = (/** @type {Float64Array} */ x, /** @type {Float64Array} */ y, /** @type {Float64Array | null} */ wide, /** @type {Float64Array | null} */ high) => {
-            for (let k = 0; k < x.length; k += 1) {
-                const [w, h] = [wide ? wide[k] : 0, high ? high[k] : 0];
-                if (!Number.isFinite(x[k] + y[k] + w + h)) continue;
-                x0 = Math.min(x0, x[k] - w);
-                x1 = Math.max(x1, x[k] + w);
-                y0 = Math.min(y0, y[k] - h);
-                y1 = Math.max(y1, y[k] + h);
-            }
-        };
-        this.shapes().forEach((shape, index) => {
-            const values = motion.drawn[index];
-            if (shape.kind === "mass") reach(values[0], values[1], values[2].map((w) => w / 2), values[3].map((h) => h / 2));
-            else if (shape.kind === "disc" || shape.kind === "round_wall") reach(values[0], values[1], values[2], values[2]);
-            else {
-                reach(values[0], values[1], null, null);
-                reach(values[2], values[3], null, null);
-            }
-        });
-        if (x0 > x1) return [0, 1, 0, 1];
+        const reached = reach(this.shapes().map((shape, index) => ({ kind: shape.kind, along: motion.drawn[index] })));
+        if (!reached) return [0, 1, 0, 1];
+        const [x0, x1, y0, y1] = reached;
         const room = 0.06 * Math.max(x1 - x0, y1 - y0, 1e-9);
         motion.bounds = [x0 - room, x1 + room, y0 - room, y1 + room];
         return motion.bounds;
     }
-}
-
-/** From back to front. */
-const LAYERS = ["round_wall", "wall", "spring", "rod", "mass", "disc"];
-
-/**
- * @param {CanvasRenderingContext2D} context
- * @param {Theme} colors
- * @param {{ kind: string }} shape
- * @param {[number, number]} at
- * @param {number[]} size width and height, or a radius
- * @param {number} angle
- */
-function mass(context, colors, shape, at, size, angle) {
-    context.save();
-    context.translate(...at);
-    context.rotate(-angle);
-    context.beginPath();
-    if (shape.kind === "disc") {
-        context.arc(0, 0, Math.max(2, size[0]), 0, 2 * Math.PI);
-        context.moveTo(0, 0);
-        context.lineTo(Math.max(2, size[0]), 0);
-    } else {
-        const [wide, high] = size.map((length) => Math.max(3, length));
-        context.roundRect(-wide / 2, -high / 2, wide, high, Math.min(4, wide / 4, high / 4));
-    }
-    context.fillStyle = colors.dark ? "#2c4058" : "#d5e3f0";
-    context.strokeStyle = colors.curve;
-    context.lineWidth = 1.75;
-    context.fill();
-    context.stroke();
-    context.restore();
-}
-
-/**
- * @param {CanvasRenderingContext2D} context
- * @param {Theme} colors
- * @param {[number, number, number, number]} ends
- */
-function spring(context, colors, [x0, y0, x1, y1]) {
-    const length = Math.hypot(x1 - x0, y1 - y0);
-    if (length === 0) return;
-    const [ux, uy] = [(x1 - x0) / length, (y1 - y0) / length];
-    const turns = 7;
-    const lead = Math.min(10, length * 0.15);
-    const wide = Math.min(9, 4 + length * 0.03);
-    const at = (/** @type {number} */ along, /** @type {number} */ aside) => /** @type {[number, number]} */ ([x0 + ux * along - uy * aside, y0 + uy * along + ux * aside]);
-    context.beginPath();
-    context.moveTo(x0, y0);
-    context.lineTo(...at(lead, 0));
-    for (let k = 0; k < 2 * turns; k += 1) context.lineTo(...at(lead + ((k + 0.5) / (2 * turns)) * (length - 2 * lead), k % 2 ? wide : -wide));
-    context.lineTo(...at(length - lead, 0));
-    context.lineTo(x1, y1);
-    context.strokeStyle = colors.muted;
-    context.lineWidth = 1.5;
-    context.lineJoin = "round";
-    context.stroke();
-}
-
-/**
- * @param {CanvasRenderingContext2D} context
- * @param {Theme} colors
- * @param {[number, number, number, number]} ends hatched on the right of the way from the first to the second
- * @param {boolean} glowing
- */
-function wall(context, colors, [x0, y0, x1, y1], glowing) {
-    const length = Math.hypot(x1 - x0, y1 - y0);
-    if (length === 0) return;
-    const [ux, uy] = [(x1 - x0) / length, (y1 - y0) / length];
-    context.beginPath();
-    const count = Math.max(2, Math.round(length / 9));
-    for (let k = 0; k <= count; k += 1) {
-        const [x, y] = [x0 + (ux * length * k) / count, y0 + (uy * length * k) / count];
-        context.moveTo(x, y);
-        context.lineTo(x - uy * 7 - ux * 5, y + ux * 7 - uy * 5);
-    }
-    context.strokeStyle = colors.jump;
-    context.lineWidth = 1;
-    context.stroke();
-    context.beginPath();
-    context.moveTo(x0, y0);
-    context.lineTo(x1, y1);
-    context.strokeStyle = glowing ? colors.accent : colors.ink;
-    context.lineWidth = glowing ? 3 : 2;
-    context.stroke();
-}
-
-/**
- * @param {CanvasRenderingContext2D} context
- * @param {Theme} colors
- * @param {[number, number]} centre
- * @param {number} radius hatched outside
- * @param {boolean} glowing
- */
-function round_wall(context, colors, [x, y], radius, glowing) {
-    if (!(radius > 0)) return;
-    const count = Math.max(12, Math.round((2 * Math.PI * radius) / 9));
-    context.beginPath();
-    for (let k = 0; k < count; k += 1) {
-        const [one, other] = [(2 * Math.PI * k) / count, (2 * Math.PI * (k + 0.5)) / count];
-        context.moveTo(x + radius * Math.cos(one), y + radius * Math.sin(one));
-        context.lineTo(x + (radius + 7) * Math.cos(other), y + (radius + 7) * Math.sin(other));
-    }
-    context.strokeStyle = colors.jump;
-    context.lineWidth = 1;
-    context.stroke();
-    context.beginPath();
-    context.arc(x, y, radius, 0, 2 * Math.PI);
-    context.strokeStyle = glowing ? colors.accent : colors.ink;
-    context.lineWidth = glowing ? 3 : 2;
-    context.stroke();
-}
-
-/**
- * @param {CanvasRenderingContext2D} context
- * @param {Theme} colors
- * @param {[number, number, number, number]} ends
- */
-function rod(context, colors, [x0, y0, x1, y1]) {
-    context.beginPath();
-    context.moveTo(x0, y0);
-    context.lineTo(x1, y1);
-    context.strokeStyle = colors.ink;
-    context.lineWidth = 3;
-    context.lineCap = "round";
-    context.stroke();
-    context.lineCap = "butt";
 }

@@ -1,65 +1,22 @@
 /** The curves that cobwebs are drawn on: that of a return map of one dimension, and that of the universal map near a border. */
 
-import { ROW, numbers } from "../asking/records.js";
-import { sampled } from "../state.js";
 import { collected } from "../asking/transport.js";
 
 /** @typedef {import("../state.js").Store} Store */
-/** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {{ name: string, held: string, value: number, sweep: string }} OneDimension a return map of one dimension: its coordinate,
- *   the state that its section holds at a value, and the sweep over initial values that samples it */
-
-/** Values at which the curve is sampled. */
-const VALUES = 400;
+/** @typedef {{ name: string, held: string, level: number, sweep: string }} Sampled how the curve of a return map of one dimension is
+ *   sampled: its state, the one that its section holds and where, and the sweep over initial values */
 
 /**
- * What a return map of one dimension is a map of: of a system of two states that is not forced, where the section holds one.
- * @param {Store} store
- * @param {Motion} motion
- * @param {number[]} places of the events at which orbits are sampled
- * @param {string} returned the quantity that is shown
- * @returns {OneDimension | null}
- */
-export function one_dimension(store, motion, places, returned) {
-    const { checked, state } = store;
-    if (!checked || places.length < 2 || checked.states.length !== 2 || checked.states.some((one) => one.time)) return null;
-    const [kind, name] = state.diagram.sampling.split(":");
-    const on = kind === "section" ? checked.sections.find((section) => section.name === name)?.on : checked.gaps.length === 1 ? checked.gaps[0] : undefined;
-    if (on?.length !== 1 || on[0] === returned) return null;
-    const free = checked.states.find((one) => one.name !== on[0]);
-    const values = motion.events.at.get(returned);
-    const held = motion.events.at.get(on[0]);
-    if (free?.name !== returned || !values || !held) return null;
-    const known = places.map((place) => values[place]);
-    const [low, high] = [Math.min(...known), Math.max(...known)];
-    const room = high > low ? 0.15 * (high - low) : 0.15 * Math.abs(high) || 0.1;
-    const end = (/** @type {number} */ value) => Number(value.toPrecision(6));
-    return { name: returned, held: on[0], value: held[places[0]], sweep: `initial:${returned}=${end(low - room)}:${end(high + room)}:${VALUES}` };
-}
-
-/**
- * Points of the return map's curve, in order.
+ * The curve of a return map of one dimension; none where it has more.
  * @param {import("../asking/transport.js").Ask} ask
- * @param {Store} store
- * @param {OneDimension} one
+ * @param {object} question about the motion, with the axes of its return map
  * @param {AbortSignal} signal
- * @returns {Promise<[number, number][]>}
+ * @returns {Promise<{ sampled: Sampled, curve: [number, number][] } | null>}
  */
-export async function sampled_curve(ask, store, one, signal) {
-    const model = store.model(true);
-    const initial = model.initial.filter(([name]) => name !== one.name && name !== one.held);
-    const question = {
-        model: { ...model, initial: [...initial, [one.held, String(one.value)]] },
-        runs: [[one.sweep]], ...sampled(store.state.diagram.sampling), observe: [one.name], transient: 0, keep: "1",
-    };
-    /** @type {[number, number][]} */
-    const points = [];
-    for await (const message of ask("diagram", question, signal)) {
-        if (message.kind !== ROW) continue;
-        const row = numbers(message);
-        points.push([row[2], row.length > 8 ? row[8] : NaN]);
-    }
-    return points.sort((one, other) => one[0] - other[0]);
+export async function return_curve(ask, question, signal) {
+    const { documents, columns: [x, next] } = await collected(ask("returns", question, signal));
+    const sampled = /** @type {Sampled | null} */ (documents[0]);
+    return sampled && { sampled, curve: Array.from(x, (value, place) => /** @type {[number, number]} */ ([value, next[place]])) };
 }
 
 /**

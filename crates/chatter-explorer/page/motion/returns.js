@@ -6,7 +6,7 @@ import { make } from "../elements/dom.js";
 import { axis_label } from "../drawing/labels.js";
 import { gifts, panel } from "../elements/panel.js";
 import { Plot, extent } from "../drawing/plot.js";
-import { one_dimension, sampled_curve, universal_curve, universal_map } from "./return-curve.js";
+import { return_curve, universal_curve, universal_map } from "./return-curve.js";
 import { shown } from "../drawing/ticks.js";
 import { Latest, is_abort } from "../asking/transport.js";
 
@@ -47,6 +47,7 @@ export class ReturnView {
     constructor(ask, store, motions, commands, say) {
         this.ask = ask;
         this.store = store;
+        this.motions = motions;
         this.commands = commands;
         /** @type {Motion | null} */
         this.motion = null;
@@ -54,8 +55,8 @@ export class ReturnView {
         this.values = [];
         /** @type {[number, number][]} */
         this.curve = [];
-        /** @type {import("./return-curve.js").OneDimension | null} */
-        this.one = null;
+        /** @type {import("./return-curve.js").Sampled | null} how the curve is sampled, where there is one */
+        this.sampled = null;
         /** @type {{ restitution: number, slope: number, mu: number } | null} */
         this.map = null;
         /** @type {[number, number]} */
@@ -71,7 +72,7 @@ export class ReturnView {
             hover: (at) => (this.readout.textContent = at ? `${shown(at.x)} → ${shown(at.y)}` : this.words()),
         });
         this.select = make("select", { "aria-label": "Quantity of the return map", onchange: () => store.change("look", (state) => { state.returned = this.select.value; }) });
-        this.element = panel("returns", "Return map", [this.select], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), gifts(ask, this.giving(motions), say));
+        this.element = panel("returns", "Return map", [this.select], make("div", { class: "body" }, this.plot.element, make("div", { class: "foot" }, this.readout)), gifts(ask, this.giving(), say));
         motions.on((motion) => {
             if (!motion) return;
             this.motion = motion;
@@ -83,27 +84,29 @@ export class ReturnView {
         });
     }
 
-    /**
-     * @param {import("./motion.js").Motions} motions
-     * @returns {import("../elements/panel.js").Giving}
-     */
-    giving(motions) {
+    /** The axes of a picture of it. */
+    axes() {
+        const { returned, diagram } = this.store.state;
+        return `${returned},next:${diagram.sampling.split(":")[1]}`;
+    }
+
+    /** What is asked about the map of a motion. */
+    question() {
+        return { ...this.motions.question(), axes: [this.axes()] };
+    }
+
+    /** @returns {import("../elements/panel.js").Giving} */
+    giving() {
         const { commands } = this;
-        const axes = () => `${this.store.state.returned},next:${this.store.state.diagram.sampling.split(":")[1]}`;
-        const history = () => {
-            const { returned, diagram } = this.store.state;
-            const values = this.motion?.about.states.includes(returned) ? `x = e[${JSON.stringify(returned)}]; plt.plot(x[:-1], x[1:], ".")` : "e";
-            return commands.python_history(`e = ${commands.python_events(diagram.sampling)}; ${values}`);
-        };
         return {
             name: "return map",
-            files: () => (this.map ? { asked: "universal", question: this.map } : { asked: "history", question: { ...motions.question(), axes: [axes()], sample: "events" } }),
+            files: () => (this.map ? { asked: "universal", question: this.map } : { asked: "returns", question: { ...this.question(), sample: "events" } }),
             command: () => {
                 if (this.map) return commands.universal(this.map);
-                const crossings = commands.history("returns", [axes()], { sample: "events" });
-                return this.one ? `${crossings} && ${commands.returned(this.one)}` : crossings;
+                const crossings = commands.history("returns", [this.axes()], { sample: "events" });
+                return this.sampled ? `${crossings} && ${commands.returned(this.sampled)}` : crossings;
             },
-            python: () => (this.map ? commands.python_universal(this.map, this.range) : history()),
+            python: () => (this.map ? commands.python_universal(this.map, this.range) : commands.python_returned(this.store.state.returned, Boolean(this.motion?.about.states.includes(this.store.state.returned)), this.sampled)),
         };
     }
 
@@ -128,40 +131,41 @@ export class ReturnView {
         const at = motion.events.at.get(chosen);
         const places = section_points(motion, diagram.sampling);
         if (!this.map) this.values = at ? places.map((place) => at[place]) : [];
-        this.one = this.map ? null : one_dimension(store, motion, places, chosen);
-        const key = JSON.stringify([this.map, this.one, this.one && store.model(true), diagram.sampling]);
+        const key = JSON.stringify(this.map ?? [this.question(), places.length]);
         if (key !== this.key) {
             this.key = key;
             this.curve = [];
+            this.sampled = null;
             if (this.map) this.values = [];
             this.plot.canvas.dataset.curve = "";
-            this.ask_for_curve();
+            this.ask_for_curve(key);
         }
         this.fit();
     }
 
-    ask_for_curve() {
-        const { map, one } = this;
-        if (!map && !one) {
+    /** @param {string} key what the curve is to be a curve of */
+    ask_for_curve(key) {
+        const { map } = this;
+        // Where orbits are looked at in intervals of time there are no events to draw.
+        if (!map && this.store.state.diagram.sampling.startsWith("period")) {
             this.latest.stop();
             return;
         }
+        const question = this.question();
         this.latest.run(async (signal) => {
             try {
                 if (map) {
                     const { curve, orbit, range } = await universal_curve(this.ask, map, signal);
-                    if (this.map !== map) return;
-                    Object.assign(this, { curve, range, values: Array.from(orbit) });
-                } else if (one) {
-                    const curve = await sampled_curve(this.ask, this.store, one, signal);
-                    if (this.one !== one) return;
-                    this.curve = curve;
+                    if (this.key === key) Object.assign(this, { curve, range, values: Array.from(orbit) });
+                } else {
+                    const found = await return_curve(this.ask, question, signal);
+                    if (found && this.key === key) Object.assign(this, found);
                 }
             } catch (error) {
                 if (is_abort(error)) return;
-                this.curve = [];
             }
-            this.plot.canvas.dataset.curve = JSON.stringify(this.curve);
+            if (this.key !== key) return;
+            this.plot.canvas.dataset.curve = this.curve.length ? JSON.stringify(this.curve) : "";
             this.fit();
         });
     }

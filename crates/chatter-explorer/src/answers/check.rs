@@ -2,7 +2,6 @@
 
 use super::Answering;
 use crate::question::ModelQuestion;
-use chatter::expressions::Symbol;
 use chatter::model::{Label, Model, check};
 use chatter_work::source::Loaded;
 use chatter_work::{Refusal, shipped, simulation};
@@ -78,7 +77,6 @@ pub fn answer(answering: &Answering, question: &CheckQuestion) -> Result<(), Ref
         json!({
             "name": section.name,
             "surface": model.formula(section.surface),
-            "on": states_in(&model, section.surface),
             "direction": section.direction.name(),
         })
     })
@@ -87,11 +85,6 @@ pub fn answer(answering: &Answering, question: &CheckQuestion) -> Result<(), Ref
         .contacts
         .iter()
         .map(|contact| &*contact.name)
-        .collect();
-    let gaps: Vec<Vec<&str>> = model
-        .contacts
-        .iter()
-        .map(|contact| states_in(&model, contact.gap))
         .collect();
     let phases: Vec<String> = {
         let mut graph = model.graph.clone();
@@ -109,7 +102,6 @@ pub fn answer(answering: &Answering, question: &CheckQuestion) -> Result<(), Ref
         "states": states,
         "parameters": of_parameters,
         "contacts": contacts,
-        "gaps": gaps,
         "sections": sections,
         "phases": phases,
         "drawing": { "shapes": shapes },
@@ -120,16 +112,6 @@ pub fn answer(answering: &Answering, question: &CheckQuestion) -> Result<(), Ref
 /// Whether an initial value or a parameter is computed from others.
 fn depends(model: &Model, value: chatter::expressions::Expr) -> bool {
     !model.graph.symbols(value).is_empty()
-}
-
-/// The states that an expression depends on: the return map of a section that holds one of two still has one dimension.
-fn states_in(model: &Model, expr: chatter::expressions::Expr) -> Vec<&str> {
-    let symbols = model.graph.symbols(expr);
-    let names = model.states.iter().enumerate();
-    names
-        .filter(|(index, _)| symbols.contains(&Symbol::State(*index)))
-        .map(|(_, state)| &*state.name)
-        .collect()
 }
 
 fn label(label: Option<&Label>) -> Value {

@@ -152,6 +152,16 @@ pub fn file(
     question: &DiagramQuestion,
     kind: Extension,
 ) -> Result<(), Refusal> {
+    let stem = stem(&question.model.name, "diagram");
+    written(answering, question, (&stem, kind))
+}
+
+/// The first sweep as a file of this name.
+pub fn written(
+    answering: &Answering,
+    question: &DiagramQuestion,
+    (stem, kind): (&str, Extension),
+) -> Result<(), Refusal> {
     let Some(run) = question.runs.first() else {
         return Err(Refusal::input("nothing is swept"));
     };
@@ -163,7 +173,6 @@ pub fn file(
         return Err(Refusal::Interrupted);
     }
     let mut source = ready.source(&rows, complete);
-    let stem = stem(&question.model.name, "diagram");
     if kind.is_picture() {
         let job = &order.job;
         let words = Words {
@@ -179,9 +188,9 @@ pub fn file(
             &View::default(),
             answering,
         )?;
-        return answering.figure(&stem, kind, &picture.figure);
+        return answering.figure(stem, kind, &picture.figure);
     }
     table::check_names(&ready.sweep)?;
     let texts = table::provenance(&order, &ready.model)?;
-    answering.tables(&stem, kind, |path| table::write(&mut source, &texts, path))
+    answering.tables(stem, kind, |path| table::write(&mut source, &texts, path))
 }

@@ -23,15 +23,15 @@ const RESOLUTION: f64 = 2e-4;
 const MOST_CONTACTS: usize = 8;
 
 /// A motion that can be followed.
-struct Asked {
-    loaded: Loaded,
+pub(super) struct Asked {
+    pub loaded: Loaded,
     spec: Spec,
-    window: Option<(f64, f64)>,
+    pub window: Option<(f64, f64)>,
     duration: DoubleDouble,
     time_was_given: bool,
 }
 
-fn asked(answering: &Answering, question: &HistoryQuestion) -> Result<Asked, Refusal> {
+pub(super) fn asked(answering: &Answering, question: &HistoryQuestion) -> Result<Asked, Refusal> {
     let mut loaded = question.model.load(&answering.context.files)?;
     let (until, window) = question.times()?;
     let time_was_given = until.is_some();
@@ -60,7 +60,7 @@ fn asked(answering: &Answering, question: &HistoryQuestion) -> Result<Asked, Ref
 }
 
 impl Asked {
-    fn subject<'a>(&'a self, question: &'a HistoryQuestion) -> Subject<'a> {
+    pub fn subject<'a>(&'a self, question: &'a HistoryQuestion) -> Subject<'a> {
         Subject {
             model: &self.loaded.model,
             spec: &self.spec,
@@ -275,8 +275,17 @@ pub fn file(
     question: &HistoryQuestion,
     kind: Extension,
 ) -> Result<(), Refusal> {
-    let mut asked = asked(answering, question)?;
     let stem = stem(&question.model.name, "history");
+    written(answering, question, (&stem, kind))
+}
+
+/// The motion as a file of this name.
+pub fn written(
+    answering: &Answering,
+    question: &HistoryQuestion,
+    (stem, kind): (&str, Extension),
+) -> Result<(), Refusal> {
+    let mut asked = asked(answering, question)?;
     if kind.is_picture() {
         let axes = question.panels()?;
         asked.spec.sampling = vec![picture::sampling(asked.duration, asked.window)];
@@ -286,15 +295,15 @@ pub fn file(
         let samples = followed.simulation.samples.pop();
         let samples = samples.ok_or(Refusal::Interrupted)?;
         let run = (&followed.simulation, &followed.record);
-        let picture = picture::draw(&subject, run, &samples, asked.window, &axes)?;
-        return answering.figure(&stem, kind, &picture.figure);
+        let picture = picture::draw(&subject, run, &samples, asked.window, &axes, answering)?;
+        return answering.figure(stem, kind, &picture.figure);
     }
     let sample = question.rows()?;
     let by_events = sample == SampleOption::Events;
     let sampling = sample.sampling(&mut asked.loaded.model)?;
     asked.spec.sampling = sampling.into_iter().collect();
     let subject = asked.subject(question);
-    answering.tables(&stem, kind, |path| {
+    answering.tables(stem, kind, |path| {
         let rows = match by_events {
             true => Rows::Events(path),
             false => Rows::Table(path),

@@ -7,6 +7,7 @@ mod curve;
 mod diagram;
 mod file;
 mod history;
+mod returns;
 mod universal;
 
 use crate::question::{self, ModelQuestion};
@@ -49,6 +50,8 @@ enum Topic {
     Diagram,
     /// One motion.
     History,
+    /// The curve of its return map.
+    Returns,
     /// Periodic orbits over a parameter.
     Branches,
     /// Special points in two parameters.
@@ -59,11 +62,12 @@ enum Topic {
     Universal,
 }
 
-const TOPICS: [(&str, Topic); 8] = [
+const TOPICS: [(&str, Topic); 9] = [
     ("start", Topic::Start),
     ("check", Topic::Check),
     ("diagram", Topic::Diagram),
     ("history", Topic::History),
+    ("returns", Topic::Returns),
     ("branches", Topic::Branches),
     ("curve", Topic::Curve),
     ("border", Topic::Border),
@@ -138,12 +142,14 @@ impl Answering<'_> {
             Some((Topic::Check, _)) => check::answer(self, &question::read(body)?),
             Some((Topic::Diagram, None)) => diagram::answer(self, &question::read(body)?),
             Some((Topic::History, None)) => history::answer(self, &question::read(body)?),
+            Some((Topic::Returns, None)) => returns::answer(self, &question::read(body)?),
             Some((Topic::Branches, None)) => branches::answer(self, &question::read(body)?),
             Some((Topic::Curve, None)) => curve::answer(self, &question::read(body)?),
             Some((Topic::Border, None)) => border::answer(self, &question::read(body)?),
             Some((Topic::Universal, None)) => universal::answer(self, &question::read(body)?),
             Some((Topic::Diagram, Some(kind))) => diagram::file(self, &question::read(body)?, kind),
             Some((Topic::History, Some(kind))) => history::file(self, &question::read(body)?, kind),
+            Some((Topic::Returns, Some(kind))) => returns::file(self, &question::read(body)?, kind),
             Some((Topic::Branches, Some(kind))) => {
                 branches::file(self, &question::read(body)?, kind)
             }

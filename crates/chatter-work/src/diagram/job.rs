@@ -4,7 +4,7 @@ use super::picture::Shear;
 use crate::data_files::{DataFiles, kept};
 use crate::observer::Observer;
 use crate::refusal::Refusal;
-use chatter::analysis::diagram::{DiagramError, Row, Spec, Sweep, Swept};
+use chatter::analysis::diagram::{DiagramError, Range, Row, Spec, Sweep, Swept};
 use chatter::analysis::return_map::{ReturnMap, ReturnMapError, ReturnSpec};
 use chatter::model::{Model, ModelError};
 use chatter_files::Format;
@@ -181,16 +181,24 @@ pub struct Ready {
     pub sweep: Sweep,
 }
 
+impl Ready {
+    /// A diagram of a model as it is.
+    ///
+    /// # Errors
+    /// What is asked does not fit the model.
+    pub fn new(model: Model, returns: &ReturnSpec, diagram: &Spec) -> Result<Self, Refusal> {
+        let map = ReturnMap::new(&amid(&model, &diagram.sweeps), returns)
+            .map_err(|error| look_failure(&error))?;
+        let sweep = Sweep::new(&map, diagram).map_err(|error| refused(&error, &model))?;
+        check_restitution(&model, &sweep)?;
+        Ok(Self { model, map, sweep })
+    }
+}
+
 impl Job {
     /// Reads the model and checks everything.
     pub fn prepare(&self, model_text: &str) -> Result<Ready, Refusal> {
-        let model = self.model(model_text)?;
-        let map = ReturnMap::new(&self.amid(&model), &self.returns)
-            .map_err(|error| look_failure(&error))?;
-        let sweep =
-            Sweep::new(&map, &self.diagram).map_err(|error| self.refused(&error, &model))?;
-        check_restitution(&model, &sweep)?;
-        Ok(Ready { model, map, sweep })
+        Ready::new(self.model(model_text)?, &self.returns, &self.diagram)
     }
 
     /// The model, with everything set into it.
@@ -208,43 +216,9 @@ impl Job {
         Ok(model)
     }
 
-    /// The model in the middle of the sweep: what is to be checked of it holds there if anywhere, and may not hold where
-    /// its file puts the swept parameters.
-    fn amid(&self, model: &Model) -> Model {
-        let mut amid = model.clone();
-        for range in &self.diagram.sweeps {
-            let middle = range.value(range.count / 2);
-            // What cannot be set is told by the sweep.
-            if range.swept == Swept::Parameter {
-                drop(amid.set_parameter(&range.parameter, &format!("{middle:e}")));
-            }
-        }
-        amid
-    }
-
     /// What the model is called.
     pub fn title<'a>(&'a self, model: &'a Model) -> &'a str {
         model.title.as_deref().unwrap_or(&self.model)
-    }
-
-    fn refused(&self, error: &DiagramError, model: &Model) -> Refusal {
-        match error {
-            DiagramError::Observable { text, error } => {
-                let mut known = model.state_names();
-                known.extend(model.parameter_names());
-                known.extend(chatter::analysis::map::Passage::NAMES);
-                ModelError::of_expression("--observe", text, error.clone(), &known).into()
-            }
-            DiagramError::PhaseLost(lost) => Refusal::input(error).help(format!(
-                "sample once in a period of the equations, --period EXPR, and `{time}` goes on in the same phase; or make \
-                 the phase a state of the model, with its rate as derivative; or start afresh, without --start carry",
-                time = lost.coordinate
-            )),
-            DiagramError::CarriedInitial { .. } => {
-                Refusal::input(error).help("leave out --start carry, or sweep a parameter")
-            }
-            _ => Refusal::input(error).did_you_mean(error.suggestion()),
-        }
     }
 
     /// What another job differs in, in words.
@@ -262,6 +236,40 @@ impl Job {
         } else {
             "other options"
         }
+    }
+}
+
+/// The model in the middle of the sweep: what is to be checked of it holds there if anywhere, and may not hold where
+/// its file puts the swept parameters.
+fn amid(model: &Model, sweeps: &[Range]) -> Model {
+    let mut amid = model.clone();
+    for range in sweeps {
+        let middle = range.value(range.count / 2);
+        // What cannot be set is told by the sweep.
+        if range.swept == Swept::Parameter {
+            drop(amid.set_parameter(&range.parameter, &format!("{middle:e}")));
+        }
+    }
+    amid
+}
+
+fn refused(error: &DiagramError, model: &Model) -> Refusal {
+    match error {
+        DiagramError::Observable { text, error } => {
+            let mut known = model.state_names();
+            known.extend(model.parameter_names());
+            known.extend(chatter::analysis::map::Passage::NAMES);
+            ModelError::of_expression("--observe", text, error.clone(), &known).into()
+        }
+        DiagramError::PhaseLost(lost) => Refusal::input(error).help(format!(
+            "sample once in a period of the equations, --period EXPR, and `{time}` goes on in the same phase; or make \
+             the phase a state of the model, with its rate as derivative; or start afresh, without --start carry",
+            time = lost.coordinate
+        )),
+        DiagramError::CarriedInitial { .. } => {
+            Refusal::input(error).help("leave out --start carry, or sweep a parameter")
+        }
+        _ => Refusal::input(error).did_you_mean(error.suggestion()),
     }
 }
 

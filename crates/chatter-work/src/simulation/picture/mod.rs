@@ -4,14 +4,17 @@ mod history;
 mod impacts;
 mod mechanism;
 mod portrait;
+mod return_curve;
 mod returns;
 mod shown;
 mod side;
 mod wanted;
 
+pub use return_curve::ReturnCurve;
 pub use wanted::Axes;
 
 use super::{Record, Subject};
+use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::simulate::{Samples, Sampling, Simulation};
 use chatter::model::{Label, Model};
@@ -68,6 +71,7 @@ pub fn draw<R: Real>(
     samples: &Samples<R>,
     window: Option<(f64, f64)>,
     axes: &[Axes],
+    observer: &dyn Observer,
 ) -> Result<Picture, Refusal> {
     let shown = Shown::new(subject, run, samples, window)?;
     let mut figure = Figure::new();
@@ -91,7 +95,13 @@ pub fn draw<R: Real>(
             Shows::Impacts(over) => Some(impacts::panel(subject, run.1, &shown, over)?),
             Shows::Returns(what, at) => {
                 square = true;
-                Some(returns::panel(subject, run.1, &shown, (what, at))?)
+                Some(returns::panel(
+                    subject,
+                    run.1,
+                    &shown,
+                    (what, at),
+                    observer,
+                )?)
             }
             Shows::Mechanism => {
                 square = true;

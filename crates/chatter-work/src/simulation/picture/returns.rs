@@ -1,11 +1,13 @@
-//! A return map: a quantity at an event against what it is at the next one, with the cobweb between.
+//! A return map: a quantity at an event against what it is at the next one, with the cobweb between, and the curve that the
+//! points are on where it is one.
 
+use super::return_curve::{ReturnCurve, states_at};
 use super::shown::Shown;
 use super::side::{Formula, Quantity};
 use super::wanted::At;
 use super::{Record, Subject};
+use crate::observer::Observer;
 use crate::refusal::Refusal;
-use chatter::flow::Place;
 use chatter::numerics::Real;
 use chatter_figures::{Color, Legend, Line, Marker, Markers, Panel};
 
@@ -21,21 +23,19 @@ pub fn panel<R: Real>(
     record: &Record<R>,
     shown: &Shown,
     (what, at): (Quantity, At),
+    observer: &dyn Observer,
 ) -> Result<Panel, Refusal> {
     let formula = Formula::new(subject, what)?;
     let parameters = subject.model.parameter_values::<f64>(&[]);
-    let mut values = Vec::new();
-    for noted in record.events() {
-        let event = noted?.event;
-        let is_meant = match at {
-            At::Kind(kind) => event.kind == kind,
-            At::Section(section) => event.detail.place() == Some(Place::Section(section)),
-        };
-        if is_meant && (shown.from..=shown.to).contains(&event.time.to_f64()) {
-            let state: Vec<f64> = event.state.iter().map(|value| value.to_f64()).collect();
-            values.push(formula.value(&state, &parameters));
-        }
-    }
+    let states = states_at(record, at, (shown.from, shown.to))?;
+    let values = states.iter();
+    let values: Vec<f64> = values
+        .map(|state| formula.value(state, &parameters))
+        .collect();
+    let curve = match ReturnCurve::of(subject.model, (what, at), &states) {
+        Some(curve) => curve.points(subject.model, observer)?,
+        None => (Vec::new(), Vec::new()),
+    };
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (low, high) = match high - low {
@@ -62,6 +62,7 @@ pub fn panel<R: Real>(
                 .color(Color::GREY)
                 .width(0.4),
         )
+        .with(Line::new(curve.0, curve.1).color(Color::INK).width(0.8))
         .with(Line::new(web_x, web_y).color(Color::BLUE).width(0.4))
         .with(
             Markers::new(before, after)
