@@ -33,7 +33,7 @@ def values(count):
 
 
 def chatter(columns, transient, keep):
-    command = ["cargo", "run", "--release", "-q", "-p", "chatter", "--example", "valve_columns", "--"]
+    command = ["cargo", "run", "--release", "-q", "-p", "chatter-dynamics", "--example", "valve_columns", "--"]
     counts = [str(count) for count in (columns, transient, keep)]
     done = subprocess.run([*command, *counts], cwd=ROOT, check=True, capture_output=True, text=True)
     answer = json.loads(done.stdout)

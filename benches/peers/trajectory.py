@@ -19,7 +19,7 @@ COMPARED = 100
 
 
 def chatter(impacts):
-    command = ["cargo", "run", "--release", "-q", "-p", "chatter", "--example", "valve_trajectory", "--"]
+    command = ["cargo", "run", "--release", "-q", "-p", "chatter-dynamics", "--example", "valve_trajectory", "--"]
     done = subprocess.run([*command, str(impacts)], cwd=ROOT, check=True, capture_output=True, text=True)
     answer = json.loads(done.stdout)
     return answer["microseconds_per_impact"], answer["time"], answer["state"]

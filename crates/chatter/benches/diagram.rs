@@ -1,5 +1,5 @@
 //! Orbit diagrams: returns per second on one core and on all, and how the cost grows with columns, impacts and states.
-//! `cargo bench -p chatter --bench diagram`; items are returns, or impacts where it says so.
+//! `cargo bench -p chatter-dynamics --bench diagram`; items are returns, or impacts where it says so.
 
 use chatter::analysis::diagram::{Range, Record, Spec, Threads, diagram};
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec, Sampling};

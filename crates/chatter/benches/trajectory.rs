@@ -1,5 +1,5 @@
 //! One trajectory of the valve at q = 0.0203, a stable period-one orbit with 34 impacts a period: a million impacts from a
-//! model file, interpreted, to rounding error. `cargo bench -p chatter --bench trajectory`; time per item is per impact.
+//! model file, interpreted, to rounding error. `cargo bench -p chatter-dynamics --bench trajectory`; time per item is per impact.
 
 use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;

@@ -1,6 +1,6 @@
 //! Iterates of z -> Upsilon(K z + mu) a second, on one core, four ways. Items are iterates.
 //!
-//! `cargo bench -p chatter --bench universal`
+//! `cargo bench -p chatter-dynamics --bench universal`
 
 use chatter::analysis::universal::{ChatterMap, Universal, UniversalMap};
 use chatter::numerics::Lanes;

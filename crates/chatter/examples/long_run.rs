@@ -1,6 +1,6 @@
 //! A long run of the valve, watched at every impact and then between impacts, for whatever should never happen: a plug
 //! below its seat, an impact that does not part, a flight that takes no time, an orbit that cannot go on.
-//! `cargo run --release -p chatter --example long_run -- FLIGHTS`.
+//! `cargo run --release -p chatter-dynamics --example long_run -- FLIGHTS`.
 
 use chatter::analysis::map::{Arrival, Command, Map, Origin, Start};
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec, Sampling};

@@ -1,6 +1,6 @@
 //! Follows each shipped model, alone and side by side at many values of its first parameter, and prints a hash of all states
 //! and times by model: what must not depend on the processor, nor on what runs the expansions.
-//! `cargo run --release -p chatter --example state_hashes -- [interpreter|compiled]`; `.ci/other-processors` compares.
+//! `cargo run --release -p chatter-dynamics --example state_hashes -- [interpreter|compiled]`; `.ci/other-processors` compares.
 
 use chatter::expressions::Backend;
 use chatter::flow::{FlowError, Next, Occurrence, Settings, System, Trajectory, run_fleet};

@@ -1,5 +1,5 @@
 //! Times the columns of an orbit diagram of the valve on one core and prints, as one line of JSON, what the peers' script
-//! compares: `cargo run --release -p chatter --example valve_columns -- COLUMNS TRANSIENT KEEP`.
+//! compares: `cargo run --release -p chatter-dynamics --example valve_columns -- COLUMNS TRANSIENT KEEP`.
 
 use chatter::analysis::diagram::{Range, Spec, Threads, diagram};
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};

@@ -1,5 +1,5 @@
 //! Times one trajectory of the valve at q = 0.0203 and prints, as one line of JSON, what the peers' script compares:
-//! `cargo run --release -p chatter --example valve_trajectory -- 100000`.
+//! `cargo run --release -p chatter-dynamics --example valve_trajectory -- 100000`.
 
 use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;
