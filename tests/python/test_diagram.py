@@ -174,3 +174,9 @@ def test_a_cluster_comes_to_the_file_of_one_process_though_a_worker_is_killed(va
     assert (tmp_path / "many.npz").read_bytes() == (tmp_path / "one.npz").read_bytes()
     assert np.array_equal(found["y2"], ch.resume(tmp_path / "one.npz")["y2"])
     assert sorted(os.listdir(tmp_path)) == ["many.npz", "one.npz"]
+
+
+def test_a_ball_that_loses_nothing_comes_back_to_its_height():
+    ball = ch.Model.shipped("bouncing_ball").with_values(r=1)
+    d = ball.diagram(sweep={"initial:y": (0.5, 1, 5)}, section="apex", observe="y", transient=3, keep=2)
+    np.testing.assert_allclose(d["y"], np.repeat(np.linspace(0.5, 1, 5), 2), rtol=1e-12)

@@ -122,7 +122,7 @@ pub struct Arguments {
     /// A panel of the plot: Y over X, once for each panel [default: all states over time, and the phase portrait]. Both are
     /// a state, `gap at CONTACT` or `rate at CONTACT`, and X also the time. `impact,rate_before` and `t,rate_before` show the
     /// rates of impacts in logarithmic scale, `X,next:SECTION`, `X,next:impact` and `X,next:release` a return map with its
-    /// cobweb, `drawing` the mechanism at the end of the window
+    /// cobweb, and of one dimension its curve, `drawing` the mechanism at the end of the window
     #[arg(long, value_name = "X,Y", requires = "plot")]
     axes: Vec<AxesOption>,
 }

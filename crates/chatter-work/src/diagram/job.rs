@@ -294,7 +294,7 @@ fn check_restitution(model: &Model, sweep: &Sweep) -> Result<(), Refusal> {
             let value: f64 = model
                 .graph
                 .evaluate(contact.restitution, &state, &parameters);
-            if !model.graph.depends_on_state(contact.restitution) && !(0.0..1.0).contains(&value) {
+            if !model.graph.depends_on_state(contact.restitution) && !(0.0..=1.0).contains(&value) {
                 return Err(Refusal::input(format!(
                     "at {} contact `{}` has restitution {value}, outside 0 <= r <= 1",
                     told.join(", "),

@@ -204,6 +204,13 @@ mod tests {
         for (height, next) in heights.iter().zip(next) {
             assert!((next - 0.49 * height).abs() < 1e-14, "{height} {next}");
         }
+        // Without loss it comes back to where it was.
+        let mut elastic = ball.clone();
+        elastic.set_parameter("r", "1").unwrap();
+        let (heights, next) = curve.points(&elastic, &Silent::default()).unwrap();
+        for (height, next) in heights.iter().zip(next) {
+            assert!((next - height).abs() < 1e-14, "{height} {next}");
+        }
         // At the floor: the speed after one impact against that after the next.
         let speeds = [vec![0.0, 1.4], vec![0.0, 0.98]];
         let impacts = (Quantity::State(1), At::Kind(EventKind::Impact));
