@@ -4,7 +4,9 @@
 
 use libfuzzer_sys::fuzz_target;
 
+#[path = "../../crates/chatter/tests/laws/motion.rs"]
+mod motion;
 #[path = "../../crates/chatter/tests/laws/simulation.rs"]
-mod law;
+mod simulation;
 
-fuzz_target!(|bytes: &[u8]| law::law(bytes));
+fuzz_target!(|bytes: &[u8]| simulation::law(bytes));

@@ -1,5 +1,7 @@
 //! Short runs of models that chance has made. `fuzz/` runs the same law on whatever it comes up with.
 
+#[path = "../laws/motion.rs"]
+mod motion;
 #[path = "../laws/simulation.rs"]
 mod simulation;
 
@@ -23,6 +25,16 @@ fn gaps_are_never_negative_time_rises_and_runs_end() {
         let byte = |k: u64| simulation::chance(seed << 8 | k) as u8;
         let bytes: Vec<u8> = (0..20).map(byte).collect();
         simulation::law(&bytes);
+    }
+}
+
+#[test]
+fn shipped_models_keep_to_the_law_whatever_their_parameters_are() {
+    let mut prepared = motion::prepared();
+    for seed in 0..10 * executions() {
+        let byte = |k: u64| simulation::chance(seed << 8 | k) as u8;
+        let bytes: Vec<u8> = (0..40).map(byte).collect();
+        motion::law(&mut prepared, &bytes);
     }
 }
 

@@ -1,7 +1,8 @@
 //! Short runs of a model made from any bytes: no gap is ever negative, time rises, and the runs end.
 
+use super::motion::{ROUNDING, Run, follow};
 use chatter::analysis::simulate::{Outcome, Sampling, Spec, simulate};
-use chatter::flow::{Occurrence, Settings, System, Trajectory};
+use chatter::flow::{Settings, System};
 use chatter::model::Model;
 use std::ops::ControlFlow;
 
@@ -12,9 +13,6 @@ const STEPS: u64 = 200_000;
 
 /// Further starts of each model: to derive its equations costs more than to run it.
 pub const STARTS: u64 = 7;
-
-/// Share of the largest gap by which a gap may seem negative.
-const ROUNDING: f64 = 1e-9;
 
 /// Takes numbers from bytes; zeros once they are used up.
 struct Numbers<'a>(core::slice::Iter<'a, u8>);
@@ -123,34 +121,20 @@ fn from_elsewhere(model: &Model, (text, has_ceiling): (&str, bool), bytes: &[u8]
         let start = [1.0 + place(0, 1.0), place(16, 4.0), place(32, 4.0), 0.0];
         let start = &start[..model.initial_state(&parameters).len()];
         let context = || format!("from {start:?}\n{text}");
-        let Ok(mut trajectory) = Trajectory::start(&system, &mut work, &parameters, 0.0, start)
-        else {
-            continue;
+        let least = |state: &[f64]| {
+            let y = state[0];
+            if has_ceiling { y.min(2.0 - y) } else { y }
         };
-        let (mut steps, mut impacts, mut time, mut largest) = (0, 0, 0.0, 2.0_f64);
-        while let Ok(occurrence) = trajectory.advance(&system, &mut work, UNTIL) {
-            steps += 1;
-            assert!(steps < STEPS, "no end {}", context());
-            assert!(time <= trajectory.time(), "time falls {}", context());
-            time = trajectory.time();
-            let dense = work.dense();
-            let within = (0..=4_u8)
-                .filter(|_| dense.step() > 0.0)
-                .map(|part| dense.state(0, f64::from(part) / 4.0));
-            for y in within.chain([trajectory.state()[0]]) {
-                largest = largest.max(y.abs());
-                let least = if has_ceiling { y.min(2.0 - y) } else { y };
-                assert!(least >= -ROUNDING * largest, "gap {least} {}", context());
-            }
-            match occurrence {
-                Some(Occurrence::Horizon) => break,
-                Some(Occurrence::Impact { .. }) => impacts += 1,
-                _ => {}
-            }
-            if impacts >= IMPACTS {
-                break;
-            }
-        }
+        let run = Run {
+            system: &system,
+            parameters: &parameters,
+            start,
+            until: UNTIL,
+            impacts: IMPACTS,
+            steps: STEPS,
+        };
+        let ended = follow(&run, &mut work, least, &context);
+        assert!(ended, "no end {}", context());
     }
 }
 
