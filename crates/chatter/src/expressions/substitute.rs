@@ -3,42 +3,99 @@
 use super::graph::{Expr, Graph, Node, Symbol};
 use std::collections::BTreeSet;
 
+/// Multiples of it, without their whole parts, have no simple relation.
+const BLEND: f64 = 0.618_033_988_749_894_9;
+
 impl Graph {
     /// `expr` with every symbol for which `replacement` gives an expression replaced by it, all at once, and simplified
     /// again. Shared subexpressions are rebuilt once.
     pub fn substitute(&mut self, expr: Expr, replacement: &dyn Fn(Symbol) -> Option<Expr>) -> Expr {
         let mut known = vec![expr; expr.index() + 1];
         for old in self.reachable(&[expr]) {
+            known[old.index()] = self.with_parts(old, &known, replacement);
+        }
+        known[expr.index()]
+    }
+
+    /// The node `old` with what has become of its parts.
+    fn with_parts(
+        &mut self,
+        old: Expr,
+        known: &[Expr],
+        replacement: &dyn Fn(Symbol) -> Option<Expr>,
+    ) -> Expr {
+        match self.node(old).clone() {
+            Node::Number(_) | Node::Pi => old,
+            Node::Symbol(symbol) => replacement(symbol).unwrap_or(old),
+            Node::Sum(terms) => {
+                let terms: Vec<Expr> = terms.iter().map(|term| known[term.index()]).collect();
+                self.sum(&terms)
+            }
+            Node::Product(factors) => {
+                let factors: Vec<Expr> = factors.iter().map(|f| known[f.index()]).collect();
+                self.product(&factors)
+            }
+            Node::Power(base, exponent) => self.power(known[base.index()], known[exponent.index()]),
+            Node::Call(function, argument) => self.call(function, known[argument.index()]),
+            Node::Switch {
+                surface,
+                above,
+                below,
+                edge,
+            } => {
+                let [surface, above, below] =
+                    [surface, above, below].map(|part| known[part.index()]);
+                self.switch(surface, above, below, edge)
+            }
+            Node::Floor(argument) => self.floor(known[argument.index()]),
+            Node::Curve(id, argument, derivative) => {
+                self.curve_at(id, known[argument.index()], derivative)
+            }
+        }
+    }
+
+    /// What an expression is where another one is negative: choices by the sign of that one, or of minus it, are made.
+    pub fn where_negative(&mut self, expr: Expr, negative: Expr) -> Expr {
+        let positive = self.neg(negative);
+        let mut known = vec![expr; expr.index() + 1];
+        for old in self.reachable(&[expr]) {
             known[old.index()] = match self.node(old).clone() {
-                Node::Number(_) | Node::Pi => old,
-                Node::Symbol(symbol) => replacement(symbol).unwrap_or(old),
-                Node::Sum(terms) => {
-                    let terms: Vec<Expr> = terms.iter().map(|term| known[term.index()]).collect();
-                    self.sum(&terms)
-                }
-                Node::Product(factors) => {
-                    let factors: Vec<Expr> = factors.iter().map(|f| known[f.index()]).collect();
-                    self.product(&factors)
-                }
-                Node::Power(base, exponent) => {
-                    self.power(known[base.index()], known[exponent.index()])
-                }
-                Node::Call(function, argument) => self.call(function, known[argument.index()]),
+                Node::Switch { surface, below, .. } if surface == negative => known[below.index()],
+                Node::Switch { surface, above, .. } if surface == positive => known[above.index()],
+                _ => self.with_parts(old, &known, &|_| None),
+            };
+        }
+        known[expr.index()]
+    }
+
+    /// A smooth expression that depends on all that `expr` does in any of its forms: each choice becomes a sum of what it
+    /// chooses from and of what it chooses by, each function that is no formula its argument, in parts without a relation.
+    pub fn blended(&mut self, expr: Expr) -> Expr {
+        let mut known = vec![expr; expr.index() + 1];
+        let mut count = 0_u32;
+        for old in self.reachable(&[expr]) {
+            let parts: Vec<Expr> = match self.node(old) {
                 Node::Switch {
                     surface,
                     above,
                     below,
-                    edge,
-                } => {
-                    let [surface, above, below] =
-                        [surface, above, below].map(|part| known[part.index()]);
-                    self.switch(surface, above, below, edge)
-                }
-                Node::Floor(argument) => self.floor(known[argument.index()]),
-                Node::Curve(id, argument, derivative) => {
-                    self.curve_at(id, known[argument.index()], derivative)
+                    ..
+                } => vec![*surface, *above, *below],
+                Node::Floor(argument) | Node::Curve(_, argument, _) => vec![*argument],
+                _ => {
+                    known[old.index()] = self.with_parts(old, &known, &|_| None);
+                    continue;
                 }
             };
+            let terms: Vec<Expr> = parts
+                .into_iter()
+                .map(|part| {
+                    count += 1;
+                    let weight = self.number((f64::from(count) * BLEND).fract() + BLEND);
+                    self.mul(weight, known[part.index()])
+                })
+                .collect();
+            known[old.index()] = self.sum(&terms);
         }
         known[expr.index()]
     }

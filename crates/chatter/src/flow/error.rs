@@ -211,6 +211,10 @@ impl fmt::Display for FlowError {
                 "at time {time} the argument of table `{table}` leaves its range at {argument}; `outside = \"hold\"` \
                  would go on with the value at its end"
             ),
+            Self::SwitchesWithoutEnd { time, count: 1 } => write!(
+                out,
+                "at time {time} an event follows itself without time passing: there is no end of such events"
+            ),
             Self::SwitchesWithoutEnd { time, count } => write!(
                 out,
                 "at time {time} surfaces are crossed {count} times without time passing"

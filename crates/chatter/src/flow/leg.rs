@@ -75,9 +75,57 @@ struct Watch {
     guards: Vec<GuardKind>,
     /// The section whose crossings are told, after the guards.
     section: Option<usize>,
+    /// Guards that are events, whose functions may have either sign: after all others it is told where their rates fall through
+    /// zero.
+    events: Vec<Event>,
     graph: Graph,
+    /// All guards, then the rates of events.
     values: Tape,
 }
+
+/// An event among the guards.
+#[derive(Clone, Copy, Debug)]
+struct Event {
+    guard: usize,
+    /// Whether it comes about on the way up, too.
+    either: bool,
+}
+
+impl Event {
+    /// The side of its surface that a leg begins on.
+    fn side(self, value: f64, rate: f64, duration: f64) -> f64 {
+        let at_zero = value.abs() <= AT_ZERO * (rate * duration).abs();
+        if at_zero { rate } else { value }
+    }
+
+    /// How far an extreme is from being an event, where it comes near to one from this side. What rises above zero may fall.
+    fn margin(self, side: &mut f64, value: f64, is_least: bool) -> Option<f64> {
+        let above = *side > 0.0;
+        if self.either || above {
+            return (above == is_least).then_some(if above { value } else { -value });
+        }
+        if is_least {
+            return None;
+        }
+        if value > 0.0 {
+            *side = 1.0;
+        }
+        (value <= 0.0).then_some(-value)
+    }
+
+    /// The same at the end of a leg.
+    fn at_end(self, side: f64, value: f64) -> Option<f64> {
+        match (side > 0.0, self.either) {
+            (true, _) => Some(value),
+            (false, true) => Some(-value),
+            (false, false) => None,
+        }
+    }
+}
+
+/// The value of an event's function that a leg begins with is zero if it is this small against what its rate makes of it on
+/// the way.
+const AT_ZERO: f64 = 1e-12;
 
 /// What is known of a leg at its end, columns of derivatives included.
 #[derive(Clone, Debug)]
@@ -246,7 +294,18 @@ impl System {
             .map(|&(_, function)| graph.lie_derivative(function, &field))
             .collect();
         let at_point = Tape::new(graph, coordinates, &[], &field);
-        let functions: Vec<Expr> = watched.iter().map(|&(_, function)| function).collect();
+        let events: Vec<Event> = (watched.iter().enumerate())
+            .filter_map(|(guard, (kind, _))| match kind {
+                GuardKind::Section(index) => Some(Event {
+                    guard,
+                    either: self.model().sections[*index].direction == Direction::Either,
+                }),
+                _ => None,
+            })
+            .collect();
+        let functions: Vec<Expr> = (watched.iter().map(|&(_, function)| function))
+            .chain(events.iter().map(|event| rates[event.guard]))
+            .collect();
         let values = Tape::new(graph, coordinates, &[], &functions);
         let edge = Edge::new(self.model(), graph, (&field, surface, &map), free);
         let bare = |graph: &Graph, sections: Vec<Section>| Model {
@@ -277,7 +336,10 @@ impl System {
             };
             surface(function, direction)
         });
-        let turning: Vec<Section> = turning.chain(crossing).collect();
+        let falling = events
+            .iter()
+            .map(|event| surface(rates[event.guard], Direction::Falling));
+        let turning: Vec<Section> = turning.chain(crossing).chain(falling).collect();
         let watching = (!turning.is_empty())
             .then(|| System::new(&bare(graph, turning)).ok())
             .flatten();
@@ -289,6 +351,7 @@ impl System {
                 system: watching,
                 guards: watched.iter().map(|&(guard, _)| guard).collect(),
                 section: crossed.map(|(section, _)| section),
+                events,
                 graph: graph.clone(),
                 values,
             },
@@ -501,37 +564,57 @@ impl Leg {
         let constants = (flyer.at_watch)
             .constants(&self.watch.values, &self.watch.graph, parameters)
             .to_vec();
-        let mut values = vec![0.0; self.watch.guards.len()];
+        let Watch { guards, events, .. } = &self.watch;
+        let count = guards.len();
+        let mut values = vec![0.0; count + events.len()];
         let low = vec![0.0; x.len()];
         let mut found = Vec::new();
+        (flyer.expansion).evaluate(&self.watch.values, &constants, x, &low, &mut values);
+        let mut sides: Vec<f64> = (events.iter().zip(&values[count..]))
+            .map(|(event, &rate)| event.side(values[event.guard], rate, duration))
+            .collect();
+        let first_fall = count + usize::from(self.watch.section.is_some());
         for _ in 0..MOST_STEPS {
             let told = trajectory.advance_to_horizon(system, work)?;
             let Some(told) = told else { continue };
             let state = trajectory.state();
             let time = trajectory.time() - clock;
             (flyer.expansion).evaluate(&self.watch.values, &constants, state, &low, &mut values);
-            let least = |guard: usize, at_end: bool| Least {
-                guard: self.watch.guards[guard],
+            let least = |guard: GuardKind, value: f64, at_end: bool| Least {
+                guard,
                 time,
-                value: values[guard],
+                value,
                 state: state.to_vec(),
                 at_end,
             };
+            let event = |guard: usize| events.iter().position(|event| event.guard == guard);
             match told {
-                Occurrence::Section { section } if section == values.len() => {
-                    found.extend(self.watch.section.map(|section| Least {
-                        guard: GuardKind::Section(section),
-                        time,
-                        value: 0.0,
-                        state: state.to_vec(),
-                        at_end: false,
-                    }));
+                Occurrence::Section { section } if section == count && section < first_fall => {
+                    let section = self.watch.section.map(GuardKind::Section);
+                    found.extend(section.map(|guard| least(guard, 0.0, false)));
                 }
-                Occurrence::Section { section } => found.push(least(section, false)),
+                Occurrence::Section { section } => {
+                    let fall = section.checked_sub(first_fall);
+                    let guard = fall.map_or(section, |place| events[place].guard);
+                    let value = match event(guard) {
+                        Some(place) => {
+                            let side = &mut sides[place];
+                            events[place].margin(side, values[guard], fall.is_none())
+                        }
+                        None => Some(values[guard]),
+                    };
+                    found.extend(value.map(|value| least(guards[guard], value, false)));
+                }
                 Occurrence::Horizon => {
-                    let others = (0..values.len())
-                        .filter(|&guard| Some(self.watch.guards[guard]) != self.kind.ends_at);
-                    found.extend(others.map(|guard| least(guard, true)));
+                    let others =
+                        (0..count).filter(|&guard| Some(guards[guard]) != self.kind.ends_at);
+                    let at_end = |guard: usize| match event(guard) {
+                        Some(place) => events[place].at_end(sides[place], values[guard]),
+                        None => Some(values[guard]),
+                    };
+                    found.extend(others.filter_map(|guard| {
+                        at_end(guard).map(|value| least(guards[guard], value, true))
+                    }));
                     return Ok(found);
                 }
                 _ => {}

@@ -151,7 +151,7 @@ pub(crate) struct ProgramConstants<R> {
     pub captures: Vec<Vec<R>>,
     pub residuals: Vec<R>,
     pub held_gradients: Vec<R>,
-    pub resets: Vec<[Vec<R>; 2]>,
+    pub resets: Vec<[Vec<R>; 3]>,
     pub standings: Vec<[Vec<R>; 3]>,
     pub field: Vec<R>,
 }
@@ -471,7 +471,7 @@ impl Program {
             held_gradients: of(&self.held_gradients),
             resets: (self.resets.iter())
                 .map(|reset| match reset {
-                    Some(reset) => [of(&reset.after), of(&reset.crossing)],
+                    Some(reset) => [&reset.after, &reset.crossing, &reset.surface].map(of),
                     None => Default::default(),
                 })
                 .collect(),
@@ -509,7 +509,7 @@ impl Program {
         ]
         .into_iter()
         .chain((self.standings.iter()).flat_map(|s| [&s.values, &s.slopes, &s.lifts]))
-        .chain((self.resets.iter().flatten()).flat_map(|r| [&r.after, &r.crossing]))
+        .chain((self.resets.iter().flatten()).flat_map(|r| [&r.after, &r.crossing, &r.surface]))
         .chain(&self.locals)
         .chain(&self.captures)
         .chain(self.impacts.iter().flatten().map(|impact| &impact.tape))

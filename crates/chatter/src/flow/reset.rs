@@ -11,6 +11,8 @@ pub(crate) struct ResetTapes {
     pub after: Tape,
     /// The rate of its surface, then the surface's derivative along each column.
     pub crossing: Tape,
+    /// The surface, its rate and its acceleration.
+    pub surface: Tape,
 }
 
 impl ResetTapes {
@@ -25,6 +27,8 @@ impl ResetTapes {
         let dimension = coordinates * (1 + directions.len());
         let mut after = map.clone();
         let mut crossing = vec![graph.lie_derivative(section.surface, field)];
+        let acceleration = graph.lie_derivative(crossing[0], field);
+        let surface = [section.surface, crossing[0], acceleration];
         for direction in directions {
             after.extend(direction.along(graph, coordinates, &map));
             crossing.extend(direction.along(graph, coordinates, &[section.surface]));
@@ -32,6 +36,7 @@ impl ResetTapes {
         Some(Self {
             after: Tape::new(graph, dimension, &[], &after),
             crossing: Tape::new(graph, dimension, &[], &crossing),
+            surface: Tape::new(graph, dimension, &[], &surface),
         })
     }
 }

@@ -202,7 +202,11 @@ fn section_path<'p, R: Real>(
         crossing: guard.crossing,
         side: work.sides[section],
         terms,
-        reach: work.growth,
+        // What begins with a zero is not rounded like what it comes to far away.
+        reach: match touching {
+            1.. if work.scaled_step > R::ZERO => work.growth.min(work.scaled_step),
+            _ => work.growth,
+        },
         noise: Workspace::<R>::NOISE,
     }
 }

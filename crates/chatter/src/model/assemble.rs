@@ -135,6 +135,7 @@ impl<'a> Assembly<'a> {
             });
         }
         for contact in &mut contacts {
+            contact.decide_at_impact(&mut self.graph, &states);
             contact.as_impulse(&mut self.graph, &states, parameters.len());
         }
         let mut model = Model {

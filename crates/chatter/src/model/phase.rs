@@ -1,7 +1,7 @@
 //! States that the equations know only up to whole periods: the time of a periodic forcing, the angle of a cam.
 
 use super::Model;
-use crate::expressions::{Expr, Function, Graph, Node, Symbol};
+use crate::expressions::{Expr, Folding, Function, Graph, Node, Symbol};
 use crate::numerics::{DoubleDouble, Real};
 
 /// A state that enters vector field, gaps, impulses and restitutions through trigonometric functions only, of arguments
@@ -97,6 +97,8 @@ enum Change {
     Periodic,
     /// By this rate times the period.
     Drift(Expr),
+    /// On average so, in steps: a multiple of the whole part of what grows by the second rate.
+    Stairs(Expr, Expr),
     /// In some other way.
     Other,
 }
@@ -122,9 +124,17 @@ impl Model {
         let stays = |&(state, &after): &(usize, &Expr)| matches!(self.graph.node(after), Node::Symbol(Symbol::State(own)) if *own == state);
         let changed = |reset: &[Expr]| -> Vec<Expr> {
             let all = reset.iter().enumerate();
-            all.filter(|one| !stays(one))
-                .map(|(_, &after)| after)
-                .collect()
+            // A state that a reset adds to is moved as it was: what is added counts.
+            let added = |(state, &after): (usize, &Expr)| match self.graph.node(after) {
+                Node::Sum(terms) => {
+                    let is_own = |term: &Expr| matches!(self.graph.node(*term), Node::Symbol(Symbol::State(own)) if *own == state);
+                    let adds = terms.iter().any(is_own);
+                    let rest = terms.iter().copied().filter(|term| !is_own(term));
+                    if adds { rest.collect() } else { vec![after] }
+                }
+                _ => vec![after],
+            };
+            all.filter(|one| !stays(one)).flat_map(added).collect()
         };
         let contacts = self.contacts.iter();
         (self.field().into_iter())
@@ -155,7 +165,7 @@ fn phase(graph: &mut Graph, equations: &[Expr], state: usize) -> Option<Phase> {
                 Change::Drift(graph.number(1.0))
             }
             Node::Symbol(_) => Change::Free,
-            Node::Sum(terms) => sum(graph, &terms, &changes),
+            Node::Sum(terms) => sum(graph, &terms, &changes, &mut rates),
             Node::Product(factors) => product(graph, &factors, &changes),
             Node::Power(base, exponent) => bounded(&[base, exponent], &changes),
             Node::Call(Function::Sin | Function::Cos | Function::Tan, argument) => {
@@ -180,7 +190,11 @@ fn phase(graph: &mut Graph, equations: &[Expr], state: usize) -> Option<Phase> {
                     _ => bounded(&[argument], &changes),
                 }
             }
-            Node::Call(_, argument) | Node::Floor(argument) => bounded(&[argument], &changes),
+            Node::Floor(argument) => match changes[argument.index()] {
+                Change::Drift(rate) => Change::Stairs(rate, rate),
+                _ => bounded(&[argument], &changes),
+            },
+            Node::Call(_, argument) => bounded(&[argument], &changes),
             Node::Switch {
                 surface,
                 above,
@@ -196,45 +210,80 @@ fn phase(graph: &mut Graph, equations: &[Expr], state: usize) -> Option<Phase> {
     (returns && !rates.is_empty()).then_some(Phase { state, rates })
 }
 
-fn sum(graph: &mut Graph, terms: &[Expr], changes: &[Change]) -> Change {
+fn sum(graph: &mut Graph, terms: &[Expr], changes: &[Change], rates: &mut Vec<Expr>) -> Change {
     let mut drift = Vec::new();
+    let mut stairs = Vec::new();
     let mut change = Change::Free;
     for term in terms {
         match changes[term.index()] {
             Change::Free => {}
             Change::Periodic => change = Change::Periodic,
             Change::Drift(rate) => drift.push(rate),
+            Change::Stairs(rate, of) => {
+                drift.push(rate);
+                stairs.push(of);
+            }
             Change::Other => return Change::Other,
         }
     }
     if drift.is_empty() {
-        change
-    } else {
-        Change::Drift(graph.sum(&drift))
+        return change;
     }
+    // Rates are of what has a value.
+    let before = graph.set_folding(Folding::Continued);
+    let total = graph.sum(&drift);
+    graph.set_folding(before);
+    if stairs.is_empty() {
+        return Change::Drift(total);
+    }
+    // x - m floor(x/m) comes back where x/m grows by one, as a sine whose argument turns once.
+    if total != graph.number(0.0) {
+        return Change::Other;
+    }
+    for of in stairs {
+        let (two, pi) = (graph.number(2.0), graph.pi());
+        rates.push(graph.product(&[two, pi, of]));
+    }
+    Change::Periodic
 }
 
 fn product(graph: &mut Graph, factors: &[Expr], changes: &[Change]) -> Change {
-    let drifts = |factor: &Expr| matches!(changes[factor.index()], Change::Drift(_));
+    let drifts = |factor: &Expr| {
+        matches!(
+            changes[factor.index()],
+            Change::Drift(_) | Change::Stairs(..)
+        )
+    };
     if !factors.iter().any(drifts) {
         return bounded(factors, changes);
     }
     let mut rate = Vec::new();
     let mut drifting = 0;
+    let mut stairs = None;
     for &factor in factors {
         match changes[factor.index()] {
             Change::Drift(by) => {
                 drifting += 1;
                 rate.push(by);
             }
+            Change::Stairs(by, of) => {
+                drifting += 1;
+                rate.push(by);
+                stairs = Some(of);
+            }
             Change::Free if !graph.depends_on_state(factor) => rate.push(factor),
             _ => return Change::Other,
         }
     }
-    if drifting == 1 {
-        Change::Drift(graph.product(&rate))
-    } else {
-        Change::Other
+    if drifting != 1 {
+        return Change::Other;
+    }
+    let before = graph.set_folding(Folding::Continued);
+    let rate = graph.product(&rate);
+    graph.set_folding(before);
+    match stairs {
+        Some(of) => Change::Stairs(rate, of),
+        None => Change::Drift(rate),
     }
 }
 
@@ -245,7 +294,7 @@ fn bounded(operands: &[Expr], changes: &[Change]) -> Change {
         match changes[operand.index()] {
             Change::Free => {}
             Change::Periodic => change = Change::Periodic,
-            Change::Drift(_) | Change::Other => return Change::Other,
+            Change::Drift(_) | Change::Stairs(..) | Change::Other => return Change::Other,
         }
     }
     change
@@ -288,6 +337,15 @@ mod tests {
             ("sin(-omega*x) + rho^y", Some(1.0 / 3.0)),
             ("sin(0.1*x) + sin(0.3*x) + sin(0.7*x)", Some(10.0)),
             ("sin(x) + sin(sqrt(rho)*x)", None),
+            ("mod(x, 1) - y", Some(1.0 / core::f64::consts::TAU)),
+            (
+                "if(mod(x, rho) < 0.5, 1, -1)",
+                Some(2.0 / core::f64::consts::TAU),
+            ),
+            (
+                "mod(3*x, omega)*mod(x, 2)",
+                Some(2.0 / core::f64::consts::TAU),
+            ),
         ] {
             match &periods(formula)[..] {
                 [(state, period)] => {

@@ -5,6 +5,17 @@ use super::{Contact, State};
 use crate::expressions::{Expr, Graph, Node, Symbol};
 
 impl Contact {
+    /// Makes the choices that the sign of the gap rate decides: at an impact it is negative. So `abs(v)` in a restitution is no
+    /// corner of the motion.
+    pub(super) fn decide_at_impact(&mut self, graph: &mut Graph, states: &[State]) {
+        let field: Vec<Expr> = states.iter().map(|state| state.derivative).collect();
+        let rate = graph.lie_derivative(self.gap, &field);
+        let parts = (self.impulse.iter_mut()).chain(self.reset.iter_mut().flatten());
+        for part in parts.chain([&mut self.restitution]) {
+            *part = graph.where_negative(*part, rate);
+        }
+    }
+
     /// Finds impulse and restitution behind a reset.
     ///
     /// A reset x+ = x + v w that changes nothing where there is no rate v is an impulse: chatter along it comes to its end, and

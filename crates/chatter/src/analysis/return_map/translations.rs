@@ -19,10 +19,13 @@ pub(crate) struct Translation {
     pub others: Vec<(usize, f64)>,
 }
 
-/// The equations are looked at in so many places: a derivative that vanishes in all of them vanishes.
+/// The equations are looked at in so many places at each distance: a derivative that vanishes in all of them vanishes.
 const PLACES: usize = 4;
 
-/// How far the places are from each other, in parts of the state's size or of one. Incommensurate with anything in a model.
+/// How far away from a state they are, in parts of its size or of one: what is saturated far away is not nearby.
+const DISTANCES: [f64; 4] = [1.0, 0.03, 1e-3, 30.0];
+
+/// How far the places are from each other, in such parts. Incommensurate with anything in a model.
 const APART: f64 = 0.061_803_398_874_989_49;
 
 /// A slope this small against the others of its equation, after elimination, is rounding error.
@@ -34,6 +37,8 @@ impl Translations {
         let mut graph = model.graph.clone();
         let states = model.states.len();
         let slopes = equations.iter().map(|&equation| {
+            // Near the state that is looked at a force may be saturated or cut off, and what it depends on not show.
+            let equation = graph.blended(equation);
             (0..states)
                 .map(|state| {
                     let slope = graph.derivative(equation, Symbol::State(state));
@@ -96,11 +101,14 @@ impl Translations {
     fn rows(&self, parameters: &[f64], state: &[f64]) -> Vec<Vec<f64>> {
         let mut scratch = Vec::new();
         let mut rows = Vec::new();
-        for place in 0..PLACES {
+        let places = DISTANCES
+            .into_iter()
+            .flat_map(|distance| (0..PLACES).map(move |k| (distance, k)));
+        for (distance, place) in places {
             let moved: Vec<f64> = (state.iter().enumerate())
                 .map(|(index, x)| {
                     let step = ((1 + index + place * state.len()) as f64 * APART).fract();
-                    x + step * (1.0 + x.abs())
+                    x + distance * step * (1.0 + x.abs())
                 })
                 .collect();
             for slopes in &self.slopes {
@@ -158,5 +166,20 @@ mod tests {
             others: Vec::new(),
         };
         assert_eq!(of(way, "a + 1"), [alone]);
+    }
+
+    #[test]
+    fn what_is_saturated_or_cut_off_nearby_is_not_free() {
+        // A free play that the start is inside of, an integral that is saturated there, and one that only a sign knows.
+        for force in [
+            "-max(a - 20, 0) + min(a + 20, 0)",
+            "-clamp(100*a, -1, 1)",
+            "-sign(a - 50)",
+            "-tanh(1e3*(a - 1))",
+            "if(mod(a, 1) < 0.5, 1, -1)",
+        ] {
+            let states = format!("a = \"u\"\nu = \"{force} - u\"\nb = \"v\"\nv = \"-b\"");
+            assert_eq!(of(&states, "b + 1"), [], "{force}");
+        }
     }
 }

@@ -447,7 +447,12 @@ impl<R: Real> Trajectory<R> {
             self.longest_step = self.longest_step.max(step);
         }
         if !program.residuals.outputs.is_empty() {
-            self.stay_on_contacts(system, work)?;
+            // An impulse that is in the state already may have taken it off what it slid along.
+            let has_collided = (result.event).is_some_and(|index| {
+                let transition = &program.guards[index].transition;
+                matches!(transition, Transition::Impact { .. }) && result.crowd == Closed::NONE
+            });
+            self.stay_on_contacts(system, work, !has_collided)?;
         }
         if let Some(index) = result.touched {
             self.touching.set(index, 2);

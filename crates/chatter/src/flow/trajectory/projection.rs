@@ -22,6 +22,7 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
+        slides: bool,
     ) -> Result<(), FlowError> {
         let program = self.program(system)?;
         let Some(constants) = &self.constants[self.mode] else {
@@ -37,7 +38,9 @@ impl<R: Real> Trajectory<R> {
         if residuals.iter().all(|&value| value == R::ZERO) {
             return Ok(());
         }
-        self.stay_on_surfaces(system)?;
+        if slides {
+            self.stay_on_surfaces(system)?;
+        }
         if self.closed == Closed::NONE {
             return Ok(());
         }

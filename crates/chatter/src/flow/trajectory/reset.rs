@@ -7,10 +7,15 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, IMPACT_SCALARS};
 use crate::flow::step::{FOREVER, Workspace, flight_time};
 use crate::flow::system::System;
-use crate::numerics::Real;
+use crate::flow::touch::with_terms;
+use crate::flow::touching::Touching;
+use crate::numerics::{Real, WithTerms};
 
 /// Events without time passing between them: more than so many do not come to an end.
 const MOST_RESETS: usize = 1000;
+
+/// A way back to the surface of an event that takes less than this part of the longest step takes no time.
+const NO_TIME: f64 = 1e-13;
 
 impl<R: Real> Trajectory<R> {
     /// Changes the state as the event of a section says.
@@ -27,20 +32,78 @@ impl<R: Real> Trajectory<R> {
                 count: self.burst,
             });
         }
+        let before = self.surface(system, section)?;
+        let closed = self.closed;
         let shifts = self.apply_reset(system, work, section)?;
         self.tracker.interrupt();
         self.sequence = 0;
         self.latest_impact = None;
         self.flight_time = R::splat(FOREVER);
         self.enter(system, Closed::NONE)?;
-        self.touching = crate::flow::touching::Touching::NONE;
+        self.touching = Touching::NONE;
         self.settle_corners(system, None)?;
         self.classify(system, work, false)?;
         self.shift_columns(system, work, &shifts, -R::ONE)?;
         // On which side of its own surface it has put the state is found anew: that is no crossing.
         self.sides.set(section, R::ZERO);
+        self.stay_on_surface(system, section, before)?;
+        for contact in closed.contacts().filter(|&c| !self.closed.contains(c)) {
+            self.pending.push_back(Occurrence::Release { contact });
+        }
         self.may_have_crossed = true;
         Ok(Occurrence::Reset { section })
+    }
+
+    /// Where an event has left the state on its own surface, which it was on but for rounding, the flight begins with a zero of
+    /// it: so the next one is found however soon it comes, as after an impact.
+    fn stay_on_surface(
+        &mut self,
+        system: &System,
+        section: usize,
+        before: Option<[WithTerms<R>; 3]>,
+    ) -> Result<(), FlowError> {
+        let after = self.surface(system, section)?;
+        let (Some([before, ..]), Some([after, rate, acceleration])) = (before, after) else {
+            return Ok(());
+        };
+        if after.value.abs() > (before.value.abs() + before.level()).max(after.level()) {
+            return Ok(());
+        }
+        // It comes back at once, and again, with no time left between.
+        let back = -(rate.value / acceleration.value) * R::splat(2.0);
+        if back > R::ZERO && back <= self.longest_step * R::splat(NO_TIME) {
+            return Err(FlowError::SwitchesWithoutEnd {
+                time: self.time.to_f64(),
+                count: self.burst,
+            });
+        }
+        let roots = if rate.value.abs() > rate.level() {
+            1
+        } else {
+            2
+        };
+        let guards = &self.program(system)?.guards;
+        if let Some(index) = guards.iter().position(|g| g.section() == Some(section)) {
+            self.touching.set(index, roots);
+        }
+        Ok(())
+    }
+
+    /// The function of the surface of an event, its rate and its acceleration.
+    fn surface(
+        &self,
+        system: &System,
+        section: usize,
+    ) -> Result<Option<[WithTerms<R>; 3]>, FlowError> {
+        let program = self.program(system)?;
+        let (Some(Some(tapes)), Some(constants)) =
+            (program.resets.get(section), &self.constants[self.mode])
+        else {
+            return Ok(None);
+        };
+        let start = (&self.state[..], &self.low[..]);
+        let values = with_terms(&tapes.surface, &constants.resets[section][2], start);
+        Ok(Some([values[0], values[1], values[2]]))
     }
 
     fn apply_reset(

@@ -301,3 +301,40 @@ fn an_impact_elsewhere_may_open_a_contact() {
     assert!((run.state[2] - 0.1 * 0.25).abs() < 1e-15, "{:?}", run.state);
     assert!((run.state[3] - 0.1).abs() < 1e-15);
 }
+
+/// A ball hits a block that dry friction holds: momentum is kept, the rates part by r, and the block slides q^2/(2 mu).
+#[test]
+fn an_impact_takes_a_state_off_the_surface_that_it_slides_along() {
+    let text = r#"
+        [parameters]
+        mu = 0.6
+        r = 0.7
+        [flight]
+        x = "v"
+        v = "0"
+        p = "q"
+        q = "-mu*sign(q)"
+        [[contact]]
+        name = "block"
+        gap = "p - x"
+        impulse = { v = -1, q = 1 }
+        restitution = "r"
+        [initial]
+        x = -1
+        v = 1
+        p = 0
+        q = 0
+        "#;
+    let run = run::<f64>(text, 3.0);
+    let first = &run.events[0];
+    assert!(matches!(first.detail, Occurrence::Impact { .. }));
+    assert!((first.time - 1.0).abs() < 1e-15);
+    assert!((first.state[1] - 0.15).abs() < 1e-15 && (first.state[3] - 0.85).abs() < 1e-15);
+    // It comes to rest before the ball meets it again.
+    let rest = 0.85 * 0.85 / 1.2;
+    let slid = (run.events.iter()).find(|event| matches!(event.detail, Occurrence::Slide { .. }));
+    let slid = slid.expect("the block stops");
+    assert!((slid.time - (1.0 + 0.85 / 0.6)).abs() < 1e-14);
+    assert!((slid.state[2] - rest).abs() < 1e-15);
+    assert_eq!(run.counts.accumulations, 0);
+}

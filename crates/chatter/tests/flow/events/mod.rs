@@ -2,6 +2,7 @@
 
 mod narrow_bumps;
 mod nothing_passed_over;
+mod resets;
 mod sections;
 mod singular_points;
 mod undefined;

@@ -1,0 +1,57 @@
+//! Events that change the state: each is found however soon it follows the one before.
+
+use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use chatter::flow::Occurrence;
+use chatter::model::Model;
+use std::ops::ControlFlow;
+
+fn run(text: &str, until: f64) -> Simulation<f64> {
+    let model = Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"));
+    simulate::<f64>(&model, &Spec::until(until), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .expect("a legal start")
+}
+
+/// A ball that bounces by an event and not at a contact: the n-th reset is at sqrt(2 h/g) (1 + 2 (r + ... + r^n)), and it
+/// never falls through the floor.
+#[test]
+fn a_ball_that_bounces_by_an_event_stays_above_the_floor() {
+    for height in [0.9, 1.0, 1.7, 3.0] {
+        let text = format!(
+            "[flight]\ny = \"v\"\nv = \"-10\"\n[[event]]\nname = \"floor\"\nsurface = \"y\"\ndirection = \"falling\"\n\
+             reset = {{ v = \"-0.5*v\" }}\n[initial]\ny = {height}\nv = 0\n"
+        );
+        let run = run(&text, 10.0);
+        let fall = (2.0 * height / 10.0_f64).sqrt();
+        let resets: Vec<f64> = (run.events.iter())
+            .filter(|event| matches!(event.detail, Occurrence::Reset { .. }))
+            .map(|event| event.time)
+            .collect();
+        assert!(resets.len() > 40, "{}", resets.len());
+        for (n, time) in resets.iter().enumerate().take(40) {
+            let bounces = 1.0 - 0.5_f64.powi(n as i32);
+            let expected = fall * (1.0 + 2.0 * bounces);
+            assert!((time - expected).abs() < 1e-13, "{n}: {time} {expected}");
+        }
+        assert!(run.events.iter().all(|event| event.state[0] > -1e-12));
+        // There is no end of them, and it is said.
+        assert_eq!(run.outcome.name(), "switches_without_end");
+    }
+}
+
+/// A force that an event switches on lifts a mass off its seat: that is a release.
+#[test]
+fn a_contact_that_an_event_opens_is_released() {
+    let text = "[flight]\nx = \"v\"\nv = \"4*s - 1\"\ns = \"0\"\np = \"1\"\n[[contact]]\nname = \"seat\"\ngap = \"x\"\n\
+                impulse = { v = 1 }\nrestitution = 0.5\n[[event]]\nname = \"on\"\nsurface = \"p - 1\"\ndirection = \"rising\"\n\
+                reset = { s = \"1\" }\n[initial]\nx = 0\nv = 0\ns = 0\np = 0\n";
+    let run = run(text, 2.0);
+    assert_eq!(run.outcome, Outcome::Horizon);
+    let releases: Vec<f64> = (run.events.iter())
+        .filter(|event| matches!(event.detail, Occurrence::Release { contact: 0 }))
+        .map(|event| event.time)
+        .collect();
+    assert_eq!(releases, [1.0]);
+    assert!((run.state[0] - 1.5).abs() < 1e-14, "{:?}", run.state);
+}
