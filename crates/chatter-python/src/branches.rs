@@ -59,6 +59,7 @@ fn job(core: &Core, asked: &Asked) -> PyResult<(Job, Option<PathBuf>)> {
         step: asked.get("step")?,
         doublings: asked.get("doublings")?.unwrap_or(0),
         branch_points: asked.get("branch_points")?.unwrap_or(0),
+        plane: None,
     };
     Ok((job, asked.get("out")?))
 }

@@ -3,7 +3,7 @@
 use crate::errors::{raised, unreadable};
 use crate::interruptible::interruptible;
 use crate::model::Core;
-use chatter::analysis::periodic::{End, Known, SpecialKind};
+use chatter::analysis::periodic::{End, Known, Record, SpecialKind};
 use chatter::model::Model;
 use chatter_work::Refusal;
 use chatter_work::numbers::Digits;
@@ -130,7 +130,8 @@ pub fn curve(
             known,
             limits: reach.over(ends(&mut model, (low, high))?)?,
         };
-        let curve = find_curve(&model, &wanted, listener)?;
+        let mut keep = |_: &Record| Ok(());
+        let curve = find_curve(&model, &wanted, (Vec::new(), &mut keep), listener)?;
         if curve.1.ends.contains(&End::Interrupted) {
             return Err(Refusal::Interrupted);
         }

@@ -88,7 +88,12 @@ fn account(model: &Model, arguments: &Arguments, found: &Exponents) -> String {
     let mut rows = vec![vec!["exponent".to_owned(), "error".to_owned()]];
     for (&value, &error) in found.values.iter().zip(&found.errors) {
         rows.push(if value.is_finite() {
-            vec![concise(value, DIGITS), format!("{error:.1e}")]
+            let error = if error.is_nan() {
+                "unknown".to_owned()
+            } else {
+                format!("{error:.1e}")
+            };
+            vec![concise(value, DIGITS), error]
         } else {
             vec!["minus infinity".to_owned(), String::new()]
         });

@@ -265,3 +265,24 @@ fn branches_go_on_to_the_same_file() {
     let missing = fails(&["continue", "--resume", &folder.file("other.npz")]);
     assert!(missing.contains("there is nothing to resume"), "{missing}");
 }
+
+#[test]
+fn curves_in_two_parameters_go_on_to_the_same_file() {
+    let folder = Folder::new("resumed_curves");
+    let branch = folder.file("branch.npz");
+    let sweep = "continue impact_oscillator --set sigma=0 --sweep omega=2.6:2.8 --out";
+    succeeds(&typed(sweep, &[&branch]));
+    let (whole, stopped) = (folder.file("whole.npz"), folder.file("stopped.npz"));
+    let point = format!("{branch}:2");
+    let line = "continue impact_oscillator --set sigma=0 --free omega,r --sweep r=0.4:0.9 --step 0.001 --from";
+    succeeds(&typed(line, &[&point, "--out", &whole]));
+    let journal = format!("{stopped}.journal");
+    let mut child = begin(&typed(line, &[&point, "--out", &stopped]));
+    wait_for(&journal, 60_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!std::fs::exists(&stopped).unwrap());
+    succeeds(&["continue", "--resume", &stopped]);
+    assert!(folder.bytes("whole.npz") == folder.bytes("stopped.npz"));
+    assert_eq!(folder.names(), ["branch.npz", "stopped.npz", "whole.npz"]);
+}

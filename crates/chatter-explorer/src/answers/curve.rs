@@ -3,7 +3,7 @@
 use super::Answering;
 use super::file::{Extension, stem};
 use crate::question::{self, CurveQuestion};
-use chatter::analysis::periodic::{Branch, End, Known, SpecialKind};
+use chatter::analysis::periodic::{Branch, End, Known, Record, SpecialKind};
 use chatter_work::Refusal;
 use chatter_work::numbers::Digits;
 use chatter_work::periodic::{
@@ -52,7 +52,8 @@ fn found(answering: &Answering, question: &CurveQuestion) -> Result<Found, Refus
         known: known(question, model.states.len())?,
         limits: Reach::default().over(range)?,
     };
-    let curve = find_curve(model, &wanted, answering)?;
+    let mut keep = |_: &Record| Ok(());
+    let curve = find_curve(model, &wanted, (Vec::new(), &mut keep), answering)?;
     if curve.1.ends.contains(&End::Interrupted) {
         return Err(Refusal::Interrupted);
     }

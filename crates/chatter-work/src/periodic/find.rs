@@ -221,6 +221,9 @@ impl<'a> Reached<'a> {
     }
 }
 
+/// Keeps a record, or says why it cannot.
+type Keep<'a> = dyn FnMut(&Record) -> Result<(), Refusal> + 'a;
+
 /// The branches. With a log they go on from what it held, and how far they come is kept in it.
 ///
 /// # Errors
@@ -258,34 +261,50 @@ pub(super) fn follow(
     model: &Model,
     (spec, over): (&Spec, &BranchSpec),
     before: Vec<Record>,
-    keep: &mut dyn FnMut(&Record) -> Result<(), Refusal>,
+    keep: &mut Keep<'_>,
     observer: &dyn Observer,
 ) -> Result<Result<Vec<Branch>, PeriodicError>, Refusal> {
-    let mut reached = Reached::new(model, over.parameter, &over.limits, observer);
-    let mut broken = None;
-    let found = branches(model, spec, over, before, &mut |told| {
+    let mut kept = Kept {
+        reached: Reached::new(model, over.parameter, &over.limits, observer),
+        keep,
+        broken: None,
+    };
+    let found = branches(model, spec, over, before, &mut |told| kept.hear(told));
+    kept.broken.map_or(Ok(found), Err)
+}
+
+/// Tells of orbits, and keeps records until one cannot be kept.
+struct Kept<'a> {
+    reached: Reached<'a>,
+    keep: &'a mut Keep<'a>,
+    broken: Option<Refusal>,
+}
+
+impl Kept<'_> {
+    fn hear(&mut self, told: Told<'_>) -> ControlFlow<()> {
         match told {
             Told::Settling => {}
-            Told::Orbit(point) => reached.tell(point),
+            Told::Orbit(point) => self.reached.tell(point),
             Told::Record(record) => {
-                if let Err(refusal) = keep(record) {
-                    broken = Some(refusal);
+                if let Err(refusal) = (self.keep)(record) {
+                    self.broken = Some(refusal);
                     return ControlFlow::Break(());
                 }
             }
         }
-        observer.going_on()
-    });
-    broken.map_or(Ok(found), Err)
+        self.reached.observer.going_on()
+    }
 }
 
-/// The curve and of what; one that the observer stopped ends there (`End::Interrupted`).
+/// The curve and of what; one that the observer stopped ends there (`End::Interrupted`). With records `before` it goes on from
+/// there, and how far it comes is kept.
 ///
 /// # Errors
-/// The point cannot be found again, or is of a kind that has no curve.
+/// The point cannot be found again, or is of a kind that has no curve, or a record cannot be kept.
 pub fn find_curve(
     model: &Model,
     wanted: &Curve,
+    (before, keep): (Vec<Record>, &mut Keep<'_>),
     observer: &dyn Observer,
 ) -> Result<(SpecialKind, Branch), Refusal> {
     let Curve {
@@ -294,11 +313,16 @@ pub fn find_curve(
         known,
         limits,
     } = wanted;
-    let mut reached = Reached::new(model, free[1], limits, observer);
-    let found = special_curve(model, spec, (*free, known), limits, &mut |point| {
-        reached.tell(point);
-        observer.going_on()
-    });
+    let mut kept = Kept {
+        reached: Reached::new(model, free[1], limits, observer),
+        keep,
+        broken: None,
+    };
+    let of = (*free, known);
+    let found = special_curve(model, spec, of, limits, before, &mut |told| kept.hear(told));
+    if let Some(refusal) = kept.broken {
+        return Err(refusal);
+    }
     let SpecialCurve {
         kind,
         points,

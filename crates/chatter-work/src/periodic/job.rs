@@ -2,6 +2,7 @@
 
 use super::find::{Branches, Reach, beside, search};
 use super::request::{free_parameter, specification};
+use super::restored::Restored;
 use crate::data_files::DataFiles;
 use crate::options::{Assignment, Quantity, Window};
 use crate::refusal::Refusal;
@@ -50,6 +51,18 @@ pub struct Job {
     pub doublings: u64,
     /// … and at branch points.
     pub branch_points: u64,
+    /// The curves of these special points in two parameters, and no branches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plane: Option<Plane>,
+}
+
+/// Special points that are followed in two parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plane {
+    /// The parameter that is free beside the one that is varied.
+    pub other: String,
+    /// The points.
+    pub points: Vec<Restored>,
 }
 
 /// A search for orbits, as it was asked for.
@@ -67,8 +80,10 @@ pub struct Sought {
 pub struct Ready {
     /// The model, with everything set into it.
     pub model: Model,
-    /// Which branches.
+    /// Which branches; of curves the limits.
     pub wanted: Branches,
+    /// Positions of the parameters that are free.
+    pub free: Vec<usize>,
 }
 
 fn assignments(all: &[(String, String)]) -> Vec<Assignment> {
@@ -113,7 +128,14 @@ impl Job {
                       }: Sought| search(periods, starts, seed);
         let search = self.search.map(sought).transpose()?;
         let wanted = Branches { spec, over, search };
-        Ok(Ready { model, wanted })
+        let other = self.plane.as_ref().map(|plane| &plane.other);
+        let other = other.map(|name| free_parameter(&model, name)).transpose()?;
+        let free = other.into_iter().chain([parameter]).collect();
+        Ok(Ready {
+            model,
+            wanted,
+            free,
+        })
     }
 
     /// What another job differs in, in words.
@@ -128,6 +150,8 @@ impl Job {
             "other tables in the model's files"
         } else if (&self.parameter, &self.range) != (&other.parameter, &other.range) {
             "another sweep"
+        } else if self.plane != other.plane {
+            "other curves"
         } else if self.search != other.search {
             "another search"
         } else {

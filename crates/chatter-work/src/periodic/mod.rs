@@ -2,6 +2,7 @@
 
 mod arcs;
 mod branch_document;
+mod curves;
 mod find;
 mod job;
 mod log;
@@ -21,7 +22,7 @@ pub use branch_document::{curves_document, document as branch_document};
 pub use find::{
     Branches, Curve, Found, Orbits, Reach, beside, find_branches, find_curve, find_orbits, search,
 };
-pub use job::{Job, Ready, Sought};
+pub use job::{Job, Plane, Ready, Sought};
 pub use log::{Begun, Log};
 pub use merged::merge;
 pub use orbit_document::{document as orbit_document, events_of};

@@ -1,5 +1,6 @@
 //! Branches as they are asked for, with a journal that keeps how far they have come.
 
+use super::curves::find_curves;
 use super::find::find_branches;
 use super::job::{Job, Ready};
 use super::log::{Begun, Log};
@@ -8,7 +9,7 @@ use crate::journals::shard_journal;
 use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::Share;
-use chatter::analysis::periodic::Branch;
+use chatter::analysis::periodic::{Branch, SpecialKind};
 use std::path::{Path, PathBuf};
 
 /// Where it is kept how far branches have come.
@@ -27,6 +28,10 @@ pub enum Beginning {
 pub struct Produced {
     /// The branches; those that the observer stopped end there.
     pub branches: Vec<Branch>,
+    /// Of curves in two parameters, of which kind of points each is.
+    pub kinds: Vec<SpecialKind>,
+    /// The functions that are watched.
+    pub monitors: Vec<String>,
     /// Whether the observer let the work come to its end.
     pub complete: bool,
     log: Option<Log>,
@@ -48,10 +53,22 @@ pub fn produce(
         Beginning::Begun(begun) => Some(begun.read(observer)?),
         Beginning::Open(log) => Some(log),
     };
-    match find_branches(&ready.model, &ready.wanted, log.as_mut(), observer) {
-        Ok(found) => Ok(Produced {
-            branches: found.branches,
-            complete: found.complete,
+    let found = match &job.plane {
+        None => find_branches(&ready.model, &ready.wanted, log.as_mut(), observer).map(|found| {
+            let monitors = ready.wanted.spec.monitors.clone();
+            (found.branches, Vec::new(), monitors, found.complete)
+        }),
+        Some(plane) => find_curves(ready, plane, log.as_mut(), observer).map(|found| {
+            let (kinds, branches) = found.curves.into_iter().unzip();
+            (branches, kinds, found.monitors, found.complete)
+        }),
+    };
+    match found {
+        Ok((branches, kinds, monitors, complete)) => Ok(Produced {
+            branches,
+            kinds,
+            monitors,
+            complete,
             log,
         }),
         Err(refusal) => {
@@ -88,7 +105,7 @@ pub fn produce_share(
     (share, out): (Share, &Path),
     observer: &dyn Observer,
 ) -> Result<(Shared, PathBuf), Refusal> {
-    let Ready { model, wanted } = job.ready()?;
+    let Ready { model, wanted, .. } = job.ready()?;
     let journal = shard_journal(out, share);
     let mut log = Log::find(&journal, job, observer)?;
     let shared = find_share(&model, &wanted, (share, &mut log), observer)?;

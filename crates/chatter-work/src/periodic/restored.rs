@@ -5,9 +5,11 @@ use chatter::analysis::periodic::{Known, SpecialKind};
 use chatter::model::Model;
 use chatter_files::Format;
 use chatter_files::tables::NpzReader;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A special point, and the values of the parameters that were free.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Restored {
     /// The point.
     pub known: Known,

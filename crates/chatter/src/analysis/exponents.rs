@@ -88,10 +88,21 @@ pub fn exponents(
             .map_err(PeriodicError::Ended)?;
         trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
         let mut steps = 0;
+        let mut latest: Option<(f64, usize)> = None;
         loop {
             let told = (trajectory.advance_to_horizon(&system, &mut work))
                 .map_err(PeriodicError::Ended)?;
             steps += 1;
+            if let Some(Occurrence::Impact { contact, .. }) = told {
+                let time = trajectory.time();
+                // Displacements separate what happens at one instant, in an order that is another for each of them.
+                if latest.is_some_and(|(other, at)| other == time && at != contact) {
+                    return Err(PeriodicError::Unfollowed {
+                        what: format!("the impacts of several contacts at time {time}"),
+                    });
+                }
+                latest = Some((time, contact));
+            }
             if told == Some(Occurrence::Horizon) {
                 break;
             }
@@ -180,10 +191,13 @@ fn averaged(growth: &[Vec<f64>], interval: f64) -> Exponents {
             let parts: Vec<f64> = growth.chunks(part).map(|rows| mean(rows, k)).collect();
             let size = parts.len() as f64;
             let spread: f64 = parts.iter().map(|x| (x - value) * (x - value)).sum();
-            let error = if value.is_finite() && parts.len() > 1 {
+            // A single average says nothing of its error, a direction that is forgotten has none.
+            let error = if !value.is_finite() {
+                0.0
+            } else if parts.len() > 1 {
                 (spread / (size * (size - 1.0))).sqrt()
             } else {
-                0.0
+                f64::NAN
             };
             (value, error)
         })

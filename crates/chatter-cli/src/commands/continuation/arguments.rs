@@ -1,5 +1,6 @@
 //! What `chatter continue` is told.
 
+use super::curves::plane;
 use crate::failure::Failure;
 use crate::options::{
     Assignment, Count, FigureFile, Initial, Loaded, PeriodBegins, Quantity, ShareOption, TableFile,
@@ -46,8 +47,7 @@ TABLE
 
 JOURNAL
   With --out, how far branches have come is kept in FILE.journal beside it until all is done; after Ctrl-C or a crash
-  `chatter continue --resume FILE` goes on from there, and the result is the same to the bit. Curves in two parameters have no
-  journal.";
+  `chatter continue --resume FILE` goes on from there, and the result is the same to the bit.";
 
 /// Follow periodic orbits over a parameter, through grazes, folds and period doublings
 #[derive(Args, Debug)]
@@ -229,7 +229,10 @@ impl Arguments {
     pub fn job(&self) -> Result<Job, Failure> {
         let given = self.model.as_deref().unwrap_or_default();
         let Loaded {
-            text, data_files, ..
+            model,
+            text,
+            data_files,
+            ..
         } = Source::named(given)?.load()?;
         let pairs = |all: &[Assignment]| -> Vec<(String, String)> {
             let pair = |one: &Assignment| (one.name.clone(), one.text.clone());
@@ -242,6 +245,8 @@ impl Arguments {
         };
         let swept = self.sweep.as_ref();
         let (from, until) = swept.map_or(("", ""), |swept| swept.range.texts());
+        let name = swept.map_or("", |swept| &*swept.name);
+        let plane = plane(&model, (&self.from, self.free.as_deref()), name)?;
         Ok(Job {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             model: given.to_owned(),
@@ -264,6 +269,7 @@ impl Arguments {
             step: self.step.as_ref().map(|step| step.0.clone()),
             doublings: to(Switch::PeriodDoubling),
             branch_points: to(Switch::BranchPoint),
+            plane,
         })
     }
 }

@@ -2,51 +2,34 @@
 
 use super::arguments::Seed;
 use crate::failure::Failure;
-use crate::terminal::Console;
-use chatter::analysis::periodic::{Branch, Known, Spec, SpecialKind};
 use chatter::expressions::nearest;
 use chatter::model::Model;
-use chatter_work::periodic::{Curve, Ready, find_curve, restore};
+use chatter_work::periodic::{Plane, restore};
 
-/// Curves, each of its kind of points.
-pub type Curves = Vec<(SpecialKind, Branch)>;
-
-/// Curves that were followed.
-pub struct Followed {
-    /// The curves.
-    pub curves: Curves,
-    /// The functions that are watched on them.
-    pub monitors: Vec<String>,
-}
-
-/// The curves of special points, in both parameters.
-pub fn follow(
-    ready: &Ready,
-    (seeds, other): (&[Seed], usize),
-    console: &Console,
-) -> Result<Followed, Failure> {
-    let over = ready.wanted.over;
-    let mut spec = ready.wanted.spec.clone();
-    let mut curves = Vec::new();
-    for seed in seeds {
-        let mut model = ready.model.clone();
-        let known = known_point((&mut model, &mut spec), seed)?;
-        let wanted = Curve {
-            spec: spec.clone(),
-            free: [other, over.parameter],
-            known,
-            limits: over.limits,
-        };
-        curves.push(find_curve(&model, &wanted, console)?);
+/// The curves of these points, over the parameter of the sweep and another.
+///
+/// # Errors
+/// The parameters are none of the model, or a file holds no such point of it.
+pub fn plane(
+    model: &Model,
+    (seeds, free): (&[Seed], Option<&str>),
+    swept: &str,
+) -> Result<Option<Plane>, Failure> {
+    if seeds.is_empty() {
+        return Ok(None);
     }
-    Ok(Followed {
-        curves,
-        monitors: spec.monitors,
-    })
+    let other = other_parameter(free, model, swept)?;
+    let points = seeds
+        .iter()
+        .map(|seed| restore(model, &seed.path, seed.index));
+    Ok(Some(Plane {
+        other,
+        points: points.collect::<Result<_, _>>()?,
+    }))
 }
 
 /// The parameter that is free beside the one of the sweep.
-pub fn other_parameter(free: Option<&str>, model: &Model, swept: usize) -> Result<usize, Failure> {
+fn other_parameter(free: Option<&str>, model: &Model, swept: &str) -> Result<String, Failure> {
     let names = free.unwrap_or_default();
     let wrong = || {
         Failure::input(format!(
@@ -54,37 +37,16 @@ pub fn other_parameter(free: Option<&str>, model: &Model, swept: usize) -> Resul
         ))
     };
     let (one, two) = names.split_once(',').ok_or_else(wrong)?;
-    let index = |name: &str| {
-        model.parameter_index(name.trim()).ok_or_else(|| {
-            let known = nearest(name.trim(), model.parameter_names());
-            Failure::input(format!(
-                "--free: the model has no parameter `{}`",
-                name.trim()
-            ))
-            .did_you_mean(known)
-        })
-    };
-    let (one, two) = (index(one)?, index(two)?);
-    match (one == swept, two == swept) {
-        (false, true) => Ok(one),
-        (true, false) => Ok(two),
+    for name in [one.trim(), two.trim()] {
+        if model.parameter_index(name).is_none() {
+            let known = nearest(name, model.parameter_names());
+            let refusal = Failure::input(format!("--free: the model has no parameter `{name}`"));
+            return Err(refusal.did_you_mean(known));
+        }
+    }
+    match (one.trim() == swept, two.trim() == swept) {
+        (false, true) => Ok(one.trim().to_owned()),
+        (true, false) => Ok(two.trim().to_owned()),
         _ => Err(wrong()),
     }
-}
-
-/// A special point that is followed in two parameters; the model is set to its values.
-fn known_point((model, spec): (&mut Model, &mut Spec), seed: &Seed) -> Result<Known, Failure> {
-    let restored = restore(model, &seed.path, seed.index)?;
-    for (name, value) in &restored.parameters {
-        model.set_parameter(name, &format!("{value:?}"))?;
-    }
-    let mut known = restored.known;
-    if let Some(text) = restored.function {
-        let place = spec.monitors.iter().position(|known| *known == text);
-        known.monitor = Some(place.unwrap_or_else(|| {
-            spec.monitors.push(text);
-            spec.monitors.len() - 1
-        }));
-    }
-    Ok(known)
 }

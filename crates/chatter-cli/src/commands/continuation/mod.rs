@@ -11,17 +11,14 @@ use crate::numbers::Digits;
 use crate::options::ShareOption;
 use crate::resume::nothing_to_resume;
 use crate::terminal::{self, Console, Style};
-use arguments::Seed;
 use chatter::analysis::diagram::Share;
-use chatter::analysis::periodic::{Branch, End, SpecialKind};
+use chatter::analysis::periodic::{Branch, SpecialKind};
 use chatter::expressions::nearest;
 use chatter_work::journals::journal_of;
 use chatter_work::periodic::{
-    Beginning, Begun, Job, Produced, Shared, Subject, Vertical, beneath, branch_document,
-    curves_document, first_that_changes, holds_branches, picture, plane, produce, produce_share,
-    write,
+    Beginning, Begun, Job, Shared, Subject, Vertical, beneath, branch_document, curves_document,
+    first_that_changes, holds_branches, picture, plane, produce, produce_share, write,
 };
-use curves::{Curves, follow, other_parameter};
 use std::path::Path;
 
 /// What of an answer is shown, and how.
@@ -31,8 +28,6 @@ pub struct Shown<'a> {
     over: Option<&'a Path>,
     observe: Option<&'a str>,
     json: bool,
-    from: &'a [Seed],
-    free: Option<&'a str>,
 }
 
 impl<'a> Shown<'a> {
@@ -52,8 +47,6 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         over: arguments.over.as_deref(),
         observe: arguments.observe.as_deref(),
         json: arguments.json,
-        from: &arguments.from,
-        free: arguments.free.as_deref(),
     };
     if let Some(target) = &arguments.resume {
         let Some(begun) = Begun::open(&journal_of(target))? else {
@@ -72,10 +65,8 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
     let out = arguments.out.as_ref().map(|file| file.0.as_path());
     match (arguments.shard, out) {
         (Some(ShareOption(share)), Some(out)) => produce_shard(&job, share, out),
-        (_, Some(out)) if arguments.from.is_empty() => {
-            answer(&job, Some(out), Beginning::At(journal_of(out)), &shown)
-        }
-        _ => answer(&job, out, Beginning::Nowhere, &shown),
+        (_, Some(out)) => answer(&job, Some(out), Beginning::At(journal_of(out)), &shown),
+        (_, None) => answer(&job, None, Beginning::Nowhere, &shown),
     }
 }
 
@@ -107,7 +98,6 @@ pub fn answer(
 ) -> Result<u8, Failure> {
     let ready = job.ready()?;
     let model = &ready.model;
-    let over = ready.wanted.over;
     let vertical = match shown.observe {
         None => None,
         Some("period") => Some(Vertical::Period),
@@ -118,10 +108,7 @@ pub fn answer(
             },
         )?)),
     };
-    let mut free = vec![over.parameter];
-    if !shown.from.is_empty() {
-        free.insert(0, other_parameter(shown.free, model, over.parameter)?);
-    }
+    let free = ready.free.clone();
     let beneath = match shown.over {
         Some(file) => {
             let names: Vec<&str> = (free.iter())
@@ -133,20 +120,15 @@ pub fn answer(
     };
     terminal::catch_interrupts();
     let console = Console::new();
-    let mut monitors = ready.wanted.spec.monitors.clone();
-    let (found, complete, kept) = if shown.from.is_empty() {
-        let mut produced = produce(job, &ready, beginning, &console)?;
-        let branches = core::mem::take(&mut produced.branches);
-        let complete = produced.complete;
-        (Found::Branches(branches), complete, Some(produced))
-    } else {
-        let followed = follow(&ready, (shown.from, free[0]), &console)?;
-        monitors = followed.monitors;
-        let curves = followed.curves;
-        let interrupted =
-            |(_, curve): &(SpecialKind, Branch)| curve.ends.contains(&End::Interrupted);
-        let complete = !curves.iter().any(interrupted);
-        (Found::Curves(curves), complete, None)
+    let mut produced = produce(job, &ready, beginning, &console)?;
+    let monitors = core::mem::take(&mut produced.monitors);
+    let branches = core::mem::take(&mut produced.branches);
+    let found = match job.plane {
+        None => Found::Branches(branches),
+        Some(_) => {
+            let kinds = core::mem::take(&mut produced.kinds);
+            Found::Curves(kinds.into_iter().zip(branches).collect())
+        }
     };
     drop(console);
     let subject = Subject {
@@ -183,11 +165,11 @@ pub fn answer(
         })
     };
     answer.print()?;
-    if complete {
-        kept.map_or(Ok(()), Produced::forget_journal)?;
+    if produced.complete {
+        produced.forget_journal()?;
         return Ok(failure::SUCCESS);
     }
-    if let (Some(true), Some(out)) = (kept.map(|kept| kept.is_kept()), out) {
+    if let (true, Some(out)) = (produced.is_kept(), out) {
         terminal::remark(&format!(
             "stopped; go on with: chatter continue --resume {}",
             out.display()
@@ -199,7 +181,7 @@ pub fn answer(
 /// What was followed.
 enum Found {
     Branches(Vec<Branch>),
-    Curves(Curves),
+    Curves(Vec<(SpecialKind, Branch)>),
 }
 
 impl Found {

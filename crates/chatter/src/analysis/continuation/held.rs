@@ -134,6 +134,18 @@ impl<R: Real> Singular<R> {
         })
     }
 
+    /// With borders that are known: b, then c.
+    pub(crate) fn with_borders(sign: f64, borders: &[R]) -> Self {
+        let (b, c) = borders.split_at(borders.len() / 2);
+        let (b, c) = (b.to_vec(), c.to_vec());
+        Self { sign, b, c }
+    }
+
+    /// b, then c.
+    pub(crate) fn borders(&self) -> Vec<R> {
+        [&*self.b, &*self.c].concat()
+    }
+
     /// With which sign a cycle is closed.
     pub fn sign(&self) -> f64 {
         self.sign

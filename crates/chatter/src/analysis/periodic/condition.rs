@@ -21,6 +21,14 @@ pub(crate) enum Bordered {
 }
 
 impl Condition {
+    /// With borders that are known as [`Bordered::numbers`].
+    pub(crate) fn restored(self, numbers: &[f64]) -> Bordered {
+        match self {
+            Self::Monitor(index) => Bordered::Monitor(index),
+            Self::Singular(sign) => Bordered::Singular(Singular::with_borders(sign, numbers)),
+        }
+    }
+
     /// Near a point; borders are like those before.
     pub(crate) fn near(
         self,
@@ -39,6 +47,14 @@ impl Condition {
 }
 
 impl Bordered {
+    /// The borders as numbers.
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        match self {
+            Self::Singular(singular) => singular.borders(),
+            Self::Monitor(_) => Vec::new(),
+        }
+    }
+
     /// With the equations.
     pub(crate) fn of<'p>(&self, shooting: &'p mut Shooting<f64>) -> Held<'p, f64, Shooting<f64>> {
         match self {

@@ -220,7 +220,8 @@ pub fn branches(
 /// The curve of a special point in two parameters.
 ///
 /// `free` are the positions of both, the second of which is varied over `limits`' range; the model has their values at the
-/// point.
+/// point. With the records `before` of a curve of the same that was broken off it goes on from there; the result is the same,
+/// to the bit.
 ///
 /// # Errors
 /// The point cannot be found again, or is of a kind that has no curve.
@@ -229,18 +230,20 @@ pub fn special_curve(
     spec: &Spec,
     (free, known): ([usize; 2], &Known),
     limits: &Limits,
-    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+    before: Vec<Record>,
+    observer: &mut dyn FnMut(Told<'_>) -> ControlFlow<()>,
 ) -> Result<SpecialCurve, PeriodicError> {
+    let mut diary = Diary::new(before, observer);
     let parameters = model.parameter_values::<f64>(&[]);
     let values = free.map(|index| parameters[index]);
     let size = |value: f64| if value == 0.0 { 1.0 } else { value.abs() };
     let sizes = [size(values[0]), limits.range.1 - limits.range.0];
     if known.kind == SpecialKind::ChatterBorder {
         let monitors = spec.monitors.len();
-        return special_curve::border::follow(model, (free, monitors), limits, observer);
+        return special_curve::border::follow(model, (free, monitors), limits, &mut diary);
     }
     let workshop = workshop(model, spec, (&free, &sizes))?;
-    special_curve::follow(&workshop, (&values, known), limits, observer)
+    special_curve::follow(&workshop, (&values, known), limits, &mut diary)
 }
 
 /// Where a settled orbit is looked for, in parts of the range.

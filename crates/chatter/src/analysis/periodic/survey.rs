@@ -48,11 +48,11 @@ pub(crate) fn survey(
         }
         let ends: Vec<(End, f64, f64)> = ends(&branches[next]);
         for (end, value, direction) in ends {
-            let crosses = matches!(end, End::ChatterBorder | End::Impacts(_));
+            let wants_infinite = matches!(end, End::Impacts(_) | End::Rounding(_));
+            let crosses = wants_infinite || end == End::ChatterBorder;
             if !crosses || hops >= MOST_HOPS {
                 continue;
             }
-            let wants_infinite = matches!(end, End::Impacts(_));
             for part in HOPS {
                 let beyond = value + direction * part * (limits.range.1 - limits.range.0);
                 if beyond < limits.range.0 || beyond > limits.range.1 {

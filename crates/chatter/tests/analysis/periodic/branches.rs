@@ -194,6 +194,7 @@ fn folds_and_grazes_in_two_parameters() {
             &Spec::default(),
             (free, &known),
             &limits,
+            Vec::new(),
             &mut |_| ControlFlow::Continue(()),
         )
         .unwrap();

@@ -1,6 +1,7 @@
 //! Periodic orbits, branches and exponents.
 
 mod branches;
+mod new_kinds;
 mod orbits;
 mod plane;
 mod reference;

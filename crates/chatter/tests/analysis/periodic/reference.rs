@@ -308,12 +308,13 @@ fn follow(
         longest_step,
     };
     let free = free.map(|name| model.parameter_index(name).unwrap());
-    let mut quiet = |_: &chatter::analysis::periodic::Point| ControlFlow::Continue(());
+    let mut quiet = |_: chatter::analysis::periodic::Told<'_>| ControlFlow::Continue(());
     special_curve(
         &model,
         &Spec::default(),
         (free, &known),
         &limits,
+        Vec::new(),
         &mut quiet,
     )
     .unwrap()

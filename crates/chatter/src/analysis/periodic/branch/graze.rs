@@ -9,11 +9,14 @@ use crate::analysis::continuation::{Curve, Held, Problem, Settings, Station, new
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, rotate};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
+use crate::expressions::Symbol;
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
 
 /// This part of a step before a graze.
 const NOT_QUITE: f64 = 1e-5;
+/// Flights are told from rounding of the gap if they are so many times as high.
+const LEAST_HEIGHT: f64 = 1e4;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
 
@@ -174,6 +177,11 @@ impl Walker {
             }
         }
         self.settle(&station);
+        if let Broken::Inner(index, GuardKind::Gap(contact)) = broken
+            && !self.is_resolved(&station, index, contact)
+        {
+            return Stop::End(End::Rounding(there.impacts.unwrap_or_default()));
+        }
         let outcome = match broken {
             Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
             Broken::Event(index) => self.lose(&station, index, &there),
@@ -188,6 +196,36 @@ impl Walker {
         };
         let forward = turns.parameter_slope();
         self.goes_on(outcome, (curve, forward), here)
+    }
+
+    /// Whether the way between the last impact and a touch of the same contact can be told from rounding of the gap.
+    fn is_resolved(&mut self, station: &Station, index: usize, contact: usize) -> bool {
+        let count = self.shooting.steps.len();
+        let follows = self.shooting.steps[(index + count - 1) % count].impact() == Some(contact);
+        let Ok(least) = self.shooting.least(&station.at) else {
+            return true;
+        };
+        let touch = least[index]
+            .iter()
+            .find(|l| l.guard == GuardKind::Gap(contact) && !l.at_end);
+        let (Some(touch), true) = (touch, follows) else {
+            return true;
+        };
+        let workshop = self.shooting.workshop.clone();
+        let parameters = workshop.parameters(self.shooting.free(&station.at));
+        let start = self.shooting.node(&station.at, index);
+        let mut graph = workshop.model.graph.clone();
+        let gap = workshop.model.contacts[contact].gap;
+        let (mut rate, mut terms) = (0.0, 0.0);
+        for (i, state) in workshop.model.states.iter().enumerate() {
+            let slope = graph.derivative(gap, Symbol::State(i));
+            let slope = graph.evaluate(slope, start, &parameters);
+            rate += slope * graph.evaluate(state.derivative, start, &parameters);
+            terms += (slope * start[i]).abs();
+        }
+        // From zero with this rate, and back to where both vanish: a cubic.
+        let height = 4.0 / 27.0 * (rate * touch.time).abs();
+        height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
     }
 
     /// On from where the sequence of events changes, the parameter having gone so before.

@@ -13,6 +13,8 @@ pub enum End {
     ChatterBorder,
     /// More impacts a period than allowed: the branch accumulates at a border.
     Impacts(u64),
+    /// The flights between so many impacts are as small as rounding of the gap: with one more they could not be told apart.
+    Rounding(u64),
     /// More points than allowed.
     Points,
     /// The observer broke off.
@@ -31,6 +33,10 @@ impl core::fmt::Display for End {
             Self::Range => write!(out, "end of the range"),
             Self::ChatterBorder => write!(out, "chatter border"),
             Self::Impacts(most) => write!(out, "more than {most} impacts a period"),
+            Self::Rounding(impacts) => write!(
+                out,
+                "flights between {impacts} impacts a period are as small as rounding of the gap"
+            ),
             Self::Points => write!(out, "as many points as allowed"),
             Self::Interrupted => write!(out, "broken off"),
             Self::Lost(why) => out.write_str(why),

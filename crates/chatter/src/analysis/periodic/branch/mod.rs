@@ -9,6 +9,7 @@ mod branch_point;
 mod graze;
 mod holds;
 mod limits;
+mod onward;
 mod point;
 mod record;
 mod special;
@@ -22,13 +23,14 @@ pub use special::{Special, SpecialKind};
 
 pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
 pub(crate) use limits::station_at;
+pub(super) use record::{Stand, Standing, Then, damaged};
+pub(super) use walker::Side;
 
 use super::diary::Diary;
 use super::error::PeriodicError;
 use super::shooting::Shooting;
 use crate::analysis::continuation::{Problem, Station};
-use record::Then;
-use walker::{Side, Walker};
+use walker::Walker;
 
 /// A branch of periodic orbits.
 #[derive(Clone, Debug)]
@@ -67,23 +69,16 @@ pub(crate) fn follow(
         } else {
             station.clone().reversed()
         };
-        // What is broken off, or has come back, has no other side.
-        let all = match sides.last() {
-            Some(Side {
-                end: end @ (End::Interrupted | End::Closed),
-                ..
-            }) => Some(end.clone()),
-            _ => None,
-        };
-        sides.push(match all {
-            Some(end) => Side {
-                points: Vec::new(),
-                special: Vec::new(),
-                end,
-            },
+        sides.push(match sides.last().and_then(Side::without_other) {
+            Some(side) => side,
             None => side((&begin, start), limits, diary)?,
         });
     }
+    joined(sides, first)
+}
+
+/// Two sides, the one behind first, and the point between them.
+pub(super) fn joined(mut sides: Vec<Side>, between: Point) -> Result<Branch, PeriodicError> {
     let (forward, back) = (sides.pop(), sides.pop());
     let (Some(forward), Some(mut back)) = (forward, back) else {
         return Err(PeriodicError::Interrupted);
@@ -95,7 +90,7 @@ pub(crate) fn follow(
         special.place = behind - special.place;
     }
     let mut points = back.points;
-    points.push(first);
+    points.push(between);
     points.extend(forward.points);
     let mut special = back.special;
     special.extend(forward.special.into_iter().map(|mut special| {
@@ -129,6 +124,7 @@ fn side(
         walker.special.extend(special);
         match then {
             Then::On(stand) => standing = Some(stand),
+            Then::Points => return Err(damaged()),
             Then::Ended(end) => return Ok(walker.side(end)),
         }
     }

@@ -35,8 +35,10 @@ impl Record {
 
 /// How a side goes on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) enum Then {
+pub(in crate::analysis::periodic) enum Then {
     On(Box<Standing>),
+    /// From its latest points, which say all.
+    Points,
     Ended(End),
 }
 
@@ -56,7 +58,7 @@ struct Equations {
 
 /// All that a walk knows between two of its steps.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Standing {
+pub(in crate::analysis::periodic) struct Standing {
     equations: Equations,
     #[serde(with = "list")]
     tangent: Vec<f64>,
@@ -69,11 +71,13 @@ pub(super) struct Standing {
     passages: Vec<Passage>,
     grazes: usize,
     made: usize,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    borders: Vec<f64>,
 }
 
 /// Where a walk stands.
 #[derive(Clone, Debug)]
-pub(super) struct Stand {
+pub(in crate::analysis::periodic) struct Stand {
     pub station: Station,
     /// The next step.
     pub step: f64,
@@ -83,6 +87,8 @@ pub(super) struct Stand {
     pub grazes: usize,
     pub made: usize,
     pub since_kept: f64,
+    /// Of the matrix that is singular along a curve in two parameters.
+    pub borders: Vec<f64>,
 }
 
 impl Equations {
@@ -112,7 +118,7 @@ impl Equations {
     }
 }
 
-fn damaged() -> PeriodicError {
+pub(in crate::analysis::periodic) fn damaged() -> PeriodicError {
     PeriodicError::Unfollowed {
         what: "a record that is not of this branch".to_owned(),
     }
@@ -127,8 +133,23 @@ fn mode(passage: &mut Passage) -> &mut usize {
 }
 
 impl Record {
+    /// Of the latest part of a side without equations.
+    pub(in crate::analysis::periodic) fn of_points(points: &[Point], then: Then) -> Self {
+        Self {
+            modes: Vec::new(),
+            points: points.to_vec(),
+            special: Vec::new(),
+            then,
+        }
+    }
+
+    /// Its points, and how they go on.
+    pub(in crate::analysis::periodic) fn points(self) -> (Vec<Point>, Then) {
+        (self.points, self.then)
+    }
+
     /// Of the latest part of a side.
-    pub(super) fn new(
+    pub(in crate::analysis::periodic) fn new(
         system: &System,
         (points, special): (&[Point], &[Special]),
         then: Then,
@@ -176,7 +197,7 @@ impl Record {
     }
 
     /// What was found, and how it goes on: with the modes of this system.
-    pub(super) fn restored(
+    pub(in crate::analysis::periodic) fn restored(
         mut self,
         workshop: &Arc<Workshop>,
     ) -> Result<(Vec<Point>, Vec<Special>, Then), PeriodicError> {
@@ -202,7 +223,7 @@ impl Record {
 }
 
 impl Standing {
-    pub(super) fn of(shooting: &Shooting<f64>, stand: &Stand) -> Self {
+    pub(in crate::analysis::periodic) fn of(shooting: &Shooting<f64>, stand: &Stand) -> Self {
         let Station {
             at,
             tangent,
@@ -225,11 +246,12 @@ impl Standing {
             passages: stand.origin.1.clone(),
             grazes: stand.grazes,
             made: stand.made,
+            borders: stand.borders.clone(),
         }
     }
 
     /// Equations and place.
-    pub(super) fn restored(
+    pub(in crate::analysis::periodic) fn restored(
         self,
         workshop: &Arc<Workshop>,
     ) -> Result<(Shooting<f64>, Stand), PeriodicError> {
@@ -254,6 +276,7 @@ impl Standing {
             grazes: self.grazes,
             made: self.made,
             since_kept,
+            borders: self.borders,
         };
         Ok((shooting, stand))
     }

@@ -12,10 +12,22 @@ use crate::analysis::periodic::shooting::Shooting;
 use core::ops::ControlFlow;
 
 /// One side of a branch.
-pub(super) struct Side {
+pub(in crate::analysis::periodic) struct Side {
     pub points: Vec<Point>,
     pub special: Vec<Special>,
     pub end: End,
+}
+
+impl Side {
+    /// The other side, where this one was broken off or has come back: there is none.
+    pub(in crate::analysis::periodic) fn without_other(&self) -> Option<Self> {
+        let all = matches!(self.end, End::Interrupted | End::Closed);
+        all.then(|| Self {
+            points: Vec::new(),
+            special: Vec::new(),
+            end: self.end.clone(),
+        })
+    }
 }
 
 /// Two orbits at one parameter that are this near, against their size, are one.
@@ -70,6 +82,7 @@ impl Walker {
             grazes: 0,
             made: 0,
             since_kept: f64::INFINITY,
+            borders: Vec::new(),
         }
     }
 
@@ -82,6 +95,7 @@ impl Walker {
             mut grazes,
             mut made,
             mut since_kept,
+            ..
         } = stand;
         let mut curve = Curve::new(station, self.limits.settings());
         curve.step = step;
@@ -108,6 +122,27 @@ impl Walker {
             let (next, step) = match curve.next(&mut self.shooting) {
                 Ok(found) => found,
                 Err(StepError::TooShort(error)) => {
+                    // Where a crossing and the way back become one, no time is left between them.
+                    let count = self.shooting.steps.len();
+                    self.settle(&curve.station);
+                    let before = self.shooting.clone();
+                    if let Some(index) = (0..count).find(|&k| self.shooting.comes_back(k)) {
+                        grazes += 1;
+                        let forward = curve.station.parameter_slope();
+                        let outcome = self.lose(&curve.station.clone(), index, &here.clone());
+                        match self.goes_on(outcome, (&mut curve, forward), &mut here) {
+                            Stop::On => {
+                                at_graze = true;
+                                continue;
+                            }
+                            Stop::End(_) => self.shooting = before,
+                        }
+                    }
+                    grazes += 1;
+                    if self.hop(&mut curve, &mut here) {
+                        at_graze = true;
+                        continue;
+                    }
                     if self.shooting.steps.iter().any(Step::is_stretch)
                         && matches!(error, NewtonError::Left(_))
                     {
@@ -120,21 +155,6 @@ impl Walker {
                         );
                         break End::ChatterBorder;
                     }
-                    // Where a crossing and the way back become one, no time is left between them.
-                    let count = self.shooting.steps.len();
-                    self.settle(&curve.station);
-                    if let Some(index) = (0..count).find(|&k| self.shooting.comes_back(k)) {
-                        grazes += 1;
-                        let forward = curve.station.parameter_slope();
-                        let outcome = self.lose(&curve.station.clone(), index, &here.clone());
-                        match self.goes_on(outcome, (&mut curve, forward), &mut here) {
-                            Stop::On => {
-                                at_graze = true;
-                                continue;
-                            }
-                            Stop::End(end) => break end,
-                        }
-                    }
                     break End::Lost(error.to_string());
                 }
             };
@@ -143,6 +163,7 @@ impl Walker {
             let broken = broken(&self.shooting, &least);
             if !broken.is_empty() {
                 grazes += 1;
+                let before = self.shooting.clone();
                 match self.pass(&mut curve, step, broken, &mut here) {
                     Stop::On => {
                         at_graze = true;
@@ -160,12 +181,32 @@ impl Walker {
                         }
                         continue;
                     }
+                    Stop::End(end @ End::Lost(_)) => {
+                        self.shooting = before;
+                        if !self.hop(&mut curve, &mut here) {
+                            break end;
+                        }
+                        at_graze = true;
+                        continue;
+                    }
                     Stop::End(end) => break end,
                 }
             }
             made += 1;
             if made > 3 && self.returns((&curve.station, &next), step, &origin) {
                 break End::Closed;
+            }
+            if let Some((contact, station, ahead)) = self.leaves_theory(&curve.station, &next, step)
+            {
+                self.settle(&station);
+                let last = Point::new(&mut self.shooting, &station);
+                if let Some(end) = self.between(&curve.station, &station, ahead, (&here, &last)) {
+                    break end;
+                }
+                self.points.push(last);
+                break End::Lost(format!(
+                    "contact `{contact}` would have a restitution outside 0 <= r <= 1"
+                ));
             }
             let there = Point::new(&mut self.shooting, &next);
             let edge = self.limits.beyond(there.parameter());
@@ -206,6 +247,7 @@ impl Walker {
                     grazes,
                     made,
                     since_kept,
+                    borders: Vec::new(),
                 };
                 let standing = Standing::of(&self.shooting, &stand);
                 let kept = self.record(&mut recorded, Then::On(Box::new(standing)), diary);

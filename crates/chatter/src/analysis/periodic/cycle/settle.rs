@@ -188,6 +188,8 @@ pub(crate) fn settle(
     let mut instants: Vec<Instant> = Vec::new();
     let mut strobes: Vec<Vec<f64>> = vec![state.to_vec()];
     let mut total = 0;
+    // Since the latest event.
+    let mut quiet = 1;
     let mut nearest = f64::INFINITY;
     let end = loop {
         match forcing {
@@ -198,7 +200,11 @@ pub(crate) fn settle(
                     let before = instants.len();
                     tracer.follow((until, usize::MAX / 2), &mut instants, observer)?;
                     total += instants.len() - before;
+                    if instants.len() > before {
+                        quiet = 0;
+                    }
                     strobes.push(tracer.trajectory.state().to_vec());
+                    quiet += 1;
                 }
             }
             None => {
@@ -214,17 +220,20 @@ pub(crate) fn settle(
         }
         let keep = instants.len().saturating_sub(4 * CHUNK);
         instants.drain(..keep);
-        if !instants.is_empty() {
+        // What happened before motion came to rest, or left all contacts, is of the past.
+        let is_quiet = forcing.is_some() && quiet > PERIODS;
+        if is_quiet {
+            let strobes = &strobes[strobes.len() - quiet..];
+            if let Some(found) = timed(workshop, &turns, &tracer, strobes, NEAR[0]) {
+                return Ok(found);
+            }
+        } else if !instants.is_empty() {
             match latest_return(workshop, &turns, &instants, NEAR[0]) {
                 Ok((first, last)) => {
                     return cycle(workshop, &turns, &instants[first..=last]);
                 }
                 Err(distance) => nearest = nearest.min(distance),
             }
-        } else if forcing.is_some()
-            && let Some(found) = timed(workshop, &turns, &tracer, &strobes, NEAR[0])
-        {
-            return Ok(found);
         }
         let over = total >= patience.events
             || strobes.len() > patience.periods
@@ -233,15 +242,15 @@ pub(crate) fn settle(
             break tracer.trajectory.time();
         }
     };
+    let is_quiet = forcing.is_some() && quiet > PERIODS;
     for near in &NEAR[1..] {
-        if let Ok((first, last)) = latest_return(workshop, &turns, &instants, *near) {
+        if is_quiet {
+            let strobes = &strobes[strobes.len() - quiet..];
+            if let Some(found) = timed(workshop, &turns, &tracer, strobes, *near) {
+                return Ok(found);
+            }
+        } else if let Ok((first, last)) = latest_return(workshop, &turns, &instants, *near) {
             return cycle(workshop, &turns, &instants[first..=last]);
-        }
-        if instants.is_empty()
-            && forcing.is_some()
-            && let Some(found) = timed(workshop, &turns, &tracer, &strobes, *near)
-        {
-            return Ok(found);
         }
     }
     if forcing.is_none() && instants.len() < 2 {

@@ -1,13 +1,13 @@
 //! Curves of chatter borders: the border orbit found anew at each value of the second parameter, near where the two before it
 //! say it lies. On one side of a border the orbit has no equations, so there is nothing to follow by its arc length.
 
-use super::super::branch::{End, Limits, Point, SpecialKind};
+use super::super::branch::{End, Limits, Point, Record, Side, SpecialKind, Then, damaged, joined};
+use super::super::diary::{Diary, Told};
 use super::super::error::PeriodicError;
 use super::SpecialCurve;
 use super::start::failed;
 use crate::analysis::border::{Border, BorderSpec, border_near, borders_in};
 use crate::model::Model;
-use core::ops::ControlFlow;
 
 /// Parts of the interval that a border is looked for in.
 const SAMPLES: usize = 6;
@@ -62,7 +62,7 @@ pub(crate) fn follow(
     model: &Model,
     (free, monitors): ([usize; 2], usize),
     limits: &Limits,
-    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+    diary: &mut Diary<'_>,
 ) -> Result<SpecialCurve, PeriodicError> {
     let parameters = model.parameter_values::<f64>(&[]);
     let [value, second] = free.map(|index| parameters[index]);
@@ -72,67 +72,95 @@ pub(crate) fn follow(
     let search = Search { model, free, spec };
     let (low, high) = limits.range;
     let longest = limits.longest_step * (high - low);
-    let mut ends = [End::Points, End::Points];
-    let mut sides: [Vec<Point>; 2] = [Vec::new(), Vec::new()];
-    for (place, edge) in [low, high].into_iter().enumerate() {
-        let sign = if place == 0 { -1.0 } else { 1.0 };
+    let mut sides: Vec<Side> = Vec::new();
+    for (sign, edge) in [(-1.0, low), (1.0, high)] {
+        if let Some(side) = sides.last().and_then(Side::without_other) {
+            sides.push(side);
+            continue;
+        }
+        let (mut points, ended) = on_record(diary)?;
         let mut known = vec![(second, first.value.value)];
-        ends[place] = loop {
-            if sides[place].len() >= limits.points {
-                break End::Points;
-            }
-            let (here, border) = known[known.len() - 1];
-            if sign * (edge - here) <= 0.0 {
-                break End::Range;
-            }
-            let slope = match known.len().checked_sub(2).map(|before| known[before]) {
-                Some((there, before)) => (border - before) / (here - there),
-                None => 0.0,
-            };
-            let usual = if known.len() == 1 {
-                FIRST * longest
-            } else {
-                longest
-            };
-            let mut found = None;
-            for halving in 0..HALVINGS {
-                let step = usual / f64::from(1_u32 << halving);
-                let next = if step >= sign * (edge - here) {
-                    edge
-                } else {
-                    here + sign * step
+        known.extend(
+            points
+                .iter()
+                .map(|point| (point.parameters[1], point.parameters[0])),
+        );
+        let end = ended.unwrap_or_else(|| {
+            loop {
+                if points.len() >= limits.points {
+                    break End::Points;
+                }
+                let (here, border) = known[known.len() - 1];
+                if sign * (edge - here) <= 0.0 {
+                    break End::Range;
+                }
+                let slope = match known.len().checked_sub(2).map(|before| known[before]) {
+                    Some((there, before)) => (border - before) / (here - there),
+                    None => 0.0,
                 };
-                let ahead = slope * (next - here);
-                let width = (WIDTH * ahead.abs()).max(LEAST * border.abs());
-                // Nothing is known yet of how fast it moves.
-                let width = if known.len() == 1 { 1e3 * width } else { width };
-                found = search
-                    .near(next, (border + ahead, width))
-                    .map(|b| (next, b));
-                if found.is_some() {
-                    break;
+                let usual = if known.len() == 1 {
+                    FIRST * longest
+                } else {
+                    longest
+                };
+                let mut found = None;
+                for halving in 0..HALVINGS {
+                    let step = usual / f64::from(1_u32 << halving);
+                    let next = if step >= sign * (edge - here) {
+                        edge
+                    } else {
+                        here + sign * step
+                    };
+                    let ahead = slope * (next - here);
+                    let width = (WIDTH * ahead.abs()).max(LEAST * border.abs());
+                    // Nothing is known yet of how fast it moves.
+                    let width = if known.len() == 1 { 1e3 * width } else { width };
+                    found = search
+                        .near(next, (border + ahead, width))
+                        .map(|b| (next, b));
+                    if found.is_some() {
+                        break;
+                    }
+                }
+                let Some((next, border)) = found else {
+                    break End::Lost("no border is found nearby".to_owned());
+                };
+                known.push((next, border.value.value));
+                let told = point(&border, next, monitors);
+                let record = Record::of_points(core::slice::from_ref(&told), Then::Points);
+                let broken_off = diary.tell(Told::Orbit(&told)).is_break();
+                points.push(told);
+                if diary.tell(Told::Record(&record)).is_break() || broken_off {
+                    break End::Interrupted;
                 }
             }
-            let Some((next, border)) = found else {
-                break End::Lost("no border is found nearby".to_owned());
-            };
-            known.push((next, border.value.value));
-            let told = point(&border, next, monitors);
-            let on = observer(&told);
-            sides[place].push(told);
-            if on.is_break() {
-                break End::Interrupted;
-            }
-        };
+        });
+        let new = Record::of_points(&[], Then::Ended(end.clone()));
+        let kept = end == End::Interrupted || diary.tell(Told::Record(&new)).is_continue();
+        sides.push(Side {
+            points,
+            special: Vec::new(),
+            end: if kept { end } else { End::Interrupted },
+        });
     }
-    let [mut points, forward] = sides;
-    points.reverse();
-    points.push(point(&first, second, monitors));
-    points.extend(forward);
-    Ok(SpecialCurve {
-        kind: SpecialKind::ChatterBorder,
-        points,
-        special: Vec::new(),
-        ends,
-    })
+    let branch = joined(sides, point(&first, second, monitors))?;
+    Ok(SpecialCurve::of(SpecialKind::ChatterBorder, branch))
+}
+
+/// Points of a side that are on record, and how it ended.
+fn on_record(diary: &mut Diary<'_>) -> Result<(Vec<Point>, Option<End>), PeriodicError> {
+    let mut all = Vec::new();
+    while let Some(record) = diary.next() {
+        let (points, then) = record.points();
+        all.extend(points);
+        match then {
+            Then::Points => {}
+            Then::Ended(end) => return Ok((all, Some(end))),
+            Then::On(_) => return Err(damaged()),
+        }
+    }
+    if all.iter().any(|point| point.parameters.len() != 2) {
+        return Err(damaged());
+    }
+    Ok((all, None))
 }

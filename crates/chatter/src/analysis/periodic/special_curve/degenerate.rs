@@ -64,6 +64,35 @@ pub(super) fn tests(kind: SpecialKind, place: &Place<'_>) -> Vec<Test> {
     }
 }
 
+/// Multipliers are this near to where they have to be at a point of codimension two; a pair that is one is known to the root of
+/// rounding.
+const NEAR: f64 = 1e-2;
+
+/// Whether an orbit has the multipliers that the name of such a point says. Where a function of them has a pole, as at a graze,
+/// it changes its sign, too.
+pub(super) fn has_multipliers(kind: SpecialKind, multipliers: &[Complex]) -> bool {
+    let third = core::f64::consts::FRAC_PI_3;
+    let at = |re: f64, im: f64| {
+        let off = |m: &&Complex| libm::hypot(m.re - re, m.im - im) <= NEAR;
+        multipliers.iter().filter(off).count()
+    };
+    let on_circle = || {
+        let on = |m: &Complex| m.im > 0.0 && (libm::hypot(m.re, m.im) - 1.0).abs() <= NEAR;
+        multipliers.iter().any(on)
+    };
+    match kind {
+        SpecialKind::FoldFlip => at(1.0, 0.0) >= 1 && at(-1.0, 0.0) >= 1,
+        SpecialKind::Resonance11 => at(1.0, 0.0) >= 2,
+        SpecialKind::Resonance12 => at(-1.0, 0.0) >= 2,
+        SpecialKind::Resonance13 => at(-libm::cos(third), libm::sin(third)) >= 1,
+        SpecialKind::Resonance14 => at(0.0, 1.0) >= 1,
+        SpecialKind::GrazeFold => at(1.0, 0.0) >= 1,
+        SpecialKind::GrazeDoubling => at(-1.0, 0.0) >= 1,
+        SpecialKind::FoldTorus | SpecialKind::FlipTorus | SpecialKind::GrazeTorus => on_circle(),
+        _ => true,
+    }
+}
+
 /// Where a curve of this kind ends: the pair is real beyond.
 pub(super) fn ends(curve: SpecialKind, at: SpecialKind) -> bool {
     curve == SpecialKind::NeimarkSacker

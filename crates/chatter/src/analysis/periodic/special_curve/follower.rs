@@ -1,15 +1,17 @@
 //! One side of a curve of special points, station by station.
 
-use super::degenerate::{Place, Test, ends, tests};
+use super::degenerate::{self, Test, ends, has_multipliers, tests};
 use crate::analysis::continuation::{Curve, NewtonError, Problem, Station, StepError, locate};
 use crate::analysis::periodic::branch::{
-    Broken, End, Limits, Point, Special, SpecialKind, broken_beside, first_break, station_at,
+    Broken, End, Limits, Point, Record, Side, Special, SpecialKind, Stand, Standing, Then,
+    broken_beside, damaged, first_break, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::cycle::itinerary::Step;
+use crate::analysis::periodic::diary::{Diary, Told};
+use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
-use core::ops::ControlFlow;
 
 /// One side of a curve.
 pub(super) struct Follower {
@@ -23,14 +25,10 @@ pub(super) struct Follower {
     pub special: Vec<Special>,
 }
 
-/// What was found on one side.
-pub(super) struct Side {
-    pub points: Vec<Point>,
-    pub special: Vec<Special>,
-}
-
 /// Borders are found anew where a curve has come this far, in steps.
 const RENEWED: usize = 8;
+/// After so many steps what came about is recorded.
+const STEPS_A_RECORD: usize = 64;
 /// Errors are so many roundoffs of the parameter.
 const NOISE: f64 = 64.0;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
@@ -43,14 +41,74 @@ enum Stop {
     End(End),
 }
 
+/// Where a curve stands.
+pub(super) struct Place {
+    pub station: Station,
+    pub bordered: Bordered,
+    /// The next step, once one was made.
+    pub next: Option<f64>,
+    pub steps: usize,
+}
+
+impl Place {
+    /// Where no step was made.
+    pub(super) fn new(station: Station, bordered: Bordered) -> Self {
+        Self {
+            station,
+            bordered,
+            next: None,
+            steps: 0,
+        }
+    }
+}
+
 impl Follower {
-    pub(super) fn follow(
-        mut self,
-        (station, mut bordered): (Station, Bordered),
-        observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
-    ) -> (Side, End) {
+    /// Takes what is on record of this side: where it stands, or how it ended.
+    pub(super) fn resume(
+        &mut self,
+        diary: &mut Diary<'_>,
+    ) -> Result<(Option<Place>, Option<End>), PeriodicError> {
+        let mut place = None;
+        while let Some(record) = diary.next() {
+            let (points, special, then) = record.restored(&self.shooting.workshop)?;
+            self.points.extend(points);
+            self.special.extend(special);
+            match then {
+                Then::On(standing) => place = Some(standing),
+                Then::Points => return Err(damaged()),
+                Then::Ended(end) => return Ok((None, Some(end))),
+            }
+        }
+        let Some(standing) = place else {
+            return Ok((None, None));
+        };
+        let (shooting, stand) = standing.restored(&self.shooting.workshop)?;
+        self.shooting = shooting;
+        let equations = self.shooting.unknowns() - self.shooting.parameters();
+        let singular = matches!(self.condition, Condition::Singular(_));
+        if singular && stand.borders.len() != 2 * equations {
+            return Err(damaged());
+        }
+        let place = Place {
+            bordered: self.condition.restored(&stand.borders),
+            station: stand.station,
+            next: Some(stand.step),
+            steps: stand.made,
+        };
+        Ok((Some(place), None))
+    }
+
+    pub(super) fn follow(mut self, place: Place, diary: &mut Diary<'_>) -> Side {
+        let Place {
+            station,
+            mut bordered,
+            next,
+            mut steps,
+        } = place;
         let mut curve = Curve::new(station, self.limits.settings());
-        let mut steps = 0;
+        curve.step = next.unwrap_or(curve.step);
+        let _ = self.shooting.evaluate(&curve.station.at);
+        let mut recorded = (self.points.len(), self.special.len(), steps);
         let end = loop {
             if self.points.len() >= self.limits.points {
                 break End::Points;
@@ -67,17 +125,53 @@ impl Follower {
                 Stop::On => {}
                 Stop::End(end) => break end,
             }
-            if let Some(point) = self.points.last()
-                && observer(point).is_break()
-            {
-                break End::Interrupted;
+            let Some(point) = self.points.last().cloned() else {
+                continue;
+            };
+            let broken_off = diary.tell(Told::Orbit(&point)).is_break();
+            if broken_off || steps >= recorded.2 + STEPS_A_RECORD {
+                let stand = Stand {
+                    station: curve.station.clone(),
+                    step: curve.step,
+                    here: point,
+                    origin: (Vec::new(), Vec::new()),
+                    grazes: 0,
+                    made: steps,
+                    since_kept: 0.0,
+                    borders: bordered.numbers(),
+                };
+                let standing = Standing::of(&self.shooting, &stand);
+                let then = Then::On(Box::new(standing));
+                let kept = diary.tell(Told::Record(&self.record(recorded, then)));
+                recorded = (self.points.len(), self.special.len(), steps);
+                if broken_off || kept.is_break() {
+                    break End::Interrupted;
+                }
             }
         };
-        let side = Side {
+        let mut end = end;
+        if end != End::Interrupted {
+            let record = self.record(recorded, Then::Ended(end.clone()));
+            // What cannot be kept is broken off.
+            if diary.tell(Told::Record(&record)).is_break() {
+                end = End::Interrupted;
+            }
+        }
+        self.side(end)
+    }
+
+    pub(super) fn side(self, end: End) -> Side {
+        Side {
             points: self.points,
             special: self.special,
-        };
-        (side, end)
+            end,
+        }
+    }
+
+    /// What came about since so many points and special points.
+    fn record(&self, (points, special, _): (usize, usize, usize), then: Then) -> Record {
+        let new = (&self.points[points..], &self.special[special..]);
+        Record::new(&self.shooting.workshop.system, new, then)
     }
 
     fn step(&mut self, curve: &mut Curve, bordered: &Bordered) -> Stop {
@@ -142,7 +236,7 @@ impl Follower {
         let mut at = |station: &Station| -> Option<Vec<Test>> {
             reader.evaluate(&station.at).ok()?;
             let multipliers = multipliers(&reader, &station.at, grazing);
-            let place = Place {
+            let place = degenerate::Place {
                 shooting: &reader,
                 station,
                 multipliers: &multipliers,
@@ -170,7 +264,12 @@ impl Follower {
             };
             let here = value(&station).unwrap_or(f64::NAN);
             // What jumps has no zero.
-            if here.abs() <= VANISHES * before.abs().max(after.abs()) {
+            let vanishes = here.abs() <= VANISHES * before.abs().max(after.abs());
+            if !vanishes || self.shooting.evaluate(&station.at).is_err() {
+                continue;
+            }
+            let there = multipliers(&self.shooting, &station.at, grazing);
+            if has_multipliers(*kind, &there) {
                 found.push((*kind, station, ahead, here));
             }
         }
@@ -232,7 +331,13 @@ impl Follower {
             kind if kind.is_graze() => SpecialKind::DoubleGraze,
             _ => return lost(),
         };
+        // Told without the impact that loses its rate, as on curves of grazes.
+        let known = self.grazing;
+        if let Broken::Event(index) = broken {
+            self.grazing = known.or(Some(index));
+        }
         self.note(kind, &station, station.residual);
+        self.grazing = known;
         End::At(kind)
     }
 

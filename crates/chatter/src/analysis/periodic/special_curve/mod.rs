@@ -13,17 +13,18 @@ mod degenerate;
 mod follower;
 pub(super) mod start;
 
-use super::branch::{End, Limits, Point, Special, SpecialKind};
+use super::branch::{Branch, End, Limits, Point, Side, Special, SpecialKind, joined};
+use super::diary::Diary;
 use super::error::PeriodicError;
 use super::shooting::Workshop;
 use crate::analysis::continuation::{Problem, Station};
-use core::ops::ControlFlow;
-use follower::Follower;
+use follower::{Follower, Place};
+use serde::{Deserialize, Serialize};
 use start::{begin, failed};
 use std::sync::Arc;
 
 /// A special point as it was told: enough to find it again.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Known {
     /// Which kind.
     pub kind: SpecialKind,
@@ -53,13 +54,17 @@ pub(crate) fn follow(
     workshop: &Arc<Workshop>,
     (free, known): (&[f64], &Known),
     limits: &Limits,
-    observer: &mut dyn FnMut(&Point) -> ControlFlow<()>,
+    diary: &mut Diary<'_>,
 ) -> Result<SpecialCurve, PeriodicError> {
     let begun = begin(workshop, free, known)?;
     let last = begun.at.len() - 1;
-    let mut sides = Vec::new();
+    let mut sides: Vec<Side> = Vec::new();
     let mut first = None;
     for forward in [false, true] {
+        if let Some(side) = sides.last().and_then(Side::without_other) {
+            sides.push(side);
+            continue;
+        }
         let mut shooting = begun.shooting.clone();
         let bordered = (begun.condition)
             .near(&mut shooting, &begun.at, None)
@@ -78,30 +83,28 @@ pub(crate) fn follow(
             special: Vec::new(),
         };
         first.get_or_insert_with(|| follower.told(&station));
-        sides.push(follower.follow((station, bordered), observer));
+        sides.push(match follower.resume(diary)? {
+            (_, Some(end)) => follower.side(end),
+            (Some(place), None) => follower.follow(place, diary),
+            (None, None) => follower.follow(Place::new(station, bordered), diary),
+        });
     }
-    let (forward, back) = (sides.pop(), sides.pop());
-    let (Some((forward, end)), Some((back, begin))) = (forward, back) else {
-        return Err(PeriodicError::Interrupted);
-    };
-    let behind = back.points.len();
-    let mut points = back.points;
-    points.reverse();
-    points.extend(first);
-    points.extend(forward.points);
-    let mut special = back.special;
-    special.reverse();
-    for special in &mut special {
-        special.place = behind - special.place;
+    let first = first.ok_or(PeriodicError::Interrupted)?;
+    Ok(SpecialCurve::of(known.kind, joined(sides, first)?))
+}
+
+impl SpecialCurve {
+    fn of(kind: SpecialKind, branch: Branch) -> Self {
+        let Branch {
+            points,
+            special,
+            ends,
+        } = branch;
+        Self {
+            kind,
+            points,
+            special,
+            ends,
+        }
     }
-    special.extend(forward.special.into_iter().map(|mut special| {
-        special.place += behind + 1;
-        special
-    }));
-    Ok(SpecialCurve {
-        kind: known.kind,
-        points,
-        special,
-        ends: [begin, end],
-    })
 }
