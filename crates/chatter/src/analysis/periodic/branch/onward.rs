@@ -25,10 +25,12 @@ impl Walker {
     ) -> Option<(String, Station, f64)> {
         let workshop = self.shooting.workshop.clone();
         let steps = self.shooting.steps.iter();
-        let hit: Vec<usize> = match self.shooting.steps.iter().any(Step::is_stretch) {
+        let mut hit: Vec<usize> = match self.shooting.steps.iter().any(Step::is_stretch) {
             true => (0..workshop.model.contacts.len()).collect(),
             false => steps.filter_map(Step::impact).collect(),
         };
+        hit.sort_unstable();
+        hit.dedup();
         let free = self.shooting.parameters();
         for contact in hit {
             let contact = &workshop.model.contacts[contact];
