@@ -26,5 +26,6 @@ pub use lanes::{LaneMask, Lanes};
 pub use matrix::{Factored, Matrix, dot, pairs};
 pub use newton::{Equations, Linearised, Newton, NewtonError, Solution};
 pub(crate) use rounded::{Rounded, unchanged, with_rounding};
+pub(crate) use scalar::index_of;
 pub use scalar::{Mask, Real, Scalar};
 pub(crate) use with_terms::WithTerms;

@@ -183,6 +183,12 @@ const TWO_52_BITS: u64 = 0x4330_0000_0000_0000;
 const TWO_40: f64 = 1_099_511_627_776.0;
 const BIAS: f64 = 1023.0;
 
+/// A whole number, not negative and below 2^32, as an index: the processor's conversions come with questions whether it is one.
+#[inline(always)]
+pub(crate) fn index_of(whole: f64) -> usize {
+    ((whole + TWO_52).to_bits() & u64::from(u32::MAX)) as usize
+}
+
 #[inline(always)]
 pub(super) fn coarse_log2(value: f64) -> f64 {
     let glued = f64::from_bits((value.to_bits() >> 12) | TWO_52_BITS);

@@ -7,7 +7,7 @@
 use super::shared::Shared;
 use crate::flow::step::ORDER_CLASSES;
 use crate::flow::trajectory::{Caught, Trajectory};
-use crate::numerics::Lanes;
+use crate::numerics::{LaneMask, Lanes};
 use core::ops::Range;
 
 /// So many rows are read side by side, and so many numbers of each at once.
@@ -225,26 +225,40 @@ impl Rows {
         }
     }
 
-    /// Takes over what an ordinary step has made of a trajectory, which ended at this guard, or nowhere.
+    /// Takes over what a step has made of trajectories whose rows were laid side by side, where it was an ordinary one.
+    ///
+    /// Of a few trajectories at once, for the same reason.
     #[inline(always)]
-    pub fn take<const L: usize>(
+    pub fn scatter<const L: usize>(
         &mut self,
-        index: usize,
-        (lane, block): (usize, &[Lanes<L>]),
-        ended_at: Option<usize>,
+        members: &[usize; L],
+        block: &[Lanes<L>],
+        ordinary: LaneMask<L>,
     ) {
-        let lane = lane.min(L - 1);
         let changed = self.places.changed();
-        let row = &mut self.values[index * self.stride..][..changed];
         let blocks = block[..changed].as_chunks::<ABREAST>().0;
-        for (values, wide) in row.as_chunks_mut::<ABREAST>().0.iter_mut().zip(blocks) {
-            *values = [
-                wide[0].0[lane],
-                wide[1].0[lane],
-                wide[2].0[lane],
-                wide[3].0[lane],
-            ];
+        for first in (0..L).step_by(ABREAST) {
+            for k in 0..ABREAST {
+                let lane = first + k;
+                if !ordinary.lane(lane) {
+                    continue;
+                }
+                let row = &mut self.values[members[lane] * self.stride..][..changed];
+                for (values, wide) in row.as_chunks_mut::<ABREAST>().0.iter_mut().zip(blocks) {
+                    *values = [
+                        wide[0].0[lane],
+                        wide[1].0[lane],
+                        wide[2].0[lane],
+                        wide[3].0[lane],
+                    ];
+                }
+            }
         }
+    }
+
+    /// Takes note of an ordinary step, which ended at this guard, or nowhere.
+    #[inline(always)]
+    pub fn note(&mut self, index: usize, ended_at: Option<usize>) {
         let ahead = &mut self.ahead[index];
         ahead.has_moved = true;
         ahead.has_bounced |= ended_at.is_some();

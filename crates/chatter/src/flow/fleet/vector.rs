@@ -12,7 +12,7 @@ use crate::flow::system::{Settings, System};
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::{StepResult, Trajectory};
 use crate::numerics::dispatch::{Kernel, dispatch};
-use crate::numerics::{LaneMask, Lanes, Mask, Scalar};
+use crate::numerics::{LaneMask, Lanes, Mask, Scalar, index_of};
 
 /// A vector of trajectories. Those of a fleet take turns in it.
 #[derive(Debug)]
@@ -92,7 +92,7 @@ macro_rules! vector_step {
                     return;
                 };
                 dispatch(LaneStep {
-                    rows: &self.rows,
+                    rows: &mut self.rows,
                     members,
                     shared,
                     block: &mut self.block,
@@ -116,7 +116,7 @@ vector_step!(8);
 vector_step!(4);
 
 struct LaneStep<'a, const L: usize> {
-    rows: &'a Rows,
+    rows: &'a mut Rows,
     members: &'a [usize; L],
     shared: &'a Shared<L>,
     block: &'a mut [Lanes<L>],
@@ -177,6 +177,7 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
         block[places.time_low()] = course.time_low;
         block[places.flight_time()] = course.flight_time;
         block[places.longest_step()] = course.longest_step;
+        (self.rows).scatter(self.members, block, verdict.ordinary);
     }
 }
 
@@ -300,8 +301,8 @@ impl<'a, const L: usize> Vector<'a, L> {
         }
     }
 
-    /// Gives the end of a lane's step to its trajectory: to its row if it is an ordinary one, else to the trajectory itself, as far
-    /// as it is known.
+    /// Tells a trajectory of the end of its lane's step: of an ordinary one, which is in its row, what cannot wait, of another all
+    /// that is known.
     #[inline(always)]
     pub fn give_back(
         &mut self,
@@ -320,9 +321,10 @@ impl<'a, const L: usize> Vector<'a, L> {
             rows.catch_up(index, trajectory);
             return self.give_to_mode_machine(lane, trajectory);
         }
+        let lane = lane.min(L - 1);
         let event = work.event.0[lane];
-        let at = (event > NO_EVENT).then_some(event as usize);
-        rows.take(index, (lane, block), at);
+        let at = (event > NO_EVENT).then(|| index_of(event));
+        rows.note(index, at);
         let told = match at {
             None => {
                 trajectory.note_glide(touching, work.step.0[lane]);
@@ -340,7 +342,7 @@ impl<'a, const L: usize> Vector<'a, L> {
                 })
             }
         };
-        let class = verdict.class.0[lane] as usize;
+        let class = index_of(verdict.class.0[lane]);
         Ended::Ordinary {
             at,
             told,

@@ -33,7 +33,7 @@ use super::touch::TouchConstants;
 use super::touching::{Left, Touching};
 use crate::expressions::Sides as SurfaceSides;
 use crate::model::Simultaneous;
-use crate::numerics::Real;
+use crate::numerics::{Real, index_of};
 use collisions::Collisions;
 pub(crate) use ordinary::Caught;
 use ordinary::Untold;
@@ -360,7 +360,7 @@ impl<R: Real> Trajectory<R> {
     /// The order class of the next step and its unit of time.
     pub(crate) fn plan(&self) -> (usize, R) {
         let (class, unit) = flight::plan(self.flight_time, &self.reach);
-        (class.to_f64() as usize, unit)
+        (index_of(class.to_f64()), unit)
     }
 
     fn load(&self, work: &mut Workspace<R>) -> usize {
@@ -385,7 +385,7 @@ impl<R: Real> Trajectory<R> {
         let event = work.event.to_f64();
         StepResult {
             outcome: work.outcome(),
-            event: (event >= 0.0).then_some(event as usize),
+            event: (event >= 0.0).then(|| index_of(event)),
             touched: None,
             crowd: Closed::NONE,
             jumped: false,

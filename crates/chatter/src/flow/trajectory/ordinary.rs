@@ -138,6 +138,7 @@ impl<R: Real> Trajectory<R> {
         let guard = &program.guards[index];
         let contact = guard.closing()?;
         self.keep(course);
+        self.left = Left::NONE;
         self.has_bounced(index);
         let is_told = self.note_bounce(
             guard,
@@ -171,7 +172,6 @@ impl<R: Real> Trajectory<R> {
         (contact, rate): (usize, R),
         (time, rest_of_sequence): (R, R),
     ) -> bool {
-        self.left = Left::NONE;
         self.touched_at = time;
         self.ended_by = Some(guard.kind);
         self.count_impact(contact, rate);
@@ -195,6 +195,7 @@ impl<R: Real> Trajectory<R> {
         self.met = None;
         self.rates_of_instant.clear();
         if caught.has_bounced {
+            self.left = Left::NONE;
             self.tracker.interrupt();
         }
         if let Some(index) = caught.ended_at {
