@@ -193,6 +193,7 @@ impl Corners {
     }
 
     /// Whether there is none.
+    #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.surfaces.is_empty() && self.lookups.is_empty()
     }

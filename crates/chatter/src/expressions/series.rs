@@ -269,6 +269,15 @@ impl<S: Scalar> Expansion<S> {
         low: &[S],
         values: &mut [S],
     ) {
+        self.settle(tape, constants, state, low);
+        for (index, value) in (0..tape.outputs.len()).zip(values) {
+            *value = self.value(tape, constants, index);
+        }
+    }
+
+    /// As [`evaluate`](Self::evaluate); [`value`](Self::value) then says what came out.
+    #[inline(always)]
+    pub(crate) fn settle(&mut self, tape: &Tape, constants: &[S], state: &[S], low: &[S]) {
         self.make_room(tape);
         self.order = 0;
         self.is_even = true;
@@ -276,11 +285,14 @@ impl<S: Scalar> Expansion<S> {
         if !self.run_code(tape, constants, &S::splat(0.0)) {
             self.run_order(tape, constants, S::splat(0.0), 0);
         }
-        for (value, output) in values.iter_mut().zip(&tape.outputs) {
-            *value = match *output {
-                Operand::Constant(index) => constants[index],
-                Operand::Series(slot) => self.get(slot, 0),
-            };
+    }
+
+    /// An output of the latest run at order zero.
+    #[inline(always)]
+    pub(crate) fn value(&self, tape: &Tape, constants: &[S], index: usize) -> S {
+        match tape.outputs[index] {
+            Operand::Constant(index) => constants[index],
+            Operand::Series(slot) => self.get(slot, 0),
         }
     }
 

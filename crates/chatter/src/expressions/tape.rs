@@ -284,6 +284,7 @@ impl Tape {
     }
 
     /// Whether every output is a state or a constant, so that no operation is needed at the last order.
+    #[inline(always)]
     pub(crate) fn outputs_are_states(&self) -> bool {
         self.outputs.iter().all(|output| match output {
             Operand::Constant(_) => true,

@@ -79,7 +79,6 @@ pub struct Workspace<S: Scalar> {
     /// For values at a point, so that the expansion of the step survives as dense output.
     pub(crate) point: Expansion<S>,
     pub(crate) bernstein: Vec<S>,
-    pub(crate) outputs: Vec<S>,
 
     /// Tape constants of the program and of its impacts.
     pub(crate) constants: Vec<S>,
@@ -128,17 +127,10 @@ impl<S: Scalar> Workspace<S> {
         let zero = S::splat(0.0);
         let tapes: Vec<&Tape> = tapes.collect();
         let tolerance = settings.tolerance.max(S::ROUNDOFF);
-        let widest = tapes
-            .iter()
-            .map(|tape| tape.outputs.len())
-            .max()
-            .unwrap_or(0);
         Self {
             expansion: Expansion::new(&tapes).with_backend(settings.backend),
             point: Expansion::new(&tapes).with_backend(settings.backend),
             bernstein: vec![zero; MAX_ORDER + 1],
-            // An impact in a mode that is met later may change more of the state.
-            outputs: vec![zero; widest.max(IMPACT_SCALARS + dimension)],
             constants: Vec::new(),
             impact_constants: Vec::new(),
             edition: None,
@@ -394,9 +386,25 @@ impl<S: Scalar> Workspace<S> {
         horner(p, self.scaled_step).abs().at_most(noise)
     }
 
+    /// Makes a step, in the lanes where it can be certified.
+    #[inline(always)]
+    pub(crate) fn try_step(
+        &mut self,
+        program: &Program,
+        class: usize,
+        touching: Touching,
+    ) -> S::Mask {
+        self.expand(program, class);
+        let certain = self.locate(program, touching);
+        if certain.any() {
+            self.finish(program);
+        }
+        certain
+    }
+
     /// Moves the state to the end of the step and applies the impact where one ended it.
     #[inline(always)]
-    pub(crate) fn finish(&mut self, program: &Program) {
+    fn finish(&mut self, program: &Program) {
         self.travel();
         self.collide(program);
     }
@@ -434,22 +442,18 @@ impl<S: Scalar> Workspace<S> {
             return;
         };
         let constants = &self.impact_constants[contact];
-        self.point.evaluate(
-            &impact.tape,
-            constants,
-            &self.state,
-            &self.low,
-            &mut self.outputs,
-        );
+        (self.point).settle(&impact.tape, constants, &self.state, &self.low);
         for (i, scalar) in self.impact.iter_mut().enumerate() {
-            *scalar = S::select(here, self.outputs[i], *scalar);
+            let value = self.point.value(&impact.tape, constants, i);
+            *scalar = S::select(here, value, *scalar);
         }
         // An impact that no restitution in [0, 1] explains is reported, and leaves the state as it was before.
         let legal = here & legal_rates(self.impact[0], self.impact[1]);
         for (k, &i) in impact.changed.iter().enumerate() {
             let place = IMPACT_SCALARS + k;
+            let value = self.point.value(&impact.tape, constants, place);
             let low = self.point.output_remainder(&impact.tape, place);
-            self.state[i] = S::select(legal, self.outputs[place], self.state[i]);
+            self.state[i] = S::select(legal, value, self.state[i]);
             self.low[i] = S::select(legal, low, self.low[i]);
         }
         let [_, rate, acceleration, jerk, _, _] = self.impact;
@@ -688,11 +692,9 @@ impl<S: Scalar> SignCount<S> {
     }
 }
 
-/// What one trajectory asks for: one kernel, so that the interpreter is compiled once.
+/// What one trajectory asks for beside its steps: one kernel, so that the interpreter is compiled once.
 enum Task<'a, R> {
-    /// A step, with so many roots at the start.
-    Step(&'a Program, usize, Touching),
-    /// Its expansion alone.
+    /// The expansion of a step alone.
     Expansion(&'a Program, usize),
     /// An expansion of the lowest order from another state, which leaves that of the step as it is.
     Point {
@@ -718,54 +720,31 @@ struct Single<'w, 'a, R: Real> {
 }
 
 impl<R: Real> Kernel for Single<'_, '_, R> {
-    type Output = bool;
+    type Output = ();
     #[inline(always)]
-    fn run(self) -> bool {
+    fn run(self) {
         let Self { work, task } = self;
-        let (program, class, touching) = match task {
-            Task::Step(program, class, touching) => (program, class, Some(touching)),
-            Task::Expansion(program, class) => (program, class, None),
+        match task {
+            Task::Expansion(program, class) => work.expand(program, class),
             Task::Point {
                 tape,
                 constants,
                 state,
                 low,
                 tau,
-            } => {
-                work.point
-                    .run(tape, constants, state, low, tau, R::ORDERS[0]);
-                return true;
-            }
+            } => (work.point).run(tape, constants, state, low, tau, R::ORDERS[0]),
             Task::Values {
                 tape,
                 constants,
                 state,
                 low,
                 values,
-            } => {
-                work.point.evaluate(tape, constants, state, low, values);
-                return true;
-            }
-        };
-        work.expand(program, class);
-        let Some(touching) = touching else {
-            return true;
-        };
-        let certain = work.locate(program, touching);
-        if certain {
-            work.finish(program);
+            } => work.point.evaluate(tape, constants, state, low, values),
         }
-        certain
     }
 }
 
 impl<R: Real> Workspace<R> {
-    /// Makes a step, as far as it can be certified; returns whether it was.
-    #[inline]
-    pub(crate) fn try_step(&mut self, program: &Program, class: usize, touching: Touching) -> bool {
-        self.run(Task::Step(program, class, touching))
-    }
-
     /// Expands, and leaves what follows to the caller.
     pub(crate) fn expand_only(&mut self, program: &Program, class: usize) {
         self.run(Task::Expansion(program, class));
@@ -805,9 +784,8 @@ impl<R: Real> Workspace<R> {
         });
     }
 
-    #[inline]
-    fn run(&mut self, task: Task<'_, R>) -> bool {
-        dispatch_narrow(Single { work: self, task })
+    fn run(&mut self, task: Task<'_, R>) {
+        dispatch_narrow(Single { work: self, task });
     }
 
     /// Whether arguments that must not vanish are told from zero.
@@ -823,7 +801,7 @@ impl<R: Real> Workspace<R> {
     }
 
     /// Sets the constants of a program for a single trajectory.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn load_constants(&mut self, constants: &ProgramConstants<R>) {
         if self.edition != Some(constants.edition) {
             self.edition = Some(constants.edition);

@@ -258,7 +258,7 @@ impl System {
     }
 
     /// The program of a mode; none where its contacts cannot be held together.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn program(&self, mode: usize) -> Option<&Program> {
         self.modes.get(mode)?.program.as_ref()
     }
@@ -352,6 +352,7 @@ impl System {
     }
 
     /// The corners of the model's expressions.
+    #[inline(always)]
     pub(crate) fn corners(&self) -> &Corners {
         &self.corners
     }

@@ -147,9 +147,7 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
         let flight = flight(places, block);
         work.time = flight.time;
         work.horizon = flight.remaining();
-        work.expand(program, self.class);
-        let certain = work.locate(program, self.touching);
-        work.finish(program);
+        let certain = work.try_step(program, self.class, self.touching);
         store(work, (places, block));
         verdict.certain = certain;
         if !program.is_free {

@@ -4,6 +4,7 @@
 //! the start of the next step, which are divided out. Intervals are half open: an event at the end of a step belongs to
 //! it, one at the start does not.
 
+mod alone;
 mod cascade;
 mod collisions;
 mod contact;
@@ -33,7 +34,9 @@ use super::touch::TouchConstants;
 use super::touching::{Left, Touching};
 use crate::expressions::Sides as SurfaceSides;
 use crate::model::Simultaneous;
+use crate::numerics::dispatch::dispatch_narrow;
 use crate::numerics::{Real, index_of};
+use alone::{StepAlone, Stepped};
 use collisions::Collisions;
 pub(crate) use ordinary::Caught;
 use ordinary::Untold;
@@ -182,6 +185,7 @@ impl<R: Real> Trajectory<R> {
         self.horizon_low = low;
     }
 
+    #[inline(always)]
     pub(crate) fn remaining(&self) -> R {
         let horizon = (self.horizon, self.horizon_low);
         flight::remaining(horizon, (self.time, self.time_low))
@@ -241,13 +245,17 @@ impl<R: Real> Trajectory<R> {
         if self.remaining() <= R::ZERO {
             return Ok(Some(Occurrence::Horizon));
         }
-        let class = self.load(work);
-        if !work.try_step(program, class, self.touching) {
-            return self.advance_settled(system, work, program);
+        let step = StepAlone {
+            trajectory: self,
+            system,
+            work,
+            program,
+        };
+        match dispatch_narrow(step) {
+            Stepped::Ordinary(told) => Ok(told),
+            Stepped::Event(result) => self.digest_event(system, work, program, &result),
+            Stepped::Uncertain => self.advance_settled(system, work, program),
         }
-        let result = self.result(work);
-        self.accept(work);
-        self.digest(system, work, program, &result)
     }
 
     /// Moves by a step that could not be certified, with full root isolation.
@@ -351,6 +359,7 @@ impl<R: Real> Trajectory<R> {
         Ok(told)
     }
 
+    #[inline(always)]
     fn program<'s>(&self, system: &'s System) -> Result<&'s Program, FlowError> {
         system
             .program(self.mode)
@@ -358,11 +367,13 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// The order class of the next step and its unit of time.
+    #[inline(always)]
     pub(crate) fn plan(&self) -> (usize, R) {
         let (class, unit) = flight::plan(self.flight_time, &self.reach);
         (index_of(class.to_f64()), unit)
     }
 
+    #[inline(always)]
     fn load(&self, work: &mut Workspace<R>) -> usize {
         if let Some(constants) = &self.constants[self.mode] {
             work.load_constants(constants);
@@ -380,6 +391,7 @@ impl<R: Real> Trajectory<R> {
         class
     }
 
+    #[inline(always)]
     fn result(&self, work: &Workspace<R>) -> StepResult<R> {
         let remaining = self.remaining();
         let event = work.event.to_f64();
@@ -394,6 +406,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Takes over where a step ended.
+    #[inline(always)]
     fn accept(&mut self, work: &Workspace<R>) {
         self.state.copy_from_slice(&work.state);
         self.low.copy_from_slice(&work.low);
@@ -401,6 +414,7 @@ impl<R: Real> Trajectory<R> {
         self.reach = work.reach;
     }
 
+    #[inline(always)]
     fn keep_sides(&mut self, work: &Workspace<R>) {
         for (section, &side) in work.sides.iter().enumerate() {
             self.sides.set(section, side);
@@ -408,7 +422,6 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Says what a step means whose end (state, remainder and reach) is already in place.
-    #[inline(always)]
     pub(crate) fn digest(
         &mut self,
         system: &System,
@@ -419,6 +432,17 @@ impl<R: Real> Trajectory<R> {
         if let Some(told) = self.digest_ordinary(system, program, result) {
             return Ok(told);
         }
+        self.digest_event(system, work, program, result)
+    }
+
+    /// Says what a step means that is no ordinary one.
+    fn digest_event(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+        result: &StepResult<R>,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
         let Outcome {
             step,
             impact,
