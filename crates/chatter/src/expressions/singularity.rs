@@ -15,7 +15,7 @@
 use super::graph::{Expr, Function};
 use super::series::{Expansion, convolve};
 use super::tape::{Op, Operand, Tape};
-use crate::numerics::polynomial::short_magnitude;
+use crate::numerics::polynomial::sizes;
 use crate::numerics::{Mask, Scalar};
 use rustc_hash::FxHashMap;
 
@@ -179,7 +179,7 @@ impl<S: Scalar> Expansion<S> {
         for singular in &tape.singular {
             let a = self.computed(tape, singular.slot);
             let start = a[0].abs();
-            let change = short_magnitude(&a[1..], wanted) * wanted;
+            let change = sizes(&a[1..], wanted).all * wanted;
             let far = change.at_most(start * S::splat(FAR)) & S::splat(NOTHING).less(start);
             if far.all() {
                 continue;

@@ -6,14 +6,14 @@
 
 use super::chatter::Tail;
 use super::flight::Outcome;
-use super::guard::Transition;
+use super::guard::{Guard, Transition};
 use super::program::{IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
 use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::polynomial::{
-    bernstein, bernstein_from, horner, horner_with_slope_of_part, magnitude, short_magnitude,
+    bernstein, bernstein_from, horner, horner_with_slope_of_part, magnitude, sizes,
 };
 use crate::numerics::roots::Crossing;
 use crate::numerics::{Mask, Real, Scalar, two_sum};
@@ -90,6 +90,8 @@ pub struct Workspace<S: Scalar> {
     pub(crate) low: Vec<S>,
     /// For each section its side, 1 or -1, or 0 where that is not known: before the step, then after it.
     pub(crate) sides: Vec<S>,
+    /// For each section where it may be met in the step.
+    met: Vec<S::Mask>,
     /// Unit of the scaled time.
     pub(crate) tau: S,
     /// The step is at most this long.
@@ -137,6 +139,7 @@ impl<S: Scalar> Workspace<S> {
             state: vec![zero; dimension],
             low: vec![zero; dimension],
             sides: vec![zero; sections],
+            met: vec![S::Mask::splat(false); sections],
             tau: zero,
             horizon: zero,
             time: zero,
@@ -240,7 +243,7 @@ impl<S: Scalar> Workspace<S> {
             & step.is_finite()
             & least_step(self.time).less(step)
             & S::splat(LEAST_GROWTH).at_most(self.growth);
-        let mut sections_met = 0_u128;
+        let mut sections_met = false;
         for (index, guard) in program.guards.iter().enumerate() {
             let Operand::Series(slot) = guard.series else {
                 continue;
@@ -248,7 +251,8 @@ impl<S: Scalar> Workspace<S> {
             let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
             let end = self.scaled_step;
             let start = p[0];
-            let rest = short_magnitude(&p[1..], end) * end;
+            let sizes = sizes(&p[1..], end);
+            let rest = sizes.all * end;
             let noise = (rest + start.abs()) * S::splat(Self::NOISE);
             let mut settled = (rest + noise).less(start.abs());
             let must_be_positive = if let Some(section) = guard.section() {
@@ -260,6 +264,7 @@ impl<S: Scalar> Workspace<S> {
                     & (agrees | (!is_known & noise.less(start.abs())))
                     & (self.growth * S::splat(INSTANT)).less(end);
                 *side = here;
+                self.met[section] = S::Mask::splat(false);
                 false
             } else {
                 certain = certain & noise.less(start);
@@ -268,26 +273,45 @@ impl<S: Scalar> Workspace<S> {
             if settled.all() {
                 continue;
             }
-            if !must_be_positive {
-                sections_met |= 1 << index;
+            let (guess, is_real) = quadratic_root(p);
+            let ahead = Ahead {
+                start,
+                end,
+                noise,
+                beyond: sizes.beyond,
+            };
+            // A section is hardly ever crossed, and a gap closes where its leading terms say so.
+            let is_expected = must_be_positive
+                && (is_real & S::splat(0.0).less(guess) & guess.at_most(end)).any();
+            if !is_expected {
+                settled = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
+                if let Some(section) = guard.section() {
+                    let keeps_side = settled & S::splat(0.0).less(start * horner(p, end));
+                    self.met[section] = !keeps_side;
+                    sections_met = sections_met || !keeps_side.all();
+                }
+                if settled.all() {
+                    continue;
+                }
             }
-            let (root, converged, slope) = newton(p, quadratic_root(p), end);
+            let (root, converged, slope) = newton(p, guess, end);
             let root_inside = S::splat(0.0).less(root) & root.at_most(end) & converged;
             let drop = slope * root;
             let is_clear = (noise * (rest + start.abs()) * S::splat(GRAZE)).less(drop * drop);
-            let falls = falls_steadily(p, root) & noise.less(start);
-            let mut found = root_inside & falls & is_clear;
+            let candidate = root_inside & is_clear & noise.less(start) & !settled;
+            let mut falls = falls_by_leading(p, root, sizes.beyond);
+            if (candidate & !falls).any() {
+                falls = falls | falls_steadily(p, root);
+            }
+            let mut found = candidate & falls;
             if !must_be_positive && found.any() {
                 // A root that cannot be told from the end of the step may coincide with what happens there.
                 found = found & noise.less(horner(p, end).abs());
             }
             settled = settled | found;
             let mut at = root;
-            if !settled.all() {
-                settled = settled | keeps_sign(p, end, noise, &mut self.bernstein);
-            }
-            if !settled.all() {
-                settled = settled | rises(p, end, noise, Self::NOISE, &mut self.bernstein);
+            if !settled.all() && is_expected {
+                settled = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
             }
             if !settled.all() {
                 let n = p.len();
@@ -314,30 +338,35 @@ impl<S: Scalar> Workspace<S> {
             self.scaled_step = S::select(found, at, self.scaled_step);
             self.event = S::select(found, S::splat(index as f64), self.event);
         }
-        if sections_met != 0 {
-            certain = certain & self.find_sides(program, touching, sections_met);
+        if sections_met {
+            certain = certain & self.find_sides(program, touching);
         }
         certain & !self.is_crowded(program, touching)
     }
 
-    /// Finds on which side of these sections (guards, one bit each) the step ends. Returns where this is certain.
+    /// Finds on which side of the sections that may be [`met`](Self::met) the step ends. Returns where this is certain.
     #[inline(always)]
-    fn find_sides(&mut self, program: &Program, touching: Touching, guards: u128) -> S::Mask {
+    fn find_sides(&mut self, program: &Program, touching: Touching) -> S::Mask {
         let mut certain = S::Mask::splat(true);
         let end = self.scaled_step;
         for (index, guard) in program.guards.iter().enumerate() {
-            let (Some(section), true) = (guard.section(), guards >> index & 1 == 1) else {
+            let Some(section) = guard.section() else {
                 continue;
             };
+            let met = self.met[section];
+            if !met.any() {
+                continue;
+            }
             let Some(p) = self.guard_series(guard.series, touching.get(index)) else {
                 continue;
             };
             let value = horner(p, end);
             let noise = magnitude(p, end) * S::splat(Self::NOISE);
             let crossed = self.ends_step(index);
-            certain = certain & (crossed | noise.less(value.abs()));
+            certain = certain & (!met | crossed | noise.less(value.abs()));
             let begins = self.sides[section];
-            self.sides[section] = S::select(crossed, -begins, sign(value));
+            let ends = S::select(crossed, -begins, sign(value));
+            self.sides[section] = S::select(met, ends, begins);
         }
         certain
     }
@@ -490,14 +519,17 @@ pub(crate) fn flight_time<S: Scalar>(rate: S, acceleration: S, jerk: S) -> S {
     S::select(falls_back & time.is_finite(), time, S::splat(FOREVER))
 }
 
-/// The smaller positive root of the leading quadratic: the next impact in the flight of eq. (3).
+/// The smaller positive root of the leading quadratic, the next impact in the flight of eq. (3), and where it is one; elsewhere
+/// any number.
 #[inline(always)]
-fn quadratic_root<S: Scalar>(p: &[S]) -> S {
+fn quadratic_root<S: Scalar>(p: &[S]) -> (S, S::Mask) {
+    let zero = S::splat(0.0);
     let (c, b) = (p[0], p[1]);
-    let a = if p.len() > 2 { p[2] } else { S::splat(0.0) };
+    let a = if p.len() > 2 { p[2] } else { zero };
     let radicand = b.mul_add(b, S::splat(-4.0) * a * c);
     let two_c = c + c;
-    two_c / (radicand.max(S::splat(0.0)).sqrt() - b)
+    let root = two_c / (radicand.max(zero).sqrt() - b);
+    (root, zero.at_most(radicand))
 }
 
 /// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do. Also tells the
@@ -560,6 +592,79 @@ static FACTORS: [f64; MAX_ORDER + 1] = {
     }
     factors
 };
+
+/// The slopes at 0 and s of the quadratic that p begins with, and by how much that of p differs from one between them on
+/// [0, s], at most. `beyond` is that of the [`sizes`] of what follows the constant term, at s or further on: the terms after the
+/// fourth, of which none has a higher degree than the last, are bounded as a whole.
+#[inline(always)]
+fn leading_slopes<S: Scalar>(p: &[S], s: S, beyond: S) -> ([S; 2], S) {
+    let (first, degree) = (p[1], S::splat((p.len() - 1) as f64));
+    let term = |k: usize| p.get(k).map_or(S::splat(0.0), |&c| c * S::splat(k as f64));
+    let last = term(2).mul_add(s, first);
+    let square = s * s;
+    let high = (beyond * degree).mul_add(s, term(4).abs());
+    let rest = high.mul_add(s, term(3).abs()) * square;
+    ([first, last], rest)
+}
+
+/// [`falls_steadily`], by the leading terms.
+#[inline(always)]
+fn falls_by_leading<S: Scalar>(p: &[S], s: S, beyond: S) -> S::Mask {
+    let ([first, last], rest) = leading_slopes(p, s, beyond);
+    (first.max(last) + rest).less(S::splat(0.0))
+}
+
+/// What a guard's polynomial p has ahead on [0, `end`].
+#[derive(Clone, Copy)]
+struct Ahead<S> {
+    /// Its value at 0.
+    start: S,
+    end: S,
+    /// Below this a value is no value.
+    noise: S,
+    /// As for [`leading_slopes`].
+    beyond: S,
+}
+
+impl<S: Scalar> Ahead<S> {
+    /// Where nothing happens: p keeps its sign, or changes it in the direction that is none of the guard's. Certificates, cheapest
+    /// first, until all lanes beside those `settled` have one. A section's function that keeps its sign is beyond noise everywhere.
+    #[inline(always)]
+    fn has_no_event(&self, p: &[S], guard: &Guard, settled: S::Mask, scratch: &mut [S]) -> S::Mask {
+        let Self { end, noise, .. } = *self;
+        let mut settled = settled | self.runs_steadily(p, guard.crossing);
+        if !settled.all() {
+            settled = settled | keeps_sign(p, end, noise, scratch);
+        }
+        if !settled.all() && guard.section().is_none() {
+            settled = settled | rises(p, end, noise, NOISE_ROUNDOFFS * S::ROUNDOFF, scratch);
+        }
+        settled
+    }
+
+    /// [`has_no_event`](Self::has_no_event) by the leading terms: p runs steadily from its value at 0 to that at the end, which both
+    /// are beyond noise, on one side of zero or from below to above.
+    #[inline(always)]
+    fn runs_steadily(&self, p: &[S], crossing: Crossing) -> S::Mask {
+        let Self {
+            start,
+            end,
+            noise,
+            beyond,
+        } = *self;
+        let ([first, last], rest) = leading_slopes(p, end, beyond);
+        let (rises, falls) = (rest.less(first.min(last)), first.max(last).less(-rest));
+        let is_steady = rises | falls;
+        if !is_steady.any() {
+            return is_steady;
+        }
+        let value = horner(p, end);
+        let stays = noise.less(start.min(value)) | start.max(value).less(-noise);
+        let only_rises = rises & start.less(-noise) & noise.less(value);
+        let is_none = S::Mask::splat(crossing == Crossing::Falling);
+        is_steady & (stays | (only_rises & is_none))
+    }
+}
 
 /// Whether p' < 0 on all of [0, s], by bounding what follows the quadratic: then p has no other root there.
 #[inline(always)]
@@ -807,6 +912,73 @@ impl<R: Real> Workspace<R> {
             self.edition = Some(constants.edition);
             self.constants.clone_from(&constants.tape);
             self.impact_constants.clone_from(&constants.impacts);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::polynomial::{LEADING, horner_with_slope};
+    use proptest::prelude::*;
+
+    fn ahead(p: &[f64], end: f64) -> Ahead<f64> {
+        let sizes = sizes(&p[1..], end);
+        Ahead {
+            start: p[0],
+            end,
+            noise: Workspace::<f64>::NOISE * sizes.all.mul_add(end, p[0].abs()),
+            beyond: sizes.beyond,
+        }
+    }
+
+    #[test]
+    fn steady_runs_are_told_by_their_ends() {
+        let runs = |p: &[f64], crossing| ahead(p, 1.0).runs_steadily(p, crossing);
+        for crossing in [Crossing::Falling, Crossing::Either] {
+            assert!(runs(&[1.0, -0.5, 0.01, 0.02, -0.01, 0.001], crossing));
+            assert!(runs(&[-1.0, 0.5], crossing));
+            // Through zero, to zero, and with a dip.
+            assert!(!runs(&[1.0, -1.5], crossing));
+            assert!(!runs(&[1.0, -1.0], crossing));
+            assert!(!runs(&[0.2, -1.0, 1.0], crossing));
+        }
+        // A rise through zero is none of the events of what falls.
+        assert!(runs(&[-1.0, 1.5], Crossing::Falling));
+        assert!(!runs(&[-1.0, 1.5], Crossing::Either));
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_certain_by_the_leading_terms_holds_at_every_place(
+            factors in proptest::collection::vec(-1.0_f64..1.0, 2..27),
+            falls_off in 0.1_f64..0.9,
+            end in 0.1_f64..2.0,
+        ) {
+            let mut size = 1.0;
+            let p: Vec<f64> = factors
+                .iter()
+                .map(|factor| {
+                    size *= falls_off;
+                    factor * size
+                })
+                .collect();
+            let ahead = ahead(&p, end);
+            let places = (0..=200).map(|i| end * f64::from(i) / 200.0);
+            let at: Vec<(f64, f64)> = places.map(|s| horner_with_slope(&p, s)).collect();
+            if falls_by_leading(&p, end, ahead.beyond) {
+                prop_assert!(at.iter().all(|&(_, slope)| slope < 0.0));
+            }
+            if ahead.runs_steadily(&p, Crossing::Either) {
+                prop_assert!(at.iter().all(|&(value, _)| value * p[0] > 0.0));
+            }
+            if ahead.runs_steadily(&p, Crossing::Falling) {
+                prop_assert!(at.windows(2).all(|w| !(w[0].0 > 0.0 && w[1].0 <= 0.0)));
+            }
+            // The bound is that of all terms but for those that are bounded as a whole.
+            if p.len() <= LEADING + 1 && falls_steadily(&p, end) {
+                prop_assert!(falls_by_leading(&p, end, ahead.beyond));
+            }
         }
     }
 }

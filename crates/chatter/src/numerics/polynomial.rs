@@ -38,23 +38,28 @@ pub fn horner<S: Scalar>(coefficients: &[S], s: S) -> S {
 #[inline(always)]
 fn horner_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> S::Part {
     let square = s * s;
-    let (mut even, mut odd) = (S::Part::splat(0.0), S::Part::splat(0.0));
-    // Two pairs at a time, after those that are left over at the top.
+    let mut sums = [S::Part::splat(0.0); 2];
+    // Two pairs at a time, after those that are left over at the top. A pair is a loop of its own: for single numbers one
+    // instruction.
     let fours = coefficients.chunks_exact(4);
     let pairs = fours.remainder().chunks_exact(2);
     if let [last] = pairs.remainder() {
-        even = last.part(part);
+        sums[0] = last.part(part);
     }
     for pair in pairs.rev() {
-        even = even.mul_add(square, pair[0].part(part));
-        odd = odd.mul_add(square, pair[1].part(part));
+        for k in 0..2 {
+            sums[k] = sums[k].mul_add(square, pair[k].part(part));
+        }
     }
     for four in fours.rev() {
-        even = even.mul_add(square, four[2].part(part));
-        odd = odd.mul_add(square, four[3].part(part));
-        even = even.mul_add(square, four[0].part(part));
-        odd = odd.mul_add(square, four[1].part(part));
+        for k in 0..2 {
+            sums[k] = sums[k].mul_add(square, four[k + 2].part(part));
+        }
+        for k in 0..2 {
+            sums[k] = sums[k].mul_add(square, four[k].part(part));
+        }
     }
+    let [even, odd] = sums;
     odd.mul_add(s, even)
 }
 
@@ -77,31 +82,30 @@ pub(crate) fn horner_with_slope_of_part<S: Scalar>(
     s: S::Part,
     part: usize,
 ) -> (S::Part, S::Part) {
-    let zero = S::Part::splat(0.0);
     let square = s * s;
-    let (mut even, mut even_slope) = (zero, zero);
-    let (mut odd, mut odd_slope) = (zero, zero);
+    let (mut sums, mut slopes) = ([S::Part::splat(0.0); 2], [S::Part::splat(0.0); 2]);
     let fours = coefficients.chunks_exact(4);
     let pairs = fours.remainder().chunks_exact(2);
     if let [last] = pairs.remainder() {
-        even = last.part(part);
+        sums[0] = last.part(part);
     }
     for pair in pairs.rev() {
-        even_slope = even_slope.mul_add(square, even);
-        odd_slope = odd_slope.mul_add(square, odd);
-        even = even.mul_add(square, pair[0].part(part));
-        odd = odd.mul_add(square, pair[1].part(part));
+        for k in 0..2 {
+            slopes[k] = slopes[k].mul_add(square, sums[k]);
+            sums[k] = sums[k].mul_add(square, pair[k].part(part));
+        }
     }
     for four in fours.rev() {
-        even_slope = even_slope.mul_add(square, even);
-        odd_slope = odd_slope.mul_add(square, odd);
-        even = even.mul_add(square, four[2].part(part));
-        odd = odd.mul_add(square, four[3].part(part));
-        even_slope = even_slope.mul_add(square, even);
-        odd_slope = odd_slope.mul_add(square, odd);
-        even = even.mul_add(square, four[0].part(part));
-        odd = odd.mul_add(square, four[1].part(part));
+        for k in 0..2 {
+            slopes[k] = slopes[k].mul_add(square, sums[k]);
+            sums[k] = sums[k].mul_add(square, four[k + 2].part(part));
+        }
+        for k in 0..2 {
+            slopes[k] = slopes[k].mul_add(square, sums[k]);
+            sums[k] = sums[k].mul_add(square, four[k].part(part));
+        }
     }
+    let ([even, odd], [even_slope, odd_slope]) = (sums, slopes);
     let value = odd.mul_add(s, even);
     let slope = (s + s).mul_add(odd_slope.mul_add(s, even_slope), odd);
     (value, slope)
@@ -117,40 +121,61 @@ pub fn magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
     sum
 }
 
-/// [`magnitude`] as four sums that need not wait for each other: where the whole step waits for it.
+/// So many leading terms [`Sizes`] tells from the others.
+pub(crate) const LEADING: usize = 4;
+
+/// Sums of the sizes of a polynomial's terms at s >= 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sizes<S> {
+    /// Of all: [`magnitude`].
+    pub all: S,
+    /// Of those after the leading four, over s^4.
+    pub beyond: S,
+}
+
+/// The sums of sizes, of even and of odd powers as in [`horner`].
 #[inline(always)]
-pub(crate) fn short_magnitude<S: Scalar>(coefficients: &[S], s: S) -> S {
-    let mut sum = s;
+pub(crate) fn sizes<S: Scalar>(coefficients: &[S], s: S) -> Sizes<S> {
+    let mut sizes = Sizes { all: s, beyond: s };
     for part in 0..S::PARTS {
-        let here = short_magnitude_of_part(coefficients, s.part(part), part);
-        sum.set_part(part, here);
+        let here = sizes_of_part(coefficients, s.part(part), part);
+        sizes.all.set_part(part, here.all);
+        sizes.beyond.set_part(part, here.beyond);
     }
-    sum
+    sizes
 }
 
 #[inline(always)]
-fn short_magnitude_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> S::Part {
+fn sizes_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> Sizes<S::Part> {
     let zero = S::Part::splat(0.0);
+    let Some((leading, others)) = coefficients.split_first_chunk::<LEADING>() else {
+        let mut all = zero;
+        for c in coefficients.iter().rev() {
+            all = all.mul_add(s, c.part(part).abs());
+        }
+        return Sizes { all, beyond: zero };
+    };
     let square = s * s;
-    let fourth = square * square;
-    let chunks = coefficients.chunks_exact(4);
-    let mut sums = [zero; 4];
-    for (sum, c) in sums.iter_mut().zip(chunks.remainder()) {
-        *sum = c.part(part).abs();
+    let mut sums = [zero; 2];
+    let pairs = others.chunks_exact(2);
+    if let [last] = pairs.remainder() {
+        sums[0] = last.part(part).abs();
     }
-    for chunk in chunks.rev() {
-        if let [first, second, third, last] = chunk {
-            sums = [
-                sums[0].mul_add(fourth, first.part(part).abs()),
-                sums[1].mul_add(fourth, second.part(part).abs()),
-                sums[2].mul_add(fourth, third.part(part).abs()),
-                sums[3].mul_add(fourth, last.part(part).abs()),
-            ];
+    for pair in pairs.rev() {
+        for k in 0..2 {
+            sums[k] = sums[k].mul_add(square, pair[k].part(part).abs());
         }
     }
-    let low = sums[1].mul_add(s, sums[0]);
-    let high = sums[3].mul_add(s, sums[2]);
-    high.mul_add(square, low)
+    let beyond = sums[1].mul_add(s, sums[0]);
+    for first in [2, 0] {
+        for k in 0..2 {
+            sums[k] = sums[k].mul_add(square, leading[first + k].part(part).abs());
+        }
+    }
+    Sizes {
+        all: sums[1].mul_add(s, sums[0]),
+        beyond,
+    }
 }
 
 /// p^(order)(0) / order!, and by how much that may change within a distance of `s` to either side, at most.
@@ -269,6 +294,18 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn sums_of_sizes_are_those_of_all_terms_and_of_those_after_the_leading(
+            coefficients in proptest::collection::vec(-1.0_f64..1.0, 0..27),
+            s in 0.0_f64..1.5,
+        ) {
+            let found = sizes(&coefficients, s);
+            let all = magnitude(&coefficients, s);
+            prop_assert!((found.all - all).abs() <= 1e-13 * all);
+            let beyond = magnitude(coefficients.get(LEADING..).unwrap_or_default(), s);
+            prop_assert!((found.beyond - beyond).abs() <= 1e-13 * beyond);
+        }
+
         #[test]
         fn bernstein_coefficients_enclose_the_polynomial(
             coefficients in proptest::collection::vec(-1.0_f64..1.0, 2..27),
