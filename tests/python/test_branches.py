@@ -68,7 +68,7 @@ def test_what_was_broken_off_goes_on_to_the_same_bits(oscillator, theirs, tmp_pa
 
     def enough(_, message):
         told.append(message)
-        if sum("omega" in one for one in told) > 3:
+        if any("omega" in one for one in told):
             raise Enough
 
     out, journal = tmp_path / "ours.npz", tmp_path / "kept.journal"

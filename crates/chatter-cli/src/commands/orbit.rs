@@ -18,8 +18,9 @@ The orbit that the motion settles to is closed by Newton's method on the states 
 them, in numbers of thirty digits. Multipliers are those of the return map: all but the trivial one, which an autonomous
 system has along the flow and which shows how well derivatives are known. Complete chatter, and whatever holds the state
 on a surface, forgets directions: their multipliers are zero. Margins are what vanishes where the sequence of events
-changes: the rate of the slowest impact, the least gap of the flights, the jerk at release, and the coordinate X of a chatter
-border that is near (negative where chatter is complete).
+changes: the rate of the slowest impact, the least gap of the flights, the least acceleration that a closed contact keeps
+from being (least reaction), the least value of the functions of surfaces and events, the jerk at release, and the
+coordinate X of a chatter border that is near (negative where chatter is complete).
 
 JSON
   orbit: period, start and section (states by name), section_name, events (as in `simulate`, times from the start),

@@ -649,6 +649,8 @@ pub(crate) struct StretchKind {
     pub on: Option<usize>,
     /// Chatter sequences that end on the way.
     pub accumulations: usize,
+    /// Impacts on the way, where none do.
+    pub impacts: usize,
     /// The mode that it ends in, and how.
     pub last: LegKind,
 }
@@ -792,7 +794,7 @@ impl Stretch {
 
     /// Takes a state that an impact has just left to where the gap is zero: off it by what the solution of the
     /// orbit's equations has yet to close.
-    fn onto_contact<R: Real>(&self, parameters: &[R], x: &[R]) -> Vec<R> {
+    pub(crate) fn onto_contact<R: Real>(&self, parameters: &[R], x: &[R]) -> Vec<R> {
         let mut x = x.to_vec();
         let Some(gap) = self.gap else {
             return x;

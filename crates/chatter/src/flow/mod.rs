@@ -40,6 +40,7 @@ pub use dense::Dense;
 pub use error::FlowError;
 pub use fleet::{Next, run_fleet};
 pub use guard::GuardKind;
+pub(crate) use limits::Corner;
 pub use occurrence::{EventKind, Occurrence, Place};
 pub(crate) use program::Grip;
 pub use program::{Closed, Held};

@@ -92,8 +92,13 @@ impl System {
                 limit: Touching::GUARDS,
             }));
         }
-        if corners.is_empty() {
-            Mechanics::new(model).map_err(SystemError::Model)?;
+        match Mechanics::new(model) {
+            // What else a form of the field may lack is found where that form is met.
+            Err(error @ MechanicsError::ImpulseLeavesRate { .. }) => {
+                return Err(SystemError::Model(error));
+            }
+            Err(error) if corners.is_empty() => return Err(SystemError::Model(error)),
+            _ => {}
         }
         let mut model = model.clone();
         let coordinates = model.states.len();

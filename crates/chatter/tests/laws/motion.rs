@@ -124,7 +124,7 @@ const MODELS: &[(&str, &str)] = &[
 ];
 
 /// Motions are left after so many steps: some thousand motions a second.
-const STEPS: u64 = 40;
+const STEPS: u64 = 12;
 
 /// A model whose equations are derived.
 pub struct Prepared {

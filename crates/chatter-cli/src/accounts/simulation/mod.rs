@@ -23,6 +23,10 @@ pub enum Listing {
 
 /// Digits of times in the list.
 const TIME_DIGITS: u32 = 12;
+/// From this power of ten on times have their digits after a zero; shorter ones would lose some there.
+const FEW_DECIMALS: i32 = -2;
+/// The least power of ten that times are written out for.
+const SHORTEST_TIME: f64 = -20.0;
 /// Digits of rates and durations in the list.
 const DETAIL_DIGITS: u32 = 6;
 /// A summary has at most so many lines: what a reader takes in. The middle is left out.
@@ -68,10 +72,15 @@ impl<'a, R: Real> Teller<'a, R> {
             .to_f64()
             .abs()
             .max(simulation.start_time.to_f64().abs());
-        let before_point = if largest < 1.0 {
-            1
+        // Short times have as many digits as long ones.
+        let leading = match largest {
+            0.0 => 0,
+            _ => largest.log10().floor().clamp(SHORTEST_TIME, 300.0) as i32,
+        };
+        let leading = if leading >= FEW_DECIMALS {
+            leading.max(0)
         } else {
-            largest.log10().floor() as u32 + 1
+            leading
         };
         let wanted = subject.digits.0;
         let time_digits = if subject.digits.fit_double() {
@@ -84,7 +93,7 @@ impl<'a, R: Real> Teller<'a, R> {
             simulation,
             record,
             style,
-            decimals: time_digits.saturating_sub(before_point),
+            decimals: time_digits.saturating_add_signed(-1 - leading),
             detail_digits: wanted.min(DETAIL_DIGITS),
         }
     }

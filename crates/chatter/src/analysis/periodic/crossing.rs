@@ -1,7 +1,8 @@
 //! Where an orbit crosses the section: no part of its equations, so that a crossing which comes or goes, or changes places with an
 //! impact, is nothing that happens to the orbit.
 
-use super::cycle::itinerary::{Passage, Step, rotate};
+use super::cycle::itinerary::{Passage, Step};
+use super::cycle::rotate::rotate;
 use super::error::PeriodicError;
 use super::shooting::Shooting;
 use crate::flow::GuardKind;
@@ -126,8 +127,12 @@ impl Shooting<f64> {
             }
         };
         let parameters = self.workshop.parameters(self.free(at));
-        let turns = self.workshop.closure.turns(&parameters)?;
-        rotate(&mut steps, begin, &turns, &self.counts);
+        rotate(
+            &self.workshop,
+            &parameters,
+            (&mut steps, &self.counts),
+            begin,
+        )?;
         let longer = Self::new(&self.workshop, steps, self.counts.clone())?;
         let guess = longer.guess(self.free(at));
         Ok(Some((longer, guess)))

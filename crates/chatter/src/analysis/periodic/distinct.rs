@@ -5,10 +5,10 @@
 //! is. A branch that does not pass that value is known by its special points, but for those at which branches meet.
 
 use super::branch::{Branch, Special, SpecialKind};
+use super::cycle::reread::reread;
 use super::error::PeriodicError;
 use super::orbit::{Orbit, close};
 use super::shooting::{Shooting, Workshop};
-use super::special_curve::start::reread;
 use super::{BranchSpec, Spec, workshop};
 use crate::model::Model;
 use crate::numerics::Real;

@@ -27,8 +27,12 @@ pub struct Margin {
 pub enum MarginKind {
     /// The slowest impact.
     ImpactRate,
-    /// The least gap of flights, or value of another guard.
-    Least,
+    /// The least gap of flights.
+    LeastGap,
+    /// The least acceleration that a closed contact keeps from being.
+    LeastReaction,
+    /// The least value of another guard: of the function of a surface or an event, of what is left of a piece of a table.
+    LeastValue,
     /// The least jerk at a release.
     ReleaseJerk,
     /// The coordinate X of a chatter border, negative where chatter is complete.
@@ -40,7 +44,9 @@ impl MarginKind {
     pub const fn name(self) -> &'static str {
         match self {
             Self::ImpactRate => "impact_rate",
-            Self::Least => "least_gap",
+            Self::LeastGap => "least_gap",
+            Self::LeastReaction => "least_reaction",
+            Self::LeastValue => "least_value",
             Self::ReleaseJerk => "release_jerk",
             Self::Border => "border",
         }
@@ -76,12 +82,12 @@ pub(super) fn margins(
         for least in &least[index] {
             let crosses = workshop.section.map(GuardKind::Section) == Some(least.guard);
             if !least.at_end && !crosses {
-                note(
-                    MarginKind::Least,
-                    least.guard,
-                    time + least.time,
-                    least.value,
-                );
+                let kind = match least.guard {
+                    GuardKind::Gap(_) => MarginKind::LeastGap,
+                    GuardKind::Reaction(_) => MarginKind::LeastReaction,
+                    _ => MarginKind::LeastValue,
+                };
+                note(kind, least.guard, time + least.time, least.value);
             }
         }
         time += landing.duration;
@@ -158,6 +164,33 @@ fn borders(shooting: &Shooting<f64>, at: &[f64]) -> Vec<Margin> {
         })
     };
     contacts.filter_map(margin).collect()
+}
+
+/// Nearer to a border than this, in parts of the period from the end of chatter to release, or of X, an orbit is at it.
+const AT_BORDER: f64 = 1e-3;
+
+/// Whether an orbit is released as its complete chatter ends, as far as numbers can tell.
+pub(super) fn is_at_border(shooting: &Shooting<f64>, at: &[f64]) -> bool {
+    let shortest = (0..shooting.steps.len()).flat_map(|index| {
+        let (_, instants) = shooting.instants_within(index, at);
+        let contact_lasts = |(place, instant): (usize, &Instant)| {
+            let release = instants[place..].iter().find(|next| next.is_release())?;
+            instant.accumulated().map(|_| release.time - instant.time)
+        };
+        let all: Vec<f64> = instants
+            .iter()
+            .enumerate()
+            .filter_map(contact_lasts)
+            .collect();
+        all
+    });
+    let shortest = shortest.fold(f64::INFINITY, f64::min);
+    // Beside rounding chatter may seem incomplete, and nothing be released after it.
+    let released_at_once = shortest.is_infinite() || shortest <= AT_BORDER * shooting.period();
+    released_at_once
+        || borders(shooting, at)
+            .iter()
+            .any(|border| border.value.abs() <= AT_BORDER)
 }
 
 /// What happens in three periods from the first node on.

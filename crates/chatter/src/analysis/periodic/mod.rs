@@ -179,7 +179,7 @@ pub fn branches(
     let workshop = workshop(model, spec, (&[what.parameter], &[high - low]))?;
     let own = model.parameter_values::<f64>(&[])[what.parameter];
     if let Some((state, period)) = &spec.through {
-        let cycle = special_curve::start::reread(&workshop, &[own], (state, *period))?;
+        let cycle = cycle::reread::reread(&workshop, &[own], (state, *period))?;
         let orbit = orbit::close(&workshop, cycle, &[own])?;
         return survey::survey(
             &workshop,

@@ -66,7 +66,7 @@ pub(crate) fn close(
 ) -> Result<Orbit, PeriodicError> {
     let mut cycle = cycle;
     let parameters = workshop.parameters(free);
-    cycle.begin_at_section(workshop, &workshop.closure.turns(&parameters)?);
+    cycle.begin_at_section(workshop, &parameters)?;
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     let guess = shooting.guess(free);
     let rows = Condition::held(&guess, guess.len() - free.len()..guess.len());
@@ -122,6 +122,10 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let free = workshop.free.len();
     let mut fine =
         Shooting::<DoubleDouble>::new(&workshop, shooting.steps.clone(), shooting.counts.clone())?;
+    // Where the solution is zero but for rounding, its own size is none.
+    for (size, before) in fine.scales.iter_mut().zip(&shooting.scales) {
+        *size = size.max(*before);
+    }
     let start: Vec<DoubleDouble> = at.iter().map(|&x| x.into()).collect();
     let rows = Condition::held(&start, start.len() - free..start.len());
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;

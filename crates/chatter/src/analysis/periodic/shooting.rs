@@ -10,6 +10,7 @@
 
 use super::closure::{Closure, Lap, Turn};
 use super::cycle::itinerary::{Passage, Step, held};
+use super::cycle::trace::{Instant, Tracer};
 use super::error::PeriodicError;
 use super::multipliers::neutral;
 use crate::analysis::continuation::{Left, Linearised, Problem, Wrap, differenced};
@@ -17,9 +18,10 @@ use crate::expressions::{Expr, Graph, Symbol};
 use crate::flow::leg::{
     Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch, StretchKind,
 };
-use crate::flow::{Closed, Settings, System};
+use crate::flow::{Closed, Corner, GuardKind, Settings, System};
 use crate::model::Model;
 use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues, pairs};
+use core::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A model with its compiled legs, shared by all orbits that are looked at.
@@ -36,6 +38,8 @@ pub(crate) struct Workshop {
     pub monitors: Vec<Monitor>,
     /// The section at which states are told.
     pub section: Option<usize>,
+    /// Contacts whose restitution is a matter of parameters alone, the free ones among them.
+    pub restitution_follows: Vec<usize>,
     legs: Mutex<Vec<(LegKind, Arc<Leg>)>>,
     stretches: Mutex<Vec<(StretchKind, Arc<Stretch>)>>,
 }
@@ -92,7 +96,12 @@ impl Workshop {
         let monitors = (monitors.iter())
             .map(|&value| Monitor::new(&mut model, value, free))
             .collect();
+        let follows = |index: &usize| {
+            let restitution = model.contacts[*index].restitution;
+            !model.graph.depends_on_state(restitution) && depends_on(&model, restitution, free)
+        };
         Ok(Self {
+            restitution_follows: (0..model.contacts.len()).filter(follows).collect(),
             system,
             model,
             monitors,
@@ -125,6 +134,30 @@ impl Workshop {
         Some(stretch)
     }
 
+    /// What happens where a guard vanishes.
+    pub(crate) fn named(&self, guard: GuardKind) -> String {
+        let contact = |index: usize| &self.model.contacts[index].name;
+        let corner = |corner: Corner| self.system.corner_name(corner);
+        match guard {
+            GuardKind::Gap(index) => format!("an impact at `{}`", contact(index)),
+            GuardKind::Reaction(index) => format!("a release of `{}`", contact(index)),
+            GuardKind::Jam(index) => format!("the jamming of `{}`", contact(index)),
+            GuardKind::Section(index) => format!("`{}`", self.model.sections[index].name),
+            GuardKind::Switch(index) => {
+                format!("a crossing of {} = 0", corner(Corner::Surface(index)))
+            }
+            GuardKind::Leave(index, _) => {
+                format!(
+                    "the end of sliding along {} = 0",
+                    corner(Corner::Surface(index))
+                )
+            }
+            GuardKind::Piece(index, _) => {
+                format!("the end of a piece at {}", corner(Corner::Lookup(index)))
+            }
+        }
+    }
+
     /// All parameters, with the free ones at these values.
     pub(crate) fn parameters<R: Real>(&self, free: &[R]) -> Vec<R> {
         let values: Vec<(usize, R)> = (self.free.iter().copied())
@@ -132,6 +165,18 @@ impl Workshop {
             .collect();
         self.model.parameter_values(&values)
     }
+}
+
+/// Whether a formula depends on some of these parameters, be it through others.
+fn depends_on(model: &Model, formula: Expr, parameters: &[usize]) -> bool {
+    let used = model.graph.symbols(formula);
+    parameters.iter().any(|&parameter| {
+        let mut graph = model.graph.clone();
+        let rates = model.parameter_rates(&mut graph, parameter);
+        let zero = graph.number(0.0);
+        (rates.iter().enumerate())
+            .any(|(index, &rate)| rate != zero && used.contains(&Symbol::Parameter(index)))
+    })
 }
 
 /// Sizes of states, where nothing is known of one that of the largest.
@@ -174,6 +219,10 @@ pub(crate) struct Shooting<R: Real> {
     pub told: Option<Vec<f64>>,
 }
 
+/// A stretch that is traced once more ends within this part of its duration.
+const BEYOND_END: f64 = 1e-12;
+/// Sizes of states that fall below this part of what they were.
+const NEXT_TO_NOTHING: f64 = 1e-6;
 /// A leg that would take this many times as long as its guess is given up.
 const LONGEST: f64 = 4.0;
 
@@ -249,7 +298,13 @@ impl<R: Real> Shooting<R> {
                     .max(if moves.is_finite() { moves } else { 0.0 });
             }
         }
-        for turn in self.workshop.closure.turns(&parameters).iter().flatten() {
+        // A phase that goes round no times is a state like others.
+        let turns = self.workshop.closure.turns(&parameters).unwrap_or_default();
+        for (turn, _) in turns
+            .iter()
+            .zip(&self.counts)
+            .filter(|(_, count)| **count != 0)
+        {
             sizes[turn.state] = turn.period;
         }
         let sizes = without_zeros(sizes);
@@ -266,6 +321,17 @@ impl<R: Real> Shooting<R> {
         self.pins = (self.steps.first())
             .map(|step| step.start.iter().map(|&x| R::splat(x)).collect())
             .unwrap_or_default();
+    }
+
+    /// Keeps sizes that states had before, where next to nothing is left of them.
+    pub(crate) fn keep_sizes(&mut self, before: &[f64]) {
+        for &place in &self.places {
+            for (size, &before) in self.scales[place..].iter_mut().zip(before) {
+                if *size < NEXT_TO_NOTHING * before {
+                    *size = before;
+                }
+            }
+        }
     }
 
     /// The size of each state.
@@ -332,9 +398,11 @@ impl<R: Real> Shooting<R> {
 
     /// Impacts a period; none where infinitely many.
     pub(crate) fn impacts(&self) -> Option<u64> {
-        let impacts = (self.steps.iter()).filter(|step| step.impact().is_some());
-        let infinite = self.steps.iter().any(Step::is_stretch);
-        (!infinite).then_some(impacts.count() as u64)
+        let impacts = |step: &Step| match step.passage {
+            Passage::Stretch(kind) => (kind.accumulations == 0).then_some(kind.impacts as u64),
+            _ => Some(u64::from(step.impact().is_some())),
+        };
+        self.steps.iter().map(impacts).sum()
     }
 
     /// The node that a step starts from.
@@ -588,7 +656,7 @@ impl Shooting<f64> {
             let place = self.places[index];
             let x = &at[place..place + n];
             let Flown::Leg(leg, flyer) = &self.flown[index] else {
-                found.push(Vec::new());
+                found.push(self.crossings_within(index, at));
                 continue;
             };
             let duration = match self.steps[index].passage {
@@ -602,6 +670,49 @@ impl Shooting<f64> {
             found.push(leg.least(flyer, &all, x, duration).map_err(Left::because)?);
         }
         Ok(found)
+    }
+
+    /// What happens within a step that is a stretch, which is followed as a whole, and when it begins.
+    pub(crate) fn instants_within(&self, index: usize, at: &[f64]) -> (f64, Vec<Instant>) {
+        let nothing = (0.0, Vec::new());
+        let (Flown::Stretch(stretch, _), Some(landing)) =
+            (&self.flown[index], self.latest.get(index))
+        else {
+            return nothing;
+        };
+        let parameters = self.workshop.parameters(self.free(at));
+        let start = stretch.onto_contact(&parameters, self.node(at, index));
+        let system = &self.workshop.system;
+        let Ok(mut tracer) = Tracer::new(system, &parameters, &start, self.workshop.section) else {
+            return nothing;
+        };
+        let clock = tracer.trajectory.time();
+        let mut instants = Vec::new();
+        // Its end is one of them.
+        let until = clock + landing.duration * (1.0 + BEYOND_END);
+        let mut quiet = |_: f64| ControlFlow::Continue(());
+        // What cannot be followed has nothing to tell.
+        let _ = tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet);
+        (clock, instants)
+    }
+
+    /// The crossings of the section within a stretch.
+    fn crossings_within(&self, index: usize, at: &[f64]) -> Vec<Least> {
+        let Some(section) = self.workshop.section else {
+            return Vec::new();
+        };
+        let (clock, instants) = self.instants_within(index, at);
+        let crossed = instants
+            .into_iter()
+            .filter(|instant| instant.crosses(section));
+        let told = |instant: Instant| Least {
+            guard: GuardKind::Section(section),
+            time: instant.time - clock,
+            value: 0.0,
+            state: instant.state,
+            at_end: false,
+        };
+        crossed.map(told).collect()
     }
 }
 

@@ -24,6 +24,8 @@ pub struct Beside {
 
 /// Beyond a border orbits are looked for at these parts of the range.
 const HOPS: [f64; 7] = [0.05, 0.02, 0.01, 3e-3, 1e-3, 3e-4, 1e-4];
+/// Where none is found there, at these parts of what is left of the range.
+const FARTHER: [f64; 4] = [0.1, 0.2, 0.4, 0.7];
 /// Borders that are passed in one survey.
 const MOST_HOPS: usize = 8;
 /// The first displacement along a branch that leaves another, against the size of the orbit.
@@ -53,8 +55,14 @@ pub(crate) fn survey(
             if !crosses || hops >= MOST_HOPS {
                 continue;
             }
-            for part in HOPS {
-                let beyond = value + direction * part * (limits.range.1 - limits.range.0);
+            let (low, high) = limits.range;
+            let left = match direction > 0.0 {
+                true => high - value,
+                false => value - low,
+            };
+            let near = HOPS.iter().map(|part| part * (high - low));
+            for ahead in near.chain(FARTHER.iter().map(|part| part * left)) {
+                let beyond = value + direction * ahead;
                 if beyond < limits.range.0 || beyond > limits.range.1 {
                     continue;
                 }

@@ -15,7 +15,7 @@ use crate::flow::touch::with_terms;
 use crate::flow::touching::{Left, Touching};
 use crate::numerics::complementarity::{Complementary, complementary};
 use crate::numerics::polynomial::magnitude;
-use crate::numerics::{Real, WithTerms};
+use crate::numerics::{Real, WithTerms, dot};
 
 /// Captures of columns one contact after the other converge at least as fast as plastic collisions do, by halves.
 const COLUMN_SWEEPS: usize = 60;
@@ -366,7 +366,32 @@ impl<R: Real> Trajectory<R> {
         self.tops.interrupt();
         self.state[self.coordinates..].copy_from_slice(columns);
         self.low[self.coordinates..].fill(R::ZERO);
+        self.hold_columns(system)?;
         self.capture_columns(system, work)
+    }
+
+    /// Takes from the columns what would vary the gaps of closed contacts.
+    fn hold_columns(&mut self, system: &System) -> Result<(), FlowError> {
+        if self.closed == Closed::NONE {
+            return Ok(());
+        }
+        let touch = self.touch_values(system)?;
+        for _ in 0..COLUMN_SWEEPS {
+            for contact in self.closed.contacts() {
+                let gradient = &touch.gradient[contact][..self.coordinates];
+                let square = dot(gradient, gradient);
+                if square == R::ZERO {
+                    continue;
+                }
+                for column in self.state[self.coordinates..].chunks_mut(self.coordinates) {
+                    let along = dot(gradient, column) / square;
+                    for (entry, &slope) in column.iter_mut().zip(gradient) {
+                        *entry -= along * slope;
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// A closed contact opens, with so many roots of its gap here.

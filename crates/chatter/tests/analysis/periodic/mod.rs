@@ -3,6 +3,7 @@
 mod branches;
 mod new_kinds;
 mod orbits;
+mod order_of_events;
 mod plane;
 mod reference;
 mod resumed;

@@ -37,6 +37,11 @@ const NEAR_ONE: f64 = 1e-3;
 /// What vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
 
+/// Towards a graze ways are shortened to this part, so often; and only where more than one multiplier is more than this.
+const SHORTER: f64 = 0.25;
+const TOWARDS: i32 = 6;
+const LASTING: f64 = 1e-6;
+
 /// Whether a multiplier is one, as far as multipliers are known. Where two crossings of a surface become one the equations turn, and
 /// the orbit does not fold.
 fn is_fold(multipliers: &[Complex]) -> bool {
@@ -85,6 +90,42 @@ impl Walker {
             self.find(passed, from, step, to.parameter());
         }
         None
+    }
+
+    /// The same where a graze is at one of the ends, at the first if `opens`: multipliers change there as one over the rate of an
+    /// impact, so that pairs come about and go between two stations. They are looked at on ever shorter ways towards it.
+    pub(super) fn between_beside_graze(
+        &mut self,
+        (from, to): (&Station, &Station),
+        step: f64,
+        (here, there): (&Point, &Point),
+        opens: bool,
+    ) -> Option<End> {
+        let several = |point: &Point| {
+            let lasting = point.multipliers.iter().filter(|m| m.modulus() > LASTING);
+            lasting.count() > 1
+        };
+        let (mut station, mut point, mut gone) = (from.clone(), here.clone(), 0.0);
+        if several(here) || several(there) {
+            let nearer = |k: i32| SHORTER.powi(k);
+            let parts: Vec<f64> = match opens {
+                true => (1..=TOWARDS).rev().map(nearer).collect(),
+                false => (1..=TOWARDS).map(|k| 1.0 - nearer(k)).collect(),
+            };
+            for part in parts {
+                let ahead = part * step - gone;
+                let Ok((next, _)) = station.ahead(&mut self.shooting, ahead) else {
+                    break;
+                };
+                self.settle(&next);
+                let further = Point::new(&mut self.shooting, &next);
+                if let Some(end) = self.between(&station, &next, ahead, (&point, &further)) {
+                    return Some(end);
+                }
+                (station, point, gone) = (next, further, part * step);
+            }
+        }
+        self.between(&station, to, step - gone, (&point, there))
     }
 
     fn find(&mut self, passed: Passed, from: &Station, step: f64, far: f64) {

@@ -6,17 +6,20 @@ use super::touch::opposite;
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Held, Problem, Settings, Station, newton, tangent};
-use crate::analysis::periodic::cycle::itinerary::{Passage, Step, rotate};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::expressions::Symbol;
 use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, Least, LegKind};
+use crate::flow::leg::{Jump, Least, LegKind, StretchKind};
 
 /// This part of a step before a graze.
 const NOT_QUITE: f64 = 1e-5;
 /// Flights are told from rounding of the gap if they are so many times as high.
 const LEAST_HEIGHT: f64 = 1e4;
+/// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
+const THERE: f64 = 1e-3;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
 
@@ -31,6 +34,7 @@ impl Shooting<f64> {
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let jump = match least.guard {
             GuardKind::Gap(contact) => Jump::Impact(contact),
+            GuardKind::Reaction(_) => Jump::None,
             guard if opposite(guard).is_some() => Jump::None,
             _ => return Err(unfollowed("a guard that is touched and is no gap")),
         };
@@ -87,10 +91,13 @@ impl Shooting<f64> {
         index: usize,
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let mut steps = self.current_steps(at);
-        let Passage::Leg(kind) = steps[index].passage else {
-            return Err(unfollowed("the loss of what is no event by itself"));
-        };
         let count = steps.len();
+        let is_section = matches!(steps[index].ends_at(), Some(GuardKind::Section(_)));
+        let kind = match steps[index].passage {
+            Passage::Leg(kind) => kind,
+            Passage::Stretch(kind) if is_section && count > 1 => kind.last,
+            _ => return Err(unfollowed("the loss of what is no event by itself")),
+        };
         if count == 1 {
             let timed = LegKind {
                 ends_at: None,
@@ -106,21 +113,38 @@ impl Shooting<f64> {
         }
         let mut index = index;
         if index + 1 == count {
-            if !steps[index].pieces.is_empty() {
-                return Err(unfollowed(
-                    "the loss of its last event, with pieces of lookups",
-                ));
-            }
-            let free: Vec<f64> = self.free(at).to_vec();
-            let turns = (self.workshop.closure).turns(&self.workshop.parameters(&free))?;
-            rotate(&mut steps, 1, &turns, &self.counts);
+            let parameters = self.workshop.parameters(self.free(at));
+            rotate(&self.workshop, &parameters, (&mut steps, &self.counts), 1)?;
             index -= 1;
         }
         let next = index + 1;
-        if !matches!(steps[next].passage, Passage::Leg(other) if other.mode == kind.mode) {
-            return Err(unfollowed("the loss of an event between different modes"));
-        }
+        let before = (index + count - 1) % count;
+        let passage = match (steps[index].passage, steps[next].passage) {
+            (Passage::Leg(_), Passage::Leg(other)) if other.mode == kind.mode => {
+                Passage::Leg(other)
+            }
+            // Sections are crossed on the way of what is followed as a whole.
+            (Passage::Leg(_), Passage::Stretch(whole)) if is_section => {
+                Passage::Stretch(StretchKind {
+                    closed: steps[before].closed,
+                    on: steps[before].impact(),
+                    ..whole
+                })
+            }
+            (Passage::Stretch(whole), Passage::Leg(last)) if last.mode == kind.mode => {
+                Passage::Stretch(StretchKind { last, ..whole })
+            }
+            (Passage::Stretch(first), Passage::Stretch(whole)) => Passage::Stretch(StretchKind {
+                accumulations: first.accumulations + whole.accumulations,
+                last: whole.last,
+                ..first
+            }),
+            _ => {
+                return Err(unfollowed("the loss of an event between different modes"));
+            }
+        };
         let merged = Step {
+            passage,
             start: steps[index].start.clone(),
             duration: steps[index].duration + steps[next].duration,
             ..steps[next].clone()
@@ -136,7 +160,8 @@ impl Shooting<f64> {
         steps: Vec<Step>,
         at: &[f64],
     ) -> Result<(Self, Vec<f64>), PeriodicError> {
-        let shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
+        let mut shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
+        shooting.keep_sizes(&self.state_sizes());
         let guess = shooting.guess(self.free(at));
         Ok((shooting, guess))
     }
@@ -172,7 +197,8 @@ impl Walker {
             self.settle(&nearly);
             let near = Point::new(&mut self.shooting, &nearly);
             let before = here.clone();
-            if let Some(end) = self.between(&from, &nearly, close, (&before, &near)) {
+            let points = (&before, &near);
+            if let Some(end) = self.between_beside_graze((&from, &nearly), close, points, false) {
                 return Stop::End(end);
             }
         }
@@ -186,9 +212,13 @@ impl Walker {
             Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
             Broken::Event(index) => self.lose(&station, index, &there),
             Broken::Early(index, guard) => Err(format!(
-                "another event comes before event {index} of the orbit: {guard:?}"
+                "before event {index} of the orbit comes {}",
+                self.shooting.workshop.named(guard)
             )),
         };
+        if let (Broken::Inner(_, GuardKind::Reaction(_)), Err(why)) = (&broken, &outcome) {
+            return Stop::Over(End::Lost(why.clone()));
+        }
         // Where crossings come or go the equations themselves turn.
         let turns = match self.special.last().map(|special| special.kind) {
             Some(SpecialKind::Touch) => &from,
@@ -270,6 +300,9 @@ impl Walker {
         if opposite(guard).is_some() {
             return self.crosses(station, (index, &touching), there);
         }
+        if let GuardKind::Reaction(_) = guard {
+            return self.opens(station, (index, &touching), there);
+        }
         if !matches!(guard, GuardKind::Gap(_)) {
             self.note(
                 SpecialKind::Touch,
@@ -322,15 +355,37 @@ impl Walker {
         index: usize,
         there: &Point,
     ) -> Result<Station, String> {
-        let told = |error: &dyn core::fmt::Display| error.to_string();
-        let (mut index, mut start) = (index, station.at.clone());
-        let crossing = self.shooting.crossing_that_vanishes(index);
-        if let Some(first) = crossing {
-            let touching = self.shooting.without_way_back(&start, first);
-            (self.shooting, start, index) = touching.map_err(|error| told(&error))?;
+        let Some(first) = self.shooting.crossing_that_vanishes(index) else {
+            return self.without(&station.at, (index, None), station, there);
+        };
+        let touching = self.shooting.without_way_back(&station.at, first);
+        let (touching, start, index) = touching.map_err(|error| error.to_string())?;
+        let before = core::mem::replace(&mut self.shooting, touching);
+        let next = self.without(&start, (index, Some(first)), station, there);
+        if next.is_err() {
+            self.shooting = before;
         }
+        next
+    }
+
+    /// On without an event, which ends a step, or without a crossing and its way back.
+    fn without(
+        &mut self,
+        start: &[f64],
+        (index, crossing): (usize, Option<usize>),
+        station: &Station,
+        there: &Point,
+    ) -> Result<Station, String> {
+        let told = |error: &dyn core::fmt::Display| error.to_string();
         let mut held = Held::monitor(&mut self.shooting, index);
-        let found = newton(&mut held, &start, &[]).map_err(|error| told(&error))?;
+        let found = newton(&mut held, start, &[]).map_err(|error| told(&error))?;
+        let moved = found.at.iter().zip(start).zip(held.scales());
+        let moved = moved.fold(0.0_f64, |most, ((x, from), size)| {
+            most.max((x - from).abs() / size)
+        });
+        if moved > THERE {
+            return Err("where an event vanishes only another place is found".to_owned());
+        }
         let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
         let is_impact = self.shooting.steps[index].impact().is_some();
         let mut at_graze = there.clone();

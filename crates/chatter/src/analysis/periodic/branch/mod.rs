@@ -8,6 +8,7 @@ mod between;
 mod branch_point;
 mod graze;
 mod holds;
+mod ledger;
 mod limits;
 mod onward;
 mod point;
@@ -22,8 +23,9 @@ pub use record::Record;
 pub use special::{Special, SpecialKind};
 
 pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
+pub(super) use ledger::{Kept, Ledger};
 pub(crate) use limits::station_at;
-pub(super) use record::{Stand, Standing, Then, damaged};
+pub(super) use record::{Of, Stand, Standing, Then, damaged};
 pub(super) use walker::Side;
 
 use super::diary::Diary;
@@ -111,30 +113,22 @@ fn side(
     diary: &mut Diary<'_>,
 ) -> Result<Side, PeriodicError> {
     let workshop = &shooting.workshop;
+    let kept = Kept::read(diary, Some(workshop))?;
     let mut walker = Walker {
         shooting: shooting.clone(),
         limits: *limits,
-        points: Vec::new(),
-        special: Vec::new(),
+        points: kept.points,
+        special: kept.special,
     };
-    let mut standing = None;
-    while let Some(record) = diary.next() {
-        let (points, special, then) = record.restored(workshop)?;
-        walker.points.extend(points);
-        walker.special.extend(special);
-        match then {
-            Then::On(stand) => standing = Some(stand),
-            Then::Points => return Err(damaged()),
-            Then::Ended(end) => return Ok(walker.side(end)),
-        }
-    }
-    let stand = match standing {
-        Some(standing) => {
+    let stand = match kept.then {
+        None => walker.begin(start),
+        Some(Then::On(standing)) => {
             let (shooting, stand) = standing.restored(workshop)?;
             walker.shooting = shooting;
             stand
         }
-        None => walker.begin(start),
+        Some(Then::Points) => return Err(damaged()),
+        Some(Then::Ended(end)) => return Ok(walker.side(end)),
     };
-    Ok(walker.walk(stand, diary))
+    walker.walk(stand, diary)
 }

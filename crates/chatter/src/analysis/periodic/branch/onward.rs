@@ -1,16 +1,22 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
-use super::Point;
-use super::walker::Walker;
-use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
+use super::walker::{NOISE, Walker};
+use super::{Point, SpecialKind};
+use crate::analysis::continuation::{Curve, Held, Problem, Settings, Station, locate, newton};
 use crate::analysis::periodic::cycle::itinerary::Step;
-use crate::analysis::periodic::orbit::close;
-use crate::analysis::periodic::special_curve::start::reread;
+use crate::analysis::periodic::cycle::reread::reread;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::orbit::{close, failed};
+use crate::analysis::periodic::shooting::Shooting;
+use crate::flow::GuardKind;
+use crate::flow::leg::Least;
 
-/// So far beyond a place where the sequence of events changes orbits are looked for, in parts of the longest step; and so near to
-/// where they are expected they are of the same branch.
+/// So far beyond a place where the sequence of events changes orbits are looked for, in parts of the longest step; and where what is
+/// expected there is so near to closed, they are of the same branch.
 const BEYOND: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
 const SAME_BEYOND: f64 = 1e-3;
+/// So often a shorter way is tried before a longer one.
+const PATIENCE: usize = 8;
 /// Where new equations begin their steps, in parts of the longest one.
 const CAREFUL: f64 = 1e-3;
 
@@ -23,21 +29,20 @@ impl Walker {
         next: &Station,
         step: f64,
     ) -> Option<(String, Station, f64)> {
+        if self.shooting.workshop.restitution_follows.is_empty() {
+            return None;
+        }
         let workshop = self.shooting.workshop.clone();
-        let steps = self.shooting.steps.iter();
-        let mut hit: Vec<usize> = match self.shooting.steps.iter().any(Step::is_stretch) {
-            true => (0..workshop.model.contacts.len()).collect(),
-            false => steps.filter_map(Step::impact).collect(),
-        };
-        hit.sort_unstable();
-        hit.dedup();
+        let steps = &self.shooting.steps;
+        let chatters = steps.iter().any(Step::is_stretch);
+        let is_hit =
+            |contact: &usize| chatters || steps.iter().any(|step| step.impact() == Some(*contact));
+        let follows = workshop.restitution_follows.iter().copied();
+        let hit: Vec<usize> = follows.filter(is_hit).collect();
         let free = self.shooting.parameters();
         for contact in hit {
             let contact = &workshop.model.contacts[contact];
             let graph = &workshop.model.graph;
-            if graph.depends_on_state(contact.restitution) {
-                continue;
-            }
             let inside = |station: &Station| {
                 let values = &station.at[station.at.len() - free..];
                 let r = graph.evaluate(contact.restitution, &[], &workshop.parameters(values));
@@ -55,24 +60,113 @@ impl Walker {
     }
 
     /// Goes on a little farther on the same branch, where it has as many impacts and only the order of what happens is another,
-    /// such as an impact of complete chatter that comes before the knot of a table and not after it. Whether it does.
-    pub(super) fn hop(&mut self, curve: &mut Curve, here: &mut Point) -> bool {
-        let Some(next) = self.beyond(&curve.station, here.impacts) else {
+    /// such as an impact of complete chatter that comes before the knot of a table and not after it: where it did so often before, farther,
+    /// since all impacts of chatter pass a knot one by one. Whether it does.
+    pub(super) fn hop(&mut self, curve: &mut Curve, here: &mut Point, before: usize) -> bool {
+        let parts = &BEYOND[(before / PATIENCE).min(BEYOND.len() - 1)..];
+        let same = |impacts| impacts == here.impacts;
+        let Some(next) = self.beyond(&curve.station, parts, same) else {
             return false;
         };
+        self.begins_anew(next, curve, here);
+        true
+    }
+
+    fn begins_anew(&mut self, next: Station, curve: &mut Curve, here: &mut Point) {
         *here = Point::new(&mut self.shooting, &next);
         let careful = Settings {
             first_step: (CAREFUL * self.limits.longest_step).max(1e-9),
             ..self.limits.settings()
         };
         *curve = Curve::new(next, careful);
+    }
+
+    /// The force of a closed contact touches zero: beyond, the contact opens for a while, and closes again by chatter that begins
+    /// with nothing. The equations there, at a station a little farther on.
+    pub(super) fn opens(
+        &mut self,
+        station: &Station,
+        touch: (usize, &Least),
+        there: &Point,
+    ) -> Result<Station, String> {
+        let found = self.touch_of_force(&station.at, touch);
+        let (touched, at, error) = found.map_err(|error| error.to_string())?;
+        self.note_touch(there, (touched, at), error);
+        let next = self.beyond(station, &BEYOND, |impacts| impacts != there.impacts);
+        next.ok_or_else(|| "a contact opens there, and no orbit is found beyond".to_owned())
+    }
+
+    /// The same from the other side: chatter has shrunk to nothing, and beyond the contact stays closed. Whether that is so.
+    pub(super) fn stays_closed(&mut self, curve: &mut Curve, here: &mut Point) -> bool {
+        let before = self.shooting.clone();
+        let Some(next) = self.beyond(&curve.station, &BEYOND, |impacts| impacts != here.impacts)
+        else {
+            return false;
+        };
+        let between = [curve.station.parameter(), next.parameter()];
+        let least = self.shooting.least(&next.at).unwrap_or_default();
+        let forces = least.iter().enumerate().flat_map(|(index, all)| {
+            let forces = all.iter();
+            let forces = forces.filter(|l| matches!(l.guard, GuardKind::Reaction(_)) && !l.at_end);
+            forces.map(move |least| (index, least))
+        });
+        let smallest = forces.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
+        let found = smallest.and_then(|touch| self.touch_of_force(&next.at, touch).ok());
+        let found = found.filter(|(_, at, error)| {
+            let value = at.last().copied().unwrap_or(f64::NAN);
+            let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
+            (low - error..=high + error).contains(&value)
+        });
+        let Some((touched, at, error)) = found else {
+            self.shooting = before;
+            return false;
+        };
+        // Told of the orbit that stays.
+        let resting = Point::new(&mut self.shooting, &next);
+        self.note_touch(&resting, (touched, at), error);
+        if let Some(special) = self.special.last_mut() {
+            special.persists = Some(true);
+        }
+        self.begins_anew(next, curve, here);
         true
     }
 
-    /// The orbit a little farther on, read off the motion itself, where it has so many impacts.
-    fn beyond(&mut self, from: &Station, impacts: Option<u64>) -> Option<Station> {
+    /// Where the force of a contact that a step keeps closed has a least value of zero, its equations there, and the error of
+    /// the parameter.
+    fn touch_of_force(
+        &self,
+        at: &[f64],
+        (index, least): (usize, &Least),
+    ) -> Result<(Shooting<f64>, Vec<f64>, f64), PeriodicError> {
+        let (mut touch, guess, index) = self.shooting.with_event(at, index, least)?;
+        let mut held = Held::monitor(&mut touch, index);
+        let found = newton(&mut held, &guess, &[]).map_err(|error| failed(&error))?;
+        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
+        let parameter = found.at.last().copied().unwrap_or_default();
+        let error = error.max(NOISE * f64::EPSILON * parameter.abs());
+        Ok((touch, found.at, error))
+    }
+
+    fn note_touch(&mut self, there: &Point, (touch, at): (Shooting<f64>, Vec<f64>), error: f64) {
+        let mut point = there.clone();
+        if let (Some(told), Some(found)) = (point.parameters.last_mut(), at.last()) {
+            *told = *found;
+        }
+        let own = core::mem::replace(&mut self.shooting, touch);
+        self.note(SpecialKind::Touch, &point, &at, error, 0.0);
+        self.shooting = own;
+    }
+
+    /// The orbit a little farther on, read off the motion itself, with a number of impacts that is looked for.
+    fn beyond(
+        &mut self,
+        from: &Station,
+        parts: &[f64],
+        is_wanted: impl Fn(Option<u64>) -> bool,
+    ) -> Option<Station> {
         let workshop = self.shooting.workshop.clone();
         let last = from.at.len() - 1;
+        self.settle(from);
         // From just after the fastest impact: at a release the motion would have to decide anew.
         let count = self.shooting.steps.len();
         let rate = |index: usize| {
@@ -83,7 +177,7 @@ impl Walker {
         };
         let robust = (0..count).max_by(|&a, &b| rate(a).total_cmp(&rate(b)));
         let robust = robust.unwrap_or(0);
-        BEYOND.into_iter().find_map(|part| {
+        parts.iter().find_map(|part| {
             let ahead = part * self.limits.longest_step;
             let guess = from.at.iter().zip(&from.tangent);
             let guess: Vec<f64> = guess.map(|(x, by)| x + by * ahead).collect();
@@ -91,16 +185,12 @@ impl Walker {
             let start = self.shooting.node(&guess, robust).to_vec();
             let told = (&start, self.shooting.period());
             let cycle = reread(&workshop, &free, told).ok()?;
+            if cycle.distance > SAME_BEYOND {
+                return None;
+            }
             let orbit = close(&workshop, cycle, &free).ok()?;
             let (mut shooting, at) = orbit.shooting.without_section(orbit.at);
-            let sizes = self.shooting.state_sizes();
-            let turns = (workshop.closure).turns(&workshop.parameters(&free)).ok()?;
-            let is_near = |index: usize| {
-                let nodes = (&*start, shooting.node(&at, index));
-                let difference = (workshop.closure).difference(&turns, nodes, &sizes);
-                difference.distance <= SAME_BEYOND
-            };
-            if orbit.impacts != impacts || !(0..shooting.steps.len()).any(is_near) {
+            if !is_wanted(orbit.impacts) {
                 return None;
             }
             let station = Station::near(&mut shooting, &at, at.len() - 1).ok()?;

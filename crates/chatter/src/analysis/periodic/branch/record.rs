@@ -8,7 +8,7 @@ use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
 use crate::expressions::Sides;
 use crate::flow::{Grip, System};
-use crate::numerics::stored::list;
+use crate::numerics::stored::{list, number};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub struct Record {
 
 impl Record {
     /// In which form records are kept.
-    pub const FORMAT: u32 = 2;
+    pub const FORMAT: u32 = 3;
 
     /// How many orbits it adds.
     pub fn orbits(&self) -> usize {
@@ -62,17 +62,35 @@ pub(in crate::analysis::periodic) struct Standing {
     equations: Equations,
     #[serde(with = "list")]
     tangent: Vec<f64>,
-    /// Residual, correction and orientation of the station, the next step, and what was gone since a point was kept.
+    /// Residual, correction and orientation of the station, and the next step.
     #[serde(with = "list")]
     numbers: Vec<f64>,
     here: Point,
-    #[serde(with = "list")]
-    origin: Vec<f64>,
-    passages: Vec<Passage>,
-    grazes: usize,
     made: usize,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    borders: Vec<f64>,
+    of: Of,
+}
+
+/// What is followed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(in crate::analysis::periodic) enum Of {
+    Branch(Walked),
+    /// A curve in two parameters: the borders of the matrix that is singular along it.
+    Curve(#[serde(with = "list")] Vec<f64>),
+}
+
+/// What a walk along a branch remembers of its way.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(in crate::analysis::periodic) struct Walked {
+    /// Where it began: nodes and times, and the sequence of events.
+    #[serde(with = "list")]
+    pub origin: Vec<f64>,
+    pub passages: Vec<Passage>,
+    pub grazes: usize,
+    /// How often it went on past its equations with no step of note since.
+    pub hops: usize,
+    /// What was gone since a point was kept.
+    #[serde(with = "number")]
+    pub since_kept: f64,
 }
 
 /// Where a walk stands.
@@ -82,13 +100,8 @@ pub(in crate::analysis::periodic) struct Stand {
     /// The next step.
     pub step: f64,
     pub here: Point,
-    /// Where the walk began: nodes and times, and the sequence of events.
-    pub origin: (Vec<f64>, Vec<Passage>),
-    pub grazes: usize,
     pub made: usize,
-    pub since_kept: f64,
-    /// Of the matrix that is singular along a curve in two parameters.
-    pub borders: Vec<f64>,
+    pub of: Of,
 }
 
 impl Equations {
@@ -133,24 +146,9 @@ fn mode(passage: &mut Passage) -> &mut usize {
 }
 
 impl Record {
-    /// Of the latest part of a side without equations.
-    pub(in crate::analysis::periodic) fn of_points(points: &[Point], then: Then) -> Self {
-        Self {
-            modes: Vec::new(),
-            points: points.to_vec(),
-            special: Vec::new(),
-            then,
-        }
-    }
-
-    /// Its points, and how they go on.
-    pub(in crate::analysis::periodic) fn points(self) -> (Vec<Point>, Then) {
-        (self.points, self.then)
-    }
-
-    /// Of the latest part of a side.
-    pub(in crate::analysis::periodic) fn new(
-        system: &System,
+    /// Of the latest part of a side. Without a system: one that has no equations.
+    pub(super) fn new(
+        system: Option<&System>,
         (points, special): (&[Point], &[Special]),
         then: Then,
     ) -> Self {
@@ -174,7 +172,7 @@ impl Record {
             });
         });
         let of = |mode: usize| {
-            let origin = system.origin_of(mode);
+            let origin = system.and_then(|system| system.origin_of(mode));
             origin.map_or_else(Default::default, |(grip, sides, _)| (grip, sides))
         };
         record.modes = met.into_iter().map(of).collect();
@@ -190,17 +188,26 @@ impl Record {
             for step in &mut standing.equations.steps {
                 change(mode(&mut step.passage));
             }
-            for passage in &mut standing.passages {
-                change(mode(passage));
+            if let Of::Branch(walked) = &mut standing.of {
+                for passage in &mut walked.passages {
+                    change(mode(passage));
+                }
             }
         }
     }
 
-    /// What was found, and how it goes on: with the modes of this system.
-    pub(in crate::analysis::periodic) fn restored(
+    /// What was found, and how it goes on: with the modes of this system. Without one: of a side that has no equations.
+    pub(super) fn restored(
         mut self,
-        workshop: &Arc<Workshop>,
+        workshop: Option<&Arc<Workshop>>,
     ) -> Result<(Vec<Point>, Vec<Special>, Then), PeriodicError> {
+        let Some(workshop) = workshop else {
+            let (special, none): (Vec<_>, Vec<_>) = self.special.into_iter().unzip();
+            return match none.iter().any(Option::is_some) {
+                true => Err(damaged()),
+                false => Ok((self.points, special, self.then)),
+            };
+        };
         let meet = |&(grip, sides): &(Grip, Sides)| workshop.system.meet(grip, sides);
         let numbers: Vec<usize> = self.modes.iter().map(meet).collect();
         let mut known = true;
@@ -234,19 +241,10 @@ impl Standing {
         Self {
             equations: Equations::of(shooting, at),
             tangent: tangent.clone(),
-            numbers: vec![
-                *residual,
-                *correction,
-                *orientation,
-                stand.step,
-                stand.since_kept,
-            ],
+            numbers: vec![*residual, *correction, *orientation, stand.step],
             here: stand.here.clone(),
-            origin: stand.origin.0.clone(),
-            passages: stand.origin.1.clone(),
-            grazes: stand.grazes,
             made: stand.made,
-            borders: stand.borders.clone(),
+            of: stand.of.clone(),
         }
     }
 
@@ -256,7 +254,7 @@ impl Standing {
         workshop: &Arc<Workshop>,
     ) -> Result<(Shooting<f64>, Stand), PeriodicError> {
         let Seed { shooting, at } = self.equations.restored(workshop)?;
-        let &[residual, correction, orientation, step, since_kept] = &*self.numbers else {
+        let &[residual, correction, orientation, step] = &*self.numbers else {
             return Err(damaged());
         };
         if self.tangent.len() != at.len() {
@@ -272,11 +270,8 @@ impl Standing {
             },
             step,
             here: self.here,
-            origin: (self.origin, self.passages),
-            grazes: self.grazes,
             made: self.made,
-            since_kept,
-            borders: self.borders,
+            of: self.of,
         };
         Ok((shooting, stand))
     }

@@ -8,6 +8,7 @@ use crate::analysis::continuation::{
     Condition, Held, NewtonError, Problem, Station, newton, tangent,
 };
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::expressions::Side;
@@ -69,15 +70,9 @@ impl Shooting<f64> {
         let count = steps.len();
         let mut index = index;
         if index + 2 >= count {
-            let free: Vec<f64> = self.free(at).to_vec();
-            let turns = (self.workshop.closure).turns(&self.workshop.parameters(&free))?;
             let by = (index + 2) - count + 1;
-            crate::analysis::periodic::cycle::itinerary::rotate(
-                &mut steps,
-                by,
-                &turns,
-                &self.counts,
-            );
+            let parameters = self.workshop.parameters(self.free(at));
+            rotate(&self.workshop, &parameters, (&mut steps, &self.counts), by)?;
             index -= by;
         }
         let stay = steps.remove(index + 1);

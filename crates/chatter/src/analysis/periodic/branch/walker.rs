@@ -1,15 +1,17 @@
 //! One side of a branch, station by station.
 
 use super::holds::broken;
+use super::ledger::Ledger;
 use super::limits::{End, Limits, station_at};
-use super::record::{Record, Stand, Standing, Then};
+use super::record::{Of, Stand, Standing, Then, Walked, damaged};
 use super::special::{Seed, Special};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, NewtonError, Problem, Station, StepError};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::diary::{Diary, Told};
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::margins::is_at_border;
 use crate::analysis::periodic::shooting::Shooting;
-use core::ops::ControlFlow;
 
 /// One side of a branch.
 pub(in crate::analysis::periodic) struct Side {
@@ -38,19 +40,10 @@ const MOST_GRAZES: usize = 4_000;
 pub(super) const NOISE: f64 = 16.0;
 /// Close to a graze is this part of the next step.
 const CLOSE: f64 = 1e-4;
+/// A step of this part of the longest is on new ground.
+const OF_NOTE: f64 = 2e-3;
 /// Points nearer than this to the latest, in parts of a step, are not kept: at a border they accumulate.
 const CROWDED: f64 = 1e-6;
-
-/// After so many stations what came about is recorded.
-const STATIONS_A_RECORD: usize = 64;
-
-/// What of a side is on record.
-struct Recorded {
-    points: usize,
-    special: usize,
-    /// Stations that were made then.
-    stations: usize,
-}
 
 pub(super) struct Walker {
     pub shooting: Shooting<f64>,
@@ -63,6 +56,8 @@ pub(super) struct Walker {
 pub(super) enum Stop {
     On,
     End(End),
+    /// The same, where there is no use in looking for a way on.
+    Over(End),
 }
 
 /// What an orbit's sequence of events is.
@@ -76,42 +71,48 @@ impl Walker {
         self.settle(&station);
         Stand {
             here: Point::new(&mut self.shooting, &station),
-            origin: (station.at.clone(), passages(&self.shooting)),
+            of: Of::Branch(Walked {
+                origin: station.at.clone(),
+                passages: passages(&self.shooting),
+                grazes: 0,
+                hops: 0,
+                since_kept: f64::INFINITY,
+            }),
             station,
             step: self.limits.settings().first_step,
-            grazes: 0,
             made: 0,
-            since_kept: f64::INFINITY,
-            borders: Vec::new(),
         }
     }
 
-    pub(super) fn walk(mut self, stand: Stand, diary: &mut Diary<'_>) -> Side {
+    pub(super) fn walk(
+        mut self,
+        stand: Stand,
+        diary: &mut Diary<'_>,
+    ) -> Result<Side, PeriodicError> {
         let Stand {
             station,
             step,
             mut here,
-            origin,
-            mut grazes,
             mut made,
-            mut since_kept,
-            ..
-        } = stand;
+            of: Of::Branch(mut walked),
+        } = stand
+        else {
+            return Err(damaged());
+        };
         let mut curve = Curve::new(station, self.limits.settings());
         curve.step = step;
         self.settle(&curve.station);
-        let mut recorded = Recorded {
-            points: self.points.len(),
-            special: self.special.len(),
-            stations: made,
-        };
+        let workshop = self.shooting.workshop.clone();
+        let system = Some(&workshop.system);
+        let mut ledger = Ledger::new(system, (&self.points, &self.special), made);
         // At a graze multipliers have a pole: what changes its sign is looked for from close by.
         let mut at_graze = false;
         let end = loop {
-            if self.points.len() >= self.limits.points || grazes > MOST_GRAZES {
+            if self.points.len() >= self.limits.points || walked.grazes > MOST_GRAZES {
                 break End::Points;
             }
-            if core::mem::take(&mut at_graze)
+            let leaves_graze = core::mem::take(&mut at_graze);
+            if leaves_graze
                 && let Ok((close, _)) =
                     (curve.station).ahead(&mut self.shooting, CLOSE * curve.step)
             {
@@ -125,27 +126,22 @@ impl Walker {
                     // Where a crossing and the way back become one, no time is left between them.
                     let count = self.shooting.steps.len();
                     self.settle(&curve.station);
-                    let before = self.shooting.clone();
                     if let Some(index) = (0..count).find(|&k| self.shooting.comes_back(k)) {
-                        grazes += 1;
+                        walked.grazes += 1;
                         let forward = curve.station.parameter_slope();
                         let outcome = self.lose(&curve.station.clone(), index, &here.clone());
-                        match self.goes_on(outcome, (&mut curve, forward), &mut here) {
-                            Stop::On => {
-                                at_graze = true;
-                                continue;
-                            }
-                            Stop::End(_) => self.shooting = before,
+                        if let Stop::On = self.goes_on(outcome, (&mut curve, forward), &mut here) {
+                            at_graze = true;
+                            continue;
                         }
                     }
-                    grazes += 1;
-                    if self.hop(&mut curve, &mut here) {
+                    walked.grazes += 1;
+                    if self.hop(&mut curve, &mut here, walked.hops) {
+                        walked.hops += 1;
                         at_graze = true;
                         continue;
                     }
-                    if self.shooting.steps.iter().any(Step::is_stretch)
-                        && matches!(error, NewtonError::Left(_))
-                    {
+                    if self.ends_at_border(&curve.station, &error) {
                         self.note(
                             SpecialKind::ChatterBorder,
                             &here,
@@ -155,6 +151,10 @@ impl Walker {
                         );
                         break End::ChatterBorder;
                     }
+                    if self.stays_closed(&mut curve, &mut here) {
+                        at_graze = true;
+                        continue;
+                    }
                     break End::Lost(error.to_string());
                 }
             };
@@ -162,8 +162,7 @@ impl Walker {
             let least = self.shooting.least(&next.at).unwrap_or_default();
             let broken = broken(&self.shooting, &least);
             if !broken.is_empty() {
-                grazes += 1;
-                let before = self.shooting.clone();
+                walked.grazes += 1;
                 match self.pass(&mut curve, step, broken, &mut here) {
                     Stop::On => {
                         at_graze = true;
@@ -182,18 +181,18 @@ impl Walker {
                         continue;
                     }
                     Stop::End(end @ End::Lost(_)) => {
-                        self.shooting = before;
-                        if !self.hop(&mut curve, &mut here) {
+                        if !self.hop(&mut curve, &mut here, walked.hops) {
                             break end;
                         }
+                        walked.hops += 1;
                         at_graze = true;
                         continue;
                     }
-                    Stop::End(end) => break end,
+                    Stop::End(end) | Stop::Over(end) => break end,
                 }
             }
             made += 1;
-            if made > 3 && self.returns((&curve.station, &next), step, &origin) {
+            if made > 3 && self.returns((&curve.station, &next), step, &walked) {
                 break End::Closed;
             }
             if let Some((contact, station, ahead)) = self.leaves_theory(&curve.station, &next, step)
@@ -222,7 +221,12 @@ impl Walker {
                 self.points.push(last);
                 break End::Range;
             }
-            if let Some(end) = self.between(&curve.station, &next, step, (&here, &there)) {
+            let ends = (&curve.station, &next);
+            let passed = match leaves_graze {
+                true => self.between_beside_graze(ends, step, (&here, &there), true),
+                false => self.between(ends.0, ends.1, step, (&here, &there)),
+            };
+            if let Some(end) = passed {
                 break end;
             }
             if edge.is_some() {
@@ -232,39 +236,33 @@ impl Walker {
             curve.moves(next);
             self.shooting.adopt(&curve.station.at);
             here = there;
-            since_kept += step;
-            if since_kept > CROWDED * self.limits.longest_step {
+            walked.since_kept += step;
+            if step > OF_NOTE * self.limits.longest_step {
+                walked.hops = 0;
+            }
+            if walked.since_kept > CROWDED * self.limits.longest_step {
                 self.points.push(here.clone());
-                since_kept = 0.0;
+                walked.since_kept = 0.0;
             }
             let broken_off = diary.tell(Told::Orbit(&here)).is_break();
-            if broken_off || made >= recorded.stations + STATIONS_A_RECORD {
+            if broken_off || ledger.is_due(made) {
                 let stand = Stand {
                     station: curve.station.clone(),
                     step: curve.step,
                     here: here.clone(),
-                    origin: origin.clone(),
-                    grazes,
                     made,
-                    since_kept,
-                    borders: Vec::new(),
+                    of: Of::Branch(walked.clone()),
                 };
                 let standing = Standing::of(&self.shooting, &stand);
-                let kept = self.record(&mut recorded, Then::On(Box::new(standing)), diary);
-                recorded.stations = made;
+                let then = (Then::On(Box::new(standing)), made);
+                let kept = ledger.keep((&self.points, &self.special), then, diary);
                 if broken_off || kept.is_break() {
                     break End::Interrupted;
                 }
             }
         };
-        if end != End::Interrupted {
-            // What cannot be kept is broken off.
-            let kept = self.record(&mut recorded, Then::Ended(end.clone()), diary);
-            if kept.is_break() {
-                return self.side(End::Interrupted);
-            }
-        }
-        self.side(end)
+        let end = ledger.close((&self.points, &self.special), end, diary);
+        Ok(self.side(end))
     }
 
     pub(super) fn side(self, end: End) -> Side {
@@ -275,30 +273,10 @@ impl Walker {
         }
     }
 
-    /// Tells of what came about since the record before.
-    fn record(
-        &self,
-        recorded: &mut Recorded,
-        then: Then,
-        diary: &mut Diary<'_>,
-    ) -> ControlFlow<()> {
-        let new = (
-            &self.points[recorded.points..],
-            &self.special[recorded.special..],
-        );
-        let record = Record::new(&self.shooting.workshop.system, new, then);
-        (recorded.points, recorded.special) = (self.points.len(), self.special.len());
-        diary.tell(Told::Record(&record))
-    }
-
     /// Whether the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events.
-    fn returns(
-        &mut self,
-        (from, to): (&Station, &Station),
-        step: f64,
-        (origin, kinds): &(Vec<f64>, Vec<Passage>),
-    ) -> bool {
+    fn returns(&mut self, (from, to): (&Station, &Station), step: f64, began: &Walked) -> bool {
         let own = passages(&self.shooting);
+        let (origin, kinds) = (&began.origin, &began.passages);
         let target = origin[origin.len() - 1];
         let between = (from.parameter() - target) * (to.parameter() - target) <= 0.0;
         if !between || own.len() != kinds.len() {
@@ -327,6 +305,13 @@ impl Walker {
             };
             same && (0..count).all(near)
         })
+    }
+
+    /// Whether equations that Newton's method leaves near a station are left at a chatter border.
+    fn ends_at_border(&self, station: &Station, error: &NewtonError) -> bool {
+        self.shooting.steps.iter().any(Step::is_stretch)
+            && matches!(error, NewtonError::Left(_))
+            && is_at_border(&self.shooting, &station.at)
     }
 
     /// The landings of a station, which trials may have overwritten.

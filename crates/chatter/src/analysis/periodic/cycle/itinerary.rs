@@ -1,7 +1,6 @@
 //! An orbit as a sequence of legs, read off a trajectory.
 
 use super::trace::Instant;
-use crate::analysis::periodic::closure::Turn;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::Side;
 use crate::flow::leg::{Jump, LegKind, StretchKind};
@@ -88,18 +87,7 @@ impl Step {
     }
 }
 
-/// Tells a cycle from step `by` on: what was before it comes a turn later.
-pub(crate) fn rotate(steps: &mut [Step], by: usize, turns: &[Turn<f64>], counts: &[i64]) {
-    let count = steps.len();
-    steps.rotate_left(by);
-    for step in &mut steps[count - by..] {
-        for (turn, &times) in turns.iter().zip(counts) {
-            step.start[turn.state] += turn.period * times as f64;
-        }
-    }
-}
-
-/// Times that differ by less than this part are one.
+/// Times that differ by less than this part of themselves, or of the period, are one.
 const SAME_INSTANT: f64 = 8.0 * f64::EPSILON;
 
 /// What one instant by itself is: its guard, and the jump there. None where it is more than one event.
@@ -155,6 +143,10 @@ fn single(instant: &Instant) -> Option<LegKind> {
 /// The steps from just after `instants[0]` to just after the last of them.
 pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
     let mut steps: Vec<Step> = Vec::new();
+    let span = match instants {
+        [first, .., last] => last.time - first.time,
+        _ => 0.0,
+    };
     let mut from = 0;
     let mut open: Option<(usize, usize, Vec<Occurrence<f64>>)> = None;
     for (index, instant) in instants.iter().enumerate().skip(1) {
@@ -180,7 +172,7 @@ pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
         if let Some(kind) = kind {
             let before = &instants[from];
             let duration = instant.time - before.time;
-            if duration <= SAME_INSTANT * instant.time.abs()
+            if duration <= SAME_INSTANT * instant.time.abs().max(span)
                 && (kind.jump == Jump::None || gives_jump(&mut steps, kind.jump))
             {
                 // Two names for one event, as where a surface is met and held: no motion lies between them.
@@ -250,11 +242,17 @@ fn stretch(
     end: &Instant,
     (accumulations, last, told): (usize, LegKind, Vec<Occurrence<f64>>),
 ) -> Step {
+    let hits = |told: &&Occurrence<f64>| matches!(told, Occurrence::Impact { .. });
+    let impacts = match accumulations {
+        0 => told.iter().filter(hits).count(),
+        _ => 0,
+    };
     Step {
         passage: Passage::Stretch(StretchKind {
             closed: begin.closed,
             on: begin.impact().map(|(contact, _)| contact),
             accumulations,
+            impacts,
             last,
         }),
         pieces: end.pieces.clone(),

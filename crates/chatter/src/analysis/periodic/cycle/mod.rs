@@ -1,5 +1,7 @@
 //! An orbit as it is read off the motion, nearly closed: its instants, the return at which it closes, and its legs.
 
 pub mod itinerary;
+pub mod reread;
+pub mod rotate;
 pub mod settle;
 pub mod trace;

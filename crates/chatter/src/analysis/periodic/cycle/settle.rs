@@ -1,6 +1,8 @@
 //! What a trajectory settles to: the latest return to where it was.
 
-use super::itinerary::{Step, read, rotate};
+use super::itinerary::{Step, read};
+use super::reread::from_early_on;
+use super::rotate::rotate;
 use super::trace::{Instant, Tracer};
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
@@ -21,17 +23,22 @@ pub(crate) struct Cycle {
 
 impl Cycle {
     /// Begins the cycle at the section, if it is crossed.
-    pub(crate) fn begin_at_section(&mut self, workshop: &Workshop, turns: &[Turn<f64>]) {
+    pub(crate) fn begin_at_section(
+        &mut self,
+        workshop: &Workshop,
+        parameters: &[f64],
+    ) -> Result<(), PeriodicError> {
         let Some(section) = workshop.section else {
-            return;
+            return Ok(());
         };
         let ends_there = |step: &Step| step.ends_at() == Some(GuardKind::Section(section));
         let Some(index) = self.steps.iter().position(ends_there) else {
-            return;
+            return Ok(());
         };
         let count = self.steps.len();
         let moved = (index + 1) % count;
-        rotate(&mut self.steps, moved, turns, &self.counts);
+        let cycle = (&mut *self.steps, &*self.counts);
+        rotate(workshop, parameters, cycle, moved)
     }
 }
 
@@ -66,7 +73,10 @@ const PERIODS: usize = 40;
 const LONGEST: usize = 64;
 
 /// Sizes of states.
-fn sizes<'s>(states: impl IntoIterator<Item = &'s Vec<f64>>, turns: &[Turn<f64>]) -> Vec<f64> {
+pub(super) fn sizes<'s>(
+    states: impl IntoIterator<Item = &'s Vec<f64>>,
+    turns: &[Turn<f64>],
+) -> Vec<f64> {
     let mut sizes: Vec<f64> = Vec::new();
     for state in states {
         sizes.resize(state.len(), 0.0);
@@ -81,7 +91,7 @@ fn sizes<'s>(states: impl IntoIterator<Item = &'s Vec<f64>>, turns: &[Turn<f64>]
 }
 
 /// The states of instants.
-fn states(instants: &[Instant]) -> impl Iterator<Item = &Vec<f64>> {
+pub(super) fn states(instants: &[Instant]) -> impl Iterator<Item = &Vec<f64>> {
     instants.iter().map(|instant| &instant.state)
 }
 
@@ -139,37 +149,74 @@ fn latest_return(
     Err(nearest)
 }
 
-/// Tells steps from the first turn of each phase, where phases have most digits and change least with their rate. Pieces of
-/// lookups are numbered on from turn to turn: where there are any, phases stay what they are.
-pub(crate) fn from_first_turn(steps: &mut [Step], turns: &[Turn<f64>]) {
+/// Tells steps from the first turn of each phase, where phases have most digits and change least with their rate; a phase that goes
+/// round no times from the turn nearest to zero. Pieces of lookups are numbered on from turn to turn: where there are any,
+/// phases stay what they are.
+pub(crate) fn from_first_turn(steps: &mut [Step], turns: &[Turn<f64>], counts: &[i64]) {
     if steps.iter().any(|step| !step.pieces.is_empty()) {
         return;
     }
-    for turn in turns {
-        let first = steps.first().map_or(0.0, |step| step.start[turn.state]);
-        let whole = (first / turn.period).floor() * turn.period;
+    for (turn, &count) in turns.iter().zip(counts) {
+        let first = steps.first().map_or(0.0, |step| step.start[turn.state]) / turn.period;
+        let whole = if count == 0 {
+            first.round()
+        } else {
+            first.floor()
+        };
         for step in &mut *steps {
-            step.start[turn.state] -= whole;
+            step.start[turn.state] -= whole * turn.period;
         }
     }
 }
 
-/// The cycle between two instants.
+/// States that are no more than so many times the distance by which a cycle does not close may be nothing.
+const NO_MORE: f64 = 1e3;
+
+/// Takes what dies out for zero: it has no size that corrections could be compared with.
+fn die_out(steps: &mut [Step], turns: &[Turn<f64>], (sizes, distance): (&[f64], f64)) {
+    if distance > NEAR[1] {
+        return;
+    }
+    let moves = |i: &usize| !turns.iter().any(|turn| turn.state == *i);
+    let moving: Vec<usize> = (0..sizes.len()).filter(moves).collect();
+    let vanishes = |i: &usize| {
+        let most = NO_MORE * distance * sizes[*i];
+        steps.iter().all(|step| step.start[*i].abs() <= most)
+    };
+    if moving.iter().all(vanishes) {
+        for step in steps {
+            moving.iter().for_each(|&i| step.start[i] = 0.0);
+        }
+    }
+}
+
+/// The cycle between two instants, where states have these sizes.
 fn cycle(
     workshop: &Workshop,
     turns: &[Turn<f64>],
     instants: &[Instant],
+    sizes: &[f64],
 ) -> Result<Cycle, PeriodicError> {
     let mut steps = read(instants)?;
-    from_first_turn(&mut steps, turns);
-    let sizes = sizes(states(instants), turns);
     let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
-    let difference = workshop.closure.difference(turns, (first, last), &sizes);
+    let difference = workshop.closure.difference(turns, (first, last), sizes);
+    from_first_turn(&mut steps, turns, &difference.turns);
+    die_out(&mut steps, turns, (sizes, difference.distance));
     Ok(Cycle {
         steps,
         counts: difference.turns,
         distance: difference.distance,
     })
+}
+
+/// The cycle between two instants, where only it says what sizes states have.
+fn alone(
+    workshop: &Workshop,
+    turns: &[Turn<f64>],
+    instants: &[Instant],
+) -> Result<Cycle, PeriodicError> {
+    let sizes = sizes(states(instants), turns);
+    cycle(workshop, turns, instants, &sizes)
 }
 
 /// What the trajectory from a state settles to.
@@ -230,7 +277,9 @@ pub(crate) fn settle(
         } else if !instants.is_empty() {
             match latest_return(workshop, &turns, &instants, NEAR[0]) {
                 Ok((first, last)) => {
-                    return cycle(workshop, &turns, &instants[first..=last]);
+                    let sizes = sizes(states(&instants), &turns);
+                    let found = cycle(workshop, &turns, &instants[first..=last], &sizes)?;
+                    return Ok(from_early_on(workshop, free, &turns, found));
                 }
                 Err(distance) => nearest = nearest.min(distance),
             }
@@ -250,7 +299,9 @@ pub(crate) fn settle(
                 return Ok(found);
             }
         } else if let Ok((first, last)) = latest_return(workshop, &turns, &instants, *near) {
-            return cycle(workshop, &turns, &instants[first..=last]);
+            let sizes = sizes(states(&instants), &turns);
+            let found = cycle(workshop, &turns, &instants[first..=last], &sizes)?;
+            return Ok(from_early_on(workshop, free, &turns, found));
         }
     }
     if forcing.is_none() && instants.len() < 2 {
@@ -276,7 +327,8 @@ fn timed(
         let difference = (workshop.closure).difference(turns, (state, last), &sizes);
         let lap = Closure::time_of(turns, &difference.turns)?;
         let mut steps = vec![Step::timed(&tracer.trajectory, state.clone(), lap.time)];
-        from_first_turn(&mut steps, turns);
+        die_out(&mut steps, turns, (&sizes, difference.distance));
+        from_first_turn(&mut steps, turns, &difference.turns);
         (difference.distance <= near).then(|| Cycle {
             steps,
             counts: difference.turns.clone(),
@@ -309,7 +361,7 @@ pub(crate) fn loops(
             for count in 1..=periods {
                 let ends = (begin, begin + period * count as f64, period);
                 if let Some((first, last)) = lap(&instants, ends) {
-                    let mut cycle = cycle(workshop, &turns, &instants[first..=last])?;
+                    let mut cycle = alone(workshop, &turns, &instants[first..=last])?;
                     for (turns, turn) in cycle.counts.iter_mut().zip(&turns) {
                         if Some(turn.state) == workshop.closure.time {
                             *turns = count as i64;
@@ -329,7 +381,7 @@ pub(crate) fn loops(
                 if let (Some(&first), Some(&last)) =
                     (crossings.get(passed), crossings.get(passed + count))
                 {
-                    found.push(cycle(workshop, &turns, &instants[first..=last])?);
+                    found.push(alone(workshop, &turns, &instants[first..=last])?);
                 }
             }
         }
@@ -338,7 +390,7 @@ pub(crate) fn loops(
             let time = start + LOOSE_TIME * (passed + 1) as f64;
             tracer.follow((time, CHUNK), &mut instants, &mut quiet)?;
             for (first, last) in near_returns(workshop, &turns, &instants, periods) {
-                found.push(cycle(workshop, &turns, &instants[first..=last])?);
+                found.push(alone(workshop, &turns, &instants[first..=last])?);
             }
         }
     }

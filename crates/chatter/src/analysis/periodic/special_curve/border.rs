@@ -1,7 +1,9 @@
 //! Curves of chatter borders: the border orbit found anew at each value of the second parameter, near where the two before it
 //! say it lies. On one side of a border the orbit has no equations, so there is nothing to follow by its arc length.
 
-use super::super::branch::{End, Limits, Point, Record, Side, SpecialKind, Then, damaged, joined};
+use super::super::branch::{
+    End, Kept, Ledger, Limits, Point, Side, SpecialKind, Then, damaged, joined,
+};
 use super::super::diary::{Diary, Told};
 use super::super::error::PeriodicError;
 use super::SpecialCurve;
@@ -79,6 +81,7 @@ pub(crate) fn follow(
             continue;
         }
         let (mut points, ended) = on_record(diary)?;
+        let mut ledger = Ledger::new(None, (&points, &[]), points.len());
         let mut known = vec![(second, first.value.value)];
         known.extend(
             points
@@ -86,7 +89,7 @@ pub(crate) fn follow(
                 .map(|point| (point.parameters[1], point.parameters[0])),
         );
         let end = ended.unwrap_or_else(|| {
-            loop {
+            let end = loop {
                 if points.len() >= limits.points {
                     break End::Points;
                 }
@@ -127,20 +130,19 @@ pub(crate) fn follow(
                 };
                 known.push((next, border.value.value));
                 let told = point(&border, next, monitors);
-                let record = Record::of_points(core::slice::from_ref(&told), Then::Points);
                 let broken_off = diary.tell(Told::Orbit(&told)).is_break();
                 points.push(told);
-                if diary.tell(Told::Record(&record)).is_break() || broken_off {
+                let then = (Then::Points, points.len());
+                if ledger.keep((&points, &[]), then, diary).is_break() || broken_off {
                     break End::Interrupted;
                 }
-            }
+            };
+            ledger.close((&points, &[]), end, diary)
         });
-        let new = Record::of_points(&[], Then::Ended(end.clone()));
-        let kept = end == End::Interrupted || diary.tell(Told::Record(&new)).is_continue();
         sides.push(Side {
             points,
             special: Vec::new(),
-            end: if kept { end } else { End::Interrupted },
+            end,
         });
     }
     let branch = joined(sides, point(&first, second, monitors))?;
@@ -149,18 +151,13 @@ pub(crate) fn follow(
 
 /// Points of a side that are on record, and how it ended.
 fn on_record(diary: &mut Diary<'_>) -> Result<(Vec<Point>, Option<End>), PeriodicError> {
-    let mut all = Vec::new();
-    while let Some(record) = diary.next() {
-        let (points, then) = record.points();
-        all.extend(points);
-        match then {
-            Then::Points => {}
-            Then::Ended(end) => return Ok((all, Some(end))),
-            Then::On(_) => return Err(damaged()),
-        }
-    }
-    if all.iter().any(|point| point.parameters.len() != 2) {
+    let Kept { points, then, .. } = Kept::read(diary, None)?;
+    if points.iter().any(|point| point.parameters.len() != 2) {
         return Err(damaged());
     }
-    Ok((all, None))
+    match then {
+        None | Some(Then::Points) => Ok((points, None)),
+        Some(Then::Ended(end)) => Ok((points, Some(end))),
+        Some(Then::On(_)) => Err(damaged()),
+    }
 }

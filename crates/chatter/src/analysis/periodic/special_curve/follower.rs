@@ -3,13 +3,14 @@
 use super::degenerate::{self, Test, ends, has_multipliers, tests};
 use crate::analysis::continuation::{Curve, NewtonError, Problem, Station, StepError, locate};
 use crate::analysis::periodic::branch::{
-    Broken, End, Limits, Point, Record, Side, Special, SpecialKind, Stand, Standing, Then,
-    broken_beside, damaged, first_break, station_at,
+    Broken, End, Kept, Ledger, Limits, Of, Point, Side, Special, SpecialKind, Stand, Standing,
+    Then, broken_beside, damaged, first_break, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::margins::is_at_border;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
 
@@ -27,8 +28,6 @@ pub(super) struct Follower {
 
 /// Borders are found anew where a curve has come this far, in steps.
 const RENEWED: usize = 8;
-/// After so many steps what came about is recorded.
-const STEPS_A_RECORD: usize = 64;
 /// Errors are so many roundoffs of the parameter.
 const NOISE: f64 = 64.0;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
@@ -68,29 +67,26 @@ impl Follower {
         &mut self,
         diary: &mut Diary<'_>,
     ) -> Result<(Option<Place>, Option<End>), PeriodicError> {
-        let mut place = None;
-        while let Some(record) = diary.next() {
-            let (points, special, then) = record.restored(&self.shooting.workshop)?;
-            self.points.extend(points);
-            self.special.extend(special);
-            match then {
-                Then::On(standing) => place = Some(standing),
-                Then::Points => return Err(damaged()),
-                Then::Ended(end) => return Ok((None, Some(end))),
-            }
-        }
-        let Some(standing) = place else {
-            return Ok((None, None));
+        let kept = Kept::read(diary, Some(&self.shooting.workshop))?;
+        (self.points, self.special) = (kept.points, kept.special);
+        let standing = match kept.then {
+            None => return Ok((None, None)),
+            Some(Then::Ended(end)) => return Ok((None, Some(end))),
+            Some(Then::Points) => return Err(damaged()),
+            Some(Then::On(standing)) => standing,
         };
         let (shooting, stand) = standing.restored(&self.shooting.workshop)?;
         self.shooting = shooting;
+        let Of::Curve(borders) = stand.of else {
+            return Err(damaged());
+        };
         let equations = self.shooting.unknowns() - self.shooting.parameters();
         let singular = matches!(self.condition, Condition::Singular(_));
-        if singular && stand.borders.len() != 2 * equations {
+        if singular && borders.len() != 2 * equations {
             return Err(damaged());
         }
         let place = Place {
-            bordered: self.condition.restored(&stand.borders),
+            bordered: self.condition.restored(&borders),
             station: stand.station,
             next: Some(stand.step),
             steps: stand.made,
@@ -108,7 +104,9 @@ impl Follower {
         let mut curve = Curve::new(station, self.limits.settings());
         curve.step = next.unwrap_or(curve.step);
         let _ = self.shooting.evaluate(&curve.station.at);
-        let mut recorded = (self.points.len(), self.special.len(), steps);
+        let workshop = self.shooting.workshop.clone();
+        let system = Some(&workshop.system);
+        let mut ledger = Ledger::new(system, (&self.points, &self.special), steps);
         let end = loop {
             if self.points.len() >= self.limits.points {
                 break End::Points;
@@ -129,34 +127,23 @@ impl Follower {
                 continue;
             };
             let broken_off = diary.tell(Told::Orbit(&point)).is_break();
-            if broken_off || steps >= recorded.2 + STEPS_A_RECORD {
+            if broken_off || ledger.is_due(steps) {
                 let stand = Stand {
                     station: curve.station.clone(),
                     step: curve.step,
                     here: point,
-                    origin: (Vec::new(), Vec::new()),
-                    grazes: 0,
                     made: steps,
-                    since_kept: 0.0,
-                    borders: bordered.numbers(),
+                    of: Of::Curve(bordered.numbers()),
                 };
                 let standing = Standing::of(&self.shooting, &stand);
-                let then = Then::On(Box::new(standing));
-                let kept = diary.tell(Told::Record(&self.record(recorded, then)));
-                recorded = (self.points.len(), self.special.len(), steps);
+                let then = (Then::On(Box::new(standing)), steps);
+                let kept = ledger.keep((&self.points, &self.special), then, diary);
                 if broken_off || kept.is_break() {
                     break End::Interrupted;
                 }
             }
         };
-        let mut end = end;
-        if end != End::Interrupted {
-            let record = self.record(recorded, Then::Ended(end.clone()));
-            // What cannot be kept is broken off.
-            if diary.tell(Told::Record(&record)).is_break() {
-                end = End::Interrupted;
-            }
-        }
+        let end = ledger.close((&self.points, &self.special), end, diary);
         self.side(end)
     }
 
@@ -166,12 +153,6 @@ impl Follower {
             special: self.special,
             end,
         }
-    }
-
-    /// What came about since so many points and special points.
-    fn record(&self, (points, special, _): (usize, usize, usize), then: Then) -> Record {
-        let new = (&self.points[points..], &self.special[special..]);
-        Record::new(&self.shooting.workshop.system, new, then)
     }
 
     fn step(&mut self, curve: &mut Curve, bordered: &Bordered) -> Stop {
@@ -349,7 +330,8 @@ impl Follower {
             SpecialKind::PeriodDoubling => SpecialKind::BorderDoubling,
             _ => return End::Lost(error.to_string()),
         };
-        if !(chatters && matches!(error, NewtonError::Left(_))) {
+        let at_border = chatters && is_at_border(&self.shooting, &curve.station.at);
+        if !(at_border && matches!(error, NewtonError::Left(_))) {
             return End::Lost(error.to_string());
         }
         let station = curve.station.clone();

@@ -4,66 +4,20 @@ use super::Known;
 use crate::analysis::continuation::{Condition as Row, Problem, newton};
 use crate::analysis::periodic::branch::SpecialKind;
 use crate::analysis::periodic::condition::Condition;
-use crate::analysis::periodic::cycle::itinerary::{Step, read};
-use crate::analysis::periodic::cycle::settle::{Cycle, from_first_turn};
-use crate::analysis::periodic::cycle::trace::{Instant, Tracer};
+use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
-use crate::flow::{Closed, GuardKind};
-use core::ops::ControlFlow;
+use crate::flow::GuardKind;
 use std::sync::Arc;
 
 /// Before a graze orbits are looked at without the impact, and with it: an impact slower than this part of the fastest is the
 /// grazing one.
 const SLOWEST: f64 = 1e-5;
-/// A period may be off by this part where an orbit is read again.
-const LATE: f64 = 1e-6;
 
 pub(super) fn failed(error: impl core::fmt::Display) -> PeriodicError {
     PeriodicError::NoConvergence {
         how: error.to_string(),
     }
-}
-
-/// The cycle of an orbit that goes through a state and has this period.
-pub(crate) fn reread(
-    workshop: &Workshop,
-    free: &[f64],
-    (state, period): (&Vec<f64>, f64),
-) -> Result<Cycle, PeriodicError> {
-    let parameters = workshop.parameters(free);
-    let turns = workshop.closure.turns(&parameters)?;
-    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
-    let start = workshop.model.time.map_or(0.0, |index| state[index]);
-    let mut instants = vec![Instant {
-        time: start,
-        mode: tracer.trajectory.mode,
-        pieces: tracer.trajectory.pieces().to_vec(),
-        guard: None,
-        told: Vec::new(),
-        state: state.clone(),
-        closed: Closed::NONE,
-        mode_after: tracer.trajectory.mode,
-    }];
-    let mut quiet = |_: f64| ControlFlow::Continue(());
-    let until = start + period * (1.0 + LATE);
-    tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
-    let sizes: Vec<f64> = state.iter().map(|x| x.abs().max(1e-300)).collect();
-    let last = match instants.last() {
-        Some(last) if instants.len() > 1 => last.state.clone(),
-        _ => tracer.trajectory.state().to_vec(),
-    };
-    let difference = (workshop.closure).difference(&turns, (state, &last), &sizes);
-    let mut steps = read(&instants)?;
-    if steps.is_empty() {
-        steps.push(Step::timed(&tracer.trajectory, state.clone(), period));
-    }
-    from_first_turn(&mut steps, &turns);
-    Ok(Cycle {
-        steps,
-        counts: difference.turns,
-        distance: difference.distance,
-    })
 }
 
 /// Equations, a solution of them with the condition, and for grazes the step that grazes.

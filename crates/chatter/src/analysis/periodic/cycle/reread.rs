@@ -1,0 +1,106 @@
+//! An orbit read once more, from a state that it goes through.
+
+use super::itinerary::{Passage, Step, read};
+use super::settle::{Cycle, from_first_turn, sizes, states};
+use super::trace::{Instant, Tracer};
+use crate::analysis::periodic::closure::Turn;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::Workshop;
+use crate::flow::Closed;
+use core::ops::ControlFlow;
+
+/// A period may be off by this part.
+const LATE: f64 = 1e-6;
+
+/// The cycle of an orbit that goes through a state and has this period.
+pub(crate) fn reread(
+    workshop: &Workshop,
+    free: &[f64],
+    (state, period): (&Vec<f64>, f64),
+) -> Result<Cycle, PeriodicError> {
+    let parameters = workshop.parameters(free);
+    let turns = workshop.closure.turns(&parameters)?;
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let start = workshop.model.time.map_or(0.0, |index| state[index]);
+    let mut instants = vec![Instant {
+        time: start,
+        mode: tracer.trajectory.mode,
+        pieces: tracer.trajectory.pieces().to_vec(),
+        guard: None,
+        told: Vec::new(),
+        state: state.clone(),
+        closed: Closed::NONE,
+        mode_after: tracer.trajectory.mode,
+    }];
+    let mut quiet = |_: f64| ControlFlow::Continue(());
+    let until = start + period * (1.0 + LATE);
+    tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
+    let last = match instants.last() {
+        Some(last) if instants.len() > 1 => last.state.clone(),
+        _ => tracer.trajectory.state().to_vec(),
+    };
+    let sizes = sizes(states(&instants).chain([&last]), &turns);
+    let mut ends = (state.clone(), last);
+    let a_period =
+        |from: &Instant, to: &Instant| (to.time - from.time - period).abs() <= 2.0 * LATE * period;
+    let closes = |instants: &[Instant]| match instants {
+        [first, .., last] => a_period(first, last),
+        _ => true,
+    };
+    if !closes(&instants) {
+        // Nothing happens where it begins: from the first event on that comes again.
+        tracer.follow((until + period, usize::MAX / 2), &mut instants, &mut quiet)?;
+        let again = (1..instants.len()).find_map(|from| {
+            let comes_again = |to: &usize| {
+                instants[*to].guard == instants[from].guard
+                    && a_period(&instants[from], &instants[*to])
+            };
+            Some((from, (from + 1..instants.len()).find(comes_again)?))
+        });
+        if let Some((from, to)) = again {
+            instants = instants[from..=to].to_vec();
+            ends = (instants[0].state.clone(), instants[to - from].state.clone());
+        }
+    }
+    let difference = (workshop.closure).difference(&turns, (&ends.0, &ends.1), &sizes);
+    let mut steps = read(&instants)?;
+    if steps.is_empty() {
+        steps.push(Step::timed(&tracer.trajectory, state.clone(), period));
+    }
+    from_first_turn(&mut steps, &turns, &difference.turns);
+    Ok(Cycle {
+        steps,
+        counts: difference.turns,
+        distance: difference.distance,
+    })
+}
+
+/// A cycle with lookups, whose pieces are numbered on from turn to turn, as it is in the first turn of each phase: there phases have
+/// most digits. Where it is not read as the same from there it stays what it is.
+pub(super) fn from_early_on(
+    workshop: &Workshop,
+    free: &[f64],
+    turns: &[Turn<f64>],
+    cycle: Cycle,
+) -> Cycle {
+    let Some(first) = cycle.steps.first().filter(|step| !step.pieces.is_empty()) else {
+        return cycle;
+    };
+    let mut state = first.start.clone();
+    for turn in turns {
+        state[turn.state] -= (state[turn.state] / turn.period).floor() * turn.period;
+    }
+    if state == first.start {
+        return cycle;
+    }
+    let passages = |steps: &[Step]| -> Vec<Passage> { steps.iter().map(|s| s.passage).collect() };
+    let period = cycle.steps.iter().map(|step| step.duration).sum();
+    match reread(workshop, free, (&state, period)) {
+        Ok(early)
+            if passages(&early.steps) == passages(&cycle.steps) && early.counts == cycle.counts =>
+        {
+            early
+        }
+        _ => cycle,
+    }
+}

@@ -1,0 +1,170 @@
+//! Orbits whose events change their order, or come to nothing: sections and knots that chatter passes, contacts that begin to open,
+//! states that die out.
+
+use super::{model, orbit, over, value, with};
+use chatter::analysis::exponents::{Spec as Averages, exponents};
+use chatter::analysis::periodic::{Branch, End, MarginKind, SpecialKind};
+use chatter::numerics::Real;
+use core::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// A mass that is held on a stop by a force that swings: for a < 1 it never opens.
+const HELD: &str = r#"
+[parameters]
+a = 0.5
+r = 0.4
+c = 0.1
+[flight]
+x = "v"
+v = "-1 - a*cos(t) - c*v - x"
+[[contact]]
+name = "stop"
+gap = "x"
+impulse = { v = 1 }
+restitution = "r"
+[section.strobe]
+surface = "sin(t)"
+direction = "rising"
+[initial]
+x = 0
+v = 0
+"#;
+
+/// Chatter ends at the time of the strobe at a = 1.6815; that is nothing that happens to the orbit.
+#[test]
+fn chatter_may_pass_the_section() {
+    let found = over(&with(HELD, &[("a", "1.3")]), "a", (1.1, 2.0), (40, 0.02));
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+    assert!(found[0].special.is_empty(), "{:?}", found[0].special);
+    assert!(found[0].points.iter().all(|point| point.impacts.is_none()));
+    // Told at the section all along.
+    let phase = |state: &[f64]| (state[2] / TAU - (state[2] / TAU).round()).abs();
+    assert!(found[0].points.iter().all(|p| phase(&p.state) < 1e-12));
+}
+
+/// At a = 1 the contact force touches zero: the contact opens there, and chatter begins with nothing. From both sides.
+#[test]
+fn a_branch_goes_on_where_a_contact_begins_to_open() {
+    for start in ["0.5", "1.1"] {
+        let found = over(&with(HELD, &[("a", start)]), "a", (0.5, 2.0), (40, 0.02));
+        let Branch {
+            special,
+            ends,
+            points,
+        } = &found[0];
+        assert_eq!(*ends, [End::Range, End::Range], "from {start}");
+        let [touch] = &special[..] else {
+            panic!("{special:?}");
+        };
+        assert_eq!(touch.kind, SpecialKind::Touch);
+        assert_eq!(touch.point.impacts, Some(0));
+        assert!((value(touch) - 1.0).abs() <= touch.error, "{touch:?}");
+        for point in points {
+            let opens = point.parameter() > 1.0;
+            assert_eq!(point.impacts.is_none(), opens, "a {}", point.parameter());
+        }
+    }
+}
+
+/// Impacts of complete chatter pass knots of the cam one by one, grazes of impacts beside them.
+#[test]
+fn chatter_may_pass_the_knots_of_a_table() {
+    let found = over(&model("dwell_cam", &[]), "omega", (1.97, 2.05), (60, 0.01));
+    let [branch] = &found[..] else {
+        panic!("{} branches", found.len());
+    };
+    assert_eq!(branch.ends, [End::Range, End::Range]);
+    let grazes = branch.special.iter().map(|special| {
+        assert_eq!(special.kind, SpecialKind::ImpactGraze);
+        value(special)
+    });
+    let grazes: Vec<f64> = grazes.collect();
+    let expected = [1.973_917_239_9, 1.987_882_281_6, 2.035_473_219_7];
+    assert_eq!(grazes.len(), expected.len(), "{grazes:?}");
+    assert!(
+        grazes
+            .iter()
+            .zip(expected)
+            .all(|(a, b)| (a - b).abs() < 1e-9)
+    );
+}
+
+/// x = 0 solves x'' + c x' + (1 + e cos t) x = 0: the product of its multipliers is exp(-2 pi c).
+#[test]
+fn what_dies_out_is_an_orbit_at_zero() {
+    let text = "[parameters]\ne = 0.1\nc = 0.1\n[flight]\nx = \"v\"\nv = \"-(1 + e*cos(t))*x - c*v\"\n[[contact]]\nname = \"stop\"\ngap = \"1 - x\"\n\
+                impulse = { v = -1 }\nrestitution = 0.5\n[section.strobe]\nsurface = \"sin(t)\"\ndirection = \"rising\"\n[initial]\nx = 0.5\nv = 0\n";
+    for (e, c) in [(0.0, 0.05), (0.05, 0.2), (0.1, 0.1), (0.3, 0.2)] {
+        let found = orbit(&with(text, &[("e", &e.to_string()), ("c", &c.to_string())]));
+        assert_eq!(found.impacts, Some(0));
+        let all: f64 = found.multipliers.iter().map(|m| m.modulus()).product();
+        assert!(
+            (all / (-TAU * c).exp() - 1.0).abs() < 1e-10,
+            "e {e}, c {c}: {all}"
+        );
+    }
+}
+
+#[test]
+fn margins_say_what_they_are_of() {
+    let found = orbit(&with(HELD, &[]));
+    let kinds: Vec<MarginKind> = found.margins.iter().map(|margin| margin.kind).collect();
+    assert!(kinds.contains(&MarginKind::LeastReaction), "{kinds:?}");
+    assert!(!kinds.contains(&MarginKind::LeastGap), "{kinds:?}");
+    let least = found
+        .margins
+        .iter()
+        .find(|m| m.kind == MarginKind::LeastReaction);
+    assert!((least.unwrap().value - 0.5).abs() < 1e-12);
+}
+
+/// A boost converter whose coil runs empty in each cycle: the current switches, and slides along zero. There is no contact, and no
+/// chatter.
+#[test]
+fn several_events_at_one_instant_are_no_chatter() {
+    let text = "[parameters]\nT = 10e-6\n[definitions]\non = \"step(0.4 - mod(t/T, 1))\"\n[flight]\n\
+                i = \"if(on > 0.5, 12, if(i > 0, 12 - v, 1e6))/20e-6\"\nv = \"((1 - on)*i - v/60)/47e-6\"\n\
+                [section.clock]\nsurface = \"sin(2*pi*t/T)\"\ndirection = \"rising\"\n[initial]\ni = 0.0\nv = 20.0\n";
+    let found = orbit(&with(text, &[]));
+    assert_eq!(found.impacts, Some(0));
+    assert!((found.start[1].to_f64() - 25.536_207_823_755_72).abs() < 1e-11);
+}
+
+/// One direction is free of the contact and decays at a rate of 0.1; what complete chatter, or contact for ever, forgets has
+/// none.
+#[test]
+fn exponents_forget_what_chatter_and_contact_forget() {
+    let beside = "y = \"-0.1*y\"\n";
+    let free = HELD
+        .replace("- x\"\n", &format!("- x + 0.3*y\"\n{beside}"))
+        .replace("v = 0\n", "v = 0\ny = 1\n");
+    let spec = Averages {
+        interval: TAU,
+        transient: 150,
+        intervals: 50,
+    };
+    let found = |text: &str, a: &str| {
+        let model = with(text, &[("a", a)]);
+        exponents(&model, &spec, &mut |_| ControlFlow::Continue(())).unwrap()
+    };
+    let chatters = found(&free, "1.9");
+    assert!((chatters.values[0] + 0.1).abs() < 1e-10, "{chatters:?}");
+    assert_eq!(chatters.values[1..], [f64::NEG_INFINITY; 2]);
+    assert_eq!(found(HELD, "0.5").values, [f64::NEG_INFINITY; 2]);
+}
+
+/// A pendulum that hangs beside a wall which touches it at A = d: one graze, wherever its angle is counted from, and the fold of
+/// the orbits with one impact.
+#[test]
+fn a_graze_from_rest_is_told_once() {
+    let text = "[parameters]\nA = 0.03\nd = 0.05\n[definitions]\nwall = \"d + A*sin(5*t)\"\n[flight]\nth = \"om\"\nom = \"-9.81/0.7*sin(th) - 0.1*om\"\n\
+                [[contact]]\nname = \"wall\"\ngap = \"wall - 0.7*(sin(th)*cos(0.25) + (1 - cos(th))*sin(0.25))\"\nimpulse = { om = \"-cos(th - 0.25)\" }\nrestitution = 0.55\n\
+                [section.strobe]\nsurface = \"sin(5*t)\"\ndirection = \"rising\"\n[initial]\nth = -0.5\nom = 0\n";
+    let found = over(&with(text, &[]), "A", (0.005, 0.1), (40, 0.01));
+    let kinds: Vec<SpecialKind> = found[0].special.iter().map(|s| s.kind).collect();
+    assert_eq!(kinds, [SpecialKind::FlightGraze, SpecialKind::Fold]);
+    assert!((value(&found[0].special[0]) - 0.05).abs() < 1e-12);
+    assert!((value(&found[0].special[1]) - 0.013_440_262_5).abs() < 1e-9);
+    assert!(found[0].points.len() < 400, "{}", found[0].points.len());
+}
