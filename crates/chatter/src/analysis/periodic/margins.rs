@@ -1,5 +1,6 @@
 //! How near an orbit is to losing its sequence of events.
 
+use super::cycle::itinerary::Step;
 use super::cycle::trace::{Instant, Tracer};
 use super::error::PeriodicError;
 use super::orbit::failed;
@@ -169,8 +170,15 @@ fn borders(shooting: &Shooting<f64>, at: &[f64]) -> Vec<Margin> {
 /// Nearer to a border than this, in parts of the period from the end of chatter to release, or of X, an orbit is at it.
 const AT_BORDER: f64 = 1e-3;
 
+/// Whether equations that Newton's method leaves near a solution are left at a chatter border.
+pub(super) fn leaves_at_border(shooting: &Shooting<f64>, at: &[f64], error: &NewtonError) -> bool {
+    shooting.steps.iter().any(Step::is_stretch)
+        && matches!(error, NewtonError::Left(_))
+        && is_at_border(shooting, at)
+}
+
 /// Whether an orbit is released as its complete chatter ends, as far as numbers can tell.
-pub(super) fn is_at_border(shooting: &Shooting<f64>, at: &[f64]) -> bool {
+fn is_at_border(shooting: &Shooting<f64>, at: &[f64]) -> bool {
     let shortest = (0..shooting.steps.len()).flat_map(|index| {
         let (_, instants) = shooting.instants_within(index, at);
         let contact_lasts = |(place, instant): (usize, &Instant)| {

@@ -5,7 +5,7 @@ use super::limits::End;
 use super::touch::opposite;
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
-use crate::analysis::continuation::{Curve, Held, Problem, Settings, Station, newton, tangent};
+use crate::analysis::continuation::{Curve, Held, Problem, Station, newton, tangent};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
@@ -271,12 +271,7 @@ impl Walker {
                     special.persists = Some(next.parameter_slope() * forward > 0.0);
                 }
                 self.settle(&next);
-                *here = Point::new(&mut self.shooting, &next);
-                let careful = Settings {
-                    first_step: (CAREFUL * curve.step).max(1e-9),
-                    ..self.limits.settings()
-                };
-                *curve = Curve::new(next, careful);
+                self.begins_anew((next, CAREFUL * curve.step), curve, here);
                 Stop::On
             }
             Err(why) => Stop::End(End::Lost(why)),

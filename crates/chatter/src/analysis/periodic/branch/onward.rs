@@ -68,14 +68,20 @@ impl Walker {
         let Some(next) = self.beyond(&curve.station, parts, same) else {
             return false;
         };
-        self.begins_anew(next, curve, here);
+        self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
     }
 
-    fn begins_anew(&mut self, next: Station, curve: &mut Curve, here: &mut Point) {
+    /// On with new equations, at a station of theirs, with a first step of this length.
+    pub(super) fn begins_anew(
+        &mut self,
+        (next, first_step): (Station, f64),
+        curve: &mut Curve,
+        here: &mut Point,
+    ) {
         *here = Point::new(&mut self.shooting, &next);
         let careful = Settings {
-            first_step: (CAREFUL * self.limits.longest_step).max(1e-9),
+            first_step: first_step.max(1e-9),
             ..self.limits.settings()
         };
         *curve = Curve::new(next, careful);
@@ -127,7 +133,7 @@ impl Walker {
         if let Some(special) = self.special.last_mut() {
             special.persists = Some(true);
         }
-        self.begins_anew(next, curve, here);
+        self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
     }
 

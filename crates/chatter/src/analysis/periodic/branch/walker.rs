@@ -6,11 +6,11 @@ use super::limits::{End, Limits, station_at};
 use super::record::{Of, Stand, Standing, Then, Walked, damaged};
 use super::special::{Seed, Special};
 use super::{Point, SpecialKind};
-use crate::analysis::continuation::{Curve, NewtonError, Problem, Station, StepError};
-use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::continuation::{Curve, Problem, Station, StepError};
+use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::margins::is_at_border;
+use crate::analysis::periodic::margins::leaves_at_border;
 use crate::analysis::periodic::shooting::Shooting;
 
 /// One side of a branch.
@@ -141,7 +141,7 @@ impl Walker {
                         at_graze = true;
                         continue;
                     }
-                    if self.ends_at_border(&curve.station, &error) {
+                    if leaves_at_border(&self.shooting, &curve.station.at, &error) {
                         self.note(
                             SpecialKind::ChatterBorder,
                             &here,
@@ -305,13 +305,6 @@ impl Walker {
             };
             same && (0..count).all(near)
         })
-    }
-
-    /// Whether equations that Newton's method leaves near a station are left at a chatter border.
-    fn ends_at_border(&self, station: &Station, error: &NewtonError) -> bool {
-        self.shooting.steps.iter().any(Step::is_stretch)
-            && matches!(error, NewtonError::Left(_))
-            && is_at_border(&self.shooting, &station.at)
     }
 
     /// The landings of a station, which trials may have overwritten.

@@ -232,6 +232,11 @@ pub(crate) fn settle(
     let forcing = workshop.closure.forcing(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let returned = |instants: &[Instant], (first, last): (usize, usize)| {
+        let sizes = sizes(states(instants), &turns);
+        let found = cycle(workshop, &turns, &instants[first..=last], &sizes)?;
+        Ok(from_early_on(workshop, free, &turns, found))
+    };
     let mut instants: Vec<Instant> = Vec::new();
     let mut strobes: Vec<Vec<f64>> = vec![state.to_vec()];
     let mut total = 0;
@@ -277,9 +282,7 @@ pub(crate) fn settle(
         } else if !instants.is_empty() {
             match latest_return(workshop, &turns, &instants, NEAR[0]) {
                 Ok((first, last)) => {
-                    let sizes = sizes(states(&instants), &turns);
-                    let found = cycle(workshop, &turns, &instants[first..=last], &sizes)?;
-                    return Ok(from_early_on(workshop, free, &turns, found));
+                    return returned(&instants, (first, last));
                 }
                 Err(distance) => nearest = nearest.min(distance),
             }
@@ -299,9 +302,7 @@ pub(crate) fn settle(
                 return Ok(found);
             }
         } else if let Ok((first, last)) = latest_return(workshop, &turns, &instants, *near) {
-            let sizes = sizes(states(&instants), &turns);
-            let found = cycle(workshop, &turns, &instants[first..=last], &sizes)?;
-            return Ok(from_early_on(workshop, free, &turns, found));
+            return returned(&instants, (first, last));
         }
     }
     if forcing.is_none() && instants.len() < 2 {

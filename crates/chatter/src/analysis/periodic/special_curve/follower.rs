@@ -7,10 +7,9 @@ use crate::analysis::periodic::branch::{
     Then, broken_beside, damaged, first_break, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
-use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::margins::is_at_border;
+use crate::analysis::periodic::margins::leaves_at_border;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
 
@@ -324,14 +323,12 @@ impl Follower {
 
     /// No further step: at a border, if the orbit goes through complete chatter.
     fn border(&mut self, curve: &Curve, error: NewtonError) -> End {
-        let chatters = self.shooting.steps.iter().any(Step::is_stretch);
         let kind = match self.kind {
             SpecialKind::Fold => SpecialKind::BorderFold,
             SpecialKind::PeriodDoubling => SpecialKind::BorderDoubling,
             _ => return End::Lost(error.to_string()),
         };
-        let at_border = chatters && is_at_border(&self.shooting, &curve.station.at);
-        if !(at_border && matches!(error, NewtonError::Left(_))) {
+        if !leaves_at_border(&self.shooting, &curve.station.at, &error) {
             return End::Lost(error.to_string());
         }
         let station = curve.station.clone();
