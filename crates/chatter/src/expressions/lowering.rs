@@ -68,6 +68,7 @@ impl Tape {
         }
         tape.find_singular(&exprs);
         tape.integrate_at_once();
+        tape.put_latest_last();
         tape
     }
 }

@@ -4,6 +4,9 @@
 //! Coefficients are those of the scaled time s = t / tau, so that they are of the size of the terms themselves and
 //! neither overflow nor vanish. Products are Cauchy products; a function y = F(a) with F' = w integrates y' = a' w,
 //! hence k y_k = sum_{j=1..k} j a_j w_{k-j}; a quotient, root or power comes from the same rule solved for y_k.
+//!
+//! From one order to the next a flow waits for its own latest coefficient, through every operation on its way around. So each
+//! is written as a product with what was computed last, added to all that was known before: one fused operation on that way.
 
 use super::graph::Function;
 use super::machine::{Backend, Executable, Places};
@@ -406,11 +409,11 @@ impl<S: Scalar> Expansion<S> {
                 } if k < self.order => {
                     let terms = &tape.terms[first..end];
                     let value = if k == 0 {
-                        self.compensated_sum(constants, offset, terms).0
+                        self.compensated_sum(constants, offset, terms).0 * factor
                     } else {
-                        self.sum(constants, terms, k)
+                        self.sum_times(constants, terms, factor, k)
                     };
-                    self.set(state, k + 1, value * factor);
+                    self.set(state, k + 1, value);
                 }
                 // There is no coefficient after the last.
                 Op::Rate { .. } => {}
@@ -436,11 +439,13 @@ impl<S: Scalar> Expansion<S> {
                         } / self.get(denominator, 0);
                         self.set(out, 0, value);
                     } else {
+                        let inverse = self.auxiliaries[inverse];
                         let rest = convolve(self.part(out, 0, k), self.part(denominator, 1, k + 1));
+                        let rest = -(rest * inverse);
                         let value = match numerator {
-                            Operand::Series(slot) => self.get(slot, k) - rest,
-                            Operand::Constant(_) => -rest,
-                        } * self.auxiliaries[inverse];
+                            Operand::Series(slot) => self.get(slot, k).mul_add(inverse, rest),
+                            Operand::Constant(_) => rest,
+                        };
                         self.set(out, k, value);
                     }
                 }
@@ -455,11 +460,10 @@ impl<S: Scalar> Expansion<S> {
                         self.set(out, 0, root);
                     } else {
                         let inverse = self.auxiliaries[inverse];
-                        let radicand = self.get(radicand, k);
-                        // The newest coefficient is in the pairs: nothing but they wait for it.
                         let (pairs, middle) = self.self_pairs(out, 1, k);
-                        let rest = radicand - middle;
-                        let value = pairs.mul_add(S::splat(-2.0), rest) * inverse;
+                        let minus_twice = inverse * S::splat(-2.0);
+                        let rest = pairs.mul_add(minus_twice, -(middle * inverse));
+                        let value = self.get(radicand, k).mul_add(inverse, rest);
                         self.set(out, k, value);
                     }
                 }
@@ -475,17 +479,16 @@ impl<S: Scalar> Expansion<S> {
                         self.set(out, 0, value);
                     } else {
                         // k a_0 p_k = sum_{j=1..k} (e j - (k - j)) a_j p_{k-j}
+                        let inverse = self.auxiliaries[inverse];
                         let mut sum = S::splat(0.0);
-                        for j in 1..=k {
+                        for j in 1..k {
                             let weight = constants[exponent]
                                 .mul_add(S::splat(j as f64), S::splat(-((k - j) as f64)));
                             sum = (weight * self.get(base, j)).mul_add(self.get(out, k - j), sum);
                         }
-                        self.set(
-                            out,
-                            k,
-                            sum * self.auxiliaries[inverse] * self.reciprocals[k],
-                        );
+                        let rest = sum * inverse * self.reciprocals[k];
+                        let newest = constants[exponent] * self.get(out, 0) * inverse;
+                        self.set(out, k, self.get(base, k).mul_add(newest, rest));
                     }
                 }
                 Op::Slope { out, of } => {
@@ -503,8 +506,7 @@ impl<S: Scalar> Expansion<S> {
                     let value = if k == 0 {
                         apply(function, self.get(argument, 0))
                     } else {
-                        let sum = convolve(self.part(slope, 1, k + 1), self.part(weight, 0, k))
-                            * self.reciprocals[k];
+                        let sum = self.integral((slope, argument, weight), k);
                         match sign {
                             Sign::Plus => sum,
                             Sign::Minus => -sum,
@@ -524,10 +526,9 @@ impl<S: Scalar> Expansion<S> {
                         let low = self.lows[argument];
                         (low.mul_add(cosine, sine), (-low).mul_add(sine, cosine))
                     } else {
-                        let slope = self.part(slope, 1, k + 1);
                         (
-                            convolve(slope, self.part(cosine, 0, k)) * self.reciprocals[k],
-                            -(convolve(slope, self.part(sine, 0, k)) * self.reciprocals[k]),
+                            self.integral((slope, argument, cosine), k),
+                            -self.integral((slope, argument, sine), k),
                         )
                     };
                     self.set(sine, k, of_sine);
@@ -545,6 +546,27 @@ impl<S: Scalar> Expansion<S> {
             sum = constants[coefficient].mul_add(self.get(slot, k), sum);
         }
         sum
+    }
+
+    /// That combination times a factor. The last term is the one that is computed last: nothing but its own product waits for it.
+    #[inline(always)]
+    fn sum_times(&self, constants: &[S], terms: &[(usize, usize)], factor: S, k: usize) -> S {
+        let Some((&(coefficient, slot), others)) = terms.split_last() else {
+            return S::splat(0.0);
+        };
+        let (coefficient, newest) = (constants[coefficient] * factor, self.get(slot, k));
+        if others.is_empty() {
+            return newest * coefficient;
+        }
+        let rest = self.sum(constants, others, k) * factor;
+        newest.mul_add(coefficient, rest)
+    }
+
+    /// 1/k sum_{j=1..k} j a_j w_{k-j}, the newest coefficient of a, which the slope need not be asked for, apart from the others.
+    #[inline(always)]
+    fn integral(&self, (slope, argument, weight): (usize, usize, usize), k: usize) -> S {
+        let rest = convolve(self.part(slope, 1, k), self.part(weight, 1, k)) * self.reciprocals[k];
+        self.get(argument, k).mul_add(self.get(weight, 0), rest)
     }
 
     /// sum_{j=first..k-first} a_j a_{k-j}.

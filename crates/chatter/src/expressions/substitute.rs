@@ -1,6 +1,6 @@
 //! Replacing symbols by expressions, and asking which symbols an expression has.
 
-use super::graph::{Expr, Graph, Node, Symbol};
+use super::graph::{Expr, Function, Graph, Node, Symbol};
 use std::collections::BTreeSet;
 
 /// Multiples of it, without their whole parts, have no simple relation.
@@ -70,6 +70,9 @@ impl Graph {
 
     /// A smooth expression that depends on all that `expr` does in any of its forms: each choice becomes a sum of what it
     /// chooses from and of what it chooses by, each function that is no formula its argument, in parts without a relation.
+    ///
+    /// Of each part p it is p + sin(p)/2 that is summed, which has a slope wherever p has and another one in each place: of parts
+    /// that are linear a sum of p alone would stay as it is where all change together, which the expression does not.
     pub fn blended(&mut self, expr: Expr) -> Expr {
         let mut known = vec![expr; expr.index() + 1];
         let mut count = 0_u32;
@@ -92,7 +95,11 @@ impl Graph {
                 .map(|part| {
                     count += 1;
                     let weight = self.number((f64::from(count) * BLEND).fract() + BLEND);
-                    self.mul(weight, known[part.index()])
+                    let (part, half) = (known[part.index()], self.number(0.5));
+                    let sine = self.call(Function::Sin, part);
+                    let ripple = self.mul(half, sine);
+                    let blend = self.add(part, ripple);
+                    self.mul(weight, blend)
                 })
                 .collect();
             known[old.index()] = self.sum(&terms);

@@ -195,7 +195,8 @@ pub struct Tape {
 }
 
 impl Tape {
-    /// Turns linear combinations that nothing but the integration of one state reads into rates; the swings are known.
+    /// Integrates linear combinations that are the derivative of a state at once; the swings are known. What else reads one of them
+    /// reads it as before: the state is the same to the bit whether anything does.
     pub(super) fn integrate_at_once(&mut self) {
         let mut readers = vec![0; self.slots];
         let operands = self.outputs.iter().chain(self.field.iter().map(|(_, d)| d));
@@ -207,29 +208,96 @@ impl Tape {
         for slot in read {
             readers[slot] += 1;
         }
-        for op in &mut self.ops {
-            let &mut Op::Linear {
+        for op in core::mem::take(&mut self.ops) {
+            let Op::Linear {
                 out,
                 offset,
                 first,
                 end,
             } = op
             else {
+                self.ops.push(op);
                 continue;
             };
-            let integrated = |&(_, derivative): &(usize, Operand)| derivative.slot() == Some(out);
-            if readers[out] == 1
-                && let Some(place) = self.field.iter().position(integrated)
-            {
-                let (state, _) = self.field.remove(place);
-                *op = Op::Rate {
+            let is_its_rate = |&(_, derivative): &(usize, Operand)| derivative.slot() == Some(out);
+            let states: Vec<usize> = (self.field.iter().filter(|one| is_its_rate(one)))
+                .map(|&(state, _)| state)
+                .collect();
+            self.field.retain(|one| !is_its_rate(one));
+            if readers[out] > states.len() {
+                self.ops.push(op);
+            }
+            for state in states {
+                // With terms of its own: those of each operation are put in order.
+                let own = self.terms.len();
+                self.terms.extend_from_within(first..end);
+                self.ops.push(Op::Rate {
                     state,
                     offset,
-                    first,
-                    end,
-                };
+                    first: own,
+                    end: self.terms.len(),
+                });
             }
         }
+    }
+
+    /// Puts last, in sums and in products, what is known last: nothing else need wait for it then.
+    pub(super) fn put_latest_last(&mut self) {
+        let depths = self.depths();
+        for op in &mut self.ops {
+            match op {
+                Op::Linear { first, end, .. } | Op::Rate { first, end, .. } => {
+                    let terms = &mut self.terms[*first..*end];
+                    let depth = |&(_, slot): &(usize, usize)| depths[slot];
+                    let deepest = terms.iter().map(depth).max();
+                    if let Some(place) = terms.iter().rposition(|term| Some(depth(term)) == deepest)
+                    {
+                        terms[place..].rotate_left(1);
+                    }
+                }
+                Op::Multiply { left, right, .. } if depths[*left] > depths[*right] => {
+                    core::mem::swap(left, right);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// After how many operations in turn a coefficient of each series is known, at an order so high that beginnings no longer
+    /// count.
+    fn depths(&self) -> Vec<usize> {
+        const ORDERS: usize = 16;
+        let mut depths = vec![0; self.slots];
+        for _ in 0..ORDERS {
+            let mut next = depths.clone();
+            for op in &self.ops {
+                let reads = op.reads(&self.terms);
+                let depth = 1 + reads
+                    .into_iter()
+                    .map(|slot| depths[slot])
+                    .max()
+                    .unwrap_or(0);
+                match *op {
+                    Op::Rate { state, .. } => next[state] = depth,
+                    Op::SineCosine { sine, cosine, .. } => {
+                        (depths[sine], depths[cosine]) = (depth, depth);
+                    }
+                    Op::Linear { out, .. }
+                    | Op::Multiply { out, .. }
+                    | Op::Square { out, .. }
+                    | Op::Divide { out, .. }
+                    | Op::SquareRoot { out, .. }
+                    | Op::Power { out, .. }
+                    | Op::Slope { out, .. }
+                    | Op::Integral { out, .. } => depths[out] = depth,
+                }
+            }
+            for &(state, derivative) in &self.field {
+                next[state] = 1 + derivative.slot().map_or(0, |slot| depths[slot]);
+            }
+            depths[..self.dimension].copy_from_slice(&next[..self.dimension]);
+        }
+        depths
     }
 
     /// Its machine code for a kind of number, of whose series so many coefficients are stored; none where there is none.

@@ -95,8 +95,9 @@ impl<R: Real> SectionPath<'_, R> {
         Some(start.order == 0)
     }
 
-    /// The crossing at the end of a step that stops short of it by no more than rounding.
-    pub(crate) fn at_end(&self, width: R) -> Option<Root<R>> {
+    /// The crossing at the end of a step that stops short of it by no more than rounding, that of the time included, which leaves so
+    /// much `open`.
+    pub(crate) fn at_end(&self, width: R, open: R) -> Option<Root<R>> {
         let at_end = Root {
             at: width,
             kind: RootKind::Crossing,
@@ -109,7 +110,7 @@ impl<R: Real> SectionPath<'_, R> {
         let (value, slope) = horner_with_slope(rest, width);
         let side = self.sign_before(rest, width, start.sign);
         let counts = self.crossing == Crossing::Either || side > R::ZERO;
-        let unclear = value.abs() <= self.level(rest, width);
+        let unclear = value.abs() <= self.level(rest, width).max(slope.abs() * open);
         (counts && unclear && side * slope < R::ZERO).then_some(at_end)
     }
 

@@ -5,7 +5,7 @@ use super::error::FlowError;
 use super::flight::reaches;
 use super::guard::{Guard, Transition};
 use super::program::Program;
-use super::step::{LEAST_GROWTH, NO_EVENT, Workspace, least_step};
+use super::step::{LATE_ROUNDOFFS, LEAST_GROWTH, NO_EVENT, Workspace, least_step};
 use super::system::System;
 use super::touching::{Left, Touching};
 use crate::expressions::Operand;
@@ -90,6 +90,8 @@ fn first_event<R: Real>(
     let mut touched = None;
     let whole = work.scaled_step;
     let ends_the_run = reaches(whole * work.tau, work.horizon);
+    // In units of the step, what rounding leaves open of the time at its end.
+    let open = work.time.abs() * R::splat(LATE_ROUNDOFFS * R::ROUNDOFF) / work.tau;
     for (index, guard) in program.guards.iter().enumerate() {
         if guard.is_balanced(touching.get(index)) {
             continue;
@@ -106,7 +108,7 @@ fn first_event<R: Real>(
         let at_end = ends_the_run && !busy;
         let found = if let Some(section) = guard.section() {
             let path = section_path(work, program, guard, (p, section), touching.get(index));
-            (path.first(width)).or_else(|| path.at_end(width).filter(|_| at_end))
+            (path.first(width)).or_else(|| path.at_end(width, open).filter(|_| at_end))
         } else {
             let is_left = touching.get(index) > 0;
             let terms = if is_left || guard.is_affine {
@@ -133,7 +135,7 @@ fn first_event<R: Real>(
                 ),
             }
             .map_err(|Stuck| Unsettled::Stuck(index))?
-            .or_else(|| closing_at_end(p, width, Workspace::<R>::NOISE).filter(|_| at_end))
+            .or_else(|| closing_at_end(p, width, open).filter(|_| at_end))
         };
         let Some(root) = found else { continue };
         work.scaled_step = root.at;
@@ -320,11 +322,13 @@ fn expansion_is_finite<R: Real>(work: &Workspace<R>, program: &Program) -> bool 
         .all(|slot| magnitude(work.expansion.series(slot), work.scaled_step).is_finite())
 }
 
-/// The zero at the end of a step that stops short of it by no more than rounding.
-fn closing_at_end<R: Real>(p: &[R], width: R, noise: f64) -> Option<Root<R>> {
+/// The zero at the end of a step that stops short of it by no more than rounding, that of the time included, which leaves so much
+/// `open`.
+fn closing_at_end<R: Real>(p: &[R], width: R, open: R) -> Option<Root<R>> {
     let (value, slope) = horner_with_slope(p, width);
-    let level = magnitude(p, width) * R::splat(noise);
-    let closes = p[0] > level && value <= level && slope * width < -level;
+    let noise = magnitude(p, width) * R::splat(Workspace::<R>::NOISE);
+    let level = noise.max(slope.abs() * open);
+    let closes = p[0] > level && value <= level && slope * width < -noise;
     closes.then_some(Root {
         at: width,
         kind: RootKind::Crossing,

@@ -5,7 +5,7 @@
 //! [`resolve`](super::resolve) for that trajectory alone, so a lane's result does not depend on its neighbours.
 
 use super::chatter::Tail;
-use super::flight::Outcome;
+use super::flight::{Outcome, reaches};
 use super::guard::{Guard, Transition};
 use super::program::{IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
@@ -32,6 +32,9 @@ pub(crate) const LEAST_GROWTH: f64 = 1.0 / 16.0;
 /// fifty terms of falling size, each wrong by a few roundoffs.
 pub(crate) const NOISE_ROUNDOFFS: f64 = 32.0;
 
+/// Two times that differ by less than so many roundoffs are one: what happens that little after the end of a run belongs to it.
+pub(crate) const LATE_ROUNDOFFS: f64 = 8.0;
+
 /// Truncation may take this part of the tolerance, so that at rounding level it adds little to what rounding does anyway:
 /// a quarter costs one step in twenty and makes errors after a hundred impacts in chaos four times smaller.
 const TRUNCATION_SHARE: f64 = 0.25;
@@ -45,8 +48,7 @@ const GRAZE: f64 = 2.0 * (MAX_ORDER * MAX_ORDER) as f64;
 const NEWTON_DONE: f64 = 1e-8;
 const NEWTON_STEPS: usize = 6;
 
-/// It begins with so many steps on so many leading terms, where there are twice as many.
-const NEWTON_FIRST_STEPS: usize = 2;
+/// It begins with a step on so many leading terms and one on twice as many, where there are these.
 const NEWTON_LEADING: usize = 6;
 
 /// A restitution computed from rates may leave [0, 1] by this much.
@@ -243,6 +245,13 @@ impl<S: Scalar> Workspace<S> {
             & step.is_finite()
             & least_step(self.time).less(step)
             & S::splat(LEAST_GROWTH).at_most(self.growth);
+        let mut relative = S::splat(Self::NOISE);
+        let ends_the_run = reaches(step, self.horizon);
+        if ends_the_run.any() {
+            // What the time at the end leaves open is settled with more care.
+            let late = self.time.abs() * S::splat(4.0 * LATE_ROUNDOFFS * S::ROUNDOFF) / step;
+            relative = S::select(ends_the_run, relative + late, relative);
+        }
         let mut sections_met = false;
         for (index, guard) in program.guards.iter().enumerate() {
             let Operand::Series(slot) = guard.series else {
@@ -253,7 +262,7 @@ impl<S: Scalar> Workspace<S> {
             let start = p[0];
             let sizes = sizes(&p[1..], end);
             let rest = sizes.all * end;
-            let noise = (rest + start.abs()) * S::splat(Self::NOISE);
+            let noise = (rest + start.abs()) * relative;
             let mut settled = (rest + noise).less(start.abs());
             let must_be_positive = if let Some(section) = guard.section() {
                 let side = &mut self.sides[section];
@@ -556,14 +565,14 @@ fn newton_of_part<S: Scalar>(
     let usable = zero.less(guess) & guess.at_most(end + end);
     let mut at = S::Part::select(usable, guess, end);
     let mut done = !usable;
-    // The leading terms bring the guess close at a part of the cost.
+    // The leading terms bring the guess close at a part of the cost: a few of them where it may be far, more when it is near.
     if p.len() >= 2 * NEWTON_LEADING {
-        for _ in 0..NEWTON_FIRST_STEPS {
-            let (value, slope) = horner_with_slope_of_part(&p[..NEWTON_LEADING], at, part);
-            let nearer = at - value / slope;
-            let helps = usable & zero.less(nearer) & nearer.at_most(end + end);
-            at = S::Part::select(helps, nearer, at);
-        }
+        let is_near = |next: S::Part| usable & zero.less(next) & next.at_most(end + end);
+        let next = chebyshev_of_part(&p[..NEWTON_LEADING], at, part);
+        at = S::Part::select(is_near(next), next, at);
+        let (value, slope) = horner_with_slope_of_part(&p[..2 * NEWTON_LEADING], at, part);
+        let next = at - value / slope;
+        at = S::Part::select(is_near(next), next, at);
     }
     let mut last_slope = zero;
     // The square of what double-double has to reach is not reached by what suffices for a double.
@@ -580,6 +589,19 @@ fn newton_of_part<S: Scalar>(
         }
     }
     (at, done & usable, last_slope)
+}
+
+/// A step of Chebyshev's method on a few terms: it triples the digits where Newton's doubles them.
+#[inline(always)]
+fn chebyshev_of_part<S: Scalar>(p: &[S], at: S::Part, part: usize) -> S::Part {
+    let mut half_bend = S::Part::splat(0.0);
+    for k in (2..p.len()).rev() {
+        let weight = S::Part::splat((k * (k - 1) / 2) as f64);
+        half_bend = half_bend.mul_add(at, p[k].part(part) * weight);
+    }
+    let (value, slope) = horner_with_slope_of_part(p, at, part);
+    let (newton, bend) = (value / slope, half_bend / slope);
+    at - (newton * newton).mul_add(bend, newton)
 }
 
 /// The whole numbers that a derivative multiplies coefficients by.

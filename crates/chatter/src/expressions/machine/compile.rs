@@ -162,7 +162,7 @@ fn is_sound(tape: &Tape) -> bool {
 #[derive(Clone, Copy)]
 enum Terms {
     /// k and so many more.
-    Order(usize),
+    Order(isize),
     /// Half of k, rounded up, and so many less.
     Half(usize),
 }
@@ -340,14 +340,6 @@ impl Compiler<'_> {
     fn store_sums(&mut self, at: At) {
         for part in self.parts() {
             self.code.store(self.part(at, part), self.sum(part));
-        }
-    }
-
-    fn store_sums_times(&mut self, factor: At, at: At) {
-        for part in self.parts() {
-            let sum = self.sum(part);
-            self.code.multiply(sum, sum, self.part(factor, part));
-            self.code.store(self.part(at, part), sum);
         }
     }
 
@@ -632,8 +624,8 @@ impl Compiler<'_> {
                 state, first, end, ..
             } => {
                 let skip = self.unless_last();
-                self.combine(first, end);
-                self.store_sums_times(FACTOR, self.after(state));
+                self.combine_times_factor(first, end);
+                self.store_sums(self.after(state));
                 self.code.bind(skip);
             }
             Op::Multiply { out, left, right } => {
@@ -658,17 +650,22 @@ impl Compiler<'_> {
                 inverse,
             } => {
                 self.convolve((out, 0), (denominator, 1), Terms::Order(0));
-                match numerator {
-                    Operand::Series(slot) => {
-                        for part in self.parts() {
-                            let (rest, value) = (self.sum(part), self.other(part));
-                            self.code.load(value, self.part(self.now(slot), part));
-                            self.code.subtract(rest, value, rest);
-                        }
+                for part in self.parts() {
+                    let (rest, factor) = (self.sum(part), self.other(part));
+                    self.code
+                        .load(factor, self.part(self.auxiliary(inverse), part));
+                    self.code.multiply(rest, rest, factor);
+                    if let Operand::Series(slot) = numerator {
+                        let value = self.odd(part);
+                        self.code.load(value, self.part(self.now(slot), part));
+                        self.code.multiply_subtract(value, factor, rest);
+                        self.code.copy(rest, value);
                     }
-                    Operand::Constant(_) => self.negate_sums(),
                 }
-                self.store_sums_times(self.auxiliary(inverse), self.now(out));
+                if matches!(numerator, Operand::Constant(_)) {
+                    self.negate_sums();
+                }
+                self.store_sums(self.now(out));
             }
             Op::SquareRoot {
                 out,
@@ -681,12 +678,16 @@ impl Compiler<'_> {
                     .broadcast(minus_two, At(TABLE, offset_of!(Table, minus_two)));
                 self.middle(out);
                 for part in self.parts() {
-                    let (pairs, middle, rest) = (self.sum(part), self.other(part), self.odd(part));
-                    self.code.load(rest, self.part(self.now(radicand), part));
-                    self.code.subtract(rest, rest, middle);
-                    self.code.multiply_add(rest, pairs, minus_two);
+                    let (pairs, middle, factor) =
+                        (self.sum(part), self.other(part), self.odd(part));
+                    let [_, minus_twice, ..] = Self::FREE;
                     self.code
-                        .multiply(pairs, rest, self.part(self.auxiliary(inverse), part));
+                        .load(factor, self.part(self.auxiliary(inverse), part));
+                    self.code.multiply(minus_twice, factor, minus_two);
+                    self.code.multiply(middle, middle, factor);
+                    self.code.multiply_subtract(pairs, minus_twice, middle);
+                    let radicand = self.part(self.now(radicand), part);
+                    self.code.multiply_add(pairs, factor, radicand);
                 }
                 self.store_sums(self.now(out));
             }
@@ -709,12 +710,12 @@ impl Compiler<'_> {
             Op::Integral {
                 out,
                 slope,
+                argument,
                 weight,
                 sign,
                 ..
             } => {
-                self.convolve((slope, 1), (weight, 0), Terms::Order(0));
-                self.divide_by_order();
+                self.integral_in_sums((slope, argument, weight));
                 if sign == Sign::Minus {
                     self.negate_sums();
                 }
@@ -724,13 +725,11 @@ impl Compiler<'_> {
                 sine,
                 cosine,
                 slope,
-                ..
+                argument,
             } => {
-                self.convolve((slope, 1), (cosine, 0), Terms::Order(0));
-                self.divide_by_order();
+                self.integral_in_sums((slope, argument, cosine));
                 self.store_sums(self.now(sine));
-                self.convolve((slope, 1), (sine, 0), Terms::Order(0));
-                self.divide_by_order();
+                self.integral_in_sums((slope, argument, sine));
                 self.negate_sums();
                 self.store_sums(self.now(cosine));
             }
@@ -751,6 +750,47 @@ impl Compiler<'_> {
                 let term = self.part(self.now(slot), part);
                 self.code.multiply_add(self.sum(part), factor, term);
             }
+        }
+    }
+
+    /// A linear combination of the present order, times the factor, in the sums; what is computed last apart from the rest.
+    fn combine_times_factor(&mut self, first: usize, end: usize) {
+        let Some(&(coefficient, slot)) = self.tape.terms[first..end].last() else {
+            for part in self.parts() {
+                self.code.zero(self.sum(part));
+            }
+            return;
+        };
+        let is_alone = end - first == 1;
+        if !is_alone {
+            self.combine(first, end - 1);
+        }
+        for part in self.parts() {
+            let (sum, scaled) = (self.sum(part), self.other(part));
+            self.code.load(scaled, self.part(FACTOR, part));
+            if !is_alone {
+                self.code.multiply(sum, sum, scaled);
+            }
+            let coefficient = self.part(self.constant(coefficient), part);
+            self.code.multiply(scaled, scaled, coefficient);
+            let newest = self.part(self.now(slot), part);
+            if is_alone {
+                self.code.multiply(sum, scaled, newest);
+            } else {
+                self.code.multiply_add(sum, scaled, newest);
+            }
+        }
+    }
+
+    /// What a function is at the present order, but for the sign, in the sums.
+    fn integral_in_sums(&mut self, (slope, argument, weight): (usize, usize, usize)) {
+        self.convolve((slope, 1), (weight, 1), Terms::Order(-1));
+        self.divide_by_order();
+        for part in self.parts() {
+            let newest = self.other(part);
+            self.code.load(newest, self.part(self.now(argument), part));
+            let weight = self.part(self.first(weight, 0), part);
+            self.code.multiply_add(self.sum(part), newest, weight);
         }
     }
 
@@ -801,14 +841,18 @@ impl Compiler<'_> {
         let outermost = self.first(left.0, left.1);
         // Of the last coefficient: at k + c terms from place p on it is number p + k + c - 1.
         let newest = match terms {
-            Terms::Order(more) => self.now(right.0).plus((right.1 + more) * size).minus(size),
+            Terms::Order(more) => {
+                let end = right.1.wrapping_add_signed(more);
+                self.now(right.0).plus(end * size).minus(size)
+            }
             Terms::Half(first) => self.now(right.0).minus(first * size),
         };
         // Products between the two outermost ones.
         match terms {
             Terms::Order(more) => {
                 self.code.copy_word(COUNT, ORDER);
-                self.code.subtract_from(COUNT, 2_usize.wrapping_sub(more));
+                self.code
+                    .subtract_from(COUNT, 2_usize.wrapping_add_signed(-more));
             }
             Terms::Half(first) => {
                 self.code.address(COUNT, At(ORDER, 1));
@@ -879,8 +923,8 @@ impl Compiler<'_> {
 
     fn go_on_with_power(&mut self, out: usize, base: usize, exponent: usize, inverse: usize) {
         let size = self.layout.size;
-        let next = self.code.label();
-        // From j = 1 on; k - j counts down.
+        let (next, newest) = (self.code.label(), self.code.label());
+        // From j = 1 on; k - j counts down, until there is but the newest product.
         self.code.address(LEFT, self.first(base, 1));
         self.code.address(RIGHT, self.now(out).minus(size));
         self.code.copy_word(COUNT, ORDER);
@@ -890,6 +934,7 @@ impl Compiler<'_> {
         }
         self.code.bind(next);
         self.code.subtract_from(COUNT, 1);
+        self.code.jump(When::Equal, newest);
         self.code.add_to(SCRATCH, 1);
         let [j, less, ..] = Self::FREE;
         let numbers = At(TABLE, offset_of!(Table, numbers));
@@ -908,14 +953,24 @@ impl Compiler<'_> {
         }
         self.code.add_to(LEFT, size);
         self.code.subtract_from(RIGHT, size);
-        self.code.compare_with(COUNT, 0);
-        self.code.jump(When::NotEqual, next);
+        self.code.jump(When::Always, next);
+        self.code.bind(newest);
         for part in self.parts() {
             let sum = self.sum(part);
             self.code
                 .multiply(sum, sum, self.part(self.auxiliary(inverse), part));
         }
         self.divide_by_order();
+        for part in self.parts() {
+            let weight = self.other(part);
+            self.code
+                .load(weight, self.part(self.constant(exponent), part));
+            for factor in [self.first(out, 0), self.auxiliary(inverse)] {
+                self.code.multiply(weight, weight, self.part(factor, part));
+            }
+            let newest = self.part(self.now(base), part);
+            self.code.multiply_add(self.sum(part), weight, newest);
+        }
         self.store_sums(self.now(out));
     }
 }

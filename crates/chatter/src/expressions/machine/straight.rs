@@ -176,11 +176,10 @@ impl Compiler<'_> {
         }
     }
 
-    /// Of different coefficients of one series, from `first` on; how many products.
-    fn different_pairs(&mut self, slot: usize, first: usize, k: usize) -> usize {
+    /// Of different coefficients of one series, from `first` on.
+    fn different_pairs(&mut self, slot: usize, first: usize, k: usize) {
         let n = k.div_ceil(2) - first;
         self.convolution(PAIRS, (slot, first), (slot, k - first), n);
-        n
     }
 
     /// The square of the coefficient in the middle, or zero.
@@ -208,6 +207,25 @@ impl Compiler<'_> {
         }
     }
 
+    /// A linear combination times the unit of time, what is computed last apart from the rest.
+    fn sum_of_terms_times_unit(&mut self, sum: Vector, first: usize, end: usize, k: usize) {
+        let Some(&(coefficient, slot)) = self.tape.terms[first..end].last() else {
+            self.code.zero(sum);
+            return;
+        };
+        let scaled = MIDDLE;
+        self.code.multiply(scaled, UNIT, self.constant(coefficient));
+        if end - first == 1 {
+            let newest = self.value(slot, k);
+            self.code.multiply(sum, scaled, newest);
+            return;
+        }
+        self.sum_of_terms(sum, first, end - 1, k);
+        self.code.multiply(sum, sum, UNIT);
+        let newest = self.value(slot, k);
+        self.code.multiply_add(sum, scaled, newest);
+    }
+
     fn at_order(&mut self, op: &Op, k: usize) {
         let reciprocal = Self::number(offset_of!(Table, reciprocals), k);
         match *op {
@@ -222,8 +240,7 @@ impl Compiler<'_> {
                 state, first, end, ..
             } => {
                 let (place, sum) = self.kept.fresh();
-                self.sum_of_terms(sum, first, end, k);
-                self.code.multiply(sum, sum, UNIT);
+                self.sum_of_terms_times_unit(sum, first, end, k);
                 self.keep(place, (state, k + 1));
             }
             Op::Multiply { out, left, right } => {
@@ -247,17 +264,18 @@ impl Compiler<'_> {
             } => {
                 let (place, value) = self.kept.fresh();
                 self.convolution(PAIRS, (out, 0), (denominator, k), k);
+                self.code.multiply(PAIRS, PAIRS, self.auxiliary(inverse));
                 match numerator {
                     Operand::Series(slot) => {
+                        self.code.load(value, self.auxiliary(inverse));
                         let above = self.in_register(slot, k);
-                        self.code.subtract(value, above, PAIRS);
+                        self.code.multiply_subtract(value, above, PAIRS);
                     }
                     Operand::Constant(_) => {
                         self.code.copy(value, PAIRS);
                         self.code.negate(value, Self::minus_zero());
                     }
                 }
-                self.code.multiply(value, value, self.auxiliary(inverse));
                 self.keep(place, (out, k));
             }
             Op::SquareRoot {
@@ -266,16 +284,16 @@ impl Compiler<'_> {
                 inverse,
             } => {
                 let (place, value) = self.kept.fresh();
-                let pairs = self.different_pairs(out, 1, k);
                 self.middle_square(MIDDLE, out, k);
+                self.code.multiply(MIDDLE, MIDDLE, self.auxiliary(inverse));
+                self.different_pairs(out, 1, k);
+                let minus_two = At(TABLE, offset_of!(Table, minus_two));
+                self.code.load(value, self.auxiliary(inverse));
+                self.code.multiply(value, value, minus_two);
+                self.code.multiply_subtract(value, PAIRS, MIDDLE);
                 let radicand = self.in_register(radicand, k);
-                self.code.subtract(value, radicand, MIDDLE);
-                // No pairs are zero, which times minus two is minus zero and changes nothing.
-                if pairs > 0 {
-                    let minus_two = At(TABLE, offset_of!(Table, minus_two));
-                    self.code.multiply_add(value, PAIRS, minus_two);
-                }
-                self.code.multiply(value, value, self.auxiliary(inverse));
+                self.code
+                    .multiply_add(value, radicand, self.auxiliary(inverse));
                 self.keep(place, (out, k));
             }
             Op::Power {
@@ -286,7 +304,7 @@ impl Compiler<'_> {
             } => {
                 let (place, sum) = self.kept.fresh();
                 self.code.zero(sum);
-                for j in 1..=k {
+                for j in 1..k {
                     let negative = Self::number(offset_of!(Table, negatives), k - j);
                     let whole = self.next_factor();
                     self.code.load(MIDDLE, negative);
@@ -301,6 +319,11 @@ impl Compiler<'_> {
                 }
                 self.code.multiply(sum, sum, self.auxiliary(inverse));
                 self.code.multiply(sum, sum, reciprocal);
+                self.code.load(MIDDLE, self.constant(exponent));
+                self.code.multiply(MIDDLE, MIDDLE, self.first(out, 0));
+                self.code.multiply(MIDDLE, MIDDLE, self.auxiliary(inverse));
+                let newest = self.value(base, k);
+                self.code.multiply_add(sum, MIDDLE, newest);
                 self.keep(place, (out, k));
             }
             Op::Slope { out, of } => {
@@ -315,27 +338,35 @@ impl Compiler<'_> {
             Op::Integral {
                 out,
                 slope,
+                argument,
                 weight,
                 sign,
                 ..
-            } => self.integral(out, slope, weight, sign, k),
+            } => self.integral(out, (slope, argument, weight), sign, k),
             Op::SineCosine {
                 sine,
                 cosine,
                 slope,
-                ..
+                argument,
             } => {
-                self.integral(sine, slope, cosine, Sign::Plus, k);
-                self.integral(cosine, slope, sine, Sign::Minus, k);
+                self.integral(sine, (slope, argument, cosine), Sign::Plus, k);
+                self.integral(cosine, (slope, argument, sine), Sign::Minus, k);
             }
         }
     }
 
-    fn integral(&mut self, out: usize, slope: usize, weight: usize, sign: Sign, k: usize) {
+    fn integral(
+        &mut self,
+        out: usize,
+        (slope, argument, weight): (usize, usize, usize),
+        sign: Sign,
+        k: usize,
+    ) {
         let (place, sum) = self.kept.fresh();
-        self.convolution(sum, (slope, 1), (weight, k - 1), k);
+        self.convolution(sum, (slope, 1), (weight, k - 1), k - 1);
         let reciprocal = Self::number(offset_of!(Table, reciprocals), k);
         self.code.multiply(sum, sum, reciprocal);
+        self.add_product(sum, (weight, 0), (argument, k));
         if sign == Sign::Minus {
             self.code.negate(sum, Self::minus_zero());
         }
