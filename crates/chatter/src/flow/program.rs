@@ -522,7 +522,8 @@ impl Program {
     }
 }
 
-/// What ends a mode, in the order of its guards. All but sections that are crossed either way are positive until then.
+/// What ends a mode, in the order of its guards: of what happens at one instant resets come last. All but sections that are
+/// crossed either way are positive until then.
 pub(crate) fn guard_functions(
     graph: &mut Graph,
     contacts: &[ContactMechanics],
@@ -543,16 +544,20 @@ pub(crate) fn guard_functions(
         let push = graph.neg(reaction);
         guards.push((GuardKind::Reaction(contact), Crossing::Falling, push));
     }
-    for (index, section) in sections.iter().enumerate() {
+    let (resets, looks): (Vec<_>, Vec<_>) =
+        (sections.iter().enumerate()).partition(|(_, section)| section.reset.is_some());
+    let mut crossed = |(index, section): (usize, &Section)| {
         let (surface, crossing) = match section.direction {
             Direction::Falling => (section.surface, Crossing::Falling),
             Direction::Rising => (graph.neg(section.surface), Crossing::Falling),
             Direction::Either => (section.surface, Crossing::Either),
         };
-        guards.push((GuardKind::Section(index), crossing, surface));
-    }
+        (GuardKind::Section(index), crossing, surface)
+    };
+    guards.extend(looks.into_iter().map(&mut crossed));
     let limits = limits.guards();
     guards.extend(limits.map(|(kind, function)| (kind, Crossing::Falling, function)));
+    guards.extend(resets.into_iter().map(&mut crossed));
     guards
 }
 

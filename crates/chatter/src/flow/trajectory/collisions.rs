@@ -10,7 +10,7 @@
 
 use super::Trajectory;
 use super::cascade::Cascade;
-use super::corners::Candidate;
+use super::corners::Earlier;
 use super::sequence::BURST;
 use crate::flow::error::FlowError;
 use crate::flow::flight;
@@ -42,8 +42,8 @@ pub(super) struct Collisions<R> {
     touching: Closed,
     /// How many there were so far.
     count: u64,
-    /// On which sides of the corners the state was before them.
-    sides: Candidate,
+    /// How the state stood to corners before them.
+    sides: Earlier,
     /// The greatest rate that each contact of the system has had at this instant, in earlier collisions, too: from what a
     /// squeezed body has lost, nothing is told apart any more.
     greatest: Vec<R>,
@@ -70,7 +70,7 @@ impl<R: Real> Trajectory<R> {
         self.collisions = Some(Collisions {
             touching,
             count: 0,
-            sides: self.standing_sides(),
+            sides: self.standing_now(system),
             greatest: self.greatest_rates(system),
             shifts,
         });

@@ -46,7 +46,7 @@ impl<R: Real> Trajectory<R> {
         self.flight_time = R::splat(FOREVER);
         let resting = Closed(resting.0 | self.just_left(system).0);
         let all = Closed(self.closed.0 | resting.0);
-        let (before, sides) = (self.closed, self.standing_sides());
+        let (before, sides) = (self.closed, self.standing_now(system));
         let mut members = all.contacts();
         if let (Some(contact), None) = (members.next(), members.next()) {
             self.settle_one(system, work, contact)?;

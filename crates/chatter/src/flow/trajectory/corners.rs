@@ -6,12 +6,12 @@
 
 use super::Trajectory;
 use super::start::{is_inside, slack};
-use crate::expressions::{LookedUpIn, Side, Sides};
+use crate::expressions::{LookedUpIn, Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, Held, STANDING_ORDERS};
+use crate::flow::program::{Closed, Held, Program, STANDING_ORDERS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
@@ -60,6 +60,15 @@ impl<R: Real> Standing<R> {
 pub(super) struct Candidate {
     sides: Sides,
     pieces: Vec<i64>,
+}
+
+/// How a trajectory stood to corners before something changed.
+#[derive(Clone, Debug)]
+pub(super) struct Earlier {
+    sides: Sides,
+    pieces: Vec<i64>,
+    /// The surfaces that anything depended on. The side of another is as it was left, wherever the state has come since.
+    watched: Surfaces,
 }
 
 /// What may become of one corner.
@@ -173,6 +182,23 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
+    /// What changes are told against.
+    pub(super) fn standing_now(&self, system: &System) -> Earlier {
+        let all = Surfaces::all(system.corners().surfaces.len());
+        let of = |program: &Program| {
+            let corners = program.standings.iter().map(|tapes| tapes.corner);
+            corners.fold(Surfaces::default(), |found, corner| match corner {
+                Corner::Surface(index) => found.with(index),
+                Corner::Lookup(_) => found,
+            })
+        };
+        Earlier {
+            sides: self.regime,
+            pieces: self.pieces.clone(),
+            watched: system.program(self.mode).map_or(all, of),
+        }
+    }
+
     /// Enters the mode of these sides, the same contacts closed; whether there is one.
     pub(super) fn try_sides(
         &mut self,
@@ -233,7 +259,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         met: Option<Corner>,
     ) -> Result<bool, FlowError> {
-        let before = self.standing_sides();
+        let before = self.standing_now(system);
         self.put_right(system, met)?;
         Ok(self.tell_changes_since(system, &before))
     }
@@ -303,10 +329,10 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Tells of corners that are not as they were; whether there are any.
-    pub(super) fn tell_changes_since(&mut self, system: &System, before: &Candidate) -> bool {
-        let changed = *before != self.standing_sides();
+    pub(super) fn tell_changes_since(&mut self, system: &System, before: &Earlier) -> bool {
+        let changed = before.sides != self.regime || before.pieces != self.pieces;
         if changed {
-            self.tell_changes(system, before.sides);
+            self.tell_changes(system, before);
         }
         changed
     }
@@ -793,10 +819,10 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// Tells of surfaces crossed, entered and left.
-    fn tell_changes(&mut self, system: &System, before: Sides) {
+    /// Tells of surfaces crossed, entered and left. One that comes into use is crossed by nothing.
+    fn tell_changes(&mut self, system: &System, before: &Earlier) {
         for surface in 0..system.corners().surfaces.len() {
-            let (old, new) = (before.get(surface), self.regime.get(surface));
+            let (old, new) = (before.sides.get(surface), self.regime.get(surface));
             if old == new {
                 continue;
             }
@@ -819,6 +845,7 @@ impl<R: Real> Trajectory<R> {
                 (Occurrence::Switch { .. }, Some(place)) => {
                     self.pending.remove(place);
                 }
+                (Occurrence::Switch { .. }, None) if !before.watched.contains(surface) => {}
                 _ => self.pending.push_back(told),
             }
         }
