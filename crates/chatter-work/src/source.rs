@@ -149,6 +149,7 @@ impl Source {
 /// # Errors
 /// A name is none of a parameter, or an expression is wrong or has no value.
 pub fn set_parameters(model: &mut Model, set: &[Assignment]) -> Result<(), Refusal> {
+    once_each("--set", set)?;
     for Assignment { name, text } in set {
         if model.parameter_index(name).is_none() && model.state_index(name).is_some() {
             return Err(Refusal::input(format!(
@@ -168,11 +169,25 @@ pub fn set_parameters(model: &mut Model, set: &[Assignment]) -> Result<(), Refus
     Ok(())
 }
 
+/// That no name is given two values.
+fn once_each(option: &str, all: &[Assignment]) -> Result<(), Refusal> {
+    for (place, Assignment { name, text }) in all.iter().enumerate() {
+        if let Some(before) = all[..place].iter().find(|before| before.name == *name) {
+            return Err(Refusal::input(format!(
+                "`{name}` is given twice: {option} {name}={} and {option} {name}={text}",
+                before.text
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Sets initial values.
 ///
 /// # Errors
-/// A name is none of a state, or an expression is wrong.
+/// A name is none of a state or given twice, or an expression is wrong.
 pub fn set_initial(model: &mut Model, initial: &[Assignment]) -> Result<(), Refusal> {
+    once_each("--initial", initial)?;
     for Assignment { name, text } in initial {
         if model.state_index(name).is_none() {
             if model.parameter_index(name).is_some() {

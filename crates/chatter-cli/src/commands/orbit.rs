@@ -3,7 +3,7 @@
 use crate::accounts::periodic::orbits as account;
 use crate::failure::{self, Failure};
 use crate::numbers::Digits;
-use crate::options::{Count, Loaded, PeriodicOptions, Precision};
+use crate::options::{Count, Loaded, PeriodicOptions, Precision, WholeNumber};
 use crate::terminal::{self, Console, Style};
 use chatter_work::periodic::{Orbits, Subject, find_orbits, orbit_document, search};
 use clap::Args;
@@ -44,7 +44,7 @@ pub struct Arguments {
 
     /// Draw other starts
     #[arg(long, value_name = "N", requires = "all", allow_hyphen_values = true)]
-    seed: Option<u64>,
+    seed: Option<WholeNumber>,
 
     /// Digits of the numbers in the output, up to 30
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<u8, Failure> {
         Some(periods) => Some(search(
             periods.0,
             arguments.starts.map(|count| count.0),
-            arguments.seed,
+            arguments.seed.map(|seed| seed.0),
         )?),
         None => None,
     };

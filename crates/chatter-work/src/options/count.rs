@@ -18,6 +18,20 @@ impl std::str::FromStr for Count {
     }
 }
 
+/// A whole number, which may be zero, such as a seed or a number of samples to pass over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WholeNumber(pub u64);
+
+impl std::str::FromStr for WholeNumber {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let most = u64::MAX;
+        let expected = |_| format!("expected a whole number from 0 to {most}");
+        text.trim().parse().map(Self).map_err(expected)
+    }
+}
+
 /// A number of threads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ThreadCount(pub usize);

@@ -14,7 +14,7 @@ mod sweep;
 
 pub use assignment::Assignment;
 pub use axes::AxesOption;
-pub use count::{Count, Precision, ThreadCount};
+pub use count::{Count, Precision, ThreadCount, WholeNumber};
 pub use counts::{Counts, Periods};
 pub use decimal::Decimal;
 pub use event::StopOption;

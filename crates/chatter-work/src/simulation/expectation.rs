@@ -42,7 +42,7 @@ impl Expectation {
         let start = subject.model.time.map_or(0.0, |time| initial[time]);
         let columns = 1 + subject.states().count() + subject.model.contacts.len();
         let rows = match subject.spec.sampling.first() {
-            Some(Sampling::Every(interval)) => {
+            Some(Sampling::Every(interval)) if interval.to_f64() > 0.0 => {
                 Some((subject.spec.until.to_f64() - start) / interval.to_f64())
             }
             _ => None,

@@ -4,7 +4,7 @@ use super::curves::plane;
 use crate::failure::Failure;
 use crate::options::{
     Assignment, Count, FigureFile, Initial, Loaded, PeriodBegins, Quantity, ShareOption, TableFile,
-    Window,
+    WholeNumber, Window,
 };
 use chatter_work::periodic::{Job, Sought};
 use chatter_work::source::Source;
@@ -96,7 +96,7 @@ pub struct Arguments {
 
     /// Draw other starts
     #[arg(long, value_name = "N", requires = "all", allow_hyphen_values = true)]
-    seed: Option<u64>,
+    seed: Option<WholeNumber>,
 
     /// Follow a share of these orbits only, into a journal of its own beside --out; `chatter merge` puts shares together
     #[arg(long, value_name = "NUMBER/COUNT", requires = "all", requires = "out", conflicts_with_all = ["plot", "json"])]
@@ -257,7 +257,7 @@ impl Arguments {
             search: self.all.map(|periods| Sought {
                 periods: periods.0,
                 starts: self.starts.map(|starts| starts.0),
-                seed: self.seed,
+                seed: self.seed.map(|seed| seed.0),
             }),
             period: self.begins.period.clone(),
             section: self.begins.section.clone(),

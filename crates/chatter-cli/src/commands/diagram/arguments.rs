@@ -3,7 +3,7 @@
 use crate::diagram::Request;
 use crate::options::{
     Assignment, AtOption, Count, FigureFile, Initial, ObserveOption, Quantity, ShareOption,
-    ShearOption, SpanOption, StartOption, SweepOption, TableFile, ThreadCount,
+    ShearOption, SpanOption, StartOption, SweepOption, TableFile, ThreadCount, WholeNumber,
 };
 use chatter::analysis::diagram::Record;
 use clap::{Args, ValueEnum};
@@ -111,7 +111,7 @@ pub struct Arguments {
 
     /// Samples passed over before any is kept [default: 300]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub transient: Option<u64>,
+    pub transient: Option<WholeNumber>,
 
     /// Samples kept for each orbit [default: 200]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
@@ -134,7 +134,7 @@ pub struct Arguments {
 
     /// Another seed, other random starts [default: 0]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
-    pub seed: Option<u64>,
+    pub seed: Option<WholeNumber>,
 
     /// Look for periods up to this one [default: 64]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
@@ -207,12 +207,12 @@ impl Arguments {
             period: self.period.clone(),
             every: self.every,
             observe: self.observe.iter().map(|one| one.0.clone()).collect(),
-            transient: self.transient,
+            transient: self.transient.map(|samples| samples.0),
             keep: self.keep,
             start: self.start,
             chunk: self.chunk,
             bounds: self.bounds.clone(),
-            seed: self.seed,
+            seed: self.seed.map(|seed| seed.0),
             longest_period: self.longest_period,
             period_tolerance: self.period_tolerance.clone(),
             exponent: self.exponent,

@@ -59,7 +59,14 @@ impl Shown {
             from = first_readable(simulation, record)?.max(first_sample.unwrap_or(start));
         }
         let shortened = window.is_none() && from > start;
-        if let Some(rest) = rests_from(subject, simulation, &times, &states) {
+        let rest = rests_from(subject, simulation, &times, &states);
+        // What rests goes on to do so.
+        if window.is_some() && (to <= start || (from >= end && rest.is_none())) {
+            return Err(Refusal::input(format!(
+                "--window: {from}:{to} has nothing of the run, which goes from time {start} to {end}"
+            )));
+        }
+        if let Some(rest) = rest {
             if window.is_none() {
                 to = rest + REST_SHOWN * (rest - from);
             }
