@@ -1,9 +1,10 @@
 //! Curves of special points in two parameters, one after the other.
 
-use super::find::{Curve, find_curve};
+use super::find::find_curve;
 use super::job::{Plane, Ready};
 use super::log::Log;
 use super::restored::Restored;
+use super::wanted::Curve;
 use crate::observer::Observer;
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{Branch, End, Known, Record, Spec, SpecialKind};

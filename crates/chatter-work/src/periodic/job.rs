@@ -1,8 +1,8 @@
 //! Which branches are to be found: all that a run needs to go on where another was broken off.
 
-use super::find::{Branches, Reach, beside, search};
 use super::request::{free_parameter, specification};
 use super::restored::Restored;
+use super::wanted::{Branches, Reach, beside, search};
 use crate::data_files::DataFiles;
 use crate::options::{Assignment, Quantity, Window};
 use crate::refusal::Refusal;

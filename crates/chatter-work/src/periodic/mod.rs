@@ -16,12 +16,11 @@ mod request;
 mod restored;
 mod several;
 mod table;
+mod wanted;
 
 pub use arcs::{Arc, arcs};
 pub use branch_document::{curves_document, document as branch_document};
-pub use find::{
-    Branches, Curve, Found, Orbits, Reach, beside, find_branches, find_curve, find_orbits, search,
-};
+pub use find::{Found, find_branches, find_curve, find_orbits};
 pub use job::{Job, Plane, Ready, Sought};
 pub use log::{Begun, Log};
 pub use merged::merge;
@@ -34,6 +33,7 @@ pub use request::{free_parameter, specification};
 pub use restored::{Restored, holds_branches, restore};
 pub use several::Shared;
 pub use table::write;
+pub use wanted::{Branches, Curve, Orbits, Reach, beside, search};
 
 use crate::numbers::Digits;
 use chatter::analysis::periodic::{Branch, PeriodicError, SpecialKind};
@@ -104,5 +104,6 @@ fn is_wrong(error: &PeriodicError) -> bool {
             | PeriodicError::BadMonitor { .. }
             | PeriodicError::BadPeriod { .. }
             | PeriodicError::OtherPeriod { .. }
+            | PeriodicError::OutOfRange { .. }
     )
 }

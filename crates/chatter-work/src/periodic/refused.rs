@@ -15,9 +15,12 @@ pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
     let help = match error {
         PeriodicError::NoPeriod => Some("give it with --period, such as --period '2*pi/omega'".to_owned()),
         PeriodicError::Autonomous => Some("leave out --period".to_owned()),
-        PeriodicError::NotSettled { .. } => Some(
+        PeriodicError::NotSettled { .. } | PeriodicError::Boundless => Some(
             "the motion may be chaotic or quasi-periodic, and no short orbit was found beside it: --all looks from many starts".to_owned(),
         ),
+        PeriodicError::OutOfRange { .. } => {
+            Some("give --sweep a range with the point in it, or begin at another point with --from".to_owned())
+        }
         PeriodicError::Equilibrium { .. } => Some("start elsewhere with --initial, or choose other parameters".to_owned()),
         _ => None,
     };

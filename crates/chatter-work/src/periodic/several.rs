@@ -1,9 +1,10 @@
 //! Branches from every orbit that a search finds. A piece of the work is what is followed from one orbit: pieces are independent, and what
 //! two of them have in common is taken out when all are there, in their order.
 
-use super::find::{Branches, Found, Orbits, find_orbits, follow};
+use super::find::{Found, find_orbits, follow};
 use super::log::{Known, Log};
 use super::refused;
+use super::wanted::{Branches, Orbits};
 use crate::observer::Observer;
 use crate::parallel::each;
 use crate::refusal::Refusal;

@@ -265,6 +265,28 @@ impl Closure {
         }
     }
 
+    /// A state so many turns of each phase later.
+    pub(crate) fn later<R: Real>(turns: &[Turn<R>], counts: &[i64], state: &[f64]) -> Vec<f64> {
+        let mut state = state.to_vec();
+        for (turn, &times) in turns.iter().zip(counts) {
+            state[turn.state] += turn.period.to_f64() * times as f64;
+        }
+        state
+    }
+
+    /// Whether two orbits share one of the states that they are known by.
+    pub(crate) fn share(
+        &self,
+        turns: &[Turn<f64>],
+        (one, other): (&[Vec<f64>], &[Vec<f64>]),
+        sizes: &[f64],
+        near: f64,
+    ) -> bool {
+        let is_near =
+            |a: &Vec<f64>, b: &Vec<f64>| self.difference(turns, (a, b), sizes).distance < near;
+        one.iter().any(|a| other.iter().any(|b| is_near(a, b)))
+    }
+
     /// Whether a state is a phase, which comes back shifted by whole turns.
     pub(crate) fn is_phase(&self, state: usize) -> bool {
         self.turning.iter().any(|turning| turning.state == state)

@@ -3,6 +3,7 @@
 
 use super::cycle::itinerary::{Passage, Step};
 use super::cycle::rotate::rotate;
+use super::cycle::settle::from_first_turn;
 use super::error::PeriodicError;
 use super::shooting::Shooting;
 use crate::flow::GuardKind;
@@ -13,6 +14,62 @@ impl Shooting<f64> {
     fn section_step(&self) -> Option<usize> {
         let section = GuardKind::Section(self.workshop.section?);
         (self.steps.iter()).position(|step| step.ends_at() == Some(section))
+    }
+
+    /// Whether the equations have a crossing of the section among their events.
+    pub(crate) fn begins_at_section(&self) -> bool {
+        self.section_step().is_some()
+    }
+
+    /// States that an orbit is known by, wherever it is told from: those after its events, and where it crosses the section; where
+    /// nothing happens, that at which its forcing begins.
+    pub(crate) fn landmarks(&mut self, at: &[f64]) -> Vec<Vec<f64>> {
+        if let Some((other, guess)) = self.told_from_phase_zero(at) {
+            return vec![other.node(&guess, 0).to_vec()];
+        }
+        let nodes = (0..self.steps.len()).map(|index| self.node(at, index).to_vec());
+        let mut found: Vec<Vec<f64>> = nodes.collect();
+        let Some(section) = self.workshop.section.map(GuardKind::Section) else {
+            return found;
+        };
+        let least = self.least(at).unwrap_or_default();
+        let crossings = least.into_iter().flatten();
+        found.extend(
+            crossings
+                .filter(|least| least.guard == section)
+                .map(|crossing| crossing.state),
+        );
+        found
+    }
+
+    /// The same orbit, on which nothing happens, told from where the phase of its forcing is a whole number of turns; none where it
+    /// is.
+    pub(crate) fn told_from_phase_zero(&mut self, at: &[f64]) -> Option<(Self, Vec<f64>)> {
+        let [only] = &self.steps[..] else {
+            return None;
+        };
+        let Passage::Timed(_) = only.passage else {
+            return None;
+        };
+        let parameters = self.workshop.parameters(self.free(at));
+        let turns = self.workshop.closure.turns(&parameters).ok()?;
+        let forced = turns.iter().zip(&self.counts);
+        let (turn, &count) = forced
+            .filter(|(turn, _)| turn.lap.is_some())
+            .find(|(_, count)| **count != 0)?;
+        let gone = self.node(at, 0)[turn.state] / turn.period;
+        let part = match count > 0 {
+            true => gone.ceil() - gone,
+            false => gone - gone.floor(),
+        };
+        if part == 0.0 {
+            return None;
+        }
+        let wait = part * turn.lap.as_ref()?.time;
+        let mut steps = self.current_steps(at);
+        steps[0].start = self.flown_on(at, wait)?;
+        from_first_turn(&mut steps, &turns, &self.counts);
+        self.like(steps, at).ok()
     }
 
     /// The crossing of the section nearest to the state that was told last, and the step that it is on.
@@ -133,8 +190,6 @@ impl Shooting<f64> {
             (&mut steps, &self.counts),
             begin,
         )?;
-        let longer = Self::new(&self.workshop, steps, self.counts.clone())?;
-        let guess = longer.guess(self.free(at));
-        Ok(Some((longer, guess)))
+        self.like(steps, at).map(Some)
     }
 }

@@ -8,7 +8,7 @@ use super::branch::{Branch, Special, SpecialKind};
 use super::cycle::reread::reread;
 use super::error::PeriodicError;
 use super::orbit::{Orbit, close};
-use super::shooting::{Shooting, Workshop};
+use super::shooting::Workshop;
 use super::{BranchSpec, Spec, workshop};
 use crate::model::Model;
 use crate::numerics::Real;
@@ -43,7 +43,7 @@ impl From<&Orbit> for Start {
     }
 }
 
-/// The states after the events of an orbit.
+/// The states that an orbit is known by.
 type Nodes = Vec<Vec<f64>>;
 
 /// Takes the branches from one orbit after the other, and passes on those that are new.
@@ -152,7 +152,8 @@ impl Distinct {
         if self.sizes.is_empty() {
             self.sizes = orbit.shooting.state_sizes();
         }
-        Ok(all_nodes(&orbit.shooting, &orbit.at))
+        let mut shooting = orbit.shooting;
+        Ok(shooting.landmarks(&orbit.at))
     }
 
     fn has(&self, nodes: &Nodes) -> Result<bool, PeriodicError> {
@@ -180,10 +181,7 @@ impl Distinct {
     fn share(&self, one: &Nodes, other: &Nodes, near: f64) -> Result<bool, PeriodicError> {
         let closure = &self.workshop.closure;
         let turns = closure.turns(&self.workshop.parameters(&[self.value]))?;
-        let is_near = |a: &Vec<f64>, b: &Vec<f64>| {
-            closure.difference(&turns, (a, b), &self.sizes).distance < near
-        };
-        Ok(one.iter().any(|a| other.iter().any(|b| is_near(a, b))))
+        Ok(closure.share(&turns, (one, other), &self.sizes, near))
     }
 }
 
@@ -197,11 +195,6 @@ fn meets(kind: SpecialKind) -> bool {
 
 fn nodes(special: &Special) -> Option<Nodes> {
     let seed = special.seed.as_ref()?;
-    Some(all_nodes(&seed.shooting, &seed.at))
-}
-
-fn all_nodes(shooting: &Shooting<f64>, at: &[f64]) -> Nodes {
-    (0..shooting.steps.len())
-        .map(|index| shooting.node(at, index).to_vec())
-        .collect()
+    let mut shooting = seed.shooting.clone();
+    Some(shooting.landmarks(&seed.at))
 }

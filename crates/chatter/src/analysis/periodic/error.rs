@@ -28,6 +28,13 @@ pub enum PeriodicError {
         /// The period of the equations.
         own: f64,
     },
+    /// A curve is asked for in a range that its point is not in.
+    OutOfRange {
+        /// The parameter at the point.
+        value: f64,
+        /// The range.
+        range: (f64, f64),
+    },
     /// A function to be watched is no expression in states and parameters.
     BadMonitor {
         /// What was given.
@@ -50,6 +57,8 @@ pub enum PeriodicError {
         /// How it ended.
         how: String,
     },
+    /// Motion beside the orbit that was found leaves it by more than numbers can say.
+    Boundless,
     /// An event of a kind that derivatives do not follow.
     Unfollowed {
         /// What it is.
@@ -79,6 +88,13 @@ impl fmt::Display for PeriodicError {
                 out,
                 "the period is given as {value}, but the equations repeat after {own}"
             ),
+            Self::OutOfRange {
+                value,
+                range: (low, high),
+            } => write!(
+                out,
+                "the special point is at {value}, outside the range from {low} to {high} that its curve is asked for in"
+            ),
             Self::BadMonitor { text } => {
                 write!(out, "`{text}` is no expression in states and parameters")
             }
@@ -94,6 +110,10 @@ impl fmt::Display for PeriodicError {
             Self::NoConvergence { how } => {
                 write!(out, "no periodic orbit was found: {how}")
             }
+            Self::Boundless => write!(
+                out,
+                "the orbit that was found is so unstable that its multipliers exceed all numbers: the motion is chaotic"
+            ),
             Self::Unfollowed { what } => write!(
                 out,
                 "the orbit goes through {what}, which is not followed yet"

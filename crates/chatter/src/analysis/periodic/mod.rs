@@ -6,7 +6,11 @@
 //!   settle     the latest return of a trajectory to where it was: a cycle, nearly closed
 //!   itinerary  the cycle as legs of smooth flow, and stretches that are followed through complete chatter
 //! closure      what a state is after one period: the same, but for turns of phases and distance covered
-//! shooting     the equations of an itinerary: nodes after events and the times between them
+//! shooting/    the equations of an itinerary: nodes after events and the times between them
+//!   workshop   a model with its compiled legs
+//!   equations  residual and Jacobian
+//!   monodromy  multipliers
+//!   along      what there is to see on the way of an orbit
 //! special_curve  special points in two parameters
 //! crossing     where an orbit crosses the section, which is no part of its equations
 //! condition    what is held at zero at special points and along their curves
@@ -131,7 +135,7 @@ pub fn settled(
     let state = model.initial_state(&parameters);
     let found = settle(&workshop, &[], &state, spec.patience, observer)
         .and_then(|cycle| orbit::close(&workshop, cycle, &[]));
-    search::simplest(&workshop, found, &state, &[])
+    search::simplest(&workshop, found, &state, &[]).map(orbit::as_told)
 }
 
 /// All periodic orbits found from many starts, those of short period first.
@@ -236,6 +240,14 @@ pub fn special_curve(
     let mut diary = Diary::new(before, observer);
     let parameters = model.parameter_values::<f64>(&[]);
     let values = free.map(|index| parameters[index]);
+    let (low, high) = limits.range;
+    let slack = EDGE * (high - low);
+    if !(low - slack..=high + slack).contains(&values[1]) {
+        return Err(PeriodicError::OutOfRange {
+            value: values[1],
+            range: limits.range,
+        });
+    }
     let size = |value: f64| if value == 0.0 { 1.0 } else { value.abs() };
     let sizes = [size(values[0]), limits.range.1 - limits.range.0];
     if known.kind == SpecialKind::ChatterBorder {
@@ -245,6 +257,9 @@ pub fn special_curve(
     let workshop = workshop(model, spec, (&free, &sizes))?;
     special_curve::follow(&workshop, (&values, known), limits, &mut diary)
 }
+
+/// A point is in a range up to so small a part of it.
+const EDGE: f64 = 1e-9;
 
 /// Where a settled orbit is looked for, in parts of the range.
 const STARTS: [f64; 9] = [0.5, 0.02, 0.98, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6];

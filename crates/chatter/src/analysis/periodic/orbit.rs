@@ -83,6 +83,30 @@ pub(crate) fn close(
     }
 }
 
+/// The same orbit as it is told: from the section, where it crosses it though the cycle that it was closed from did not.
+pub(crate) fn as_told(orbit: Orbit) -> Orbit {
+    let mut shooting = orbit.shooting.clone();
+    let anew = told_anew(&mut shooting, &orbit.at);
+    let anew = anew.and_then(|(shooting, at)| finish(shooting, at).ok());
+    anew.unwrap_or(orbit)
+}
+
+/// An orbit told from the section, where it crosses it though the cycle that it was closed from did not; one on which nothing
+/// happens from where its forcing begins.
+fn told_anew(shooting: &mut Shooting<f64>, at: &[f64]) -> Option<(Shooting<f64>, Vec<f64>)> {
+    if shooting.begins_at_section() {
+        return None;
+    }
+    let (mut other, guess) = match shooting.with_section(at).ok()? {
+        Some(longer) => longer,
+        None => shooting.told_from_phase_zero(at)?,
+    };
+    let held = Condition::held(&guess, guess.len() - shooting.parameters()..guess.len());
+    let found = newton(&mut other, &guess, &held).ok()?;
+    other.adopt(&found.at);
+    Some((other, found.at))
+}
+
 /// Two nodes of one orbit that are this near, against their size, are one: the orbit was gone around more than once.
 const SAME_NODE: f64 = 1e-7;
 
@@ -97,6 +121,11 @@ pub(crate) fn shorter(
     let sizes = shooting.state_sizes();
     let steps = &shooting.steps;
     let count = steps.len();
+    if let [only] = &steps[..]
+        && matches!(only.passage, Passage::Timed(_))
+    {
+        return Ok(part_of_timed(shooting, at));
+    }
     let arrives = |index: usize| steps[(index + count - 1) % count].passage;
     for index in 1..count {
         if arrives(index) != arrives(0) || steps[index].passage != steps[0].passage {
@@ -116,6 +145,33 @@ pub(crate) fn shorter(
     Ok(None)
 }
 
+/// The same of an orbit on which nothing happens: no node tells that it was gone around more than once, but its shorter parts do.
+fn part_of_timed(shooting: &Shooting<f64>, at: &[f64]) -> Option<Cycle> {
+    let most = (shooting.counts.iter()).fold(0, |common, &count| gcd(common, count.abs()));
+    (2..=most).rev().find_map(|parts| {
+        if most % parts != 0 {
+            return None;
+        }
+        let counts: Vec<i64> = shooting.counts.iter().map(|count| count / parts).collect();
+        let mut steps = shooting.current_steps(at);
+        steps[0].duration /= parts as f64;
+        let mut part = Shooting::new(&shooting.workshop, steps.clone(), counts.clone()).ok()?;
+        let off = part.evaluate(at).ok()?.residual;
+        let scales = shooting.state_sizes();
+        let distance =
+            (off.iter().zip(scales)).fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size));
+        (distance < SAME_NODE).then_some(Cycle {
+            steps,
+            counts,
+            distance,
+        })
+    })
+}
+
+const fn gcd(a: i64, b: i64) -> i64 {
+    if a == 0 { b } else { gcd(b % a, a) }
+}
+
 /// An orbit whose equations are solved in doubles, told in longer numbers.
 pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit, PeriodicError> {
     let workshop = shooting.workshop.clone();
@@ -131,6 +187,10 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;
     let checked = (fine.evaluate(&found.at)).map_err(|left| failed(&NewtonError::Left(left)))?;
     let residual = (checked.residual.iter()).fold(0.0_f64, |most, x| most.max(x.to_f64().abs()));
+    let multipliers = fine.multipliers();
+    if multipliers.iter().any(|m| !m.modulus().is_finite()) {
+        return Err(PeriodicError::Boundless);
+    }
     let margins = margins(&mut shooting, &at)?;
     let parameters = workshop.parameters(&at[at.len() - free..]);
     let turns = workshop.closure.turns::<f64>(&parameters)?;
@@ -150,7 +210,7 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
         turns: (turns.iter().zip(&shooting.counts))
             .map(|(turn, &count)| (turn.state, count))
             .collect(),
-        multipliers: fine.multipliers(),
+        multipliers,
         trivial_multiplier: fine.trivial_multiplier(&found.at),
         residual,
         correction: found.correction,

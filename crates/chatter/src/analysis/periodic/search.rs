@@ -4,7 +4,7 @@ use super::branch::is_broken;
 use super::cycle::itinerary::Step;
 use super::cycle::settle::{Patience, loops, settle};
 use super::error::PeriodicError;
-use super::orbit::{Orbit, close};
+use super::orbit::{Orbit, as_told, close};
 use super::shooting::Workshop;
 use crate::analysis::diagram::Generator;
 use crate::flow::GuardKind;
@@ -33,11 +33,13 @@ pub struct Searched {
     pub orbits: usize,
 }
 
+/// A state that is less than this part of what the settled motion covers has no size of its own.
+const NOTHING: f64 = 1e-3;
 /// Starts are drawn from what the settled motion covers, and so much more to each side.
 const ROOM: f64 = 1.0;
 /// Periods that are passed over before a loop: a different number for each start.
 const PASSED: usize = 4;
-/// Two orbits are one if a node of one comes this near to the start of the other.
+/// Two orbits are one if a state of one comes this near to one of the other, against their size.
 const SAME: f64 = 1e-7;
 
 /// The orbits, those of short period first.
@@ -50,14 +52,10 @@ pub(crate) fn search(
     let model = &workshop.model;
     let parameters = workshop.parameters::<f64>(&[]);
     let turns = workshop.closure.turns(&parameters)?;
-    let mut found: Vec<Orbit> = Vec::new();
+    let mut found = Found::new();
     // What the motion from the initial state covers; it need not settle.
     let extent = extent(workshop, state, &parameters)?;
-    let patience = Patience {
-        events: 4_000,
-        periods: 200,
-        time: 1e4,
-    };
+    let patience = Patience::default();
     let mut quiet = |_: f64| ControlFlow::Continue(());
     if let Ok(cycle) = settle(workshop, &[], state, patience, &mut quiet)
         && let Ok(orbit) = close(workshop, cycle, &[])
@@ -71,7 +69,7 @@ pub(crate) fn search(
             (None, None) => 1,
         };
         if laps <= search.periods {
-            add(workshop, &mut found, orbit);
+            add(workshop, &extent, &mut found, orbit);
         }
     }
     for start in 0..search.starts {
@@ -100,15 +98,17 @@ pub(crate) fn search(
             }
         }
         let passed = (start % PASSED as u64) as usize;
-        let Ok(cycles) = loops(workshop, &[], &point, (passed, search.periods)) else {
+        let Ok(loops) = loops(workshop, &[], &point, (passed, search.periods)) else {
             continue;
         };
-        for cycle in cycles {
+        let quiet = loops.quiet(workshop, &[], search.periods);
+        for cycle in loops.cycles.into_iter().chain(quiet) {
             if let Ok(orbit) = close(workshop, cycle, &[]) {
-                add(workshop, &mut found, orbit);
+                add(workshop, &extent, &mut found, orbit);
             }
         }
     }
+    let mut found: Vec<Orbit> = found.into_iter().map(|(orbit, _)| orbit).collect();
     found.sort_by(|a, b| {
         (a.period.to_f64().total_cmp(&b.period.to_f64())).then(a.impacts.cmp(&b.impacts))
     });
@@ -134,9 +134,11 @@ pub(crate) fn simplest(
             let start: Vec<f64> = orbit.start.iter().map(|x| x.to_f64()).collect();
             (start, SHORTER * orbit.period.to_f64())
         }
-        Err(PeriodicError::NotSettled { .. } | PeriodicError::NoConvergence { .. }) => {
-            (state.to_vec(), f64::INFINITY)
-        }
+        Err(
+            PeriodicError::NotSettled { .. }
+            | PeriodicError::NoConvergence { .. }
+            | PeriodicError::Boundless,
+        ) => (state.to_vec(), f64::INFINITY),
         Err(_) => return settled,
     };
     let mut best: Option<(usize, Orbit)> = None;
@@ -145,10 +147,10 @@ pub(crate) fn simplest(
         if most == 0 {
             break;
         }
-        let Ok(cycles) = loops(workshop, free, &start, (passed, most)) else {
+        let Ok(loops) = loops(workshop, free, &start, (passed, most)) else {
             break;
         };
-        for (index, cycle) in cycles.into_iter().enumerate() {
+        for (index, cycle) in loops.cycles.into_iter().enumerate() {
             let Ok(mut other) = close(workshop, cycle, free) else {
                 continue;
             };
@@ -168,8 +170,11 @@ pub(crate) fn simplest(
 /// An orbit of fewer periods is shorter than this part of another.
 const SHORTER: f64 = 0.75;
 
+/// Orbits that were found, each with the states that it is known by.
+type Found = Vec<(Orbit, Vec<Vec<f64>>)>;
+
 /// Adds an orbit unless it is known, or no motion of the system.
-fn add(workshop: &Workshop, found: &mut Vec<Orbit>, mut orbit: Orbit) {
+fn add(workshop: &Workshop, extent: &[(f64, f64)], found: &mut Found, mut orbit: Orbit) {
     let Ok(broken) = is_broken(&mut orbit.shooting, &orbit.at) else {
         return;
     };
@@ -179,39 +184,36 @@ fn add(workshop: &Workshop, found: &mut Vec<Orbit>, mut orbit: Orbit) {
     let Ok(turns) = workshop.closure.turns::<f64>(&workshop.parameters(&[])) else {
         return;
     };
-    let sizes = orbit.shooting.state_sizes();
-    let start = orbit.shooting.node(&orbit.at, 0).to_vec();
-    let known = found.iter().any(|other| {
-        let count = other.shooting.steps.len();
-        (0..count).any(|index| {
-            let node = other.shooting.node(&other.at, index);
-            workshop
-                .closure
-                .difference(&turns, (node, &start), &sizes)
-                .distance
-                < SAME
+    // Of rest at zero nothing but rounding is left, which is no size.
+    let own = orbit.shooting.state_sizes();
+    let covered = extent.iter().map(|(low, high)| high - low);
+    let sizes: Vec<f64> = (own.iter().zip(covered))
+        .map(|(&own, covered)| {
+            if own < NOTHING * covered {
+                covered
+            } else {
+                own
+            }
         })
-    });
-    if !known {
-        // A longer loop around a shorter orbit was found before it.
-        let start_of_new = |other: &Orbit| {
-            let node = other.shooting.node(&other.at, 0);
-            let period = orbit.period.to_f64();
-            let is_longer = other.period.to_f64() > 1.5 * period;
-            is_longer
-                && (0..orbit.shooting.steps.len()).any(|index| {
-                    let own = orbit.shooting.node(&orbit.at, index);
-                    workshop
-                        .closure
-                        .difference(&turns, (own, node), &sizes)
-                        .distance
-                        < SAME
-                })
-        };
-        found.retain(|other| !start_of_new(other));
-        found.push(orbit);
+        .collect();
+    let states = orbit.shooting.landmarks(&orbit.at);
+    let is_same = |(other, known): &(Orbit, Vec<Vec<f64>>)| {
+        // A loop that goes twice around a shorter orbit shares its states.
+        let longer = other.period.to_f64() > LONGER * orbit.period.to_f64();
+        let shares = workshop
+            .closure
+            .share(&turns, (known, &states), &sizes, SAME);
+        (shares, longer)
+    };
+    if found.iter().any(|known| is_same(known) == (true, false)) {
+        return;
     }
+    found.retain(|known| is_same(known) != (true, true));
+    found.push((as_told(orbit), states));
 }
+
+/// Loops around one orbit that are so many times as long go around it more often.
+const LONGER: f64 = 1.5;
 
 /// Least and greatest value of each state on the motion from a state, with room.
 fn extent(

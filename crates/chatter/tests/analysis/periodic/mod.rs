@@ -4,9 +4,13 @@ mod branches;
 mod new_kinds;
 mod orbits;
 mod order_of_events;
+mod phases;
 mod plane;
 mod reference;
 mod resumed;
+mod surfaces;
+mod told_from;
+mod told_once;
 
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, Limits, Orbit, Spec, Special, SpecialKind, branches, settled,
@@ -81,3 +85,48 @@ fn nearest(branches: &[Branch], kinds: &[SpecialKind], at: f64) -> Special {
 }
 
 const GRAZES: [SpecialKind; 2] = [SpecialKind::FlightGraze, SpecialKind::ImpactGraze];
+
+/// A mass that is held on a stop by a force that swings: for a < 1 it never opens.
+const HELD: &str = r#"
+[parameters]
+a = 0.5
+r = 0.4
+c = 0.1
+[flight]
+x = "v"
+v = "-1 - a*cos(t) - c*v - x"
+[[contact]]
+name = "stop"
+gap = "x"
+impulse = { v = 1 }
+restitution = "r"
+[section.strobe]
+surface = "sin(t)"
+direction = "rising"
+[initial]
+x = 0
+v = 0
+"#;
+
+/// A pendulum that hangs beside a wall which swings: it touches the pendulum at rest at A = d.
+const PENDULUM: &str = r#"
+[parameters]
+A = 0.03
+d = 0.05
+[definitions]
+wall = "d + A*sin(5*t)"
+[flight]
+th = "om"
+om = "-9.81/0.7*sin(th) - 0.1*om"
+[[contact]]
+name = "wall"
+gap = "wall - 0.7*(sin(th)*cos(0.25) + (1 - cos(th))*sin(0.25))"
+impulse = { om = "-cos(th - 0.25)" }
+restitution = 0.55
+[section.strobe]
+surface = "sin(5*t)"
+direction = "rising"
+[initial]
+th = -0.5
+om = 0
+"#;

@@ -1,34 +1,12 @@
 //! Orbits whose events change their order, or come to nothing: sections and knots that chatter passes, contacts that begin to open,
 //! states that die out.
 
-use super::{model, orbit, over, value, with};
+use super::{HELD, PENDULUM, model, orbit, over, value, with};
 use chatter::analysis::exponents::{Spec as Averages, exponents};
 use chatter::analysis::periodic::{Branch, End, MarginKind, SpecialKind};
 use chatter::numerics::Real;
 use core::f64::consts::TAU;
 use std::ops::ControlFlow;
-
-/// A mass that is held on a stop by a force that swings: for a < 1 it never opens.
-const HELD: &str = r#"
-[parameters]
-a = 0.5
-r = 0.4
-c = 0.1
-[flight]
-x = "v"
-v = "-1 - a*cos(t) - c*v - x"
-[[contact]]
-name = "stop"
-gap = "x"
-impulse = { v = 1 }
-restitution = "r"
-[section.strobe]
-surface = "sin(t)"
-direction = "rising"
-[initial]
-x = 0
-v = 0
-"#;
 
 /// Chatter ends at the time of the strobe at a = 1.6815; that is nothing that happens to the orbit.
 #[test]
@@ -158,10 +136,7 @@ fn exponents_forget_what_chatter_and_contact_forget() {
 /// the orbits with one impact.
 #[test]
 fn a_graze_from_rest_is_told_once() {
-    let text = "[parameters]\nA = 0.03\nd = 0.05\n[definitions]\nwall = \"d + A*sin(5*t)\"\n[flight]\nth = \"om\"\nom = \"-9.81/0.7*sin(th) - 0.1*om\"\n\
-                [[contact]]\nname = \"wall\"\ngap = \"wall - 0.7*(sin(th)*cos(0.25) + (1 - cos(th))*sin(0.25))\"\nimpulse = { om = \"-cos(th - 0.25)\" }\nrestitution = 0.55\n\
-                [section.strobe]\nsurface = \"sin(5*t)\"\ndirection = \"rising\"\n[initial]\nth = -0.5\nom = 0\n";
-    let found = over(&with(text, &[]), "A", (0.005, 0.1), (40, 0.01));
+    let found = over(&with(PENDULUM, &[]), "A", (0.005, 0.1), (40, 0.01));
     let kinds: Vec<SpecialKind> = found[0].special.iter().map(|s| s.kind).collect();
     assert_eq!(kinds, [SpecialKind::FlightGraze, SpecialKind::Fold]);
     assert!((value(&found[0].special[0]) - 0.05).abs() < 1e-12);

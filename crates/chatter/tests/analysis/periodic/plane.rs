@@ -172,3 +172,35 @@ fn functions_of_the_user_are_watched() {
     assert!((amplitude(value(&zero)) - 2.0).abs() < 1e-11);
     assert_eq!(zero.monitor, Some(0));
 }
+
+/// A mass between two walls, as in a harvester. Where it grazes one of them it is told of a graze that no event ends.
+#[test]
+fn a_graze_between_two_walls_is_found_again() {
+    let text = "[parameters]\na = 1\nom = 1\n[flight]\nx = 'v'\nv = 'a*cos(om*t) - 0.1*v - 0.2*x'\n\
+                [[contact]]\nname = 'left'\ngap = 'x + 0.5'\nimpulse = { v = 1 }\nrestitution = 0.7\n\
+                [[contact]]\nname = 'right'\ngap = '0.5 - x'\nimpulse = { v = -1 }\nrestitution = 0.7\n\
+                [section.strobe]\nsurface = 'sin(om*t)'\ndirection = 'rising'\n[initial]\nx = 0\nv = 0.1\n";
+    let model = with(text, &[]);
+    let found = over(&model, "a", (0.05, 3.0), (40, 0.01));
+    let grazes =
+        (found.iter().flat_map(|branch| &branch.special)).filter(|special| special.kind.is_graze());
+    let mut gone_on = 0;
+    for graze in grazes {
+        let curve = curve(&model, ["a", "om"], graze, ((0.99, 1.01), 0.1));
+        // Symmetric orbits touch both at once, which no curve of one graze goes on from.
+        let double = End::At(SpecialKind::DoubleGraze);
+        assert!(
+            curve
+                .ends
+                .iter()
+                .all(|end| [&End::Range, &double].contains(&end))
+        );
+        gone_on += usize::from(curve.ends[0] == End::Range);
+        let passes = |point: &&chatter::analysis::periodic::Point| {
+            (point.parameters[1] - 1.0).abs() < 1e-12
+                && (point.parameters[0] - value(graze)).abs() < 1e-12
+        };
+        assert_eq!(curve.points.iter().filter(passes).count(), 1);
+    }
+    assert!(gone_on > 1, "{gone_on}");
+}

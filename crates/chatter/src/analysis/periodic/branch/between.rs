@@ -32,7 +32,7 @@ impl Passed {
 
 /// The relative error of a place that only stations were compared for.
 const UNREFINED: f64 = 1e-11;
-/// A multiplier of a fold is one up to this.
+/// A multiplier of a fold is 1, and one of a doubling -1, up to this.
 const NEAR_ONE: f64 = 1e-3;
 /// What vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
@@ -42,10 +42,10 @@ const SHORTER: f64 = 0.25;
 const TOWARDS: i32 = 6;
 const LASTING: f64 = 1e-6;
 
-/// Whether a multiplier is one, as far as multipliers are known. Where two crossings of a surface become one the equations turn, and
-/// the orbit does not fold.
-fn is_fold(multipliers: &[Complex]) -> bool {
-    let near = |m: &Complex| (m.re - 1.0).hypot(m.im) < NEAR_ONE;
+/// Whether a multiplier is 1, or -1, as far as multipliers are known. Where two crossings of a surface become one the equations turn,
+/// and the orbit does not fold; what vanishes there for others is rounding.
+fn is_near(multipliers: &[Complex], value: f64) -> bool {
+    let near = |m: &Complex| (m.re - value).hypot(m.im) < NEAR_ONE;
     multipliers.iter().any(near)
 }
 
@@ -234,7 +234,12 @@ impl Walker {
                 _ => refined.residual,
             };
         }
-        if matches!(passed, Passed::Fold(_)) && !is_fold(&here.multipliers) {
+        let is_it = match passed {
+            Passed::Fold(_) => is_near(&here.multipliers, 1.0),
+            Passed::Doubling(_) => is_near(&here.multipliers, -1.0),
+            _ => true,
+        };
+        if !is_it {
             return;
         }
         here.correction = refined.correction;

@@ -29,12 +29,13 @@ impl Walker {
                 .min_by(|a, b| a.abs().total_cmp(&b.abs()))
         };
         let mut ends = (0.0, step);
-        let mut fit: Option<(f64, Vec<f64>)> = None;
-        // Around the first root of the polynomial the next one is fitted more closely.
+        let mut fitted: Option<Fitted> = None;
+        // Around the first root of the polynomial the next one is fitted more closely, as far as equations that are nearly singular
+        // can be solved there.
         for width in [1.0, 0.2, 0.04] {
-            let (low, high) = match fit {
+            let (low, high) = match &fitted {
                 None => ends,
-                Some((root, ..)) => {
+                Some(Fitted { root, .. }) => {
                     let half: f64 = 0.5 * width * step;
                     ((root - half).max(0.0), (root + half).min(step))
                 }
@@ -65,39 +66,63 @@ impl Walker {
                     interpolated(&places, &component, root)
                 })
                 .collect();
-            let earlier = fit.as_ref().map(|(_, at)| at[at.len() - 1]);
-            let error = earlier.map_or(step, |earlier| (earlier - at[at.len() - 1]).abs());
-            fit = Some((root, at.clone()));
-            if width < 0.1 {
-                let mut station = Station {
-                    at,
-                    ..stations[0].clone()
-                };
-                let mut residual = interpolated(&places, &values, root).abs();
-                let noise = NOISE * f64::EPSILON * station.parameter().abs();
-                let mut error = error.max(noise);
-                let scale = self.shooting.scales()[station.at.len() - 1];
-                if let Ok(found) = meeting(&mut self.shooting, &station.at) {
-                    let moved = (found.at[found.at.len() - 1] - station.parameter()).abs();
-                    if moved <= 1e-3 * step * scale {
-                        error = noise.max(NOISE * found.correction * scale);
-                        residual = found.residual;
-                        station.at = found.at;
-                    }
-                }
-                self.settle(&station);
-                let here = Point::new(&mut self.shooting, &station);
-                let doubles = shorter(&self.shooting, &station.at).is_ok_and(|half| half.is_some());
-                let at = station.at.clone();
-                self.note(SpecialKind::BranchPoint, &here, &at, error, residual);
-                if doubles && let Some(special) = self.special.last_mut() {
-                    special.seed = None;
-                    return Some(End::At(SpecialKind::BranchPoint));
-                }
+            let station = Station {
+                at,
+                ..stations[0].clone()
+            };
+            let moved =
+                |earlier: &Fitted| (earlier.station.parameter() - station.parameter()).abs();
+            fitted = Some(Fitted {
+                root,
+                error: fitted.as_ref().map_or(step, moved),
+                residual: interpolated(&places, &values, root).abs(),
+                station,
+            });
+        }
+        let Fitted {
+            mut station,
+            mut error,
+            mut residual,
+            ..
+        } = fitted?;
+        let noise = NOISE * f64::EPSILON * station.parameter().abs();
+        let scale = self.shooting.scales()[station.at.len() - 1];
+        // As far away as the fit is sure of.
+        let near = (1e-3 * step * scale).max(error.min(step * scale));
+        error = error.max(noise);
+        if let Ok(found) = meeting(&mut self.shooting, &station.at) {
+            let moved = (found.at[found.at.len() - 1] - station.parameter()).abs();
+            if moved <= near {
+                error = noise.max(NOISE * found.correction * scale);
+                residual = found.residual;
+                station.at = found.at;
             }
+        }
+        self.settle(&station);
+        let here = Point::new(&mut self.shooting, &station);
+        let doubles = shorter(&self.shooting, &station.at).is_ok_and(|half| half.is_some());
+        self.note(
+            SpecialKind::BranchPoint,
+            &here,
+            &station.at,
+            error,
+            residual,
+        );
+        if doubles && let Some(special) = self.special.last_mut() {
+            special.seed = None;
+            return Some(End::At(SpecialKind::BranchPoint));
         }
         None
     }
+}
+
+/// Where a polynomial through stations vanishes: how far ahead, and the station there.
+struct Fitted {
+    root: f64,
+    station: Station,
+    residual: f64,
+    /// Of the parameter.
+    error: f64,
 }
 
 /// Stations that a polynomial is fitted to.

@@ -2,17 +2,13 @@
 
 use super::holds::{Broken, first_break};
 use super::limits::End;
-use super::touch::opposite;
+use super::touch::{Touched, opposite};
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Held, Problem, Station, newton, tangent};
-use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
-use crate::analysis::periodic::cycle::rotate::rotate;
-use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::expressions::Symbol;
 use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, Least, LegKind, StretchKind};
 
 /// This part of a step before a graze.
 const NOT_QUITE: f64 = 1e-5;
@@ -22,156 +18,6 @@ const LEAST_HEIGHT: f64 = 1e4;
 const THERE: f64 = 1e-3;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
-
-impl Shooting<f64> {
-    /// The same orbit with an impact of rate zero, or with a surface that is touched, where a guard has its least value on a
-    /// step, and the step that it ends.
-    pub(crate) fn with_event(
-        &self,
-        at: &[f64],
-        index: usize,
-        least: &Least,
-    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let jump = match least.guard {
-            GuardKind::Gap(contact) => Jump::Impact(contact),
-            GuardKind::Reaction(_) => Jump::None,
-            guard if opposite(guard).is_some() => Jump::None,
-            _ => return Err(unfollowed("a guard that is touched and is no gap")),
-        };
-        let mut steps = self.current_steps(at);
-        let whole = steps[index].clone();
-        let touches = |mode: usize| {
-            Passage::Leg(LegKind {
-                mode,
-                ends_at: Some(least.guard),
-                jump,
-            })
-        };
-        let index = match whole.passage {
-            Passage::Leg(kind) => {
-                let first = Step {
-                    passage: touches(kind.mode),
-                    duration: least.time,
-                    told: Vec::new(),
-                    closed: self.closed_before(index),
-                    ..whole.clone()
-                };
-                let second = Step {
-                    start: least.state.clone(),
-                    duration: whole.duration - least.time,
-                    ..whole
-                };
-                steps.splice(index..=index, [first, second]);
-                index
-            }
-            // Nothing else happens: one leg from the touch to the next one.
-            Passage::Timed(kind) => {
-                let period = steps.iter().map(|step| step.duration).sum();
-                steps = vec![Step {
-                    passage: touches(kind.mode),
-                    start: least.state.clone(),
-                    duration: period,
-                    ..whole
-                }];
-                0
-            }
-            Passage::Stretch(_) => {
-                return Err(unfollowed("a graze within what is followed as a whole"));
-            }
-        };
-        let (shooting, at) = self.like(steps, at)?;
-        Ok((shooting, at, index))
-    }
-
-    /// The same orbit without the event at the end of a step, which leaves the state as it is, and the step that goes on
-    /// past it.
-    pub(crate) fn without_event(
-        &self,
-        at: &[f64],
-        index: usize,
-    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
-        let mut steps = self.current_steps(at);
-        let count = steps.len();
-        let is_section = matches!(steps[index].ends_at(), Some(GuardKind::Section(_)));
-        let kind = match steps[index].passage {
-            Passage::Leg(kind) => kind,
-            Passage::Stretch(kind) if is_section && count > 1 => kind.last,
-            _ => return Err(unfollowed("the loss of what is no event by itself")),
-        };
-        if count == 1 {
-            let timed = LegKind {
-                ends_at: None,
-                jump: Jump::None,
-                ..kind
-            };
-            if self.counts.iter().all(|count| *count == 0) {
-                return Err(unfollowed("the loss of its only event"));
-            }
-            steps[0].passage = Passage::Timed(timed);
-            let (shooting, at) = self.like(steps, at)?;
-            return Ok((shooting, at, 0));
-        }
-        let mut index = index;
-        if index + 1 == count {
-            let parameters = self.workshop.parameters(self.free(at));
-            rotate(&self.workshop, &parameters, (&mut steps, &self.counts), 1)?;
-            index -= 1;
-        }
-        let next = index + 1;
-        let before = (index + count - 1) % count;
-        let passage = match (steps[index].passage, steps[next].passage) {
-            (Passage::Leg(_), Passage::Leg(other)) if other.mode == kind.mode => {
-                Passage::Leg(other)
-            }
-            // Sections are crossed on the way of what is followed as a whole.
-            (Passage::Leg(_), Passage::Stretch(whole)) if is_section => {
-                Passage::Stretch(StretchKind {
-                    closed: steps[before].closed,
-                    on: steps[before].impact(),
-                    ..whole
-                })
-            }
-            (Passage::Stretch(whole), Passage::Leg(last)) if last.mode == kind.mode => {
-                Passage::Stretch(StretchKind { last, ..whole })
-            }
-            (Passage::Stretch(first), Passage::Stretch(whole)) => Passage::Stretch(StretchKind {
-                accumulations: first.accumulations + whole.accumulations,
-                last: whole.last,
-                ..first
-            }),
-            _ => {
-                return Err(unfollowed("the loss of an event between different modes"));
-            }
-        };
-        let merged = Step {
-            passage,
-            start: steps[index].start.clone(),
-            duration: steps[index].duration + steps[next].duration,
-            ..steps[next].clone()
-        };
-        steps.splice(index..=next, [merged]);
-        let (shooting, at) = self.like(steps, at)?;
-        Ok((shooting, at, index))
-    }
-
-    /// Equations of other steps of the same system, and a guess of their solution.
-    pub(super) fn like(
-        &self,
-        steps: Vec<Step>,
-        at: &[f64],
-    ) -> Result<(Self, Vec<f64>), PeriodicError> {
-        let mut shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
-        shooting.keep_sizes(&self.state_sizes());
-        let guess = shooting.guess(self.free(at));
-        Ok((shooting, guess))
-    }
-}
-
-pub(super) fn unfollowed(what: &str) -> PeriodicError {
-    PeriodicError::Unfollowed {
-        what: what.to_owned(),
-    }
-}
 
 impl Walker {
     /// Goes on past the first place where the sequence of events breaks.
@@ -186,7 +32,8 @@ impl Walker {
         let mut reader = self.shooting.clone();
         let first = first_break(&mut self.shooting, &mut reader, (&from, step), broken);
         let Some((broken, station, reached)) = first else {
-            return Stop::End(End::Lost("the sequence of events changes".to_owned()));
+            let end = End::Lost("the sequence of events changes".to_owned());
+            return Stop::Broken(end, Box::new(from));
         };
         self.settle(&station);
         // Special points before it.
@@ -211,6 +58,18 @@ impl Walker {
         let outcome = match broken {
             Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
             Broken::Event(index) => self.lose(&station, index, &there),
+            Broken::Early(index, GuardKind::Gap(contact)) if self.shooting.turns(index) => {
+                let longer = (self.shooting).with_impact_at_turn(&station.at, (index, contact));
+                let touched = longer.map_err(|error| error.to_string());
+                let touched = touched.and_then(Touched::solve);
+                touched.and_then(|touched| self.impact_comes_in(&station, touched, &there))
+            }
+            // The rate that turns is that of the impact.
+            Broken::Early(index, GuardKind::Switch(_))
+                if self.shooting.steps[index].impact().is_some() =>
+            {
+                self.lose(&station, index, &there)
+            }
             Broken::Early(index, guard) => Err(format!(
                 "before event {index} of the orbit comes {}",
                 self.shooting.workshop.named(guard)
@@ -225,7 +84,10 @@ impl Walker {
             _ => &station,
         };
         let forward = turns.parameter_slope();
-        self.goes_on(outcome, (curve, forward), here)
+        match self.goes_on(outcome, (curve, forward), here) {
+            Stop::End(end @ End::Lost(_)) => Stop::Broken(end, Box::new(station)),
+            other => other,
+        }
     }
 
     /// Whether the way between the last impact and a touch of the same contact can be told from rounding of the gap.
@@ -285,7 +147,6 @@ impl Walker {
         (index, guard): (usize, GuardKind),
         there: &Point,
     ) -> Result<Station, String> {
-        let told = |error: &dyn core::fmt::Display| error.to_string();
         let least = (self.shooting.least(&station.at)).map_err(|left| left.to_string())?;
         let touching = (least[index].iter())
             .filter(|l| l.guard == guard && !l.at_end)
@@ -308,39 +169,47 @@ impl Walker {
             );
             return Err("a guard is touched that no event follows".to_owned());
         }
-        let (mut longer, guess, index) = (self.shooting.with_event(&station.at, index, &touching))
-            .map_err(|error| told(&error))?;
-        let mut held = Held::monitor(&mut longer, index);
-        let found = newton(&mut held, &guess, &[]).map_err(|error| told(&error))?;
-        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
-        let (_, gradient) = (longer.monitor(index, &found.at)).map_err(|left| told(&left))?;
-        let mut tangent =
-            tangent(&mut longer, &found.at, &gradient).map_err(|error| told(&error))?;
+        let touched = self.touched(&station.at, (index, &touching))?;
+        self.impact_comes_in(station, touched, there)
+    }
+
+    /// On with an impact that comes in where it has no rate yet.
+    fn impact_comes_in(
+        &mut self,
+        station: &Station,
+        touched: Touched,
+        there: &Point,
+    ) -> Result<Station, String> {
+        let told = |error: &dyn core::fmt::Display| error.to_string();
+        let Touched {
+            shooting: mut longer,
+            at,
+            index,
+            residual,
+            correction,
+            error,
+        } = touched;
+        let (_, gradient) = longer.monitor(index, &at).map_err(|left| told(&left))?;
+        let mut tangent = tangent(&mut longer, &at, &gradient).map_err(|error| told(&error))?;
         // The impact's rate is to grow: against the gap.
         if crate::numerics::dot(&gradient, &tangent) > 0.0 {
             tangent.iter_mut().for_each(|x| *x = -*x);
         }
-        let next = Station {
-            at: found.at.clone(),
-            tangent,
-            residual: found.residual,
-            correction: found.correction,
-            orientation: 0.0,
-        };
-        let mut point = there.clone();
-        if let (Some(at), Some(found)) = (point.parameters.last_mut(), found.at.last()) {
-            *at = *found;
-        }
+        self.settle(station);
+        let has_pole = self.shooting.grazes();
         self.shooting = longer;
         let opens = station.tangent.last().is_some_and(|&along| along < 0.0);
-        self.note(
-            graze(opens),
-            &point,
-            &found.at,
-            error.max(NOISE * f64::EPSILON * next.parameter().abs()),
-            found.residual,
-        );
-        Ok(next)
+        self.note(graze(opens), there, &at, error, residual);
+        if has_pole && let Some(special) = self.special.last_mut() {
+            special.point.multipliers.clear();
+        }
+        Ok(Station {
+            at,
+            tangent,
+            residual,
+            correction,
+            orientation: 0.0,
+        })
     }
 
     /// An impact has lost its rate, or a surface is no longer crossed: it goes out.
@@ -383,17 +252,18 @@ impl Walker {
         }
         let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
         let is_impact = self.shooting.steps[index].impact().is_some();
-        let mut at_graze = there.clone();
-        if let (Some(at), Some(found)) = (at_graze.parameters.last_mut(), found.at.last()) {
-            *at = *found;
-        }
         let kind = if is_impact {
             graze(true)
         } else {
             SpecialKind::Touch
         };
         let error = error.max(NOISE * f64::EPSILON * station.parameter().abs());
-        self.note(kind, &at_graze, &found.at, error, found.residual);
+        self.note(kind, there, &found.at, error, found.residual);
+        if is_impact && let Some(special) = self.special.last_mut() {
+            // Told of the orbit without the impact: with it multipliers have a pole.
+            special.point.multipliers.clear();
+            special.point.impacts = special.point.impacts.map(|n| n - 1);
+        }
         if !is_impact && crossing.is_none() {
             return Err("an event that is no impact is only touched".to_owned());
         }
@@ -410,19 +280,18 @@ impl Walker {
         let last = guess.len() - 1;
         let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
         shorter.evaluate(&next.at).map_err(|left| told(&left))?;
-        if let Some(special) = self.special.last_mut() {
-            // Told of the orbit without the impact.
+        if !shorter.grazes()
+            && let Some(special) = self.special.last_mut()
+        {
             special.point.multipliers = shorter.multipliers();
-            if is_impact {
-                special.point.impacts = special.point.impacts.map(|n| n - 1);
-            }
         }
         // To the side where the gap stays open.
         let guard = self.shooting.steps[index].ends_at();
+        let turns = shorter.steps.len() == self.shooting.steps.len() && shorter.turns(merged);
         let gap = |shooting: &mut Shooting<f64>, station: &Station| {
             let least = shooting.least(&station.at).ok()?;
             (least.get(merged)?.iter())
-                .filter(|l| Some(l.guard) == guard && !l.at_end)
+                .filter(|l| Some(l.guard) == guard && l.at_end == turns)
                 .map(|l| l.value)
                 .min_by(f64::total_cmp)
         };

@@ -3,29 +3,43 @@
 //! Where a flight grazes, the orbit gains an impact: the leg is cut at its least gap, and the equations of the longer
 //! sequence hold there with an impact of rate zero, which grows from then on (docs/periodic.md). Where an impact's rate falls to zero it
 //! is taken out again. Neither is a decision of the flow, so neither depends on a tolerance.
+//!
+//! ```text
+//! walker       one side of a branch, station by station
+//! limits       within what it is followed, and how it ends
+//! holds        whether the sequence of events still does
+//! events       the equations with an event more, or one less
+//! graze        from one sequence to the next, where an impact comes in or goes out
+//! touch        the same for a crossing and the way back
+//! turn         the same where the flow turns with the rate of the impact
+//! onward       past what equations can say, and where they may not go on
+//! between      special points between two stations
+//! branch_point those where branches meet
+//! kept/        how far a side has come, for another walk to go on from
+//! ```
 
 mod between;
 mod branch_point;
+mod events;
 mod graze;
 mod holds;
-mod ledger;
+mod kept;
 mod limits;
 mod onward;
 mod point;
-mod record;
 mod special;
 mod touch;
+mod turn;
 mod walker;
 
+pub use kept::Record;
 pub use limits::{End, Limits};
 pub use point::Point;
-pub use record::Record;
 pub use special::{Special, SpecialKind};
 
 pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
-pub(super) use ledger::{Kept, Ledger};
+pub(super) use kept::{Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
-pub(super) use record::{Of, Stand, Standing, Then, damaged};
 pub(super) use walker::Side;
 
 use super::diary::Diary;

@@ -1,13 +1,12 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
-use super::walker::{NOISE, Walker};
-use super::{Point, SpecialKind};
-use crate::analysis::continuation::{Curve, Held, Problem, Settings, Station, locate, newton};
+use super::Point;
+use super::touch::Touched;
+use super::walker::Walker;
+use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
 use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::cycle::reread::reread;
-use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::orbit::{close, failed};
-use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::orbit::{Orbit, close};
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
 
@@ -61,11 +60,22 @@ impl Walker {
 
     /// Goes on a little farther on the same branch, where it has as many impacts and only the order of what happens is another,
     /// such as an impact of complete chatter that comes before the knot of a table and not after it: where it did so often before, farther,
-    /// since all impacts of chatter pass a knot one by one. Whether it does.
-    pub(super) fn hop(&mut self, curve: &mut Curve, here: &mut Point, before: usize) -> bool {
+    /// since all impacts of chatter pass a knot one by one. From the station where the sequence of events breaks, if that is known:
+    /// then no orbit before it will do. Whether it does.
+    pub(super) fn hop(
+        &mut self,
+        curve: &mut Curve,
+        here: &mut Point,
+        (before, broke): (usize, Option<&Station>),
+    ) -> bool {
         let parts = &BEYOND[(before / PATIENCE).min(BEYOND.len() - 1)..];
-        let same = |impacts| impacts == here.impacts;
-        let Some(next) = self.beyond(&curve.station, parts, same) else {
+        let same = |orbit: &Orbit| orbit.impacts == here.impacts;
+        let from = broke.unwrap_or(&curve.station).clone();
+        let passes = |orbit: &Orbit| {
+            let gone = orbit.at.last().map_or(0.0, |to| to - from.parameter());
+            broke.is_none() || gone * from.parameter_slope() > 0.0
+        };
+        let Some(next) = self.beyond(&from, parts, |orbit| same(orbit) && passes(orbit)) else {
             return false;
         };
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
@@ -95,18 +105,17 @@ impl Walker {
         touch: (usize, &Least),
         there: &Point,
     ) -> Result<Station, String> {
-        let found = self.touch_of_force(&station.at, touch);
-        let (touched, at, error) = found.map_err(|error| error.to_string())?;
-        self.note_touch(there, (touched, at), error);
-        let next = self.beyond(station, &BEYOND, |impacts| impacts != there.impacts);
+        let touched = self.touched(&station.at, touch)?;
+        self.note_touch(there, touched);
+        let next = self.beyond(station, &BEYOND, |orbit| orbit.impacts != there.impacts);
         next.ok_or_else(|| "a contact opens there, and no orbit is found beyond".to_owned())
     }
 
     /// The same from the other side: chatter has shrunk to nothing, and beyond the contact stays closed. Whether that is so.
     pub(super) fn stays_closed(&mut self, curve: &mut Curve, here: &mut Point) -> bool {
         let before = self.shooting.clone();
-        let Some(next) = self.beyond(&curve.station, &BEYOND, |impacts| impacts != here.impacts)
-        else {
+        let another = |orbit: &Orbit| orbit.impacts != here.impacts;
+        let Some(next) = self.beyond(&curve.station, &BEYOND, another) else {
             return false;
         };
         let between = [curve.station.parameter(), next.parameter()];
@@ -117,19 +126,19 @@ impl Walker {
             forces.map(move |least| (index, least))
         });
         let smallest = forces.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
-        let found = smallest.and_then(|touch| self.touch_of_force(&next.at, touch).ok());
-        let found = found.filter(|(_, at, error)| {
+        let found = smallest.and_then(|touch| self.touched(&next.at, touch).ok());
+        let found = found.filter(|Touched { at, error, .. }| {
             let value = at.last().copied().unwrap_or(f64::NAN);
             let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
             (low - error..=high + error).contains(&value)
         });
-        let Some((touched, at, error)) = found else {
+        let Some(touched) = found else {
             self.shooting = before;
             return false;
         };
         // Told of the orbit that stays.
         let resting = Point::new(&mut self.shooting, &next);
-        self.note_touch(&resting, (touched, at), error);
+        self.note_touch(&resting, touched);
         if let Some(special) = self.special.last_mut() {
             special.persists = Some(true);
         }
@@ -137,38 +146,12 @@ impl Walker {
         true
     }
 
-    /// Where the force of a contact that a step keeps closed has a least value of zero, its equations there, and the error of
-    /// the parameter.
-    fn touch_of_force(
-        &self,
-        at: &[f64],
-        (index, least): (usize, &Least),
-    ) -> Result<(Shooting<f64>, Vec<f64>, f64), PeriodicError> {
-        let (mut touch, guess, index) = self.shooting.with_event(at, index, least)?;
-        let mut held = Held::monitor(&mut touch, index);
-        let found = newton(&mut held, &guess, &[]).map_err(|error| failed(&error))?;
-        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
-        let parameter = found.at.last().copied().unwrap_or_default();
-        let error = error.max(NOISE * f64::EPSILON * parameter.abs());
-        Ok((touch, found.at, error))
-    }
-
-    fn note_touch(&mut self, there: &Point, (touch, at): (Shooting<f64>, Vec<f64>), error: f64) {
-        let mut point = there.clone();
-        if let (Some(told), Some(found)) = (point.parameters.last_mut(), at.last()) {
-            *told = *found;
-        }
-        let own = core::mem::replace(&mut self.shooting, touch);
-        self.note(SpecialKind::Touch, &point, &at, error, 0.0);
-        self.shooting = own;
-    }
-
-    /// The orbit a little farther on, read off the motion itself, with a number of impacts that is looked for.
+    /// The orbit a little farther on, read off the motion itself, if it is one that is looked for.
     fn beyond(
         &mut self,
         from: &Station,
         parts: &[f64],
-        is_wanted: impl Fn(Option<u64>) -> bool,
+        is_wanted: impl Fn(&Orbit) -> bool,
     ) -> Option<Station> {
         let workshop = self.shooting.workshop.clone();
         let last = from.at.len() - 1;
@@ -195,10 +178,10 @@ impl Walker {
                 return None;
             }
             let orbit = close(&workshop, cycle, &free).ok()?;
-            let (mut shooting, at) = orbit.shooting.without_section(orbit.at);
-            if !is_wanted(orbit.impacts) {
+            if !is_wanted(&orbit) {
                 return None;
             }
+            let (mut shooting, at) = orbit.shooting.without_section(orbit.at);
             let station = Station::near(&mut shooting, &at, at.len() - 1).ok()?;
             let forward = from.tangent[last] >= 0.0;
             let station = if forward { station } else { station.reversed() };

@@ -1,6 +1,6 @@
 //! One orbit of a branch.
 
-use crate::analysis::continuation::Station;
+use crate::analysis::continuation::{Problem, Station};
 use crate::analysis::periodic::multipliers::is_stable;
 use crate::analysis::periodic::orbit::cleaned;
 use crate::analysis::periodic::shooting::Shooting;
@@ -50,6 +50,18 @@ impl Point {
             residual: station.residual,
             correction: station.correction,
         }
+    }
+
+    /// The same orbit as equations with one more event tell it, whose multipliers have a pole there, or mean another motion.
+    pub(crate) fn moved(&self, shooting: &mut Shooting<f64>, at: &[f64]) -> Self {
+        let mut moved = self.clone();
+        moved.parameters = shooting.free(at).to_vec();
+        if shooting.evaluate(at).is_ok() {
+            moved.period = shooting.period();
+            moved.state = cleaned(&shooting.told_state(at), &shooting.state_sizes());
+            moved.monitors = shooting.monitored(at);
+        }
+        moved
     }
 
     /// The parameter that a branch is told over: the last of those that are free.

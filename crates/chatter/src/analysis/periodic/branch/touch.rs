@@ -1,12 +1,13 @@
 //! Where a surface on which formulas change their form is touched: a crossing and the way back come in, or go out. The field is
 //! continuous there, or no such orbit is found.
 
-use super::graze::unfollowed;
+use super::events::unfollowed;
 use super::walker::{NOISE, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{
     Condition, Held, NewtonError, Problem, Station, newton, tangent,
 };
+use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
@@ -69,8 +70,12 @@ impl Shooting<f64> {
         let mut steps = self.current_steps(at);
         let count = steps.len();
         let mut index = index;
-        if index + 2 >= count {
-            let by = (index + 2) - count + 1;
+        // What comes after the stay is to be of the same turn, where it is not the step before it.
+        let by = match count {
+            2 => index,
+            _ => (index + 3).saturating_sub(count),
+        };
+        if by > 0 {
             let parameters = self.workshop.parameters(self.free(at));
             rotate(&self.workshop, &parameters, (&mut steps, &self.counts), by)?;
             index -= by;
@@ -131,6 +136,15 @@ impl Shooting<f64> {
                 .map(|(x, state)| x + by * rate(state))
                 .collect()
         };
+        // After the last step it is a turn later than the first node.
+        let before = moved(-0.5 * duration);
+        let before = match next {
+            0 => {
+                let turns = self.workshop.closure.turns::<f64>(&parameters)?;
+                Closure::later(&turns, &self.counts, &before)
+            }
+            _ => before,
+        };
         let stay = Step {
             passage: Passage::Leg(LegKind {
                 mode,
@@ -138,7 +152,7 @@ impl Shooting<f64> {
                 jump: Jump::None,
             }),
             pieces,
-            start: moved(-0.5 * duration),
+            start: before,
             duration,
             ..steps[index].clone()
         };
@@ -153,7 +167,62 @@ impl Shooting<f64> {
     }
 }
 
+/// Where a guard has a least value of zero: the equations with that for an event, and their solution.
+pub(super) struct Touched {
+    pub shooting: Shooting<f64>,
+    pub at: Vec<f64>,
+    /// The step that ends there.
+    pub index: usize,
+    pub residual: f64,
+    pub correction: f64,
+    /// Of the parameter.
+    pub error: f64,
+}
+
+impl Touched {
+    /// From a guess of where the event at the end of a step only touches.
+    pub(super) fn solve(
+        (mut shooting, guess, index): (Shooting<f64>, Vec<f64>, usize),
+    ) -> Result<Self, String> {
+        let mut held = Held::monitor(&mut shooting, index);
+        let found = newton(&mut held, &guess, &[]).map_err(|error| error.to_string())?;
+        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
+        let parameter = found.at.last().copied().unwrap_or_default();
+        Ok(Self {
+            shooting,
+            at: found.at,
+            index,
+            residual: found.residual,
+            correction: found.correction,
+            error: error.max(NOISE * f64::EPSILON * parameter.abs()),
+        })
+    }
+}
+
 impl Walker {
+    /// Where the least value that a guard has on a step vanishes.
+    pub(super) fn touched(
+        &self,
+        at: &[f64],
+        (index, least): (usize, &Least),
+    ) -> Result<Touched, String> {
+        let longer = self.shooting.with_event(at, index, least);
+        Touched::solve(longer.map_err(|error| error.to_string())?)
+    }
+
+    /// Notes a touch with its own equations.
+    pub(super) fn note_touch(&mut self, there: &Point, touched: Touched) {
+        let own = core::mem::replace(&mut self.shooting, touched.shooting);
+        self.note(
+            SpecialKind::Touch,
+            there,
+            &touched.at,
+            touched.error,
+            touched.residual,
+        );
+        self.shooting = own;
+    }
+
     /// A flight touches a surface: a crossing and the way back come in. The new equations, at their first station.
     pub(super) fn crosses(
         &mut self,
@@ -162,29 +231,15 @@ impl Walker {
         there: &Point,
     ) -> Result<Station, String> {
         let told = |error: &dyn core::fmt::Display| error.to_string();
-        let (mut touch, guess, index) = (self.shooting.with_event(&station.at, index, touching))
-            .map_err(|error| told(&error))?;
-        let mut held = Held::monitor(&mut touch, index);
-        let found = newton(&mut held, &guess, &[]).map_err(|error| told(&error))?;
-        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
-        let mut point = there.clone();
-        if let (Some(at), Some(found)) = (point.parameters.last_mut(), found.at.last()) {
-            *at = *found;
-        }
-        let noise = NOISE * f64::EPSILON * station.parameter().abs();
-        self.note(
-            SpecialKind::Touch,
-            &point,
-            &found.at,
-            error.max(noise),
-            found.residual,
-        );
-        touch.evaluate(&found.at).map_err(|left| told(&left))?;
+        let touched = self.touched(&station.at, (index, touching))?;
+        let (mut touch, at, index) = (touched.shooting.clone(), touched.at.clone(), touched.index);
+        self.note_touch(there, touched);
+        touch.evaluate(&at).map_err(|left| told(&left))?;
         let period = touch.period();
         let mut failed = NewtonError::Singular;
         for part in STAYS {
             let (mut longer, guess, place) = touch
-                .with_stay(&found.at, (index, part * period))
+                .with_stay(&at, (index, part * period))
                 .map_err(|error| told(&error))?;
             let fixed = Condition::fixed(guess.len(), place, guess[place]);
             match newton(&mut longer, &guess, core::slice::from_ref(&fixed)) {

@@ -1,9 +1,8 @@
 //! One side of a branch, station by station.
 
 use super::holds::broken;
-use super::ledger::Ledger;
+use super::kept::{Ledger, Of, Stand, Standing, Then, Walked, damaged};
 use super::limits::{End, Limits, station_at};
-use super::record::{Of, Stand, Standing, Then, Walked, damaged};
 use super::special::{Seed, Special};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Station, StepError};
@@ -56,6 +55,8 @@ pub(super) struct Walker {
 pub(super) enum Stop {
     On,
     End(End),
+    /// The sequence of events breaks here, and nothing that is known follows it.
+    Broken(End, Box<Station>),
     /// The same, where there is no use in looking for a way on.
     Over(End),
 }
@@ -136,7 +137,7 @@ impl Walker {
                         }
                     }
                     walked.grazes += 1;
-                    if self.hop(&mut curve, &mut here, walked.hops) {
+                    if self.hop(&mut curve, &mut here, (walked.hops, None)) {
                         walked.hops += 1;
                         at_graze = true;
                         continue;
@@ -163,6 +164,7 @@ impl Walker {
             let broken = broken(&self.shooting, &least);
             if !broken.is_empty() {
                 walked.grazes += 1;
+                let told = self.special.len();
                 match self.pass(&mut curve, step, broken, &mut here) {
                     Stop::On => {
                         at_graze = true;
@@ -180,9 +182,15 @@ impl Walker {
                         }
                         continue;
                     }
-                    Stop::End(end @ End::Lost(_)) => {
-                        if !self.hop(&mut curve, &mut here, walked.hops) {
+                    Stop::Broken(end, station) => {
+                        let known = self.special.len();
+                        if !self.hop(&mut curve, &mut here, (walked.hops, Some(&station))) {
                             break end;
+                        }
+                        if known > told
+                            && let Some(special) = self.special.last_mut()
+                        {
+                            special.persists = Some(true);
                         }
                         walked.hops += 1;
                         at_graze = true;
@@ -192,8 +200,13 @@ impl Walker {
                 }
             }
             made += 1;
-            if made > 3 && self.returns((&curve.station, &next), step, &walked) {
-                break End::Closed;
+            if made > 3
+                && let Some((last, ahead)) = self.returns((&curve.station, &next), step, &walked)
+            {
+                self.settle(&last);
+                let there = Point::new(&mut self.shooting, &last);
+                let end = self.between(&curve.station, &last, ahead, (&here, &there));
+                break end.unwrap_or(End::Closed);
             }
             if let Some((contact, station, ahead)) = self.leaves_theory(&curve.station, &next, step)
             {
@@ -273,26 +286,28 @@ impl Walker {
         }
     }
 
-    /// Whether the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events.
-    fn returns(&mut self, (from, to): (&Station, &Station), step: f64, began: &Walked) -> bool {
+    /// Where the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events; and how
+    /// far that is from the first.
+    fn returns(
+        &mut self,
+        (from, to): (&Station, &Station),
+        step: f64,
+        began: &Walked,
+    ) -> Option<(Station, f64)> {
         let own = passages(&self.shooting);
         let (origin, kinds) = (&began.origin, &began.passages);
         let target = origin[origin.len() - 1];
         let between = (from.parameter() - target) * (to.parameter() - target) <= 0.0;
         if !between || own.len() != kinds.len() {
-            return false;
+            return None;
         }
-        let Some((here, _)) = station_at(&mut self.shooting, (from, to), step, target) else {
-            return false;
-        };
+        let (here, ahead) = station_at(&mut self.shooting, (from, to), step, target)?;
         let shooting = &self.shooting;
         let parameters = shooting.workshop.parameters(shooting.free(&here.at));
-        let Ok(turns) = shooting.workshop.closure.turns(&parameters) else {
-            return false;
-        };
+        let turns = shooting.workshop.closure.turns(&parameters).ok()?;
         let sizes = shooting.state_sizes();
         let count = own.len();
-        (0..count).any(|by| {
+        let is_same = (0..count).any(|by| {
             let same = (0..count).all(|k| own[(k + by) % count] == kinds[k]);
             // Phases may be turns further.
             let near = |k: usize| {
@@ -304,7 +319,8 @@ impl Walker {
                 difference.distance <= SAME_ORBIT
             };
             same && (0..count).all(near)
-        })
+        });
+        is_same.then_some((here, ahead))
     }
 
     /// The landings of a station, which trials may have overwritten.
@@ -316,6 +332,8 @@ impl Walker {
         self.limits.beyond(point.parameter()).is_some()
     }
 
+    /// Notes a special point: an orbit near it, with the state and parameter of the solution of its equations, which the trace that finds
+    /// it again starts from.
     pub(super) fn note(
         &mut self,
         kind: SpecialKind,
@@ -324,9 +342,10 @@ impl Walker {
         error: f64,
         residual: f64,
     ) {
+        let point = point.moved(&mut self.shooting.clone(), at);
         self.special.push(Special {
             kind,
-            point: point.clone(),
+            point,
             error,
             residual,
             persists: None,

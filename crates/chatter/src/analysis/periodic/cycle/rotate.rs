@@ -1,6 +1,7 @@
 //! A cycle told from another of its steps on.
 
 use super::itinerary::Step;
+use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Workshop;
 use crate::numerics::DoubleDouble;
@@ -17,13 +18,7 @@ pub(crate) fn rotate(
     by: usize,
 ) -> Result<(), PeriodicError> {
     let turns = workshop.closure.turns::<f64>(parameters)?;
-    let later = |state: &[f64]| -> Vec<f64> {
-        let mut state = state.to_vec();
-        for (turn, &times) in turns.iter().zip(counts) {
-            state[turn.state] += turn.period * times as f64;
-        }
-        state
-    };
+    let later = |state: &[f64]| Closure::later(&turns, counts, state);
     for index in 0..by {
         let ends = (&steps[index].start, &steps[index + 1].start);
         let between = ends.0.iter().zip(ends.1);

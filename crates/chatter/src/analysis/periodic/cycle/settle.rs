@@ -6,11 +6,12 @@ use super::rotate::rotate;
 use super::trace::{Instant, Tracer};
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::{Workshop, without_zeros};
+use crate::analysis::periodic::shooting::{Shooting, Workshop, without_zeros};
 use crate::flow::GuardKind;
 use crate::numerics::stored::number;
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A cycle as far as a trajectory shows it.
 #[derive(Clone, Debug)]
@@ -345,7 +346,7 @@ pub(crate) fn loops(
     free: &[f64],
     state: &[f64],
     (passed, periods): (usize, usize),
-) -> Result<Vec<Cycle>, PeriodicError> {
+) -> Result<Loops, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
     let forcing = workshop.closure.forcing(&parameters);
@@ -354,6 +355,10 @@ pub(crate) fn loops(
     let mut instants = Vec::new();
     let mut quiet = |_: f64| ControlFlow::Continue(());
     let mut found = Vec::new();
+    let standing = |tracer: &Tracer<'_>| {
+        Step::timed(&tracer.trajectory, tracer.trajectory.state().to_vec(), 0.0)
+    };
+    let begins = standing(&tracer);
     match (forcing, workshop.section) {
         (Some(period), _) => {
             let until = start + period * (passed + 2 * periods + 1) as f64;
@@ -361,7 +366,7 @@ pub(crate) fn loops(
             let begin = start + period * passed as f64;
             for count in 1..=periods {
                 let ends = (begin, begin + period * count as f64, period);
-                if let Some((first, last)) = lap(&instants, ends) {
+                if let Some((first, last)) = lap(&instants, workshop.section, ends) {
                     let mut cycle = alone(workshop, &turns, &instants[first..=last])?;
                     for (turns, turn) in cycle.counts.iter_mut().zip(&turns) {
                         if Some(turn.state) == workshop.closure.time {
@@ -395,7 +400,66 @@ pub(crate) fn loops(
             }
         }
     }
-    Ok(found)
+    Ok(Loops {
+        cycles: found,
+        ends: [begins, standing(&tracer)],
+    })
+}
+
+/// What a trajectory shows of cycles.
+pub(crate) struct Loops {
+    /// Those that it would go through if they closed.
+    pub cycles: Vec<Cycle>,
+    /// Where it begins and ends, as steps on which nothing happens.
+    ends: [Step; 2],
+}
+
+impl Loops {
+    /// Cycles of up to so many periods of the forcing on which nothing happens, in the modes that the trajectory begins and ends in.
+    pub(crate) fn quiet(
+        &self,
+        workshop: &Arc<Workshop>,
+        free: &[f64],
+        periods: usize,
+    ) -> Vec<Cycle> {
+        let parameters = workshop.parameters(free);
+        let (Some(period), Ok(turns)) = (
+            workshop.closure.forcing(&parameters),
+            workshop.closure.turns(&parameters),
+        ) else {
+            return Vec::new();
+        };
+        let [begins, ends] = &self.ends;
+        let differs = ends.mode() != begins.mode();
+        let steps = core::iter::once(begins).chain(Some(ends).filter(|_| differs));
+        let all = steps.flat_map(|step| (1..=periods).map(move |count| (step, count)));
+        all.filter_map(|(step, count)| quiet(workshop, (free, &turns), step, period * count as f64))
+            .collect()
+    }
+}
+
+/// A cycle of this length on which nothing happens, as the smooth flow would have it.
+fn quiet(
+    workshop: &Arc<Workshop>,
+    (free, turns): (&[f64], &[Turn<f64>]),
+    step: &Step,
+    length: f64,
+) -> Option<Cycle> {
+    let mut steps = vec![Step {
+        duration: length,
+        ..step.clone()
+    }];
+    let none = vec![0; turns.len()];
+    let mut shooting = Shooting::<f64>::new(workshop, steps.clone(), none).ok()?;
+    let image = shooting.flown_on(&shooting.guess(free), length)?;
+    let sizes = sizes([&step.start, &image], turns);
+    let difference = (workshop.closure).difference(turns, (&step.start, &image), &sizes);
+    from_first_turn(&mut steps, turns, &difference.turns);
+    Some(Cycle {
+        steps,
+        counts: difference.turns,
+        distance: difference.distance,
+    })
 }
 
 /// A loop that is to be closed comes back this near, against the size of the state.
@@ -434,21 +498,35 @@ fn near_returns(
     found.into_iter().map(|(first, _)| (first, last)).collect()
 }
 
-/// The fastest impact between two times, and the one that would be it a lap later.
-fn lap(instants: &[Instant], (begin, end, period): (f64, f64, f64)) -> Option<(usize, usize)> {
-    let impacts = |from: f64, to: f64| {
-        (instants.iter().enumerate())
-            .filter(move |(_, i)| i.time >= from && i.time < to)
-            .filter_map(|(index, i)| Some((index, i.impact()?.1)))
+/// The fastest impact between two times, or else the first other event, and the one that would be it a lap later.
+fn lap(
+    instants: &[Instant],
+    section: Option<usize>,
+    (begin, end, period): (f64, f64, f64),
+) -> Option<(usize, usize)> {
+    let happens = |instant: &Instant| {
+        instant.guard.is_some() && !section.is_some_and(|section| instant.crosses(section))
     };
-    let first = impacts(begin, end).min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+    let events = |from: f64, to: f64| {
+        (instants.iter().enumerate())
+            .filter(move |(_, i)| i.time >= from && i.time < to && happens(i))
+    };
+    let rate = |instant: &Instant| instant.impact().map_or(0.0, |(_, rate)| rate);
+    let first = events(begin, end)
+        .min_by(|a, b| rate(a.1).total_cmp(&rate(b.1)))?
+        .0;
     let due = instants[first].time + (end - begin);
     let slack = 0.45 * period;
-    let (last, _) = impacts(due - slack, due + slack)
-        .filter(|&(index, _)| instants[index].guard == instants[first].guard)
+    let (last, _) = events(due - slack, due + slack)
+        .filter(|(_, instant)| {
+            let is_impact = instant.impact().is_some();
+            instant.guard == instants[first].guard
+                && is_impact == instants[first].impact().is_some()
+                && (is_impact || instant.mode_after == instants[first].mode_after)
+        })
         .min_by(|a, b| {
-            let late = |index: usize| (instants[index].time - due).abs();
-            late(a.0).total_cmp(&late(b.0))
+            let late = |instant: &Instant| (instant.time - due).abs();
+            late(a.1).total_cmp(&late(b.1))
         })?;
     (last > first).then_some((first, last))
 }

@@ -117,9 +117,12 @@ impl<'s> Tracer<'s> {
                 }
                 other => other.is_some(),
             };
+            // A flight that touches and is ended by nothing belongs to no event before it.
             let happens = !matches!(
                 told,
-                None | Some(Occurrence::Horizon | Occurrence::Section { .. })
+                None | Some(
+                    Occurrence::Horizon | Occurrence::Section { .. } | Occurrence::Graze { .. }
+                )
             );
             let time = self.trajectory.time();
             let looks = |guard: Option<GuardKind>| match guard {

@@ -28,11 +28,31 @@ pub(super) struct Begun {
     pub grazing: Option<usize>,
 }
 
+/// Exactly at a graze rounding decides whether a trace hits, touches or comes to rest for an instant. So far beside it, in parts of
+/// the first parameter's size, it hits or passes by.
+const BESIDE: [f64; 3] = [0.0, 1e-11, -1e-11];
+
 pub(super) fn begin(
     workshop: &Arc<Workshop>,
     free: &[f64],
     known: &Known,
 ) -> Result<Begun, PeriodicError> {
+    let mut failed = None;
+    for part in BESIDE {
+        let mut beside = free.to_vec();
+        beside[0] += part * workshop.sizes[0];
+        match begin_at(workshop, &beside, known) {
+            Ok(begun) => return Ok(begun),
+            Err(error) => failed = failed.or(Some(error)),
+        }
+        if !known.kind.is_graze() {
+            break;
+        }
+    }
+    Err(failed.unwrap_or(PeriodicError::Interrupted))
+}
+
+fn begin_at(workshop: &Arc<Workshop>, free: &[f64], known: &Known) -> Result<Begun, PeriodicError> {
     let unfollowed = || PeriodicError::Unfollowed {
         what: format!("a {} in two parameters", known.kind.name()),
     };

@@ -1,0 +1,171 @@
+//! The equations of an orbit with an event more, where a guard touches zero, and with one less.
+
+use super::touch::opposite;
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::rotate::rotate;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, Least, LegKind, StretchKind};
+
+impl Shooting<f64> {
+    /// The same orbit with an impact of rate zero, or with a surface that is touched, where a guard has its least value on a
+    /// step, and the step that it ends.
+    pub(crate) fn with_event(
+        &self,
+        at: &[f64],
+        index: usize,
+        least: &Least,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let jump = match least.guard {
+            GuardKind::Gap(contact) => Jump::Impact(contact),
+            GuardKind::Reaction(_) => Jump::None,
+            guard if opposite(guard).is_some() => Jump::None,
+            _ => return Err(unfollowed("a guard that is touched and is no gap")),
+        };
+        let mut steps = self.current_steps(at);
+        let whole = steps[index].clone();
+        let touches = |mode: usize| {
+            Passage::Leg(LegKind {
+                mode,
+                ends_at: Some(least.guard),
+                jump,
+            })
+        };
+        let index = match whole.passage {
+            Passage::Leg(kind) => {
+                let first = Step {
+                    passage: touches(kind.mode),
+                    duration: least.time,
+                    told: Vec::new(),
+                    closed: self.closed_before(index),
+                    ..whole.clone()
+                };
+                let second = Step {
+                    start: least.state.clone(),
+                    duration: whole.duration - least.time,
+                    ..whole
+                };
+                steps.splice(index..=index, [first, second]);
+                index
+            }
+            // Nothing else happens: one leg from the touch to the next one.
+            Passage::Timed(kind) => {
+                let period = steps.iter().map(|step| step.duration).sum();
+                steps = vec![Step {
+                    passage: touches(kind.mode),
+                    start: least.state.clone(),
+                    duration: period,
+                    ..whole
+                }];
+                0
+            }
+            Passage::Stretch(_) => {
+                return Err(unfollowed("a graze within what is followed as a whole"));
+            }
+        };
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// The same orbit without the event at the end of a step, which leaves the state as it is, and the step that goes on
+    /// past it.
+    pub(crate) fn without_event(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let count = steps.len();
+        let is_section = matches!(steps[index].ends_at(), Some(GuardKind::Section(_)));
+        let kind = match steps[index].passage {
+            Passage::Leg(kind) => kind,
+            Passage::Stretch(kind) if is_section && count > 1 => kind.last,
+            _ => return Err(unfollowed("the loss of what is no event by itself")),
+        };
+        if count == 1 {
+            let timed = LegKind {
+                ends_at: None,
+                jump: Jump::None,
+                ..kind
+            };
+            if self.counts.iter().all(|count| *count == 0) {
+                return Err(unfollowed("the loss of its only event"));
+            }
+            steps[0].passage = Passage::Timed(timed);
+            let (shooting, at) = self.like(steps, at)?;
+            return Ok((shooting, at, 0));
+        }
+        let mut index = index;
+        if index + 1 == count {
+            let parameters = self.workshop.parameters(self.free(at));
+            rotate(&self.workshop, &parameters, (&mut steps, &self.counts), 1)?;
+            index -= 1;
+        }
+        let next = index + 1;
+        let before = (index + count - 1) % count;
+        let passage = match (steps[index].passage, steps[next].passage) {
+            (Passage::Leg(_), Passage::Leg(other)) if other.mode == kind.mode => {
+                Passage::Leg(other)
+            }
+            (Passage::Leg(_), Passage::Leg(other))
+                if let Some(surface) = self.surface_at_impact(kind.mode, other.mode) =>
+            {
+                steps[index].passage = Passage::Leg(LegKind {
+                    ends_at: Some(GuardKind::Switch(surface)),
+                    jump: Jump::None,
+                    ..kind
+                });
+                let (shooting, at) = self.like(steps, at)?;
+                return Ok((shooting, at, index));
+            }
+            // Sections are crossed on the way of what is followed as a whole.
+            (Passage::Leg(_), Passage::Stretch(whole)) if is_section => {
+                Passage::Stretch(StretchKind {
+                    closed: steps[before].closed,
+                    on: steps[before].impact(),
+                    ..whole
+                })
+            }
+            (Passage::Stretch(whole), Passage::Leg(last)) if last.mode == kind.mode => {
+                Passage::Stretch(StretchKind { last, ..whole })
+            }
+            (Passage::Stretch(first), Passage::Stretch(whole)) => Passage::Stretch(StretchKind {
+                accumulations: first.accumulations + whole.accumulations,
+                last: whole.last,
+                ..first
+            }),
+            _ => {
+                return Err(unfollowed("the loss of an event between different modes"));
+            }
+        };
+        let merged = Step {
+            passage,
+            start: steps[index].start.clone(),
+            duration: steps[index].duration + steps[next].duration,
+            ..steps[next].clone()
+        };
+        steps.splice(index..=next, [merged]);
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// Equations of other steps of the same system, and a guess of their solution.
+    pub(in crate::analysis::periodic) fn like(
+        &self,
+        steps: Vec<Step>,
+        at: &[f64],
+    ) -> Result<(Self, Vec<f64>), PeriodicError> {
+        let mut shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
+        shooting.keep_sizes(&self.state_sizes());
+        shooting.told.clone_from(&self.told);
+        let guess = shooting.guess(self.free(at));
+        Ok((shooting, guess))
+    }
+}
+
+pub(super) fn unfollowed(what: &str) -> PeriodicError {
+    PeriodicError::Unfollowed {
+        what: what.to_owned(),
+    }
+}

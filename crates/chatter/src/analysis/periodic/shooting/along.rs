@@ -1,0 +1,106 @@
+//! What there is to see on the way of an orbit: least values, crossings of the section, what happens within a stretch.
+
+use super::{Flown, Shooting};
+use crate::analysis::continuation::Left;
+use crate::analysis::periodic::cycle::itinerary::Passage;
+use crate::analysis::periodic::cycle::trace::{Instant, Tracer};
+use crate::flow::GuardKind;
+use crate::flow::leg::Least;
+use core::ops::ControlFlow;
+
+/// A stretch that is traced once more ends within this part of its duration.
+const BEYOND_END: f64 = 1e-12;
+
+impl Shooting<f64> {
+    /// The least values of all guards on the way of the orbit, and its crossings of the section, by step.
+    pub(crate) fn least(&mut self, at: &[f64]) -> Result<Vec<Vec<Least>>, Left> {
+        if let Some((known, found)) = &self.seen
+            && known == at
+        {
+            return Ok(found.clone());
+        }
+        let found = self.look(at)?;
+        self.seen = Some((at.to_vec(), found.clone()));
+        Ok(found)
+    }
+
+    /// Where the first leg leads in a time.
+    pub(crate) fn flown_on(&mut self, at: &[f64], time: f64) -> Option<Vec<f64>> {
+        let parameters = self.workshop.parameters(self.free(at));
+        let all = self.parameters_of(&parameters, &self.steps[0]);
+        let Flown::Leg(leg, flyer) = &self.flown[0] else {
+            return None;
+        };
+        let x = &at[..self.workshop.model.states.len()];
+        let landing = leg.fly(&mut self.flyers[*flyer].1, &all, x, time).ok()?;
+        Some(landing.image)
+    }
+
+    fn look(&mut self, at: &[f64]) -> Result<Vec<Vec<Least>>, Left> {
+        let n = self.workshop.model.states.len();
+        let parameters = self.workshop.parameters(self.free(at));
+        let mut found = Vec::with_capacity(self.steps.len());
+        for index in 0..self.steps.len() {
+            let all = self.parameters_of(&parameters, &self.steps[index]);
+            let place = self.places[index];
+            let x = &at[place..place + n];
+            let Flown::Leg(leg, flyer) = &self.flown[index] else {
+                found.push(self.crossings_within(index, at));
+                continue;
+            };
+            let duration = match self.steps[index].passage {
+                Passage::Leg(_) => at[place + n],
+                _ => self
+                    .latest
+                    .get(index)
+                    .map_or(self.steps[index].duration, |l| l.duration),
+            };
+            let flyer = &mut self.flyers[*flyer].1;
+            found.push(leg.least(flyer, &all, x, duration).map_err(Left::because)?);
+        }
+        Ok(found)
+    }
+
+    /// What happens within a step that is a stretch, which is followed as a whole, and when it begins.
+    pub(crate) fn instants_within(&self, index: usize, at: &[f64]) -> (f64, Vec<Instant>) {
+        let nothing = (0.0, Vec::new());
+        let (Flown::Stretch(stretch, _), Some(landing)) =
+            (&self.flown[index], self.latest.get(index))
+        else {
+            return nothing;
+        };
+        let parameters = self.workshop.parameters(self.free(at));
+        let start = stretch.onto_contact(&parameters, self.node(at, index));
+        let system = &self.workshop.system;
+        let Ok(mut tracer) = Tracer::new(system, &parameters, &start, self.workshop.section) else {
+            return nothing;
+        };
+        let clock = tracer.trajectory.time();
+        let mut instants = Vec::new();
+        // Its end is one of them.
+        let until = clock + landing.duration * (1.0 + BEYOND_END);
+        let mut quiet = |_: f64| ControlFlow::Continue(());
+        // What cannot be followed has nothing to tell.
+        let _ = tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet);
+        (clock, instants)
+    }
+
+    /// The crossings of the section within a stretch.
+    fn crossings_within(&self, index: usize, at: &[f64]) -> Vec<Least> {
+        let Some(section) = self.workshop.section else {
+            return Vec::new();
+        };
+        let (clock, instants) = self.instants_within(index, at);
+        let crossed = instants
+            .into_iter()
+            .filter(|instant| instant.crosses(section));
+        let told = |instant: Instant| Least {
+            guard: GuardKind::Section(section),
+            time: instant.time - clock,
+            value: 0.0,
+            state: instant.state,
+            at_end: false,
+        };
+        crossed.map(told).collect()
+    }
+}

@@ -1,0 +1,209 @@
+//! Residual and Jacobian, and the functions that special points hold at zero.
+
+use super::Shooting;
+use crate::analysis::continuation::{Left, Linearised, Problem, Wrap, differenced};
+use crate::analysis::periodic::cycle::itinerary::Passage;
+use crate::analysis::periodic::multipliers::neutral;
+use crate::expressions::Expr;
+use crate::numerics::{Matrix, Real};
+
+impl<R: Real> Shooting<R> {
+    /// The number of the function that vanishes where a pair of multipliers is on the unit circle.
+    pub(crate) fn pair_function(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// The number of one of the user's functions.
+    pub(crate) fn user_function(&self, index: usize) -> usize {
+        self.steps.len() + 1 + index
+    }
+
+    /// The same, with its derivatives.
+    fn function(&self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
+        let monitor = (self.workshop.monitors.get(index))
+            .ok_or_else(|| Left::because(format_args!("there is no function {index}")))?;
+        let parameters = self.workshop.parameters(self.free(at));
+        let of = |expr: Expr| {
+            let graph = &self.workshop.model.graph;
+            graph.evaluate(expr, self.node(at, 0), &parameters)
+        };
+        let mut gradient = vec![R::ZERO; at.len()];
+        for (entry, &slope) in gradient[self.places[0]..].iter_mut().zip(&monitor.by_state) {
+            *entry = of(slope);
+        }
+        let free = at.len() - self.workshop.free.len();
+        for (entry, &slope) in gradient[free..].iter_mut().zip(&monitor.by_parameter) {
+            *entry = of(slope);
+        }
+        Ok((of(monitor.value), gradient))
+    }
+}
+
+impl<R: Real> Problem<R> for Shooting<R> {
+    fn unknowns(&self) -> usize {
+        self.scales.len()
+    }
+
+    fn parameters(&self) -> usize {
+        self.workshop.free.len()
+    }
+
+    fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    fn evaluate(&mut self, at: &[R]) -> Result<Linearised<R>, Left> {
+        let workshop = self.workshop.clone();
+        let n = workshop.model.states.len();
+        let free = workshop.free.len();
+        let unknowns = self.scales.len();
+        let parameters = workshop.parameters(self.free(at));
+        let turns = workshop.closure.turns(&parameters).map_err(Left::because)?;
+        let landings = self.land(at, &turns, &parameters)?;
+        let lap = self.timed(&turns);
+        let mut residual = vec![R::ZERO; unknowns - free];
+        let mut jacobian = Matrix::zeros(unknowns - free, unknowns);
+        let count = self.steps.len();
+        let mut row = 0;
+        for (index, landing) in landings.iter().enumerate() {
+            let place = self.places[index];
+            let next = self.places[(index + 1) % count];
+            let is_last = index + 1 == count;
+            let timed = matches!(self.steps[index].passage, Passage::Timed(_));
+            let is_leg = matches!(self.steps[index].passage, Passage::Leg(_));
+            if is_leg {
+                residual[row] = landing.surface;
+                for k in 0..n {
+                    jacobian[(row, place + k)] = landing.surface_slopes[k];
+                }
+                jacobian[(row, place + n)] = landing.surface_rate;
+                for k in 0..free {
+                    jacobian[(row, unknowns - free + k)] = landing.surface_slopes[n + k];
+                }
+                row += 1;
+            }
+            for i in 0..n {
+                residual[row] = at[next + i] - landing.image[i];
+                jacobian[(row, next + i)] += R::ONE;
+                for k in 0..n + free {
+                    let column = if k < n {
+                        place + k
+                    } else {
+                        unknowns - free + k - n
+                    };
+                    let mut slope = landing.image_slopes[(i, k)];
+                    if !is_leg && !timed {
+                        let late = landing.surface_slopes[k] / landing.surface_rate;
+                        slope -= landing.image_rate[i] * late;
+                    }
+                    jacobian[(row, column)] -= slope;
+                }
+                if is_leg {
+                    jacobian[(row, place + n)] -= landing.image_rate[i];
+                }
+                if timed {
+                    // The duration follows the period.
+                    if let Some(lap) = &lap {
+                        for (k, &slope) in lap.slopes.iter().enumerate() {
+                            jacobian[(row, unknowns - free + k)] -= landing.image_rate[i] * slope;
+                        }
+                    }
+                }
+                if is_last {
+                    let turning = turns
+                        .iter()
+                        .zip(&self.counts)
+                        .find(|(turn, _)| turn.state == i);
+                    if let Some((turn, &times)) = turning {
+                        let times = R::splat(times as f64);
+                        residual[row] += turn.period * times;
+                        for (k, &slope) in turn.slopes.iter().enumerate() {
+                            jacobian[(row, unknowns - free + k)] += slope * times;
+                        }
+                    }
+                }
+                row += 1;
+            }
+        }
+        let last = row - n;
+        // A timed orbit of a system with time has no equation for when it starts: it starts there.
+        let all_timed = (self.steps.iter()).all(|step| matches!(step.passage, Passage::Timed(_)));
+        let clock = workshop
+            .closure
+            .time
+            .or_else(|| self.clock())
+            .filter(|_| all_timed);
+        if let Some(i) = clock {
+            jacobian.row_mut(last + i).fill(R::ZERO);
+            jacobian[(last + i, self.places[0] + i)] = R::ONE;
+            residual[last + i] = at[self.places[0] + i] - self.pins[i];
+        }
+        for free in &workshop.closure.idle {
+            let i = last + free.state;
+            for &(other, times) in &free.others {
+                let times = R::splat(times);
+                for column in 0..unknowns {
+                    let moved = jacobian[(i, column)];
+                    jacobian[(last + other, column)] -= times * moved;
+                }
+                let moved = residual[i];
+                residual[last + other] -= times * moved;
+            }
+        }
+        for free in &workshop.closure.idle {
+            let i = last + free.state;
+            jacobian.row_mut(i).fill(R::ZERO);
+            jacobian[(i, self.places[0] + free.state)] = R::ONE;
+            residual[i] = at[self.places[0] + free.state] - self.pins[free.state];
+        }
+        self.latest = landings;
+        self.watching = Some(at.to_vec());
+        Ok(Linearised { residual, jacobian })
+    }
+
+    /// Function number `index`: for each step the rate before the event at its end, zero where it grazes; then what vanishes
+    /// where a pair of multipliers is on the unit circle; then the user's functions.
+    fn monitor(&mut self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
+        if index == self.pair_function() {
+            return differenced(self, at, |shooting, at| {
+                shooting.evaluate(at)?;
+                let found = neutral(&shooting.multipliers());
+                let (off, ..) =
+                    found.ok_or_else(|| Left::because("there are no two multipliers"))?;
+                Ok(R::splat(off))
+            });
+        }
+        if let Some(index) = index.checked_sub(self.user_function(0)) {
+            return self.function(index, at);
+        }
+        if self.watching.as_deref() != Some(at) {
+            self.evaluate(at)?;
+        }
+        let n = self.workshop.model.states.len();
+        let free = self.workshop.free.len();
+        let place = self.places[index];
+        let landing = &self.latest[index];
+        let mut gradient = vec![R::ZERO; at.len()];
+        gradient[place..place + n].copy_from_slice(&landing.rate_slopes[..n]);
+        for k in 0..free {
+            gradient[at.len() - free + k] = landing.rate_slopes[n + k];
+        }
+        if let Some(duration) = self.duration_place(index) {
+            gradient[duration] = landing.surface_acceleration;
+        }
+        Ok((landing.surface_rate, gradient))
+    }
+
+    fn wrap(&self) -> Wrap {
+        let n = self.workshop.model.states.len();
+        let free = self.workshop.free.len();
+        let last = self.scales.len() - free - n;
+        let closure = &self.workshop.closure;
+        let entries = (0..n)
+            .filter(|&i| !closure.is_idle(i))
+            .map(|i| (last + i, self.places[0] + i, 1.0));
+        Wrap {
+            entries: entries.collect(),
+        }
+    }
+}

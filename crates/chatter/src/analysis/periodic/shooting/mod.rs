@@ -1,0 +1,351 @@
+//! The equations of a periodic orbit: nodes after chosen events, and the times between them.
+//!
+//! For each leg from node x_k, of duration tau_k, to the surface g_k with the map R_k there (docs/periodic.md)
+//!
+//! ```text
+//! g_k(phi_tau_k(x_k)) = 0,        x_(k+1) - R_k(phi_tau_k(x_k)) = 0,        x_N = x_0 + turns
+//! ```
+//!
+//! Each is regular where an event grazes. A stretch through complete chatter is followed as it is, and its time eliminated.
+//!
+//! ```text
+//! workshop    a model with its compiled legs, and the user's functions
+//! equations   residual and Jacobian
+//! monodromy   the derivative of one period, and its eigenvalues
+//! along       what there is to see on the way of an orbit
+//! ```
+
+mod along;
+mod equations;
+mod monodromy;
+mod workshop;
+
+pub(crate) use workshop::Workshop;
+
+use super::closure::{Closure, Lap, Turn};
+use super::cycle::itinerary::{Passage, Step};
+use super::error::PeriodicError;
+use crate::analysis::continuation::Left;
+use crate::flow::leg::{Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch};
+use crate::flow::{Closed, Settings};
+use crate::numerics::Real;
+use std::sync::Arc;
+
+/// Sizes of states, where nothing is known of one that of the largest.
+pub(crate) fn without_zeros(mut sizes: Vec<f64>) -> Vec<f64> {
+    let largest = sizes.iter().fold(0.0_f64, |most, x| most.max(*x));
+    let usual = if largest > 0.0 { largest } else { 1.0 };
+    for size in sizes.iter_mut().filter(|size| **size == 0.0) {
+        *size = usual;
+    }
+    sizes
+}
+
+/// How the parts of an orbit are computed.
+#[derive(Clone, Debug)]
+enum Flown<R: Real> {
+    Leg(Arc<Leg>, usize),
+    Stretch(Arc<Stretch>, Box<Follower<R>>),
+}
+
+/// The equations of one itinerary.
+#[derive(Clone, Debug)]
+pub(crate) struct Shooting<R: Real> {
+    pub workshop: Arc<Workshop>,
+    pub steps: Vec<Step>,
+    /// Whole turns of each phase in a period.
+    pub counts: Vec<i64>,
+    flown: Vec<Flown<R>>,
+    flyers: Vec<(LegKind, Flyer<R>)>,
+    /// Where each node begins among the unknowns.
+    places: Vec<usize>,
+    pub(super) scales: Vec<f64>,
+    /// Where states that nothing depends on are held.
+    pub(super) pins: Vec<R>,
+    /// The latest point looked at, and how its legs ended.
+    pub latest: Vec<Landing<R>>,
+    watching: Option<Vec<R>>,
+    /// The least values that were looked at last, and where.
+    seen: Option<(Vec<R>, Vec<Vec<Least>>)>,
+    /// The state that was told last: of several crossings of the section the nearest is told next.
+    pub told: Option<Vec<f64>>,
+}
+
+/// Sizes of states that fall below this part of what they were.
+const NEXT_TO_NOTHING: f64 = 1e-6;
+/// A leg that would take this many times as long as its guess is given up.
+const LONGEST: f64 = 4.0;
+
+impl<R: Real> Shooting<R> {
+    pub(crate) fn new(
+        workshop: &Arc<Workshop>,
+        steps: Vec<Step>,
+        counts: Vec<i64>,
+    ) -> Result<Self, PeriodicError> {
+        let settings = Settings::default();
+        let unfollowed = || PeriodicError::Unfollowed {
+            what: "a mode that holds no motion".to_owned(),
+        };
+        let mut flown = Vec::with_capacity(steps.len());
+        let mut flyers: Vec<(LegKind, Flyer<R>)> = Vec::new();
+        let mut places = Vec::with_capacity(steps.len());
+        let n = workshop.model.states.len();
+        let mut unknowns = 0;
+        for step in &steps {
+            places.push(unknowns);
+            unknowns += n;
+            match step.passage {
+                Passage::Leg(kind) | Passage::Timed(kind) => {
+                    let leg = workshop.leg(kind).ok_or_else(unfollowed)?;
+                    let place = flyers.iter().position(|(of, _)| *of == kind);
+                    let place = place.unwrap_or_else(|| {
+                        flyers.push((kind, leg.flyer(&settings)));
+                        flyers.len() - 1
+                    });
+                    unknowns += usize::from(matches!(step.passage, Passage::Leg(_)));
+                    flown.push(Flown::Leg(leg, place));
+                }
+                Passage::Stretch(kind) => {
+                    let stretch = workshop.stretch(kind).ok_or_else(unfollowed)?;
+                    let follower = stretch.follower(&settings);
+                    flown.push(Flown::Stretch(stretch, Box::new(follower)));
+                }
+            }
+        }
+        let mut shooting = Self {
+            workshop: workshop.clone(),
+            steps,
+            counts,
+            flown,
+            flyers,
+            places,
+            scales: Vec::new(),
+            pins: Vec::new(),
+            latest: Vec::new(),
+            watching: None,
+            seen: None,
+            told: None,
+        };
+        shooting.rescale();
+        Ok(shooting)
+    }
+
+    /// Sizes from the nodes as they are known.
+    fn rescale(&mut self) {
+        let n = self.workshop.model.states.len();
+        let mut sizes = vec![0.0_f64; n];
+        let model = &self.workshop.model;
+        let parameters = self.workshop.parameters::<f64>(&[]);
+        for step in &self.steps {
+            for ((size, x), state) in sizes.iter_mut().zip(&step.start).zip(&model.states) {
+                // A position is zero at all its impacts, yet has a size: that of how far it moves.
+                let rate = model
+                    .graph
+                    .evaluate(state.derivative, &step.start, &parameters);
+                let moves = (rate * step.duration).abs();
+                *size = size
+                    .max(x.abs())
+                    .max(if moves.is_finite() { moves } else { 0.0 });
+            }
+        }
+        // A phase that goes round no times is a state like others.
+        let turns = self.workshop.closure.turns(&parameters).unwrap_or_default();
+        for (turn, _) in turns
+            .iter()
+            .zip(&self.counts)
+            .filter(|(_, count)| **count != 0)
+        {
+            sizes[turn.state] = turn.period;
+        }
+        let sizes = without_zeros(sizes);
+        let period: f64 = self.steps.iter().map(|step| step.duration).sum();
+        let mut scales = Vec::new();
+        for step in &self.steps {
+            scales.extend(&sizes);
+            if matches!(step.passage, Passage::Leg(_)) {
+                scales.push(period);
+            }
+        }
+        scales.extend(&self.workshop.sizes);
+        self.scales = scales;
+        self.pins = (self.steps.first())
+            .map(|step| step.start.iter().map(|&x| R::splat(x)).collect())
+            .unwrap_or_default();
+    }
+
+    /// Keeps sizes that states had before, where next to nothing is left of them.
+    pub(crate) fn keep_sizes(&mut self, before: &[f64]) {
+        for &place in &self.places {
+            for (size, &before) in self.scales[place..].iter_mut().zip(before) {
+                if *size < NEXT_TO_NOTHING * before {
+                    *size = before;
+                }
+            }
+        }
+    }
+
+    /// The size of each state.
+    pub(crate) fn state_sizes(&self) -> Vec<f64> {
+        self.scales[..self.workshop.model.states.len()].to_vec()
+    }
+
+    /// Adds the turns of a period to the phases of all nodes.
+    pub(crate) fn turn_on(&self, nodes: &mut [f64], at: &[R]) {
+        let parameters = self.workshop.parameters::<f64>(
+            &self
+                .free(at)
+                .iter()
+                .map(|p| p.to_f64())
+                .collect::<Vec<f64>>(),
+        );
+        let Ok(turns) = self.workshop.closure.turns(&parameters) else {
+            return;
+        };
+        for (turn, &count) in turns.iter().zip(&self.counts) {
+            for &place in &self.places {
+                nodes[place + turn.state] += turn.period * count as f64;
+            }
+        }
+    }
+
+    /// The unknowns as first guessed, at these free parameters.
+    pub(crate) fn guess(&self, free: &[f64]) -> Vec<R> {
+        let mut at = Vec::with_capacity(self.scales.len());
+        for step in &self.steps {
+            at.extend(step.start.iter().map(|&x| R::splat(x)));
+            if matches!(step.passage, Passage::Leg(_)) {
+                at.push(R::splat(step.duration));
+            }
+        }
+        at.extend(free.iter().map(|&p| R::splat(p)));
+        at
+    }
+
+    /// Takes a solution as what later guesses and sizes start from.
+    pub(crate) fn adopt(&mut self, at: &[R]) {
+        self.steps = self.current_steps(at);
+    }
+
+    /// The steps with their nodes and times as they are at a point.
+    pub(crate) fn current_steps(&self, at: &[R]) -> Vec<Step> {
+        let current = |(index, step): (usize, &Step)| {
+            let latest = || Some(self.latest.get(index)?.duration);
+            let duration = (self.duration_place(index).map(|place| at[place])).or_else(latest);
+            Step {
+                start: self.node(at, index).iter().map(|x| x.to_f64()).collect(),
+                duration: duration.map_or(step.duration, |duration| duration.to_f64()),
+                ..step.clone()
+            }
+        };
+        self.steps.iter().enumerate().map(current).collect()
+    }
+
+    /// Contacts that are closed when a step begins.
+    pub(crate) fn closed_before(&self, index: usize) -> Closed {
+        let count = self.steps.len();
+        self.steps[(index + count - 1) % count].closed
+    }
+
+    /// Impacts a period; none where infinitely many.
+    pub(crate) fn impacts(&self) -> Option<u64> {
+        let impacts = |step: &Step| match step.passage {
+            Passage::Stretch(kind) => (kind.accumulations == 0).then_some(kind.impacts as u64),
+            _ => Some(u64::from(step.impact().is_some())),
+        };
+        self.steps.iter().map(impacts).sum()
+    }
+
+    /// The node that a step starts from.
+    pub(crate) fn node<'a>(&self, at: &'a [R], index: usize) -> &'a [R] {
+        let n = self.workshop.model.states.len();
+        &at[self.places[index]..self.places[index] + n]
+    }
+
+    /// Place of the duration of a step among the unknowns.
+    pub(crate) fn duration_place(&self, index: usize) -> Option<usize> {
+        let n = self.workshop.model.states.len();
+        matches!(self.steps[index].passage, Passage::Leg(_)).then(|| self.places[index] + n)
+    }
+
+    pub(crate) fn free<'a>(&self, at: &'a [R]) -> &'a [R] {
+        &at[at.len() - self.workshop.free.len()..]
+    }
+
+    /// The model's parameters followed by those of a step's pieces.
+    fn parameters_of(&self, parameters: &[R], step: &Step) -> Vec<R> {
+        let mut all = parameters.to_vec();
+        let system = &self.workshop.system;
+        let graph = &system.model().graph;
+        for (index, &piece) in step.pieces.iter().enumerate() {
+            all.extend(
+                system
+                    .corners()
+                    .slots_of::<R>(graph, index, piece)
+                    .unwrap_or_default(),
+            );
+        }
+        all
+    }
+
+    /// How long a leg without an event lasts: its part of the time that the phases take for their turns.
+    fn timed(&self, turns: &[Turn<R>]) -> Option<Lap<R>> {
+        let timed = (self.steps.iter()).filter(|step| matches!(step.passage, Passage::Timed(_)));
+        let legs = R::splat(timed.count().max(1) as f64);
+        let Lap { time, slopes } = Closure::time_of(turns, &self.counts)?;
+        Some(Lap {
+            time: time / legs,
+            slopes: slopes.into_iter().map(|slope| slope / legs).collect(),
+        })
+    }
+
+    fn land(
+        &mut self,
+        at: &[R],
+        turns: &[Turn<R>],
+        parameters: &[R],
+    ) -> Result<Vec<Landing<R>>, Left> {
+        let n = self.workshop.model.states.len();
+        let mut landings = Vec::with_capacity(self.steps.len());
+        let timed = self.timed(turns);
+        for index in 0..self.steps.len() {
+            let all = self.parameters_of(parameters, &self.steps[index]);
+            let place = self.places[index];
+            let x = &at[place..place + n];
+            let step = &self.steps[index];
+            let landing = match &mut self.flown[index] {
+                Flown::Leg(leg, flyer) => {
+                    let duration = match step.passage {
+                        Passage::Leg(_) => at[place + n],
+                        _ => timed.as_ref().map_or(R::ZERO, |lap| lap.time),
+                    };
+                    if duration <= R::ZERO || !duration.is_finite() {
+                        return Err(Left::because(format_args!(
+                            "the time between events {index} and {} vanishes",
+                            index + 1
+                        )));
+                    }
+                    leg.fly(&mut self.flyers[*flyer].1, &all, x, duration)
+                        .map_err(Left::because)?
+                }
+                Flown::Stretch(stretch, follower) => {
+                    let longest = R::splat(LONGEST * step.duration);
+                    let followed = stretch.follow(follower, &all, x, longest);
+                    followed.map_err(|astray| match astray {
+                        Astray::Failed(error) => Left::because(error),
+                        Astray::Otherwise => Left::because("chatter is not complete"),
+                        Astray::Crosses => Left::because(
+                            "derivatives are not carried through complete chatter whose flights cross a surface",
+                        ),
+                    })?
+                }
+            };
+            landings.push(landing);
+        }
+        Ok(landings)
+    }
+
+    /// The period, known after an evaluation.
+    pub(crate) fn period(&self) -> R {
+        (self.latest.iter()).fold(R::ZERO, |sum, landing| sum + landing.duration)
+    }
+}

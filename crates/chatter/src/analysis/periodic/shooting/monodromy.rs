@@ -1,0 +1,166 @@
+//! The derivative of one period, and the multipliers.
+
+use super::{Flown, Shooting};
+use crate::analysis::periodic::cycle::itinerary::{Passage, held};
+use crate::flow::leg::Landing;
+use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues, pairs};
+
+/// So many roundoffs of the largest entry of a matrix are what its eigenvalues may be off by.
+const ROUNDED: f64 = 64.0;
+/// An impact of so small a part of the largest rate has none: rates go to zero as roots of the distance do.
+const NO_RATE: f64 = 1e-5;
+
+impl<R: Real> Shooting<R> {
+    /// The derivative of the map from the first node to itself, events' times taken with it.
+    pub(crate) fn monodromy(&self) -> Matrix<R> {
+        let n = self.workshop.model.states.len();
+        let mut product = Matrix::identity(n);
+        for landing in &self.latest {
+            product = transfer(landing, n).times(&product);
+        }
+        product
+    }
+
+    /// How many of the multipliers are zero by dimension: what the modes hold is forgotten.
+    fn lost(&self) -> usize {
+        let system = &self.workshop.system;
+        let modes = self.steps.iter().map(|step| held(system, step.mode()));
+        let closed = (self.steps.iter()).map(|step| 2 * step.closed.contacts().count());
+        modes.chain(closed).max().unwrap_or(0)
+    }
+
+    /// All multipliers but the trivial one, the largest first.
+    pub(crate) fn multipliers(&self) -> Vec<Complex> {
+        let n = self.workshop.model.states.len();
+        let product = self.monodromy();
+        let has_events = (self.steps.iter()).any(|step| !matches!(step.passage, Passage::Timed(_)));
+        let turning: Vec<usize> = (self.workshop.closure.time.into_iter())
+            .chain(self.clock())
+            .collect();
+        let kept: Vec<usize> = (0..n)
+            .filter(|&i| !self.workshop.closure.is_idle(i))
+            .filter(|i| has_events || !turning.contains(i))
+            .collect();
+        let mut reduced = Matrix::zeros(kept.len(), kept.len());
+        for (row, &i) in kept.iter().enumerate() {
+            for (column, &k) in kept.iter().enumerate() {
+                reduced[(row, column)] = product[(i, k)].to_f64();
+            }
+        }
+        let entries = (0..kept.len()).flat_map(|row| reduced.row(row));
+        let larger = |most: f64, x: &f64| {
+            if x.is_finite() {
+                most.max(x.abs())
+            } else {
+                f64::INFINITY
+            }
+        };
+        let largest = entries.fold(0.0, larger);
+        if largest == f64::INFINITY {
+            let beyond = Complex {
+                re: f64::INFINITY,
+                im: 0.0,
+            };
+            return vec![beyond; kept.len() - usize::from(has_events)];
+        }
+        let mut found = eigenvalues(&reduced);
+        if has_events {
+            // On the surface of an event there is no displacement in time.
+            found.pop();
+        }
+        let left = found.len().saturating_sub(self.lost());
+        let is_product_known = left == 2 && found.len() == 2 && has_events && found[0].im == 0.0;
+        if is_product_known {
+            // The product of both is a sum of minors, known better than an eigenvalue that is far smaller than the other.
+            let minors = self.minors(&kept);
+            found[1] = Complex {
+                re: minors.to_f64() / found[0].re,
+                im: 0.0,
+            };
+        }
+        // What the largest rounds away of the others is nothing.
+        let unknown = ROUNDED * f64::EPSILON * largest;
+        for (place, value) in found.iter_mut().enumerate() {
+            if place >= left || (!is_product_known && value.modulus() <= unknown) {
+                *value = Complex::default();
+            }
+        }
+        found
+    }
+
+    /// Whether an impact has lost its rate: multipliers have a pole there.
+    pub(crate) fn grazes(&self) -> bool {
+        let impacts = self.steps.iter().zip(&self.latest);
+        let rates = impacts.filter(|(step, _)| step.impact().is_some());
+        let rates = rates.map(|(_, landing)| landing.surface_rate.abs().to_f64());
+        let (least, largest) = rates.fold((f64::INFINITY, 0.0_f64), |(least, largest), rate| {
+            (least.min(rate), largest.max(rate))
+        });
+        least <= NO_RATE * largest.max(f64::MIN_POSITIVE)
+    }
+
+    /// The sum of the monodromy matrix's minors of two of these rows and columns.
+    fn minors(&self, kept: &[usize]) -> R {
+        let n = self.workshop.model.states.len();
+        let mut product = Matrix::identity(n * (n - 1) / 2);
+        for landing in &self.latest {
+            product = transfer(landing, n).minors().times(&product);
+        }
+        (pairs(n).enumerate())
+            .filter(|(_, (i, k))| kept.contains(i) && kept.contains(k))
+            .fold(R::ZERO, |sum, (place, _)| sum + product[(place, place)])
+    }
+
+    /// The phase that turns by itself, where no time does.
+    pub(super) fn clock(&self) -> Option<usize> {
+        let turns = self
+            .workshop
+            .closure
+            .turns::<f64>(&self.workshop.parameters(&[]))
+            .ok()?;
+        (turns.iter().zip(&self.counts))
+            .find(|(_, count)| **count != 0)
+            .map(|(turn, _)| turn.state)
+    }
+
+    /// The multiplier along the flow, which is one: how well the derivatives know it. None where time is no state of the
+    /// motion.
+    pub(crate) fn trivial_multiplier(&mut self, at: &[R]) -> Option<f64> {
+        if self.workshop.closure.time.is_some() {
+            return None;
+        }
+        let n = self.workshop.model.states.len();
+        let parameters = self.workshop.parameters(self.free(at));
+        let mut product = R::ONE;
+        for index in 0..self.steps.len() {
+            let all = self.parameters_of(&parameters, &self.steps[index]);
+            let x = &at[self.places[index]..self.places[index] + n];
+            let Flown::Leg(leg, flyer) = &self.flown[index] else {
+                continue;
+            };
+            let field = leg.field(&mut self.flyers[*flyer].1, &all, x);
+            let landing = self.latest.get(index)?;
+            if landing.surface_rate == R::ZERO {
+                return None;
+            }
+            product *= dot(&landing.surface_slopes[..n], &field) / landing.surface_rate;
+        }
+        Some(product.to_f64())
+    }
+}
+
+/// The derivative of a leg's image by its start, the event's time taken with it.
+fn transfer<R: Real>(landing: &Landing<R>, n: usize) -> Matrix<R> {
+    let mut transfer = Matrix::zeros(n, n);
+    let timed = landing.surface_rate == R::ZERO;
+    for i in 0..n {
+        for k in 0..n {
+            let mut slope = landing.image_slopes[(i, k)];
+            if !timed {
+                slope -= landing.image_rate[i] * landing.surface_slopes[k] / landing.surface_rate;
+            }
+            transfer[(i, k)] = slope;
+        }
+    }
+    transfer
+}

@@ -1,0 +1,165 @@
+//! A model with its compiled legs, and functions of the user's.
+
+use crate::analysis::periodic::closure::Closure;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::expressions::{Expr, Graph, Symbol};
+use crate::flow::leg::{Leg, LegKind, Stretch, StretchKind};
+use crate::flow::{Corner, GuardKind, System};
+use crate::model::Model;
+use crate::numerics::Real;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A model with its compiled legs, shared by all orbits that are looked at.
+#[derive(Debug)]
+pub(crate) struct Workshop {
+    pub model: Model,
+    pub system: System,
+    pub closure: Closure,
+    /// Positions of the free parameters.
+    pub free: Vec<usize>,
+    /// Sizes of the free parameters.
+    pub sizes: Vec<f64>,
+    /// Functions of the user's.
+    pub monitors: Vec<Monitor>,
+    /// The section at which states are told.
+    pub section: Option<usize>,
+    /// Contacts whose restitution is a matter of parameters alone, the free ones among them.
+    pub restitution_follows: Vec<usize>,
+    legs: Mutex<Vec<(LegKind, Arc<Leg>)>>,
+    stretches: Mutex<Vec<(StretchKind, Arc<Stretch>)>>,
+}
+
+/// A function of the state that an orbit is told from, and of parameters, with its derivatives.
+#[derive(Clone, Debug)]
+pub(crate) struct Monitor {
+    pub(super) value: Expr,
+    pub(super) by_state: Vec<Expr>,
+    pub(super) by_parameter: Vec<Expr>,
+}
+
+impl Monitor {
+    fn new(model: &mut Model, value: Expr, free: &[usize]) -> Self {
+        let mut graph = model.graph.clone();
+        let by_state = (0..model.states.len())
+            .map(|i| graph.derivative(value, Symbol::State(i)))
+            .collect();
+        let by_parameter = (free.iter())
+            .map(|&p| {
+                let rates = model.parameter_rates(&mut graph, p);
+                let along = graph.directional_derivatives(&[value], &|symbol| match symbol {
+                    Symbol::Parameter(i) => rates.get(i).copied(),
+                    Symbol::State(_) => None,
+                });
+                along[0]
+            })
+            .collect();
+        model.graph = graph;
+        Self {
+            value,
+            by_state,
+            by_parameter,
+        }
+    }
+}
+
+impl Monitor {
+    /// Its value.
+    pub(crate) fn at(&self, graph: &Graph, state: &[f64], parameters: &[f64]) -> f64 {
+        graph.evaluate(self.value, state, parameters)
+    }
+}
+
+impl Workshop {
+    pub(crate) fn new(
+        model: &Model,
+        (free, sizes): (&[usize], &[f64]),
+        closure: Closure,
+        (section, monitors): (Option<usize>, &[Expr]),
+    ) -> Result<Self, PeriodicError> {
+        let system = System::new(model).map_err(PeriodicError::System)?;
+        let mut model = model.clone();
+        let monitors = (monitors.iter())
+            .map(|&value| Monitor::new(&mut model, value, free))
+            .collect();
+        let follows = |index: &usize| {
+            let restitution = model.contacts[*index].restitution;
+            !model.graph.depends_on_state(restitution) && depends_on(&model, restitution, free)
+        };
+        Ok(Self {
+            restitution_follows: (0..model.contacts.len()).filter(follows).collect(),
+            system,
+            model,
+            monitors,
+            closure,
+            free: free.to_vec(),
+            sizes: sizes.to_vec(),
+            section,
+            legs: Mutex::default(),
+            stretches: Mutex::default(),
+        })
+    }
+
+    pub(super) fn leg(&self, kind: LegKind) -> Option<Arc<Leg>> {
+        let mut known = self.legs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, leg)) = known.iter().find(|(of, _)| *of == kind) {
+            return Some(leg.clone());
+        }
+        let leg = Arc::new(self.system.leg(kind, &self.free, self.section)?);
+        known.push((kind, leg.clone()));
+        Some(leg)
+    }
+
+    pub(super) fn stretch(&self, kind: StretchKind) -> Option<Arc<Stretch>> {
+        let mut known = (self.stretches.lock()).unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, stretch)) = known.iter().find(|(of, _)| *of == kind) {
+            return Some(stretch.clone());
+        }
+        let stretch = Arc::new(self.system.stretch(kind, &self.free)?);
+        known.push((kind, stretch.clone()));
+        Some(stretch)
+    }
+
+    /// What happens where a guard vanishes.
+    pub(crate) fn named(&self, guard: GuardKind) -> String {
+        let contact = |index: usize| &self.model.contacts[index].name;
+        let corner = |corner: Corner| self.system.corner_name(corner);
+        match guard {
+            GuardKind::Gap(index) => format!("an impact at `{}`", contact(index)),
+            GuardKind::Reaction(index) => format!("a release of `{}`", contact(index)),
+            GuardKind::Jam(index) => format!("the jamming of `{}`", contact(index)),
+            GuardKind::Section(index) => format!("`{}`", self.model.sections[index].name),
+            GuardKind::Switch(index) => {
+                format!("a crossing of {} = 0", corner(Corner::Surface(index)))
+            }
+            GuardKind::Leave(index, _) => {
+                format!(
+                    "the end of sliding along {} = 0",
+                    corner(Corner::Surface(index))
+                )
+            }
+            GuardKind::Piece(index, _) => {
+                format!("the end of a piece at {}", corner(Corner::Lookup(index)))
+            }
+        }
+    }
+
+    /// All parameters, with the free ones at these values.
+    pub(crate) fn parameters<R: Real>(&self, free: &[R]) -> Vec<R> {
+        let values: Vec<(usize, R)> = (self.free.iter().copied())
+            .zip(free.iter().copied())
+            .collect();
+        self.model.parameter_values(&values)
+    }
+}
+
+/// Whether a formula depends on some of these parameters, be it through others.
+fn depends_on(model: &Model, formula: Expr, parameters: &[usize]) -> bool {
+    let used = model.graph.symbols(formula);
+    parameters.iter().any(|&parameter| {
+        let mut graph = model.graph.clone();
+        let rates = model.parameter_rates(&mut graph, parameter);
+        let zero = graph.number(0.0);
+        (rates.iter().enumerate())
+            .any(|(index, &rate)| rate != zero && used.contains(&Symbol::Parameter(index)))
+    })
+}

@@ -1,0 +1,149 @@
+//! Orbits of what is driven through lookups, floors and steps, and of events that share an instant.
+
+use super::{orbit, with};
+use chatter::numerics::{Complex, Real};
+
+fn near(found: Complex, (re, im): (f64, f64)) -> bool {
+    (found.re - re).abs() + (found.im.abs() - im).abs() < 1e-9
+}
+
+/// A linear oscillator driven by a table: its multipliers are those without the drive.
+#[test]
+fn a_phase_in_a_table_alone_is_a_phase() {
+    const DRIVEN: &str = r#"
+[table.f]
+x = [0, 1, 2, 3, 4, 5]
+y = [0, 0.4, 1, 0.5, -0.3, 0]
+kind = "periodic-cubic"
+[flight]
+ph = "3"
+x = "v"
+v = "-x - 0.1*v + f(ph)"
+[initial]
+ph = 0
+x = 0
+v = 0
+"#;
+    let found = orbit(&with(DRIVEN, &[]));
+    let period = 5.0 / 3.0;
+    assert!((found.period.to_f64() - period).abs() < 1e-14);
+    let (size, turn) = ((-0.05_f64 * period).exp(), 0.9975_f64.sqrt() * period);
+    let expected = (size * turn.cos(), size * turn.sin());
+    assert_eq!(found.multipliers.len(), 2);
+    assert!(
+        near(found.multipliers[0], expected),
+        "{:?}",
+        found.multipliers
+    );
+}
+
+#[test]
+fn time_in_a_step_of_a_saw_alone_is_a_phase() {
+    const SWITCHED: &str = r#"
+[flight]
+x = "v"
+v = "-x - 0.1*v + step(0.4 - mod(t, 1))"
+[initial]
+x = 0
+v = 0
+"#;
+    let found = orbit(&with(SWITCHED, &[]));
+    assert!((found.period.to_f64() - 1.0).abs() < 1e-14);
+    let (size, turn) = ((-0.05_f64).exp(), 0.9975_f64.sqrt());
+    let expected = (size * turn.cos(), size * turn.sin());
+    assert!(
+        near(found.multipliers[0], expected),
+        "{:?}",
+        found.multipliers
+    );
+}
+
+#[test]
+fn a_saw_forgets() {
+    const SAW: &str = "[flight]\nph = 1\nx = \"-x + mod(ph, 2)\"\n[initial]\nph = 0\nx = 0\n";
+    let found = orbit(&with(SAW, &[]));
+    assert!((found.period.to_f64() - 2.0).abs() < 1e-14);
+    let [only] = &found.multipliers[..] else {
+        panic!("{:?}", found.multipliers);
+    };
+    assert!((only.re - (-2.0_f64).exp()).abs() < 1e-14);
+}
+
+/// Force and reset change where x = 0: of the two the surface is crossed first, in each period.
+#[test]
+fn a_switch_and_a_reset_at_one_instant_keep_their_order() {
+    const BOTH: &str = r#"
+[parameters]
+om = 1.7
+[flight]
+x = "v"
+v = "-x - 0.2*v + cos(om*t) - 0.1*sign(x)"
+[[event]]
+name = "k"
+surface = "x"
+direction = "either"
+reset = { v = "0.8*v" }
+[initial]
+x = 0.1
+v = 0
+"#;
+    for om in ["0.7", "1.7", "2.3"] {
+        let found = orbit(&with(BOTH, &[("om", om)]));
+        let forcing = core::f64::consts::TAU / om.parse::<f64>().unwrap();
+        let periods = found.period.to_f64() / forcing;
+        assert!((periods - 1.0).abs() < 1e-12, "om = {om}: {periods}");
+    }
+}
+
+/// A ball whose restitution falls with speed, in chaos: what it settles to by chance is no orbit that it stays at.
+#[test]
+fn chaos_is_not_stable() {
+    const BALL: &str = r#"
+[definitions]
+table = "cos(3*t)/3"
+[flight]
+y = "v"
+v = "-1"
+[[contact]]
+name = "table"
+gap = "y - table"
+impulse = { v = 1 }
+restitution = "0.9/(1 + 0.3*abs(v + sin(3*t)))"
+[initial]
+y = 1
+v = 0
+"#;
+    let found = orbit(&with(BALL, &[]));
+    assert_eq!(found.multipliers.len(), 2);
+    assert!(!found.is_stable());
+}
+
+/// What rounds away beside the largest multiplier is zero: right is 1.28e-19, by the product of all.
+#[test]
+fn multipliers_below_rounding_are_zero() {
+    const DAMPER: &str = r#"
+[flight]
+x = "v"
+v = "cos(0.9*t) - 0.04*v - x"
+y = "w"
+w = "0"
+[[contact]]
+name = "right"
+gap = "1 - (y - x)"
+impulse = { v = 0.1, w = -1 }
+restitution = 0.6
+[[contact]]
+name = "left"
+gap = "1 + (y - x)"
+impulse = { v = -0.1, w = 1 }
+restitution = 0.6
+[initial]
+x = 0
+v = 1
+y = 0.1
+w = 0.5
+"#;
+    let found = orbit(&with(DAMPER, &[]));
+    let last = found.multipliers.last().unwrap();
+    assert_eq!((last.re, last.im), (0.0, 0.0), "{:?}", found.multipliers);
+}

@@ -1,0 +1,187 @@
+//! Special points that are passed once are told once, with the period and the multipliers of the orbit there.
+
+use super::{GRAZES, nearest, over, value, with};
+use chatter::analysis::periodic::{End, SpecialKind};
+
+/// Dry friction on the second of two masses: where its rate turns between two crossings of another surface a crossing comes in.
+#[test]
+fn a_touch_under_friction_is_told_once() {
+    const RUBBED: &str = r#"
+[parameters]
+omega = 0.9
+[flight]
+x = "v"
+v = "cos(omega*t) - x - 0.5*(x - y) - 0.05*v"
+y = "w"
+w = "0.5*(x - y) - y - 0.05*w - 0.2*sign(w)"
+[[contact]]
+name = "stop"
+gap = "0.8 - x"
+impulse = { v = -1 }
+restitution = 0.7
+[initial]
+x = 0
+v = 0
+y = 0
+w = 0
+"#;
+    let found = over(&with(RUBBED, &[]), "omega", (0.7, 1.2), (40, 0.02));
+    let special = &found[0].special;
+    let touches = special.iter().filter(|s| s.kind == SpecialKind::Touch);
+    let touches: Vec<f64> = touches.map(value).collect();
+    let expected = [0.738_791_403_991_805_6, 0.944_209_099_337_010_6];
+    assert_eq!(touches.len(), expected.len(), "{touches:?}");
+    assert!((touches.iter().zip(expected)).all(|(touch, at)| (touch - at).abs() < 1e-12));
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+}
+
+/// An oscillator that excites itself and just reaches its stop: beyond, nothing tells where a period begins.
+#[test]
+fn the_graze_of_the_only_event_is_told_once() {
+    const EXCITED: &str = r#"
+[parameters]
+s = 1.9
+[flight]
+x = "v"
+v = "0.5*(1 - x^2)*v - x"
+[[contact]]
+name = "stop"
+gap = "s - x"
+impulse = { v = -1 }
+restitution = 0.5
+[initial]
+x = 0.5
+v = 0
+"#;
+    let found = over(&with(EXCITED, &[]), "s", (1.8, 2.2), (40, 0.05));
+    let grazes = found[0].special.iter().filter(|s| GRAZES.contains(&s.kind));
+    let grazes: Vec<f64> = grazes.map(value).collect();
+    let [graze] = grazes[..] else {
+        panic!("{grazes:?}");
+    };
+    assert!((graze - 2.002_487_930_447_108_6).abs() < 1e-12);
+}
+
+/// Drag changes its sign with the rate that vanishes at a graze: the impact goes out, and its surface stays to be crossed.
+#[test]
+fn an_impact_goes_out_where_drag_turns() {
+    const VALVE: &str = r#"
+[parameters]
+omega = 1.5
+[flight]
+x = "v"
+v = "-0.3 + sin(omega*t) - x - 0.3*v*abs(v)"
+[[contact]]
+name = "seat"
+gap = "x"
+impulse = { v = 1 }
+restitution = 0.5
+[[contact]]
+name = "limit"
+gap = "0.8 - x"
+impulse = { v = -1 }
+restitution = 0.15
+[initial]
+x = 0.1
+v = 0
+"#;
+    let found = over(&with(VALVE, &[]), "omega", (1.5, 2.0), (40, 0.02));
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+    let grazes = found[0].special.iter().filter(|s| GRAZES.contains(&s.kind));
+    let grazes: Vec<_> = grazes.collect();
+    let [graze] = grazes[..] else {
+        panic!("{grazes:?}");
+    };
+    assert!(
+        (value(graze) - 1.953_604_781_279_665).abs() < 1e-12,
+        "{}",
+        value(graze)
+    );
+    assert_eq!(graze.point.impacts, Some(1));
+    assert_eq!(graze.persists, Some(true));
+}
+
+const TUBE: &str = r#"
+[parameters]
+omega = 1.7
+[flight]
+a = "p"
+p = "-a - 0.08*p + cos(omega*t)"
+b = "q"
+q = "-6.25*b - 0.1*q + 0.6*cos(omega*t)"
+[[contact]]
+name = "mid"
+gap = "0.4 - (a + 0.5*b)"
+impulse = { p = -1, q = -0.5 }
+restitution = 0.7
+[[contact]]
+name = "end"
+gap = "0.3 + (a - 0.7*b)"
+impulse = { p = 1, q = -0.7 }
+restitution = 0.7
+[initial]
+a = 0
+p = 0
+b = 0
+q = 0
+"#;
+
+/// Just before a closed branch comes back to where it began.
+#[test]
+fn the_last_gap_of_a_closed_branch_is_looked_at() {
+    for step in [0.02, 0.0031 / 0.4] {
+        let found = over(&with(TUBE, &[]), "omega", (1.5, 1.9), (80, step));
+        assert!(found[0].ends.contains(&End::Closed));
+        let special = nearest(
+            &found,
+            &[SpecialKind::PeriodDoubling],
+            1.700_129_595_768_155_7,
+        );
+        assert!((value(&special) - 1.700_129_595_768_155_7).abs() < 1e-12);
+    }
+}
+
+/// The period of an orbit under a forcing is the forcing's, to the last digit, at a graze of two impacts at once, too; and no
+/// multiplier is told where it has a pole.
+#[test]
+fn a_double_graze_has_the_period_of_the_forcing() {
+    const BELL: &str = r#"
+[parameters]
+omega = 1.25
+[flight]
+a = "p"
+p = "-sin(a) - 0.1*p + 0.6*cos(omega*t)"
+b = "q"
+q = "-3*sin(b) - 0.05*q"
+[[contact]]
+name = "one"
+gap = "0.35 - (b - a)"
+impulse = { p = 0.2, q = -1 }
+restitution = 0.5
+[[contact]]
+name = "other"
+gap = "0.35 + (b - a)"
+impulse = { p = -0.2, q = 1 }
+restitution = 0.5
+[initial]
+a = 0.1
+p = 0
+b = 0
+q = 0
+"#;
+    let found = over(&with(BELL, &[]), "omega", (1.19, 1.26), (40, 0.02));
+    let grazes =
+        (found.iter().flat_map(|branch| &branch.special)).filter(|s| GRAZES.contains(&s.kind));
+    let grazes: Vec<_> = grazes.collect();
+    assert!(grazes.len() > 1);
+    for graze in grazes {
+        assert!((value(graze) - 1.206_326_243_735_055_3).abs() < 1e-12);
+        let forcing = core::f64::consts::TAU / value(graze);
+        assert!(
+            (graze.point.period / forcing - 1.0).abs() < 1e-13,
+            "{}",
+            graze.point.period
+        );
+        assert!(graze.point.multipliers.iter().all(|m| m.modulus() < 1e3));
+    }
+}
