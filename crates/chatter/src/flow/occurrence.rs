@@ -113,7 +113,9 @@ pub enum Occurrence<R> {
 
 impl<R> Occurrence<R> {
     /// An impact of one contact after which it is open, by the rates before and after.
-    pub(crate) const fn ordinary_impact(contact: usize, (rate_before, rate_after): (R, R)) -> Self
+    pub(crate) const fn ordinary_impact(
+        (contact, (rate_before, rate_after)): (usize, (R, R)),
+    ) -> Self
     where
         R: Copy,
     {

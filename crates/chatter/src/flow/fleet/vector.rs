@@ -336,7 +336,7 @@ impl<'a, const L: usize> Vector<'a, L> {
                     let rest = verdict.rest_of_sequence.0[lane];
                     let is_told = trajectory.note_bounce(guard, (contact, rate), (time, rest));
                     let rates = (rate, work.impact[1].0[lane]);
-                    is_told.then(|| Occurrence::ordinary_impact(contact, rates))
+                    is_told.then(|| Occurrence::ordinary_impact((contact, rates)))
                 })
             }
         };

@@ -1,8 +1,8 @@
 //! A step of one trajectory alone, with what it changes if it is an ordinary one: one kernel, so that all of it is compiled for what
 //! the processor offers.
 
+use super::ordinary::Bounce;
 use super::{StepResult, Trajectory};
-use crate::flow::occurrence::Occurrence;
 use crate::flow::program::Program;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;
@@ -19,7 +19,7 @@ pub(super) struct StepAlone<'a, R: Real> {
 /// What became of the trajectory.
 pub(super) enum Stepped<R> {
     /// An ordinary step, and what is to be told of it.
-    Ordinary(Option<Occurrence<R>>),
+    Ordinary(Option<Bounce<R>>),
     /// Something else, of which the mode machine knows more; the state is in place.
     Event(StepResult<R>),
     /// A step that could not be certified; nothing is changed.

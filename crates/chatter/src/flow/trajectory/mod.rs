@@ -185,6 +185,15 @@ impl<R: Real> Trajectory<R> {
         self.horizon_low = low;
     }
 
+    /// Whether no time is left. Asked of the time without its remainder first: what has just been stored as two numbers and is read as
+    /// a pair stalls the processor.
+    #[inline(always)]
+    fn is_over(&self) -> bool {
+        let ahead = self.horizon - self.time;
+        let is_clear = ahead > self.time.abs() * R::splat(4.0 * R::ROUNDOFF);
+        !is_clear && self.remaining() <= R::ZERO
+    }
+
     #[inline(always)]
     pub(crate) fn remaining(&self) -> R {
         let horizon = (self.horizon, self.horizon_low);
@@ -232,7 +241,7 @@ impl<R: Real> Trajectory<R> {
             return self.collide_on(system, work);
         }
         let program = self.program(system)?;
-        let stays = self.completion.is_some() || self.remaining() <= R::ZERO;
+        let stays = self.completion.is_some() || self.is_over();
         if stays && self.may_have_crossed {
             self.may_have_crossed = false;
             if let Some(told) = self.cross_here(system, work, program)? {
@@ -242,7 +251,7 @@ impl<R: Real> Trajectory<R> {
         if let Some((contact, end)) = self.completion.take() {
             return self.complete(system, work, contact, &end).map(Some);
         }
-        if self.remaining() <= R::ZERO {
+        if self.is_over() {
             return Ok(Some(Occurrence::Horizon));
         }
         let step = StepAlone {
@@ -252,7 +261,7 @@ impl<R: Real> Trajectory<R> {
             program,
         };
         match dispatch_narrow(step) {
-            Stepped::Ordinary(told) => Ok(told),
+            Stepped::Ordinary(told) => Ok(told.map(Occurrence::ordinary_impact)),
             Stepped::Event(result) => self.digest_event(system, work, program, &result),
             Stepped::Uncertain => self.advance_settled(system, work, program),
         }
@@ -430,7 +439,7 @@ impl<R: Real> Trajectory<R> {
         result: &StepResult<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         if let Some(told) = self.digest_ordinary(system, program, result) {
-            return Ok(told);
+            return Ok(told.map(Occurrence::ordinary_impact));
         }
         self.digest_event(system, work, program, result)
     }

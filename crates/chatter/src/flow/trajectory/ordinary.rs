@@ -3,7 +3,6 @@
 use super::{StepResult, Trajectory};
 use crate::flow::flight::{Course, Flight, Outcome, largest};
 use crate::flow::guard::{Guard, Transition};
-use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, IMPACT_SCALARS, Program};
 use crate::flow::system::System;
 use crate::flow::touching::{Left, Touching};
@@ -42,6 +41,10 @@ pub(crate) struct Caught<R> {
     pub ended_at: Option<usize>,
 }
 
+/// An ordinary impact that is to be told: its contact, and the rates before and after. As numbers: what was just put together and is
+/// moved as a whole stalls the processor.
+pub(super) type Bounce<R> = (usize, (R, R));
+
 impl<R: Real> Trajectory<R> {
     /// Lets so many ordinary impacts pass without telling of them. What happened is told by [`untold`](Self::untold).
     pub fn let_pass(&mut self, most: u64) {
@@ -66,7 +69,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         program: &Program,
         result: &StepResult<R>,
-    ) -> Option<Option<Occurrence<R>>> {
+    ) -> Option<Option<Bounce<R>>> {
         let is_simple = result.touched.is_none() && result.crowd == Closed::NONE;
         if !(is_simple && program.is_free) {
             return None;
@@ -134,7 +137,7 @@ impl<R: Real> Trajectory<R> {
         course: &Course<R>,
         (index, program): (usize, &Program),
         &[rate, rate_after, ..]: &[R; IMPACT_SCALARS],
-    ) -> Option<Occurrence<R>> {
+    ) -> Option<Bounce<R>> {
         let guard = &program.guards[index];
         let contact = guard.closing()?;
         self.keep(course);
@@ -145,7 +148,7 @@ impl<R: Real> Trajectory<R> {
             (contact, rate),
             (course.time, course.rest_of_sequence),
         );
-        is_told.then(|| Occurrence::ordinary_impact(contact, (rate, rate_after)))
+        is_told.then_some((contact, (rate, rate_after)))
     }
 
     /// What holds after an ordinary impact.
