@@ -53,6 +53,7 @@ pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};
 pub(crate) use mechanics::{OnSides, Rubbing};
 pub use model::{Contact, Definition, Friction, Label, Model, Parameter, Section, State};
 pub use phase::Phase;
+pub(crate) use phase::greatest_common_divisor;
 pub use simultaneous::Simultaneous;
 pub use tabulated::Table;
 pub use visible::visible;

@@ -80,7 +80,7 @@ fn fraction(value: f64) -> Option<(i64, i64)> {
     }
 }
 
-fn greatest_common_divisor(a: i64, b: i64) -> i64 {
+pub(crate) fn greatest_common_divisor(a: i64, b: i64) -> i64 {
     if b == 0 {
         a
     } else {

@@ -9,6 +9,7 @@ use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
+use crate::model::greatest_common_divisor;
 use crate::numerics::{Complex, DoubleDouble, Real, Scalar};
 use std::sync::Arc;
 
@@ -147,7 +148,10 @@ pub(crate) fn shorter(
 
 /// The same of an orbit on which nothing happens: no node tells that it was gone around more than once, but its shorter parts do.
 fn part_of_timed(shooting: &Shooting<f64>, at: &[f64]) -> Option<Cycle> {
-    let most = (shooting.counts.iter()).fold(0, |common, &count| gcd(common, count.abs()));
+    let counts = shooting.counts.iter();
+    let most = counts.fold(0, |common, count| {
+        greatest_common_divisor(common, count.abs())
+    });
     (2..=most).rev().find_map(|parts| {
         if most % parts != 0 {
             return None;
@@ -166,10 +170,6 @@ fn part_of_timed(shooting: &Shooting<f64>, at: &[f64]) -> Option<Cycle> {
             distance,
         })
     })
-}
-
-const fn gcd(a: i64, b: i64) -> i64 {
-    if a == 0 { b } else { gcd(b % a, a) }
 }
 
 /// An orbit whose equations are solved in doubles, told in longer numbers.
