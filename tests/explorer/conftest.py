@@ -90,8 +90,13 @@ class View:
 
     def complete(self) -> dict[str, str]:
         """Waits until the diagram is there."""
-        until(lambda: self.data("diagram").get("state") in ("complete", "refused"), "the diagram")
-        data = self.data("diagram")
+
+        def done() -> dict[str, str] | None:
+            data = self.data("diagram")
+            return data if data.get("state") in ("complete", "refused") else None
+
+        # What was found: after a zoom it may be computing again at once.
+        data: dict[str, str] = until(done, "the diagram")
         assert data["state"] == "complete", self.page.locator("#diagram .error").text_content()
         return data
 

@@ -74,6 +74,10 @@ TWO = ("returns on a curve",)
 MOTION = ("#history", "#portrait", "#returns", "#impacts", "#mechanism")
 
 
+def filled(lines: list[str]) -> list[str] | None:
+    return lines if all(lines) else None
+
+
 class Menu:
     """What a view gives."""
 
@@ -88,7 +92,9 @@ class Menu:
         found = self.page.locator(at)
         self.menu = found if at.endswith(".gifts") else found.locator("xpath=..")
         self.menu.locator("summary").click()
-        self.command, self.python = (text or "" for text in self.menu.locator("code").all_text_contents())
+        # An opened menu is filled in a moment later: "toggle" is told in its turn.
+        lines: list[str] = until(lambda: filled(self.menu.locator("code").all_text_contents()), "the lines of the menu")
+        self.command, self.python = lines
 
     def file(self, kind: str, path: Path) -> Path:
         """What is saved; the last one where there are several."""
