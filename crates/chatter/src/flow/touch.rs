@@ -141,7 +141,7 @@ impl Touches {
         }
         let slopes = Tape::new(graph, dimension, &[], &slopes);
         let slidings = (0..contacts.len())
-            .map(|contact| sliding(&mut mechanics, contact, coordinates))
+            .map(|contact| sliding(&mut mechanics, contact, (coordinates, directions)))
             .collect();
         let mut touches = Self {
             values,
@@ -223,7 +223,7 @@ impl Touches {
         slopes
     }
 
-    /// The rate of sliding of a contact with friction, and what makes it larger by one.
+    /// The rate of sliding of a contact with friction, and what stopping it adds to the state and its columns at the event's point.
     pub(crate) fn sliding<R: Real>(
         &self,
         constants: &TouchConstants<R>,
@@ -235,8 +235,8 @@ impl Touches {
         let mut values = vec![R::ZERO; tape.outputs.len()];
         let own = &constants.slidings[contact];
         Expansion::new(&[tape]).evaluate(tape, own, state, low, &mut values);
-        let direction = values.split_off(1);
-        Some((values[0], direction))
+        let stop = values.split_off(1);
+        Some((values[0], stop))
     }
 
     /// Everything at a state and its rounding remainders.
@@ -268,7 +268,11 @@ impl Touches {
     }
 }
 
-fn sliding(mechanics: &mut Mechanics, contact: usize, coordinates: usize) -> Option<Tape> {
+fn sliding(
+    mechanics: &mut Mechanics,
+    contact: usize,
+    (coordinates, directions): (usize, &[Direction]),
+) -> Option<Tape> {
     let rub = mechanics.rubs.iter().find(|rub| rub.contact == contact)?;
     let (rate, along) = (rub.rate, rub.along.clone());
     let gap_rate = mechanics.contacts[contact].rate;
@@ -283,9 +287,20 @@ fn sliding(mechanics: &mut Mechanics, contact: usize, coordinates: usize) -> Opt
         })
         .collect();
     let change = graph.lie_derivative(rate, &level);
+    let stop: Vec<Expr> = (level.iter())
+        .map(|&part| {
+            let direction = graph.div(part, change);
+            let taken = graph.mul(direction, rate);
+            graph.neg(taken)
+        })
+        .collect();
     let mut outputs = vec![rate];
-    outputs.extend(level.iter().map(|&part| graph.div(part, change)));
-    Some(Tape::new(graph, coordinates, &[], &outputs))
+    outputs.extend(&stop);
+    for direction in directions {
+        outputs.extend(direction.along(graph, coordinates, &stop));
+    }
+    let dimension = coordinates * (1 + directions.len());
+    Some(Tape::new(graph, dimension, &[], &outputs))
 }
 
 /// Outputs of a tape at a state and its rounding remainders, each with its terms.

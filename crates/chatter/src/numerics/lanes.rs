@@ -30,6 +30,82 @@ pub struct LaneMask<const L: usize>([u64; L]);
 
 const TRUE: u64 = u64::MAX;
 
+/// Some of at most 64 lanes, by number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LaneSet(u64);
+
+impl LaneSet {
+    /// No lane.
+    pub const NONE: Self = Self(0);
+
+    /// The first so many.
+    #[inline(always)]
+    pub fn first(count: usize) -> Self {
+        Self(match count {
+            64.. => u64::MAX,
+            _ => (1 << count) - 1,
+        })
+    }
+
+    /// How many there are.
+    #[inline(always)]
+    pub fn count(self) -> usize {
+        self.0.count_ones() as usize
+    }
+
+    /// Whether a lane is one of them.
+    #[inline(always)]
+    pub fn has(self, lane: usize) -> bool {
+        self.0 >> lane & 1 != 0
+    }
+
+    /// With one more.
+    #[inline(always)]
+    pub fn with(self, lane: usize) -> Self {
+        Self(self.0 | 1 << lane)
+    }
+
+    /// Those among so many from a first one on.
+    #[inline(always)]
+    pub fn among(self, first: usize, count: usize) -> Self {
+        Self(self.0 & Self::first(count).0 << first)
+    }
+
+    /// Those that are not among others.
+    #[inline(always)]
+    pub fn without(self, others: Self) -> Self {
+        Self(self.0 & !others.0)
+    }
+}
+
+impl BitAnd for LaneSet {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for LaneSet {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+/// From the first lane on.
+impl Iterator for LaneSet {
+    type Item = usize;
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros() as usize;
+        let is_any = self.0 != 0;
+        self.0 &= self.0.wrapping_sub(1);
+        is_any.then_some(lane)
+    }
+}
+
 impl<const L: usize> LaneMask<L> {
     #[inline(always)]
     fn of(function: impl Fn(usize) -> bool) -> Self {
@@ -40,6 +116,16 @@ impl<const L: usize> LaneMask<L> {
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> bool {
         self.0[lane] != 0
+    }
+
+    /// The lanes that are true.
+    #[inline(always)]
+    pub fn set(&self) -> LaneSet {
+        let mut bits = 0;
+        for (lane, &value) in self.0.iter().enumerate() {
+            bits |= (value & 1) << lane;
+        }
+        LaneSet(bits)
     }
 }
 

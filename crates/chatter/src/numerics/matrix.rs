@@ -149,6 +149,18 @@ pub fn pairs(size: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..size).flat_map(move |first| (first + 1..size).map(move |second| (first, second)))
 }
 
+/// The vector whose only entry is a one.
+pub fn unit<R: Real>(size: usize, index: usize) -> Vec<R> {
+    let mut unit = vec![R::ZERO; size];
+    unit[index] = R::ONE;
+    unit
+}
+
+/// A point moved by a part of a vector.
+pub fn moved<R: Real>(from: &[R], by: &[R], part: R) -> Vec<R> {
+    from.iter().zip(by).map(|(&x, &v)| x + v * part).collect()
+}
+
 /// The scalar product of two vectors.
 pub fn dot<R: Real>(a: &[R], b: &[R]) -> R {
     a.iter().zip(b).fold(R::ZERO, |sum, (&a, &b)| sum + a * b)
@@ -241,6 +253,12 @@ impl<R: Real> Factored<R> {
             x[i] = (x[i] - known) / self.factors[(i, i)];
         }
         x
+    }
+
+    /// The columns of the inverse.
+    pub fn inverse(&self) -> impl Iterator<Item = Vec<R>> {
+        let size = self.order.len();
+        (0..size).map(move |index| self.solve(&unit(size, index)))
     }
 
     /// x of A^T x = b.

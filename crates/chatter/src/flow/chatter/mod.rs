@@ -16,6 +16,7 @@ pub(crate) use limit::{SequenceConstants, SequenceExprs, SequenceMap, SequenceTa
 
 use limit::LimitPoint;
 use pace::Pace;
+pub(crate) use pace::REMEMBERED;
 use tableau::{Limit, Weights, extrapolate};
 
 use super::border_value::border_value;
@@ -149,6 +150,12 @@ impl<R: Real> ChatterTracker<R> {
     #[inline(always)]
     pub(crate) fn keep_pace(&mut self, contact: usize, time: R, rest: R) {
         self.pace.observe(contact, time, rest);
+    }
+
+    /// As [`keep_pace`](Self::keep_pace), for impacts that so many more follow that they are not remembered.
+    #[inline(always)]
+    pub(crate) fn pass_over(&mut self, contact: usize, impacts: usize) {
+        self.pace.pass_over(contact, impacts);
     }
 
     /// Restitution that the border of complete chatter was computed for last, and that border.

@@ -3,7 +3,7 @@
 use crate::numerics::Real;
 
 /// Impacts remembered for each contact: enough to span those of another that come between.
-const REMEMBERED: usize = 8;
+pub(crate) const REMEMBERED: usize = 8;
 
 /// The estimate takes a sequence for one that slows down by this factor at least over the impacts remembered.
 const SLOWEST: f64 = 0.9;
@@ -42,12 +42,23 @@ impl<R: Real> Pace<R> {
     /// Takes note of an impact.
     #[inline(always)]
     pub(super) fn observe(&mut self, contact: usize, time: R, rest: R) {
-        let recent = match contact {
-            0 => &mut self.first,
-            _ => self.other(contact - 1),
-        };
+        let recent = self.recent(contact);
         recent.impacts[recent.count % REMEMBERED] = (time, rest);
         recent.count += 1;
+    }
+
+    /// Counts impacts that would not be remembered any more.
+    #[inline(always)]
+    pub(super) fn pass_over(&mut self, contact: usize, impacts: usize) {
+        self.recent(contact).count += impacts;
+    }
+
+    #[inline(always)]
+    fn recent(&mut self, contact: usize) -> &mut Recent<R> {
+        match contact {
+            0 => &mut self.first,
+            _ => self.other(contact - 1),
+        }
     }
 
     fn other(&mut self, index: usize) -> &mut Recent<R> {

@@ -1,21 +1,24 @@
 //! Packs the steps of many trajectories into lanes. Nothing else knows of lanes.
 //!
 //! Each trajectory keeps its own time, step, order and mode. Those whose next step runs the same program at the same
-//! order with the same roots divided out wait in one queue; a full queue makes a full vector. What a lane computes does
+//! order with the same roots divided out are one cohort; as many as there are lanes make a full vector. What a lane computes does
 //! not depend on its neighbours, so results do not depend on packing, width or thread count.
 
+mod cohort;
 mod rows;
 mod shared;
 mod vector;
 
 use super::error::FlowError;
 use super::occurrence::Occurrence;
+use super::program::Program;
 use super::step::{ORDER_CLASSES, Workspace};
 use super::system::{Settings, System};
 use super::touching::Touching;
 use super::trajectory::Trajectory;
+use cohort::{Cohort, Start};
 use core::sync::atomic::{AtomicBool, Ordering};
-use vector::{Ended, Vector, VectorStep};
+use vector::{Common, Ended, Vector, VectorStep};
 
 /// What becomes of a trajectory after an occurrence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,11 +57,13 @@ const FEW: usize = 4;
 
 /// Trajectories whose next steps run the same program with the same roots divided out.
 #[derive(Debug)]
-struct Queue {
+struct Queue<const L: usize> {
     mode: usize,
     touching: Touching,
+    /// The impact that these steps begin with.
+    start: Option<Start>,
     /// By order class, those that can share a vector.
-    waiting: [Vec<usize>; ORDER_CLASSES],
+    cohorts: [Cohort<L>; ORDER_CLASSES],
 }
 
 struct Fleet<'s, 't, const L: usize, V> {
@@ -67,7 +72,7 @@ struct Fleet<'s, 't, const L: usize, V> {
     visit: V,
     vector: Vector<'s, L>,
     single: Workspace<f64>,
-    queues: Vec<Queue>,
+    queues: Vec<Queue<L>>,
     /// The queue that was joined last: often the next one, too.
     joined: usize,
 }
@@ -104,6 +109,11 @@ where
         {
             self.step(queue, class);
         }
+        for place in 0..self.queues.len() {
+            for class in 0..ORDER_CLASSES {
+                self.disembark(place, class);
+            }
+        }
         for (index, trajectory) in self.trajectories.iter_mut().enumerate() {
             self.vector.catch_up(index, trajectory);
         }
@@ -114,12 +124,13 @@ where
         let mut best = None;
         let mut length = 0;
         for (place, queue) in self.queues.iter().enumerate() {
-            for (class, waiting) in queue.waiting.iter().enumerate() {
-                if waiting.len() >= L {
+            for (class, cohort) in queue.cohorts.iter().enumerate() {
+                let count = cohort.len();
+                if count >= L {
                     return Some((place, class));
                 }
-                if waiting.len() > length {
-                    length = waiting.len();
+                if count > length {
+                    length = count;
                     best = Some((place, class));
                 }
             }
@@ -147,20 +158,21 @@ where
         };
         let (class, unit) = trajectory.plan();
         self.vector.take_in((index, trajectory, unit), program);
-        let place = self.queue(mode, touching);
-        self.queues[place].waiting[class].push(index);
+        let place = self.queue(mode, touching, program);
+        self.queues[place].cohorts[class].waiting.push(index);
     }
 
-    /// The queue of trajectories in this mode with so many roots to divide out.
+    /// The queue of trajectories in this mode, which has this program, with so many roots to divide out.
     #[inline]
-    fn queue(&mut self, mode: usize, touching: Touching) -> usize {
-        let same = |queue: &Queue| queue.mode == mode && queue.touching == touching;
+    fn queue(&mut self, mode: usize, touching: Touching, program: &Program) -> usize {
+        let same = |queue: &Queue<L>| queue.mode == mode && queue.touching == touching;
         if !self.queues.get(self.joined).is_some_and(same) {
             self.joined = self.queues.iter().position(same).unwrap_or_else(|| {
                 self.queues.push(Queue {
                     mode,
                     touching,
-                    waiting: Default::default(),
+                    start: Start::of(program, touching),
+                    cohorts: core::array::from_fn(|_| Cohort::new()),
                 });
                 self.queues.len() - 1
             });
@@ -168,23 +180,31 @@ where
         self.joined
     }
 
-    /// Takes up to a vector of trajectories from a queue and moves each by one step.
-    fn step(&mut self, place: usize, class: usize) {
+    /// Lets all of a cohort wait in their rows.
+    fn disembark(&mut self, place: usize, class: usize) {
         let queue = &mut self.queues[place];
-        let (mode, touching) = (queue.mode, queue.touching);
-        let waiting = &mut queue.waiting[class];
+        if let Some(program) = self.system.program(queue.mode) {
+            let (cohort, start) = (&mut queue.cohorts[class], queue.start);
+            (self.vector).disembark(cohort, self.trajectories, (start, program));
+        }
+    }
+
+    /// Moves up to a vector of trajectories of a queue by one step each.
+    fn step(&mut self, place: usize, class: usize) {
+        let Queue {
+            mode,
+            touching,
+            start,
+            ref mut cohorts,
+        } = self.queues[place];
+        let cohort = &mut cohorts[class];
         let Some(program) = self.system.program(mode) else {
-            waiting.clear();
+            cohort.waiting.clear();
             return;
         };
-        let count = waiting.len().min(L);
-        let first = waiting.len() - count;
-        // Lanes that are left over repeat the first.
-        let mut members = [waiting[first]; L];
-        members[..count].copy_from_slice(&waiting[first..]);
-        waiting.truncate(first);
-        if count <= FEW {
-            for &index in &members[..count] {
+        if cohort.len() <= FEW {
+            self.disembark(place, class);
+            for index in core::mem::take(&mut self.queues[place].cohorts[class].waiting) {
                 let trajectory = &mut self.trajectories[index];
                 self.vector.catch_up(index, trajectory);
                 let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);
@@ -192,13 +212,23 @@ where
             }
             return;
         }
+        let common = Common {
+            mode,
+            program,
+            class,
+            touching,
+            start,
+        };
+        let newcomers = self.vector.board(cohort, start, self.trajectories);
         self.vector.enter(mode);
-        self.vector.step(&members, mode, program, class, touching);
+        let left = self.vector.step(cohort, newcomers, common);
         // What ordinary steps lead to is the same for all that end at the same guard.
         let mut known = None;
-        for (lane, &index) in members[..count].iter().enumerate() {
+        for lane in left {
+            let cohort = &self.queues[place].cohorts[class];
+            let index = cohort.members[lane];
             let trajectory = &mut self.trajectories[index];
-            let ended = (self.vector).give_back(lane, (index, trajectory), (program, touching));
+            let ended = (self.vector).give_back((cohort, lane), (index, trajectory), common);
             let outcome = match ended {
                 Ended::Ordinary {
                     at,
@@ -207,10 +237,10 @@ where
                 } => {
                     let place = match known {
                         Some((before, place)) if before == at => place,
-                        _ => self.queue(mode, Touching::after(at)),
+                        _ => self.queue(mode, Touching::after(at), program),
                     };
                     known = Some((at, place));
-                    self.queues[place].waiting[class].push(index);
+                    self.queues[place].cohorts[class].waiting.push(index);
                     continue;
                 }
                 Ended::Ordinary { told, .. } => {

@@ -2,12 +2,13 @@
 //!
 //! A trajectory that makes one ordinary step after another lives in its row, and its own fields wait: they are brought up to date
 //! when something else happens to it, which the mode machine sees to. So a step in lanes moves numbers between rows and lanes and
-//! touches hardly anything else of a trajectory.
+//! touches hardly anything else of a trajectory. Where one step is followed by another of the same kind the row waits, too
+//! ([`cohort`](super::cohort)).
 
 use super::shared::Shared;
 use crate::flow::step::ORDER_CLASSES;
 use crate::flow::trajectory::{Caught, Trajectory};
-use crate::numerics::{LaneMask, Lanes};
+use crate::numerics::{LaneSet, Lanes};
 use core::ops::Range;
 
 /// So many rows are read side by side, and so many numbers of each at once.
@@ -203,17 +204,33 @@ impl Rows {
         });
     }
 
-    /// Lays the rows of trajectories side by side, each number of theirs a vector.
+    /// Lays the rows of the newcomers among trajectories beside those of the others, each number of theirs a vector.
     ///
-    /// A few rows at a time: what is stored is then as wide as what is loaded from there.
+    /// Where neighbours are all new a few rows at a time: what is stored is then as wide as what is loaded from there.
     #[inline(always)]
-    pub fn gather<const L: usize>(&self, members: &[usize; L], block: &mut [Lanes<L>]) {
+    pub fn gather<const L: usize>(
+        &self,
+        members: &[usize; L],
+        newcomers: LaneSet,
+        block: &mut [Lanes<L>],
+    ) {
+        let row = |lane: usize| {
+            let start = members[lane] * self.stride;
+            &self.values[start..start + self.stride]
+        };
         for first in (0..L).step_by(ABREAST) {
-            let row = |lane: usize| {
-                let start = members[first + lane] * self.stride;
-                &self.values[start..start + self.stride]
-            };
-            let rows = [row(0), row(1), row(2), row(3)].map(|row| row.as_chunks::<ABREAST>().0);
+            let new = newcomers.among(first, ABREAST);
+            if new.count() < ABREAST {
+                for lane in new {
+                    for (wide, &value) in block.iter_mut().zip(row(lane)) {
+                        wide.0[lane] = value;
+                    }
+                }
+                continue;
+            }
+            let rows: [&[f64]; ABREAST] =
+                [row(first), row(first + 1), row(first + 2), row(first + 3)];
+            let rows = rows.map(|row| row.as_chunks::<ABREAST>().0);
             let rows = (rows[0].iter().zip(rows[1])).zip(rows[2].iter().zip(rows[3]));
             let blocks = block.as_chunks_mut::<ABREAST>().0;
             for (wide, ((a, b), (c, d))) in blocks.iter_mut().zip(rows) {
@@ -225,33 +242,26 @@ impl Rows {
         }
     }
 
-    /// Takes over what a step has made of trajectories whose rows were laid side by side, where it was an ordinary one.
-    ///
-    /// Of a few trajectories at once, for the same reason.
+    /// Takes over from rows that are side by side, in these lanes, what steps change.
     #[inline(always)]
     pub fn scatter<const L: usize>(
         &mut self,
         members: &[usize; L],
         block: &[Lanes<L>],
-        ordinary: LaneMask<L>,
+        lanes: LaneSet,
     ) {
         let changed = self.places.changed();
         let blocks = block[..changed].as_chunks::<ABREAST>().0;
-        for first in (0..L).step_by(ABREAST) {
-            for k in 0..ABREAST {
-                let lane = first + k;
-                if !ordinary.lane(lane) {
-                    continue;
-                }
-                let row = &mut self.values[members[lane] * self.stride..][..changed];
-                for (values, wide) in row.as_chunks_mut::<ABREAST>().0.iter_mut().zip(blocks) {
-                    *values = [
-                        wide[0].0[lane],
-                        wide[1].0[lane],
-                        wide[2].0[lane],
-                        wide[3].0[lane],
-                    ];
-                }
+        for lane in lanes {
+            let lane = lane.min(L - 1);
+            let row = &mut self.values[members[lane] * self.stride..][..changed];
+            for (values, wide) in row.as_chunks_mut::<ABREAST>().0.iter_mut().zip(blocks) {
+                *values = [
+                    wide[0].0[lane],
+                    wide[1].0[lane],
+                    wide[2].0[lane],
+                    wide[3].0[lane],
+                ];
             }
         }
     }

@@ -1,6 +1,7 @@
-//! One step of a vector of trajectories: their rows are laid side by side, the step is made, what is ordinary in it decided for all
-//! lanes at once, and each gets its own back.
+//! One step of a vector of trajectories: the rows of those who are new are laid beside the others, the step is made, what is ordinary
+//! in it decided for all lanes at once, and who does not stay for another gets its own back.
 
+use super::cohort::{Cohort, Start};
 use super::rows::{Places, Rows};
 use super::shared::Shared;
 use crate::flow::flight::{Flight, Outcome, largest, plan, reaches, remaining};
@@ -12,7 +13,7 @@ use crate::flow::system::{Settings, System};
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::{StepResult, Trajectory};
 use crate::numerics::dispatch::{Kernel, dispatch};
-use crate::numerics::{LaneMask, Lanes, Mask, Scalar, index_of};
+use crate::numerics::{LaneMask, LaneSet, Lanes, Mask, Scalar, index_of};
 
 /// A vector of trajectories. Those of a fleet take turns in it.
 #[derive(Debug)]
@@ -23,10 +24,8 @@ pub(super) struct Vector<'a, const L: usize> {
     swept: Vec<usize>,
     /// By number of the mode.
     shared: Vec<Option<Shared<L>>>,
-    /// All trajectories, those that are not in the vector, too.
+    /// All trajectories.
     rows: Rows,
-    /// The rows of those that are, side by side: before a step, then after it.
-    block: Vec<Lanes<L>>,
     /// The mode whose constants the workspace holds.
     loaded: Option<usize>,
     verdict: Verdict<L>,
@@ -39,6 +38,8 @@ struct Verdict<const L: usize> {
     certain: LaneMask<L>,
     /// Where it is an ordinary one, too.
     ordinary: LaneMask<L>,
+    /// Where it ended in the impact that the next step of the same cohort begins with, untold.
+    passed: LaneMask<L>,
     /// Where time is left then, with the order class of the next step.
     goes_on: LaneMask<L>,
     class: Lanes<L>,
@@ -63,17 +64,21 @@ pub(super) enum Ended {
     Uncertain,
 }
 
+/// What the steps of a cohort have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    pub mode: usize,
+    pub program: &'a Program,
+    pub class: usize,
+    pub touching: Touching,
+    /// The impact that they begin with.
+    pub start: Option<Start>,
+}
+
 /// The step of a vector. Not generic, so that it is compiled here and not again for every visitor of every user.
 pub(super) trait VectorStep<const L: usize> {
-    /// Makes a step with these trajectories, by number, whose mode was entered.
-    fn step(
-        &mut self,
-        members: &[usize; L],
-        mode: usize,
-        program: &Program,
-        class: usize,
-        touching: Touching,
-    );
+    /// Makes a step with a cohort, of which some have just boarded, in a mode that was entered. Says which lanes are left.
+    fn step(&mut self, cohort: &mut Cohort<L>, newcomers: LaneSet, common: Common<'_>) -> LaneSet;
 }
 
 macro_rules! vector_step {
@@ -81,29 +86,26 @@ macro_rules! vector_step {
         impl VectorStep<{ $width }> for Vector<'_, { $width }> {
             fn step(
                 &mut self,
-                members: &[usize; $width],
-                mode: usize,
-                program: &Program,
-                class: usize,
-                touching: Touching,
-            ) {
-                let Some(shared) = self.shared.get(mode).and_then(Option::as_ref) else {
+                cohort: &mut Cohort<{ $width }>,
+                newcomers: LaneSet,
+                common: Common<'_>,
+            ) -> LaneSet {
+                let Some(shared) = self.shared.get(common.mode).and_then(Option::as_ref) else {
                     self.verdict.certain = LaneMask::splat(false);
-                    return;
+                    return cohort.keep(LaneSet::NONE);
                 };
-                dispatch(LaneStep {
+                let stay = dispatch(LaneStep {
                     rows: &mut self.rows,
-                    members,
+                    cohort: &mut *cohort,
+                    newcomers,
                     shared,
-                    block: &mut self.block,
                     work: &mut self.work,
                     verdict: &mut self.verdict,
                     coordinates: self.system.coordinates(),
                     may_bounce: self.system.corners().is_empty(),
-                    program,
-                    class,
-                    touching,
-                })
+                    common,
+                });
+                cohort.keep(stay)
             }
         }
     };
@@ -117,65 +119,96 @@ vector_step!(4);
 
 struct LaneStep<'a, const L: usize> {
     rows: &'a mut Rows,
-    members: &'a [usize; L],
+    cohort: &'a mut Cohort<L>,
+    newcomers: LaneSet,
     shared: &'a Shared<L>,
-    block: &'a mut [Lanes<L>],
     work: &'a mut Workspace<Lanes<L>>,
     verdict: &'a mut Verdict<L>,
     coordinates: usize,
     may_bounce: bool,
-    program: &'a Program,
-    class: usize,
-    touching: Touching,
+    common: Common<'a>,
 }
 
 impl<const L: usize> Kernel for LaneStep<'_, L> {
-    type Output = ();
+    /// Who stays aboard.
+    type Output = LaneSet;
 
     #[inline(always)]
-    fn run(self) {
+    fn run(self) -> LaneSet {
         let Self {
+            rows,
+            cohort,
+            newcomers,
             work,
-            program,
-            block,
             verdict,
+            common,
             ..
         } = self;
-        let places = self.rows.places;
-        self.rows.gather(self.members, block);
+        let program = common.program;
+        let places = rows.places;
+        rows.gather(&cohort.members, newcomers, &mut cohort.block);
+        let aboard = cohort.aboard();
+        if aboard.count() < L {
+            cohort.fill_lanes();
+        }
+        let block = &mut cohort.block[..];
         load(work, self.shared, (places, block));
         let flight = flight(places, block);
         work.time = flight.time;
         work.horizon = flight.remaining();
-        let certain = work.try_step(program, self.class, self.touching);
-        store(work, (places, block));
+        let certain = work.try_step(program, common.class, common.touching);
         verdict.certain = certain;
         if !program.is_free {
             verdict.ordinary = LaneMask::splat(false);
-            return;
+            verdict.passed = LaneMask::splat(false);
+            return LaneSet::NONE;
         }
         let nowhere = work.event.less(Lanes::splat(0.0));
         let mut at_impact = LaneMask::splat(false);
+        let mut at_start = LaneMask::splat(false);
         for (index, guard) in program.guards.iter().enumerate() {
             if self.may_bounce && matches!(guard.transition, Transition::Impact { .. }) {
-                at_impact = at_impact | work.ends_step(index);
+                let here = work.ends_step(index);
+                at_impact = at_impact | here;
+                if common.start.is_some_and(|start| start.guard == index) {
+                    at_start = here;
+                }
             }
         }
         let (largest, is_finite) = largest(&work.state, self.coordinates);
         let (course, is_ordinary) = flight.follow(&work.outcome(), (nowhere, at_impact), largest);
-        verdict.ordinary = certain & is_ordinary & is_finite;
-        (verdict.class, block[places.unit()]) = plan(course.flight_time, &work.reach);
+        let ordinary = certain & is_ordinary & is_finite;
+        let passed = ordinary & at_start & cohort.impacts.may_pass();
+        let (class, unit) = plan(course.flight_time, &work.reach);
         let (horizon, now) = (
             (flight.horizon, flight.horizon_low),
             (course.time, course.time_low),
         );
-        verdict.goes_on = Lanes::splat(0.0).less(remaining(horizon, now));
-        verdict.rest_of_sequence = course.rest_of_sequence;
+        let goes_on = Lanes::splat(0.0).less(remaining(horizon, now));
+        let own = Lanes::splat(common.class as f64);
+        let stays = passed & goes_on & class.at_most(own) & own.at_most(class);
+        let (stays, are_ordinary) = (stays.set() & aboard, ordinary.set());
+        if common.start.is_some() {
+            let end = (course.time, course.rest_of_sequence);
+            cohort.impacts.note(passed, work.impact[0], end);
+            // The mode machine begins from the numbers before.
+            let others = aboard.without(newcomers).without(are_ordinary);
+            rows.scatter(&cohort.members, block, others);
+        }
+        store(work, (places, block));
+        block[places.unit()] = unit;
         block[places.time()] = course.time;
         block[places.time_low()] = course.time_low;
         block[places.flight_time()] = course.flight_time;
         block[places.longest_step()] = course.longest_step;
-        (self.rows).scatter(self.members, block, verdict.ordinary);
+        let leave = aboard.without(stays) & are_ordinary;
+        rows.scatter(&cohort.members, block, leave);
+        verdict.ordinary = ordinary;
+        verdict.passed = passed;
+        verdict.class = class;
+        verdict.goes_on = goes_on;
+        verdict.rest_of_sequence = course.rest_of_sequence;
+        stays
     }
 }
 
@@ -246,12 +279,12 @@ impl<'a, const L: usize> Vector<'a, L> {
                 .chain(slots)
                 .collect(),
             shared: Vec::new(),
-            block: vec![zero; rows.width()],
             rows,
             loaded: None,
             verdict: Verdict {
                 certain: nowhere,
                 ordinary: nowhere,
+                passed: nowhere,
                 goes_on: nowhere,
                 class: zero,
                 rest_of_sequence: zero,
@@ -274,7 +307,6 @@ impl<'a, const L: usize> Vector<'a, L> {
         {
             let shared = Shared::new(self.system, mode, program, &self.swept, constants);
             self.rows.widen(shared.varying());
-            self.block.resize(self.rows.width(), Lanes::splat(0.0));
             self.shared[mode] = Some(shared);
         }
         if let Some(shared) = &self.shared[mode] {
@@ -285,6 +317,26 @@ impl<'a, const L: usize> Vector<'a, L> {
     /// Brings a trajectory up to date with its row.
     pub fn catch_up(&mut self, index: usize, trajectory: &mut Trajectory<f64>) {
         self.rows.catch_up(index, trajectory);
+    }
+
+    /// Lets those of a cohort who wait aboard. Says which lanes are new.
+    pub fn board(
+        &self,
+        cohort: &mut Cohort<L>,
+        start: Option<Start>,
+        trajectories: &[Trajectory<f64>],
+    ) -> LaneSet {
+        cohort.board(start, trajectories, self.rows.width())
+    }
+
+    /// Lets all who are aboard wait in their rows.
+    pub fn disembark(
+        &mut self,
+        cohort: &mut Cohort<L>,
+        trajectories: &mut [Trajectory<f64>],
+        (start, program): (Option<Start>, &Program),
+    ) {
+        cohort.disembark(&mut self.rows, trajectories, (start, program));
     }
 
     /// Loads the constants of a mode that the trajectories share.
@@ -299,22 +351,29 @@ impl<'a, const L: usize> Vector<'a, L> {
         }
     }
 
-    /// Tells a trajectory of the end of its lane's step: of an ordinary one, which is in its row, what cannot wait, of another all
-    /// that is known.
+    /// Tells a trajectory that leaves its lane of the end of its step there: of an ordinary one, which is in its row, what cannot wait,
+    /// of another all that is known.
     #[inline(always)]
     pub fn give_back(
         &mut self,
-        lane: usize,
+        (cohort, lane): (&Cohort<L>, usize),
         (index, trajectory): (usize, &mut Trajectory<f64>),
-        (program, touching): (&Program, Touching),
+        common: Common<'_>,
     ) -> Ended {
         let Self {
             work,
             verdict,
             rows,
-            block,
             ..
         } = self;
+        let Common {
+            program, touching, ..
+        } = common;
+        let has_passed = verdict.passed.lane(lane);
+        if let Some(start) = common.start {
+            let told = (start, program);
+            cohort.tell(lane, (index, trajectory), told, (rows, !has_passed));
+        }
         if !verdict.ordinary.lane(lane) {
             rows.catch_up(index, trajectory);
             return self.give_to_mode_machine(lane, trajectory);
@@ -328,11 +387,12 @@ impl<'a, const L: usize> Vector<'a, L> {
                 trajectory.note_glide(touching, work.step.0[lane]);
                 None
             }
+            Some(_) if has_passed => None,
             Some(at) => {
                 let guard = &program.guards[at];
                 guard.closing().and_then(|contact| {
                     let rate = work.impact[0].0[lane];
-                    let time = block[rows.places.time()].0[lane];
+                    let time = cohort.block[rows.places.time()].0[lane];
                     let rest = verdict.rest_of_sequence.0[lane];
                     let is_told = trajectory.note_bounce(guard, (contact, rate), (time, rest));
                     let rates = (rate, work.impact[1].0[lane]);

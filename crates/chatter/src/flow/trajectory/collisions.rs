@@ -459,8 +459,8 @@ impl<R: Real> Trajectory<R> {
         Ok(touches.after_collision(constants, contact, &self.state, &self.low))
     }
 
-    /// The rate of sliding of a contact with friction, and the change of the state that makes it larger by one and leaves
-    /// the gap rate as it is.
+    /// The rate of sliding of a contact with friction, and the change of the state, and of columns at the event's point, that stops
+    /// it and leaves the gap rate as it is.
     pub(super) fn sliding(
         &self,
         system: &System,

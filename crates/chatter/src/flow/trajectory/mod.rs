@@ -38,8 +38,8 @@ use crate::numerics::dispatch::dispatch_narrow;
 use crate::numerics::{Real, index_of};
 use alone::{StepAlone, Stepped};
 use collisions::Collisions;
-pub(crate) use ordinary::Caught;
 use ordinary::Untold;
+pub(crate) use ordinary::{Caught, Passed};
 use stall::Stall;
 use std::collections::VecDeque;
 use tops::Tops;
@@ -78,6 +78,8 @@ pub struct Trajectory<R> {
     pub(crate) touching: Touching,
     /// The guards that were last left from rest, and how long ago.
     left: Left<R>,
+    /// What the latest step began with, if it was no longer than rounding.
+    at_instant: Touching,
     pub(crate) sides: Sides,
     pub(crate) reach: [R; ORDER_CLASSES],
     pub(crate) flight_time: R,
@@ -469,6 +471,11 @@ impl<R: Real> Trajectory<R> {
         };
         let negligible = self.negligible();
         let balanced = self.balanced(program);
+        self.at_instant = if step > negligible {
+            Touching::NONE
+        } else {
+            self.touching
+        };
         if !undisturbed {
             self.touching = Touching::NONE;
         } else if step > negligible {

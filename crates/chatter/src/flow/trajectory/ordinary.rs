@@ -1,6 +1,7 @@
 //! What an ordinary step changes of a trajectory, be it alone or in a lane.
 
 use super::{StepResult, Trajectory};
+use crate::flow::chatter::REMEMBERED;
 use crate::flow::flight::{Course, Flight, Outcome, largest};
 use crate::flow::guard::{Guard, Transition};
 use crate::flow::program::{Closed, IMPACT_SCALARS, Program};
@@ -26,6 +27,30 @@ impl<R: Real> Untold<R> {
         count: 0,
         times: [R::ZERO; 2],
     };
+
+    /// Lets so many pass.
+    #[inline(always)]
+    fn pass(&mut self, impacts: u64) {
+        self.allowed -= impacts;
+        self.count += impacts;
+    }
+
+    /// The time of one of them.
+    #[inline(always)]
+    fn keep(&mut self, time: R) {
+        self.times = [self.times[1], time];
+    }
+}
+
+/// Ordinary impacts of one contact that followed each other, and of which nothing is told.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passed<R> {
+    /// How many there were.
+    pub count: u64,
+    /// How many the sequence has with them.
+    pub sequence: u64,
+    /// The incoming rate of the latest.
+    pub rate: R,
 }
 
 /// Where ordinary steps have led.
@@ -179,14 +204,49 @@ impl<R: Real> Trajectory<R> {
         self.ended_by = Some(guard.kind);
         self.count_impact(contact, rate);
         self.tracker.keep_pace(contact, time, rest_of_sequence);
-        let untold = &mut self.untold;
-        if untold.allowed == 0 {
-            return true;
+        let is_told = self.untold.allowed == 0;
+        if !is_told {
+            self.untold.pass(1);
+            self.untold.keep(time);
         }
-        untold.allowed -= 1;
-        untold.count += 1;
-        untold.times = [untold.times[1], time];
-        false
+        is_told
+    }
+
+    /// What [`note_passed`](Self::note_passed) goes on from: how many impacts may pass untold, how many the sequence has, and the rate
+    /// that the next one's must exceed for it to go on, if it is one of this contact.
+    pub(crate) fn passing(&self, contact: usize) -> (u64, u64, Option<R>) {
+        let latest = self.latest_impact.filter(|&(before, _)| before == contact);
+        let rate = latest.map(|(_, rate)| rate);
+        (self.untold.allowed, self.sequence, rate)
+    }
+
+    /// Takes note of impacts that passed; `at` tells of each of the latest, by number, its time and how long the sequence may still go
+    /// on. What else they change may wait.
+    #[inline(always)]
+    pub(crate) fn note_passed(
+        &mut self,
+        guard: &Guard,
+        contact: usize,
+        passed: Passed<R>,
+        at: impl Fn(u64) -> (R, R),
+    ) {
+        let Passed {
+            count,
+            sequence,
+            rate,
+        } = passed;
+        self.ended_by = Some(guard.kind);
+        self.sequence = sequence;
+        self.latest_impact = Some((contact, rate));
+        self.untold.pass(count);
+        let forgotten = count.saturating_sub(REMEMBERED as u64);
+        self.tracker.pass_over(contact, forgotten as usize);
+        for number in forgotten..count {
+            let (time, rest_of_sequence) = at(number);
+            self.touched_at = time;
+            self.tracker.keep_pace(contact, time, rest_of_sequence);
+            self.untold.keep(time);
+        }
     }
 
     /// Takes over what has waited: the end of ordinary steps of which note was taken. States, remainders, sides and what orders

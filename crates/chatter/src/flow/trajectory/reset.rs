@@ -165,7 +165,8 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// An impulse with full friction that has turned the sliding round was larger than what stops it: the contact sticks
-    /// during the impact, and slides no more after it.
+    /// during the impact, and slides no more after it. With columns such an impact is one of several collisions, and they are those of
+    /// the event's point.
     pub(super) fn stop_sliding(
         &mut self,
         system: &System,
@@ -175,11 +176,11 @@ impl<R: Real> Trajectory<R> {
             return Ok(());
         };
         let before = R::splat(self.regime.get(rubbing.surface).sign());
-        let Some((rate, direction)) = self.sliding(system, contact)? else {
+        let Some((rate, stop)) = self.sliding(system, contact)? else {
             return Ok(());
         };
         if before == R::ZERO || rate * before < R::ZERO {
-            self.push(&direction, -rate);
+            self.push(&stop, R::ONE);
         }
         Ok(())
     }

@@ -160,8 +160,21 @@ impl<R: Real> Trajectory<R> {
         if self.sequence > 0 {
             return self.end_here(system, work, contact);
         }
+        self.rest_as_before(system, contact)?;
         self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
         Ok(Occurrence::Graze { contact, rate })
+    }
+
+    /// Other contacts that were left from rest in this instant are at rest still: no impact was none to them either.
+    fn rest_as_before(&mut self, system: &System, contact: usize) -> Result<(), FlowError> {
+        for (index, guard) in self.program(system)?.guards.iter().enumerate() {
+            let roots = self.at_instant.get(index);
+            let is_other = guard.closing().is_some_and(|other| other != contact);
+            if is_other && matches!(roots, 2 | 3) {
+                self.touching.set(index, roots);
+            }
+        }
+        Ok(())
     }
 
     /// Shows an impact to the tracker; the end of the sequence where it is certain.

@@ -64,6 +64,7 @@ impl<R: Real> Trajectory<R> {
             pieces: Vec::new(),
             touching: Touching::NONE,
             left: Left::NONE,
+            at_instant: Touching::NONE,
             sides: Sides::UNKNOWN,
             reach: [R::ZERO; ORDER_CLASSES],
             flight_time: R::splat(FOREVER),

@@ -265,3 +265,69 @@ proptest! {
         prop_assert!(off <= LARGEST_RATIO * told, "to thirty digits {stack:?}: off by {off:e}, told {told:e}");
     }
 }
+
+/// Both forces vanish at once where the table falls away faster than gravity: whichever is told first, the two fly together until
+/// the table comes back, and nothing is met before.
+#[test]
+fn balls_that_are_released_together_fly_together() {
+    const STACKED: &str = r#"
+[parameters]
+phi = 0.3
+A = 0.01
+omega = 40.0
+[flight]
+x1 = "v1"
+v1 = "-9.81"
+x2 = "v2"
+v2 = "-9.81"
+[[contact]]
+name = "table"
+gap = "x1 - A*sin(omega*t + phi)"
+impulse = { v1 = 1 }
+restitution = 0.5
+[[contact]]
+name = "balls"
+gap = "x2 - x1"
+impulse = { v1 = -1, v2 = 2 }
+restitution = 0.5
+[initial]
+x1 = "A*sin(phi)"
+v1 = "A*omega*cos(phi)"
+x2 = "A*sin(phi)"
+v2 = "A*omega*cos(phi)"
+"#;
+    const GRAVITY: f64 = 9.81;
+    const AMPLITUDE: f64 = 0.01;
+    const OMEGA: f64 = 40.0;
+    // Where the table's acceleration is that of gravity.
+    let sine = GRAVITY / (AMPLITUDE * OMEGA * OMEGA);
+    let release = sine.asin();
+    for k in 0..240 {
+        let phi = 0.2 + 0.0013 * f64::from(k);
+        let mut model = chatter::model::Model::from_toml(STACKED, "stacked").unwrap();
+        model.set_parameter("phi", &format!("{phi:e}")).unwrap();
+        let system = System::new(&model).unwrap();
+        let mut work = system.workspace::<f64>(&Settings::default());
+        let parameters = model.parameter_values::<f64>(&[]);
+        let state = model.initial_state(&parameters);
+        let mut flight = Trajectory::start(&system, &mut work, &parameters, 0.0, &state).unwrap();
+        flight.set_horizon(0.12);
+        let met = loop {
+            match flight.advance_to_horizon(&system, &mut work).unwrap() {
+                Some(Occurrence::Impact { contact, .. }) => break contact,
+                Some(Occurrence::Graze { contact: 0, .. }) => panic!("{phi}: a graze"),
+                _ => assert!(flight.time() < 0.12, "{phi}"),
+            }
+        };
+        assert_eq!(met, 0, "{phi}");
+        let since = flight.time() - (release - phi) / OMEGA;
+        let rate = AMPLITUDE * OMEGA * release.cos();
+        let height = AMPLITUDE * sine + rate * since - 0.5 * GRAVITY * since * since;
+        let table = AMPLITUDE * (release + OMEGA * since).sin();
+        assert!(
+            (height - table).abs() < 1e-15,
+            "{phi}: {:e}",
+            height - table
+        );
+    }
+}
