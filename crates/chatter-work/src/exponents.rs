@@ -52,6 +52,12 @@ impl Request {
                 "--intervals 0: there is nothing to average over",
             ));
         }
+        let total = spec.transient as f64 + spec.intervals as f64;
+        if !(interval * total).is_finite() {
+            return Err(Refusal::input(format!(
+                "--interval {interval}: {total} of these are longer than any number"
+            )));
+        }
         Ok(spec)
     }
 }

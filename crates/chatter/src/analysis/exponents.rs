@@ -7,6 +7,7 @@
 use crate::analysis::periodic::PeriodicError;
 use crate::flow::{Column, Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
+use crate::numerics::unit;
 use core::ops::ControlFlow;
 
 /// How exponents are averaged.
@@ -42,6 +43,8 @@ const PARTS: usize = 16;
 /// An exponent is zero that grows displacements by less than this in an interval, or is within so many standard errors of it.
 const ZERO: f64 = 1e-9;
 const STANDARD_ERRORS: f64 = 3.0;
+/// The length of a displacement is known to so many roundoffs.
+const ROUNDOFFS: f64 = 2.0;
 /// Steps of one interval.
 const MOST_STEPS: usize = 10_000_000;
 
@@ -67,13 +70,7 @@ pub fn exponents(
     let mut work = system.workspace::<f64>(&Settings::default());
     let parameters = model.parameter_values::<f64>(&[]);
     let initial = model.initial_state(&parameters);
-    let mut frame: Vec<Vec<f64>> = (moving.iter())
-        .map(|&i| {
-            let mut unit = vec![0.0; n];
-            unit[i] = 1.0;
-            unit
-        })
-        .collect();
+    let mut frame: Vec<Vec<f64>> = moving.iter().map(|&i| unit(n, i)).collect();
     let begin = model.time.map_or(0.0, |index| initial[index]);
     let start = [initial, frame.concat()].concat();
     let mut trajectory = Trajectory::start(&system, &mut work, &parameters, begin, &start)
@@ -183,6 +180,17 @@ fn length(vector: &[f64]) -> f64 {
     crate::numerics::dot(vector, vector).sqrt()
 }
 
+/// How far the growth of a displacement swings about one that is steady, as a part of all the time: what the place where a period
+/// is cut off makes of its average, which all parts of the time may have in common.
+fn swing(growth: &[Vec<f64>], k: usize, steady: f64) -> f64 {
+    let (mut off, mut most) = (0.0, 0.0_f64);
+    for row in growth {
+        off += row[k] - steady;
+        most = most.max(off.abs());
+    }
+    most / growth.len() as f64
+}
+
 fn averaged(growth: &[Vec<f64>], interval: f64) -> Exponents {
     let count = growth[0].len();
     let mean = |rows: &[Vec<f64>], k: usize| {
@@ -195,11 +203,14 @@ fn averaged(growth: &[Vec<f64>], interval: f64) -> Exponents {
             let parts: Vec<f64> = growth.chunks(part).map(|rows| mean(rows, k)).collect();
             let size = parts.len() as f64;
             let spread: f64 = parts.iter().map(|x| (x - value) * (x - value)).sum();
-            // A single average says nothing of its error, a direction that is forgotten has none.
+            // A single average says nothing of its error, a direction that is forgotten has none. What rounding does to a
+            // displacement in each interval does not average out.
             let error = if !value.is_finite() {
                 0.0
             } else if parts.len() > 1 {
-                (spread / (size * (size - 1.0))).sqrt()
+                let standard = (spread / (size * (size - 1.0))).sqrt();
+                standard.max(swing(growth, k, value * interval) / interval)
+                    + ROUNDOFFS * f64::EPSILON / interval
             } else {
                 f64::NAN
             };
@@ -287,6 +298,45 @@ mod tests {
         let expected = -0.3 + 2.0 * impacts * libm::log(0.6);
         let sum: f64 = found.values.iter().sum();
         assert!((sum - expected).abs() < 1e-8, "{sum} {expected}");
+    }
+
+    /// The rimless wheel: what is left of the energy at each step is cos(2 a)^2, the time of a step an integral.
+    #[test]
+    fn errors_know_of_periods_that_are_cut_off() {
+        let (a, slope): (f64, f64) = (0.3, 0.15);
+        let left = libm::cos(2.0 * a) * libm::cos(2.0 * a);
+        let gained = 2.0 * (libm::cos(slope - a) - libm::cos(slope + a));
+        let start = left * gained / (1.0 - left);
+        let slowness =
+            |theta: f64| 1.0 / (start + 2.0 * (libm::cos(slope - a) - libm::cos(theta))).sqrt();
+        let (parts, width) = (1000, 2.0 * a / 1000.0);
+        let time: f64 = (0..parts)
+            .map(|k| {
+                let at = slope - a + f64::from(k) * width;
+                let middle = slowness(at + 0.5 * width);
+                (slowness(at) + 4.0 * middle + slowness(at + width)) * width / 6.0
+            })
+            .sum();
+        let expected = libm::log(left) / time;
+        let text = "[flight]\nth = 'w'\nw = 'sin(th)'\n[[event]]\nname = 'strike'\nsurface = 'th - 0.45'\n\
+                    direction = 'rising'\nreset = { th = '-0.15', w = 'cos(0.6)*w' }\n[initial]\nth = '-0.1'\nw = 0.4\n";
+        for (interval, intervals) in [(1.0, 400), (0.37, 1000), (2.3, 150)] {
+            let spec = Spec {
+                interval,
+                transient: 100,
+                intervals,
+            };
+            let found = of(text, &spec);
+            let off = (found.values[1] - expected).abs();
+            assert!(
+                off <= found.errors[1] && found.errors[1] < 0.02,
+                "{off:e} {found:?}"
+            );
+            assert!(
+                found.values[0].abs() <= found.errors[0].max(1e-12),
+                "{found:?}"
+            );
+        }
     }
 
     #[test]

@@ -177,15 +177,17 @@ impl<'a> Inspection<'a> {
     /// What is odd about a contact at the initial state.
     fn contact_start(&mut self, graph: &Graph, derived: &ContactMechanics) {
         let contact = || derived.name.clone();
+        let rate = self.at_start(graph, derived.rate);
+        // Choices in a restitution are made for rates as they are at impacts: it says nothing of a state that moves away.
+        let is_fixed = !graph.depends_on_state(derived.restitution);
         let value = self.at_start(graph, derived.restitution);
-        if !(0.0..=1.0).contains(&value) {
+        if !(0.0..=1.0).contains(&value) && (is_fixed || rate <= 0.0) {
             self.warnings.push(Warning::Restitution {
                 contact: contact(),
                 value,
             });
         }
         let gap = self.at_start(graph, derived.gap);
-        let rate = self.at_start(graph, derived.rate);
         let acceleration = self.at_start(graph, derived.acceleration);
         let per_impulse = self.at_start(graph, derived.rate_per_impulse);
         let values = [

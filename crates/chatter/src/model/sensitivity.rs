@@ -22,6 +22,20 @@ impl Model {
         }
         rates
     }
+
+    /// The derivatives of expressions by parameter number `index`, states held.
+    pub(crate) fn derivatives_by_parameter(
+        &self,
+        graph: &mut Graph,
+        exprs: &[Expr],
+        index: usize,
+    ) -> Vec<Expr> {
+        let rates = self.parameter_rates(graph, index);
+        graph.directional_derivatives(exprs, &|symbol| match symbol {
+            Symbol::Parameter(i) => rates.get(i).copied(),
+            Symbol::State(_) => None,
+        })
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::newton::{Condition, NewtonError, newton};
 use super::problem::Problem;
-use crate::numerics::{Factored, Real, dot};
+use crate::numerics::{Factored, Real, dot, moved, unit};
 
 /// How a curve is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,9 +66,7 @@ const LEAST_COSINE: f64 = 0.94;
 /// The tangent from the factors of equations bordered by a row that is not orthogonal to it.
 fn along<R: Real>(factors: &Factored<R>, scales: &[f64]) -> Option<Vec<R>> {
     let size = scales.len();
-    let mut right = vec![R::ZERO; size];
-    right[size - 1] = R::ONE;
-    let mut tangent = factors.solve(&right);
+    let mut tangent = factors.solve(&unit(size, size - 1));
     let length = length(&tangent, scales);
     if !(length > R::ZERO && length.is_finite()) {
         return None;
@@ -146,9 +144,7 @@ impl<R: Real> Station<R> {
         step: f64,
     ) -> Result<(Self, usize), NewtonError> {
         let scales = problem.scales().to_vec();
-        let guess: Vec<R> = (self.at.iter().zip(&self.tangent))
-            .map(|(&x, &t)| x + R::splat(step) * t)
-            .collect();
+        let guess = moved(&self.at, &self.tangent, R::splat(step));
         let condition = ahead(self, step, &scales);
         let found = newton(problem, &guess, &[condition])?;
         let along = along(&found.factors, &scales).ok_or(NewtonError::Singular)?;

@@ -1,7 +1,7 @@
 //! Derivatives by differences, of what has no others.
 
 use super::problem::{Left, Problem};
-use crate::numerics::Real;
+use crate::numerics::{Real, moved, unit};
 
 /// A function at a solution of a problem's equations, with a gradient that is right along its solutions: all that Newton's
 /// method needs beside the equations themselves. Across them the function may be anything.
@@ -37,18 +37,13 @@ where
         .ok_or_else(|| Left::because("the equations are singular"))?;
     let mut gradient = vec![R::ZERO; size];
     for (k, row) in rows.iter().enumerate() {
-        let mut right = vec![R::ZERO; size];
-        right[equations + k] = R::ONE;
-        let along = factors.solve(&right);
+        let along = factors.solve(&unit(size, equations + k));
         let reach = (along.iter().zip(&scales)).fold(0.0_f64, |most, (x, scale)| {
             most.max(x.abs().to_f64() / scale)
         });
         let step = R::splat(libm::cbrt(R::ROUNDOFF) / reach.max(f64::MIN_POSITIVE));
-        let mut moved = |by: R| {
-            let point: Vec<R> = at.iter().zip(&along).map(|(&x, &v)| x + by * v).collect();
-            value(problem, &point)
-        };
-        let slope = (moved(step)? - moved(-step)?) / (step + step);
+        let mut beside = |by: R| value(problem, &moved(at, &along, by));
+        let slope = (beside(step)? - beside(-step)?) / (step + step);
         for (entry, &weight) in gradient.iter_mut().zip(row) {
             *entry += slope * weight;
         }

@@ -1,7 +1,7 @@
 //! A problem with one more condition: special points are its solutions, their curves its curves.
 
 use super::problem::{Left, Linearised, Problem, Wrap};
-use crate::numerics::{Factored, Matrix, Real, dot};
+use crate::numerics::{Factored, Matrix, Real, dot, unit};
 
 /// A matrix that is singular on the curve, by its bordering.
 ///
@@ -51,7 +51,7 @@ fn turned<R: Real>(linearised: &Linearised<R>, wrap: &Wrap, sign: f64) -> Matrix
     matrix
 }
 
-fn unit<R: Real>(mut vector: Vec<R>) -> Option<Vec<R>> {
+fn normalised<R: Real>(mut vector: Vec<R>) -> Option<Vec<R>> {
     let length = dot(&vector, &vector).sqrt();
     if !(length > R::ZERO && length.is_finite()) {
         return None;
@@ -106,7 +106,7 @@ impl<R: Real> Singular<R> {
         let start: Vec<R> = (0..size)
             .map(|i| R::splat(1.0 + 0.3 * libm::sin(1.0 + i as f64)))
             .collect();
-        let start = unit(start).ok_or_else(singular)?;
+        let start = normalised(start).ok_or_else(singular)?;
         let (mut right, mut left) = match before {
             Some(before) => (before.c.clone(), before.b.clone()),
             None => (start.clone(), start),
@@ -114,10 +114,10 @@ impl<R: Real> Singular<R> {
         // By the bordered matrix, which is regular however near to singular the other one is.
         for _ in 0..ITERATIONS {
             let factors = bordered(&matrix, &left, &right).ok_or_else(singular)?;
-            let mut one = vec![R::ZERO; size + 1];
-            one[size] = R::ONE;
-            right = unit(factors.solve(&one)[..size].to_vec()).ok_or_else(singular)?;
-            left = unit(factors.solve_transposed(&one)[..size].to_vec()).ok_or_else(singular)?;
+            let one = unit(size + 1, size);
+            right = normalised(factors.solve(&one)[..size].to_vec()).ok_or_else(singular)?;
+            left =
+                normalised(factors.solve_transposed(&one)[..size].to_vec()).ok_or_else(singular)?;
         }
         // Along a curve they turn, and do not change their sign.
         if let Some(before) = before {
@@ -167,8 +167,7 @@ impl<R: Real> Singular<R> {
         let matrix = turned(linearised, &problem.wrap(), self.sign);
         let factors = bordered(&matrix, &self.b, &self.c)
             .ok_or_else(|| Left::because("the bordered equations are singular"))?;
-        let mut right = vec![R::ZERO; size + 1];
-        right[size] = R::ONE;
+        let right = unit(size + 1, size);
         let v = factors.solve(&right);
         let w = factors.solve_transposed(&right);
         // A displacement along v by a small part of the size of whatever it displaces most.

@@ -2,7 +2,7 @@
 
 use super::newton::{Corrected, NewtonError, close_by};
 use super::problem::{Left, Problem};
-use crate::numerics::{Equations, Factored, Linearised, Matrix, dot};
+use crate::numerics::{Equations, Factored, Linearised, Matrix, dot, unit};
 
 /// The equations of a meeting, with J all derivatives of F, b a column and c_1, c_2 rows that border them:
 ///
@@ -40,14 +40,9 @@ impl Meeting<'_> {
         let (equations, unknowns) = (jacobian.rows(), jacobian.columns());
         let factors = (self.bordered(jacobian))
             .ok_or_else(|| Left::because("more than two curves meet here"))?;
-        let unit = |place: usize| {
-            let mut right = vec![0.0; unknowns + 1];
-            right[place] = 1.0;
-            right
-        };
-        let left = factors.solve_transposed(&unit(unknowns));
+        let left = factors.solve_transposed(&unit(unknowns + 1, unknowns));
         let right = [0, 1].map(|k| {
-            let mut along = factors.solve(&unit(equations + k));
+            let mut along = factors.solve(&unit(unknowns + 1, equations + k));
             along.truncate(unknowns);
             along
         });

@@ -1,7 +1,7 @@
 //! Newton's method on a problem that is bordered by linear conditions.
 
 use super::problem::{Left, Problem};
-use crate::numerics::{Equations, Factored, Linearised, Newton, Real, dot};
+use crate::numerics::{Equations, Factored, Linearised, Newton, Real, dot, unit};
 use core::fmt;
 use core::ops::Range;
 
@@ -17,8 +17,7 @@ pub struct Condition<R> {
 impl<R: Real> Condition<R> {
     /// That one unknown has this value.
     pub fn fixed(unknowns: usize, index: usize, value: R) -> Self {
-        let mut row = vec![R::ZERO; unknowns];
-        row[index] = R::ONE;
+        let row = unit(unknowns, index);
         Self { row, value }
     }
 

@@ -2,7 +2,7 @@
 
 use super::error::PeriodicError;
 use crate::analysis::return_map::translations::{Translation, Translations};
-use crate::expressions::{Expr, Graph, Symbol};
+use crate::expressions::{Expr, Graph};
 use crate::model::{Model, Phase};
 use crate::numerics::Real;
 
@@ -117,14 +117,8 @@ impl Closure {
             return Err(PeriodicError::Autonomous);
         }
         let slopes = |graph: &mut Graph, exprs: &[Expr]| -> Vec<Vec<Expr>> {
-            let by = |graph: &mut Graph, p| {
-                let rates = model.parameter_rates(graph, p);
-                graph.directional_derivatives(exprs, &|symbol| match symbol {
-                    Symbol::Parameter(i) => rates.get(i).copied(),
-                    Symbol::State(_) => None,
-                })
-            };
-            free.iter().map(|&p| by(graph, p)).collect()
+            let by = |&parameter| model.derivatives_by_parameter(graph, exprs, parameter);
+            free.iter().map(by).collect()
         };
         let rate = |graph: &mut Graph, state: usize| {
             let rate = model.states[state].derivative;

@@ -2,7 +2,7 @@
 
 use super::{model, orbit, with};
 use chatter::analysis::border::{BorderSpec, border_near};
-use chatter::analysis::periodic::{MarginKind, Search, Spec, all, settled};
+use chatter::analysis::periodic::{MarginKind, PeriodicError, Search, Spec, all, settled};
 use chatter::analysis::universal::Universal;
 use chatter::numerics::Real;
 use proptest::prelude::*;
@@ -259,5 +259,63 @@ fn all_orbits_of_one_impact_are_found() {
         let product = orbit.multipliers[0].re * orbit.multipliers[1].re
             - orbit.multipliers[0].im * orbit.multipliers[1].im;
         assert!((product - 0.64).abs() < 1e-11);
+    }
+}
+
+/// An oscillator whose motion dies out crosses its section for ever, until there are no numbers that small: that is rest.
+#[test]
+fn what_dies_out_is_an_equilibrium() {
+    const DAMPED: &str = r#"
+[parameters]
+d = 0.25
+[flight]
+x = "v"
+v = "-2*d*(1 - x^2)*v - x"
+[section.down]
+surface = "x"
+direction = "falling"
+[initial]
+x = 0.1
+v = 0
+"#;
+    for damping in ["0.01", "0.25", "0.9"] {
+        let model = with(DAMPED, &[("d", damping)]);
+        let found = settled(&model, &Spec::default(), &mut |_| ControlFlow::Continue(()));
+        assert!(
+            matches!(found, Err(PeriodicError::Equilibrium { .. })),
+            "{damping}: {:?}",
+            found.map(|orbit| orbit.period)
+        );
+    }
+}
+
+/// A block that is thrown off a floor with friction: impacts slow it, or stop it.
+#[test]
+fn orbits_with_friction_in_impacts_are_closed() {
+    const SLED: &str = r#"
+[parameters]
+A = 1.1
+[flight]
+x = "u"
+u = "-0.5*x - 0.1*u + 0.5*cos(t)"
+y = "v"
+v = "-1 + A*cos(t)"
+[[contact]]
+name = "floor"
+gap = "y"
+impulse = { v = 1 }
+restitution = 0.5
+friction = { coefficient = 0.3, along = { u = 1 }, rate = "u" }
+[initial]
+x = 0.2
+u = 0
+y = 0
+v = 0
+"#;
+    for amplitude in ["1.1", "1.5"] {
+        let found = orbit(&with(SLED, &[("A", amplitude)]));
+        assert!(found.is_stable() && found.residual < 1e-25, "{amplitude}");
+        assert_eq!(found.impacts, None, "{amplitude}");
+        assert!((found.period.to_f64() - core::f64::consts::TAU).abs() < 1e-12);
     }
 }

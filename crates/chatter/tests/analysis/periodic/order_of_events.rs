@@ -143,3 +143,37 @@ fn a_graze_from_rest_is_told_once() {
     assert!((value(&found[0].special[1]) - 0.013_440_262_5).abs() < 1e-9);
     assert!(found[0].points.len() < 400, "{}", found[0].points.len());
 }
+
+/// The section is crossed at a knot of the table in each turn, and which of the two comes first is rounding: the period is one turn.
+#[test]
+fn a_section_at_a_knot_does_not_lengthen_the_period() {
+    const ROAD: &str = r#"
+[parameters]
+V = 1.1
+[table.road]
+x = [0, 1, 2, 3, 4, 5, 6]
+y = [0, 0.3, 0.1, -0.2, 0.25, 0.05, 0]
+kind = "periodic-cubic"
+[flight]
+s = "V"
+x = "v"
+v = "-(x - z) - 0.2*(v - w)"
+z = "w"
+w = "((x - z) + 0.2*(v - w) - 8*(z - 0.5*road(s)))/0.2"
+[section.turn]
+surface = "sin(2*pi*s/6)"
+direction = "rising"
+[initial]
+s = 0
+x = 0
+v = 0
+z = 0
+w = 0
+"#;
+    for speed in ["1.03", "1.039", "1.1", "1.2", "1.3"] {
+        let found = orbit(&with(ROAD, &[("V", speed)]));
+        let period = 6.0 / speed.parse::<f64>().unwrap();
+        let off = found.period.to_f64() / period - 1.0;
+        assert!(off.abs() < 1e-12, "{speed}: {off:e}");
+    }
+}

@@ -185,3 +185,74 @@ q = 0
         assert!(graze.point.multipliers.iter().all(|m| m.modulus() < 1e3));
     }
 }
+
+/// Both stops are met at once: without one impact the other has no rate either, and multipliers have a pole.
+#[test]
+fn a_graze_of_both_stops_has_no_multipliers() {
+    const PENDULUM: &str = r#"
+[parameters]
+omega = 2
+[flight]
+x = "v"
+v = "-(1 + 0.5*cos(omega*t))*sin(x) - 0.1*v"
+[[contact]]
+name = "up"
+gap = "0.6 - x"
+impulse = { v = -1 }
+restitution = 0.7
+[[contact]]
+name = "down"
+gap = "0.6 + x"
+impulse = { v = 1 }
+restitution = 0.7
+[initial]
+x = 0.1
+v = 0
+"#;
+    let found = over(&with(PENDULUM, &[]), "omega", (1.6, 2.3), (40, 0.02));
+    let specials = found.iter().flat_map(|branch| &branch.special);
+    let grazes: Vec<_> = specials.filter(|s| GRAZES.contains(&s.kind)).collect();
+    assert!(!grazes.is_empty());
+    for graze in grazes {
+        let largest = graze.point.multipliers.iter().map(|m| m.modulus());
+        assert!(largest.fold(0.0, f64::max) < 1e3, "{graze:?}");
+    }
+}
+
+/// Beyond the graze of its only impact a flight goes through the wall right after it: what is lost is the impact, however long the steps.
+#[test]
+fn an_impact_of_every_second_period_goes_out_at_its_graze() {
+    const HARVESTER: &str = r#"
+[parameters]
+omega = 0.7524689
+[flight]
+x = "v"
+v = "-x - 0.04*v - 0.3*q + 0.4*cos(omega*t)"
+q = "0.3*v - q/2"
+[[contact]]
+name = "stop"
+gap = "0.8 - x"
+impulse = { v = -1 }
+restitution = 0.6
+[initial]
+x = 0
+v = 0
+q = 0
+"#;
+    const GRAZE: f64 = 0.753_415_583_577_001_3;
+    for (range, step) in [
+        ((0.752, 0.7536), 0.02),
+        ((0.7, 0.9), 0.02),
+        ((0.7, 0.9), 0.1),
+    ] {
+        let found = over(&with(HARVESTER, &[]), "omega", range, (40, step));
+        let grazes = found[0].special.iter().filter(|s| GRAZES.contains(&s.kind));
+        let nearest = grazes.map(|s| (value(s) - GRAZE).abs()).fold(1.0, f64::min);
+        assert!(nearest < 1e-13, "{range:?} {step}: {nearest:e}");
+        let ends = &found[0].ends;
+        assert!(
+            !ends.iter().any(|end| matches!(end, End::Rounding(_))),
+            "{ends:?}"
+        );
+    }
+}

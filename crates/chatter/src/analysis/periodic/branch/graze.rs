@@ -200,8 +200,8 @@ impl Walker {
         self.shooting = longer;
         let opens = station.tangent.last().is_some_and(|&along| along < 0.0);
         self.note(graze(opens), there, &at, error, residual);
-        if has_pole && let Some(special) = self.special.last_mut() {
-            special.point.multipliers.clear();
+        if has_pole {
+            self.tell_no_multipliers();
         }
         Ok(Station {
             at,
@@ -260,9 +260,11 @@ impl Walker {
         let error = error.max(NOISE * f64::EPSILON * station.parameter().abs());
         self.note(kind, there, &found.at, error, found.residual);
         if is_impact && let Some(special) = self.special.last_mut() {
-            // Told of the orbit without the impact: with it multipliers have a pole.
-            special.point.multipliers.clear();
             special.point.impacts = special.point.impacts.map(|n| n - 1);
+        }
+        // They are told of the orbit without the event.
+        if is_impact || self.shooting.crosses_slowly() {
+            self.tell_no_multipliers();
         }
         if !is_impact && crossing.is_none() {
             return Err("an event that is no impact is only touched".to_owned());
@@ -280,10 +282,11 @@ impl Walker {
         let last = guess.len() - 1;
         let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
         shorter.evaluate(&next.at).map_err(|left| told(&left))?;
-        if !shorter.grazes()
-            && let Some(special) = self.special.last_mut()
-        {
-            special.point.multipliers = shorter.multipliers();
+        if let Some(special) = self.special.last_mut() {
+            special.point.multipliers = match shorter.grazes() {
+                true => Vec::new(),
+                false => shorter.multipliers(),
+            };
         }
         // To the side where the gap stays open.
         let guard = self.shooting.steps[index].ends_at();

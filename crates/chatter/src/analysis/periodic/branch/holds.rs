@@ -115,11 +115,37 @@ pub(crate) fn first_break(
         };
         let ends = (start, value(&far).unwrap_or(-1.0));
         let found = locate(problem, from, step, ends, &mut |_, station| value(station));
-        if let Some((station, at)) = found
-            && first.as_ref().is_none_or(|(.., known)| at < *known)
-        {
+        let Some((station, at)) = found else {
+            continue;
+        };
+        let comes_first = first.as_ref().is_none_or(|(other, _, known)| {
+            let tie = TIE * step.abs();
+            match (
+                follows(reader, other, &broken),
+                follows(reader, &broken, other),
+            ) {
+                (true, _) => at < known - tie,
+                (_, true) => at < known + tie,
+                _ => at < *known,
+            }
+        });
+        if comes_first {
             first = Some((broken, station, at));
         }
     }
     first
+}
+
+/// Where an impact loses its rate the flight after it begins to go through the wall: both are told at one place, up to this part of a step.
+const TIE: f64 = 1e-6;
+
+/// Whether what breaks in a flight may be what the impact before it has lost.
+fn follows(shooting: &Shooting<f64>, before: &Broken, broken: &Broken) -> bool {
+    let (&Broken::Event(impact), &Broken::Inner(flight, GuardKind::Gap(contact))) =
+        (before, broken)
+    else {
+        return false;
+    };
+    let steps = &shooting.steps;
+    (impact + 1) % steps.len() == flight && steps[impact].impact() == Some(contact)
 }

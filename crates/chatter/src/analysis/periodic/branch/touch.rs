@@ -212,6 +212,7 @@ impl Walker {
 
     /// Notes a touch with its own equations.
     pub(super) fn note_touch(&mut self, there: &Point, touched: Touched) {
+        let is_slow = self.shooting.crosses_slowly();
         let own = core::mem::replace(&mut self.shooting, touched.shooting);
         self.note(
             SpecialKind::Touch,
@@ -220,6 +221,9 @@ impl Walker {
             touched.error,
             touched.residual,
         );
+        if is_slow {
+            self.tell_no_multipliers();
+        }
         self.shooting = own;
     }
 

@@ -332,6 +332,13 @@ impl Walker {
         self.limits.beyond(point.parameter()).is_some()
     }
 
+    /// Of the latest special point multipliers have a pole, or few digits.
+    pub(super) fn tell_no_multipliers(&mut self) {
+        if let Some(special) = self.special.last_mut() {
+            special.point.multipliers.clear();
+        }
+    }
+
     /// Notes a special point: an orbit near it, with the state and parameter of the solution of its equations, which the trace that finds
     /// it again starts from.
     pub(super) fn note(

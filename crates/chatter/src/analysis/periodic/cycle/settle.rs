@@ -67,9 +67,12 @@ impl Default for Patience {
 
 /// A return this near is one; others are tried where time runs out.
 const NEAR: [f64; 4] = [1e-9, 1e-6, 1e-4, 1e-2];
-/// Between looks: events, and periods of the forcing.
+/// Between looks: events, twice as many from one look to the next, and periods of the forcing.
+const FIRST_CHUNK: usize = 16;
 const CHUNK: usize = 600;
 const PERIODS: usize = 40;
+/// A motion whose states have all become so small a part of the greatest goes to rest at zero.
+const DIED_OUT: f64 = 1e-15;
 /// Longer cycles are not looked for, in periods of the forcing.
 const LONGEST: usize = 64;
 
@@ -96,33 +99,36 @@ pub(super) fn states(instants: &[Instant]) -> impl Iterator<Item = &Vec<f64>> {
     instants.iter().map(|instant| &instant.state)
 }
 
-/// The instant that tells returns best: the latest crossing of the section, if there is any, else the latest release, else the fastest impact of late, else the latest of all.
-fn landmark(instants: &[Instant], section: Option<usize>) -> Option<usize> {
+/// The instants that may tell returns, the best first: the latest crossing of the section, the latest release, the fastest impact of
+/// late, and, without any of these, the latest of all.
+fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
     let late = instants.len() / 2;
     let crossed = section.and_then(|section| {
         instants
             .iter()
             .rposition(|instant| instant.crosses(section))
     });
-    if crossed.is_some() {
-        return crossed;
-    }
-    if let Some(found) = instants.iter().rposition(Instant::is_release) {
-        return Some(found);
-    }
+    let released = instants.iter().rposition(Instant::is_release);
     let fastest = (instants.iter().enumerate().skip(late))
         .filter_map(|(index, instant)| Some((index, instant.impact()?.1)))
-        .min_by(|a, b| a.1.total_cmp(&b.1));
-    match fastest {
-        Some((_, rate)) => {
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .and_then(|(_, rate)| {
             // The latest that is as fast.
             instants.iter().rposition(|instant| {
                 (instant.impact()).is_some_and(|(_, other)| other <= rate * (1.0 - 1e-6))
             })
-        }
-        None => instants.len().checked_sub(1),
+        });
+    let mut found: Vec<usize> = [crossed, released, fastest].into_iter().flatten().collect();
+    found.dedup();
+    match instants.len().checked_sub(1) {
+        Some(latest) if found.is_empty() => vec![latest],
+        _ => found,
     }
 }
+
+/// What one landmark tells as a return is none where another tells one in less than this part of the time: where a crossing of the
+/// section shares its instant with something else, which of them comes first is rounding, and differs from turn to turn.
+const SOONER: f64 = 0.75;
 
 /// The instants of the latest return nearer than `near`; otherwise how near the nearest is.
 fn latest_return(
@@ -131,23 +137,32 @@ fn latest_return(
     instants: &[Instant],
     near: f64,
 ) -> Result<(usize, usize), f64> {
-    let Some(last) = landmark(instants, workshop.section) else {
-        return Err(f64::INFINITY);
-    };
     let sizes = sizes(states(instants), turns);
     let mut nearest = f64::INFINITY;
-    for first in (0..last).rev() {
-        let (a, b) = (&instants[first], &instants[last]);
-        if a.guard != b.guard || a.mode_after != b.mode_after || a.told.len() != b.told.len() {
-            continue;
+    let mut found: Option<(usize, usize)> = None;
+    let time = |(first, last): (usize, usize)| instants[last].time - instants[first].time;
+    for last in landmarks(instants, workshop.section) {
+        for first in (0..last).rev() {
+            let (a, b) = (&instants[first], &instants[last]);
+            let is_alike =
+                a.guard == b.guard && a.mode_after == b.mode_after && a.told.len() == b.told.len();
+            if !is_alike {
+                continue;
+            }
+            let difference = (workshop.closure).difference(turns, (&a.state, &b.state), &sizes);
+            // What dies out comes back to nothing, and not to where it was.
+            let shrinks =
+                turns.is_empty() && (size(&a.state) / size(&b.state) - 1.0).abs() > near.sqrt();
+            if difference.distance <= near && !shrinks {
+                if found.is_none_or(|known| time((first, last)) < SOONER * time(known)) {
+                    found = Some((first, last));
+                }
+                break;
+            }
+            nearest = nearest.min(difference.distance);
         }
-        let difference = (workshop.closure).difference(turns, (&a.state, &b.state), &sizes);
-        if difference.distance <= near {
-            return Ok((first, last));
-        }
-        nearest = nearest.min(difference.distance);
     }
-    Err(nearest)
+    found.ok_or(nearest)
 }
 
 /// Tells steps from the first turn of each phase, where phases have most digits and change least with their rate; a phase that goes
@@ -189,6 +204,21 @@ fn die_out(steps: &mut [Step], turns: &[Turn<f64>], (sizes, distance): (&[f64], 
             moving.iter().for_each(|&i| step.start[i] = 0.0);
         }
     }
+}
+
+/// The largest entry of a state.
+fn size(state: &[f64]) -> f64 {
+    state.iter().fold(0.0, |size, x| size.max(x.abs()))
+}
+
+/// Whether the latest of these states is next to nothing, against the most that states have been.
+fn is_next_to_nothing(instants: &[Instant], most: &mut f64) -> bool {
+    for state in states(instants) {
+        *most = most.max(size(state));
+    }
+    // Zero itself is what a reset makes of a state.
+    let latest = instants.last().map_or(0.0, |latest| size(&latest.state));
+    latest > 0.0 && latest <= DIED_OUT * *most
 }
 
 /// The cycle between two instants, where states have these sizes.
@@ -241,6 +271,7 @@ pub(crate) fn settle(
     let mut instants: Vec<Instant> = Vec::new();
     let mut strobes: Vec<Vec<f64>> = vec![state.to_vec()];
     let mut total = 0;
+    let (mut chunk, mut most) = (FIRST_CHUNK, 0.0);
     // Since the latest event.
     let mut quiet = 1;
     let mut nearest = f64::INFINITY;
@@ -262,13 +293,18 @@ pub(crate) fn settle(
             }
             None => {
                 let before = instants.len();
-                tracer.follow((start + patience.time, CHUNK), &mut instants, observer)?;
+                tracer.follow((start + patience.time, chunk), &mut instants, observer)?;
                 total += instants.len() - before;
+                if turns.is_empty() && is_next_to_nothing(&instants[before..], &mut most) {
+                    let time = tracer.trajectory.time();
+                    return Err(PeriodicError::Equilibrium { time });
+                }
                 let quiet = instants.last().map_or(start, |instant| instant.time);
                 let all = tracer.trajectory.time() - start;
-                if instants.len() - before < CHUNK && tracer.trajectory.time() - quiet > 0.5 * all {
+                if instants.len() - before < chunk && tracer.trajectory.time() - quiet > 0.5 * all {
                     return Err(PeriodicError::Equilibrium { time: quiet });
                 }
+                chunk = (2 * chunk).min(CHUNK);
             }
         }
         let keep = instants.len().saturating_sub(4 * CHUNK);
@@ -474,7 +510,7 @@ fn near_returns(
     instants: &[Instant],
     most: usize,
 ) -> Vec<(usize, usize)> {
-    let Some(last) = landmark(instants, None) else {
+    let Some(&last) = landmarks(instants, None).first() else {
         return Vec::new();
     };
     let sizes = sizes(states(instants), turns);

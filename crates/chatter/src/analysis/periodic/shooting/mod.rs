@@ -86,6 +86,11 @@ impl<R: Real> Shooting<R> {
         let unfollowed = || PeriodicError::Unfollowed {
             what: "a mode that holds no motion".to_owned(),
         };
+        if steps.is_empty() {
+            return Err(PeriodicError::Unfollowed {
+                what: "an orbit of no legs".to_owned(),
+            });
+        }
         let mut flown = Vec::with_capacity(steps.len());
         let mut flyers: Vec<(LegKind, Flyer<R>)> = Vec::new();
         let mut places = Vec::with_capacity(steps.len());

@@ -1,13 +1,13 @@
 //! The derivative of one period, and the multipliers.
 
 use super::{Flown, Shooting};
-use crate::analysis::periodic::cycle::itinerary::{Passage, held};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step, held};
 use crate::flow::leg::Landing;
 use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues, pairs};
 
 /// So many roundoffs of the largest entry of a matrix are what its eigenvalues may be off by.
 const ROUNDED: f64 = 64.0;
-/// An impact of so small a part of the largest rate has none: rates go to zero as roots of the distance do.
+/// An impact of so small a part of what rates are has none: rates go to zero as roots of the distance do.
 const NO_RATE: f64 = 1e-5;
 
 impl<R: Real> Shooting<R> {
@@ -88,15 +88,35 @@ impl<R: Real> Shooting<R> {
         found
     }
 
-    /// Whether an impact has lost its rate: multipliers have a pole there.
+    /// Whether an impact has lost its rate: multipliers have a pole there. Rates are compared with the largest and, since all may have
+    /// lost theirs, with what its acceleration makes of each in the flight before.
     pub(crate) fn grazes(&self) -> bool {
-        let impacts = self.steps.iter().zip(&self.latest);
-        let rates = impacts.filter(|(step, _)| step.impact().is_some());
-        let rates = rates.map(|(_, landing)| landing.surface_rate.abs().to_f64());
-        let (least, largest) = rates.fold((f64::INFINITY, 0.0_f64), |(least, largest), rate| {
-            (least.min(rate), largest.max(rate))
-        });
-        least <= NO_RATE * largest.max(f64::MIN_POSITIVE)
+        let impacts = self.rates(|step| step.impact().is_some());
+        let largest = impacts
+            .iter()
+            .fold(0.0_f64, |most, (rate, _)| most.max(*rate));
+        let lost = |&(rate, gained): &(f64, f64)| rate <= NO_RATE * largest.max(gained);
+        impacts.iter().any(lost)
+    }
+
+    /// Whether a surface is crossed with next to no rate. Where the field jumps there, what the crossing and the way back do to a
+    /// displacement are large and all but cancel: multipliers have few digits, or none.
+    pub(crate) fn crosses_slowly(&self) -> bool {
+        let crossings = self.rates(|step| step.impact().is_none());
+        crossings
+            .iter()
+            .any(|&(rate, gained)| rate <= NO_RATE * gained)
+    }
+
+    /// The rates with which such legs end, and what accelerations there make in their time.
+    fn rates(&self, which: impl Fn(&Step) -> bool) -> Vec<(f64, f64)> {
+        let legs = (self.steps.iter().zip(&self.latest))
+            .filter(|(step, _)| matches!(step.passage, Passage::Leg(_)) && which(step));
+        let rate = |landing: &Landing<R>| {
+            let gained = landing.surface_acceleration.abs() * landing.duration;
+            (landing.surface_rate.abs().to_f64(), gained.to_f64())
+        };
+        legs.map(|(_, landing)| rate(landing)).collect()
     }
 
     /// The sum of the monodromy matrix's minors of two of these rows and columns.

@@ -44,14 +44,7 @@ impl Monitor {
             .map(|i| graph.derivative(value, Symbol::State(i)))
             .collect();
         let by_parameter = (free.iter())
-            .map(|&p| {
-                let rates = model.parameter_rates(&mut graph, p);
-                let along = graph.directional_derivatives(&[value], &|symbol| match symbol {
-                    Symbol::Parameter(i) => rates.get(i).copied(),
-                    Symbol::State(_) => None,
-                });
-                along[0]
-            })
+            .map(|&p| model.derivatives_by_parameter(&mut graph, &[value], p)[0])
             .collect();
         model.graph = graph;
         Self {
