@@ -43,8 +43,9 @@ impl InstructionSet {
     }
 }
 
-/// Runs the kernel with the widest instruction set that this processor has.
-#[inline]
+/// Runs the kernel with the widest instruction set that this processor has. Not inlined: each caller would have a baseline of its
+/// own.
+#[inline(never)]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     match InstructionSet::detected() {
         // SAFETY: the features that the wrapper enables were detected on this processor.
@@ -58,7 +59,7 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 }
 
 /// Runs a kernel whose numbers are single ones, for which wide registers do nothing: with fused multiply-add or without.
-#[inline]
+#[inline(never)]
 pub fn dispatch_narrow<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     if has_avx2() {

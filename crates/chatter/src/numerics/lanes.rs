@@ -7,15 +7,23 @@ use super::DoubleDouble;
 use super::scalar::{Mask, Scalar, coarse_exp2, coarse_log2};
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
-/// An array by index. Unlike `core::array::from_fn` it is always inlined, and so compiled for the features of the kernel
-/// that it stands in.
-#[inline(always)]
-fn lanes<T: Copy, const L: usize>(first: T, function: impl Fn(usize) -> T) -> [T; L] {
-    let mut all = [first; L];
-    for (i, lane) in all.iter_mut().enumerate() {
-        *lane = function(i);
-    }
-    all
+/// An array by index. A macro, since a closure is a function of its own, which need not be inlined and so compiled for the features of
+/// the kernel that it stands in.
+macro_rules! lanes {
+    ($first:expr, |$i:ident| $value:expr) => {{
+        let mut all = [$first; L];
+        for ($i, lane) in all.iter_mut().enumerate() {
+            *lane = $value;
+        }
+        all
+    }};
+}
+
+/// Truth values by lane.
+macro_rules! mask {
+    (|$i:ident| $truth:expr) => {
+        LaneMask(lanes!(0, |$i| if $truth { TRUE } else { 0 }))
+    };
 }
 
 /// `L` doubles that go through the same operations.
@@ -107,11 +115,6 @@ impl Iterator for LaneSet {
 }
 
 impl<const L: usize> LaneMask<L> {
-    #[inline(always)]
-    fn of(function: impl Fn(usize) -> bool) -> Self {
-        Self(lanes(0, |i| if function(i) { TRUE } else { 0 }))
-    }
-
     /// Whether a lane is true.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> bool {
@@ -133,7 +136,7 @@ impl<const L: usize> BitAnd for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
-        Self(lanes(0, |i| self.0[i] & other.0[i]))
+        Self(lanes!(0, |i| self.0[i] & other.0[i]))
     }
 }
 
@@ -141,7 +144,7 @@ impl<const L: usize> BitOr for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
-        Self(lanes(0, |i| self.0[i] | other.0[i]))
+        Self(lanes!(0, |i| self.0[i] | other.0[i]))
     }
 }
 
@@ -149,7 +152,7 @@ impl<const L: usize> Not for LaneMask<L> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        Self(lanes(0, |i| !self.0[i]))
+        Self(lanes!(0, |i| !self.0[i]))
     }
 }
 
@@ -179,11 +182,11 @@ impl<const L: usize> Mask for LaneMask<L> {
 impl<const L: usize> Lanes<L> {
     #[inline(always)]
     fn each(self, function: impl Fn(f64) -> f64) -> Self {
-        Self(lanes(0.0, |i| function(self.0[i])))
+        Self(lanes!(0.0, |i| function(self.0[i])))
     }
     #[inline(always)]
     fn zip(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
-        Self(lanes(0.0, |i| function(self.0[i], other.0[i])))
+        Self(lanes!(0.0, |i| function(self.0[i], other.0[i])))
     }
 }
 
@@ -234,7 +237,11 @@ fn part<T: Copy, const L: usize>(values: &[T; L], index: usize, beyond: T) -> [T
     if let Some(part) = values.as_chunks().0.get(index) {
         return *part;
     }
-    lanes(beyond, |i| *values.get(index * PART + i).unwrap_or(&beyond))
+    let mut part = [beyond; PART];
+    for (lane, &value) in part.iter_mut().zip(values.iter().skip(index * PART)) {
+        *lane = value;
+    }
+    part
 }
 
 /// Replaces these values of an array, as far as it goes.
@@ -266,7 +273,7 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        Self(lanes(0.0, |i| {
+        Self(lanes!(0.0, |i| {
             f64::mul_add(self.0[i], factor.0[i], addend.0[i])
         }))
     }
@@ -318,28 +325,27 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
-        LaneMask::of(|i| self.0[i] < other.0[i])
+        mask!(|i| self.0[i] < other.0[i])
     }
     #[inline(always)]
     fn at_most(self, other: Self) -> Self::Mask {
-        LaneMask::of(|i| self.0[i] <= other.0[i])
+        mask!(|i| self.0[i] <= other.0[i])
     }
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
-        LaneMask::of(|i| self.0[i].abs() < f64::INFINITY)
+        mask!(|i| self.0[i].abs() < f64::INFINITY)
     }
     #[inline(always)]
     fn is_whole(self) -> Self::Mask {
-        LaneMask::of(|i| libm::rint(self.0[i]) == self.0[i])
+        mask!(|i| libm::rint(self.0[i]) == self.0[i])
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Self(lanes(
-            0.0,
-            |i| {
-                if mask.0[i] != 0 { yes.0[i] } else { no.0[i] }
-            },
-        ))
+        Self(lanes!(0.0, |i| if mask.0[i] != 0 {
+            yes.0[i]
+        } else {
+            no.0[i]
+        }))
     }
     #[inline(always)]
     fn part(&self, index: usize) -> Lanes<PART> {
