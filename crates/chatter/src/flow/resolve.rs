@@ -5,7 +5,7 @@ use super::error::FlowError;
 use super::flight::reaches;
 use super::guard::{Guard, Transition};
 use super::program::Program;
-use super::step::{LATE_ROUNDOFFS, LEAST_GROWTH, NO_EVENT, Workspace, least_step};
+use super::step::{GROWTH, LATE_ROUNDOFFS, LEAST_GROWTH, NO_EVENT, Workspace, least_step};
 use super::system::System;
 use super::touching::{Left, Touching};
 use crate::expressions::Operand;
@@ -199,6 +199,11 @@ fn section_path<'p, R: Real>(
     } else {
         R::ZERO
     };
+    // What rounding leaves open is told by how far the motion goes, and not by how far a polynomial reaches.
+    let seen = match work.longest > R::ZERO {
+        true => (work.longest * R::splat(GROWTH) / work.tau).max(work.scaled_step),
+        false => work.growth,
+    };
     SectionPath {
         series,
         crossing: guard.crossing,
@@ -207,7 +212,7 @@ fn section_path<'p, R: Real>(
         // What begins with a zero is not rounded like what it comes to far away.
         reach: match touching {
             1.. if work.scaled_step > R::ZERO => work.growth.min(work.scaled_step),
-            _ => work.growth,
+            _ => work.growth.min(seen),
         },
         noise: Workspace::<R>::NOISE,
     }

@@ -21,7 +21,10 @@ use crate::numerics::{Mask, Real, Scalar, two_sum};
 pub(crate) use crate::expressions::ORDER_CLASSES;
 
 /// A step may outgrow the predicted one by this factor at most: beyond it the scaled coefficients say little.
-const GROWTH: f64 = 4.0;
+pub(crate) const GROWTH: f64 = 4.0;
+
+/// The unit of time is at most so many times as long as steps have been.
+const AHEAD: f64 = 64.0;
 
 /// And it must not fall below this part of the unit of time that the expansion was scaled with: so far inside, the sizes
 /// of coefficients, which grow like powers of that unit, say nothing of how far the expansion reaches. A step as long as
@@ -100,6 +103,8 @@ pub struct Workspace<S: Scalar> {
     pub(crate) horizon: S,
     /// Time where the step begins.
     pub(crate) time: S,
+    /// The longest step before it, or zero: what the settling of one trajectory's steps asks for.
+    pub(crate) longest: S,
     /// Where nothing that must not vanish does so at the start of the step, and all numbers are finite.
     clear: S::Mask,
     /// How far an expansion of each order reaches; entries above the order used are kept.
@@ -145,6 +150,7 @@ impl<S: Scalar> Workspace<S> {
             tau: zero,
             horizon: zero,
             time: zero,
+            longest: zero,
             clear: S::Mask::splat(true),
             reach: [zero; ORDER_CLASSES],
             growth: zero,
@@ -457,6 +463,20 @@ impl<S: Scalar> Workspace<S> {
         }
         self.step = s * self.tau;
         self.flight_time = S::splat(FOREVER);
+        self.keep_unit();
+    }
+
+    /// The unit of time grows no farther than steps do: where events end them early, polynomials would reach farther and farther,
+    /// and what rounding leaves open that far away says nothing of signs here. It stays what it was, by which such polynomials are
+    /// scaled exactly.
+    #[inline(always)]
+    fn keep_unit(&mut self) {
+        const TOP: usize = ORDER_CLASSES - 1;
+        if self.expansion.order() == S::ORDERS[TOP] {
+            let reach = self.reach[TOP];
+            let is_far = (self.step * S::splat(AHEAD)).less(reach);
+            self.reach[TOP] = S::select(is_far, reach.min(self.tau), reach);
+        }
     }
 
     /// Applies the impact that ended the step, if it is one that leaves the rates of closed contacts as they are.

@@ -398,6 +398,7 @@ impl<R: Real> Trajectory<R> {
         work.reach = self.reach;
         work.horizon = self.remaining();
         work.time = self.time;
+        work.longest = self.longest_step;
         work.tau = tau;
         class
     }

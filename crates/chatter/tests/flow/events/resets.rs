@@ -40,6 +40,38 @@ fn a_ball_that_bounces_by_an_event_stays_above_the_floor() {
     }
 }
 
+/// Flights that only events end, and of which expansions are whole: they reach as far as they are asked to. However many there were, the
+/// next event is where the state is on its surface.
+#[test]
+fn events_end_flights_that_expansions_reach_far_beyond() {
+    let ball = "[flight]\ny = \"v\"\nv = \"-9.81\"\n[[event]]\nname = \"hit\"\nsurface = \"y\"\ndirection = \"falling\"\n\
+                reset = { v = \"-v\" }\n[section.apex]\nsurface = \"v\"\ndirection = \"falling\"\n[initial]\ny = 1.5\nv = 0\n";
+    let walls = "[flight]\nx = \"v\"\nv = \"0\"\n[[event]]\nname = \"right\"\nsurface = \"x - 1\"\ndirection = \"rising\"\n\
+                 reset = { v = \"-v\" }\n[[event]]\nname = \"left\"\nsurface = \"x + 1\"\ndirection = \"falling\"\n\
+                 reset = { v = \"-v\" }\n[initial]\nx = 0.1\nv = 0.7\n";
+    let fall = (2.0 * 1.5 / 9.81_f64).sqrt();
+    for until in [20.0, 100.0, 1000.0] {
+        // Hits and apexes in turn, a fall apart.
+        let bounces = run(ball, until);
+        assert_eq!(bounces.events.len(), (until / fall) as usize, "{until}");
+        for (n, event) in bounces.events.iter().enumerate() {
+            let is_hit = matches!(event.detail, Occurrence::Reset { .. });
+            assert_eq!(is_hit, n % 2 == 0, "{n}");
+            let off = event.time - fall * (n + 1) as f64;
+            assert!(off.abs() < 1e-12 * until, "{n}: {off:e}");
+        }
+        let between = run(walls, until);
+        let passes = (until - 0.9 / 0.7) / (2.0 / 0.7);
+        assert_eq!(between.events.len(), passes as usize + 1, "{until}");
+        assert!(
+            between
+                .events
+                .iter()
+                .all(|event| (event.state[0].abs() - 1.0).abs() < 1e-12)
+        );
+    }
+}
+
 /// A force that an event switches on lifts a mass off its seat: that is a release.
 #[test]
 fn a_contact_that_an_event_opens_is_released() {
