@@ -97,10 +97,8 @@ pub fn curve(
         points,
         step,
     };
-    let mut kinds = SpecialKind::ALL.into_iter();
-    let kind = kinds.find(|known| known.name() == kind);
-    let kind =
-        kind.ok_or_else(|| unreadable("kind", "no special point is called so".to_owned()))?;
+    let kind = SpecialKind::named(kind)
+        .ok_or_else(|| unreadable("kind", "no special point is called so".to_owned()))?;
     let known = Known {
         kind,
         monitor: monitor.as_ref().map(|_| 0),

@@ -197,6 +197,13 @@ fn listed(subject: &Subject, branches: &[(String, &Branch)]) -> String {
         text += &aligned(&rows, &sides);
         text += &by_impacts(branch, &name);
     }
+    for (index, function) in subject.monitors.iter().enumerate() {
+        let points = || branches.iter().flat_map(|(_, branch)| &branch.points);
+        let has_value = |point: &Point| point.monitors.get(index).is_some_and(|x| x.is_finite());
+        if points().next().is_some() && !points().any(has_value) {
+            text += &format!("\n`{function}` has no value at any of these orbits\n");
+        }
+    }
     text
 }
 

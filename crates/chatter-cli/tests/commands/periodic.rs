@@ -86,7 +86,25 @@ fn branches_go_to_table_and_picture_and_special_points_on() {
     );
     let curve: Value = serde_json::from_str(&folder.succeeds("", &line)).unwrap();
     assert_eq!(curve["branches"][0]["kind"], "fold");
+    // All of a kind at once, in the same digits.
+    let line = "continue impact_oscillator --set r=0.5 --from b.npz:fold --free omega,r --sweep r=0.495:0.505 --json";
+    let curves: Value = serde_json::from_str(&folder.succeeds("", line)).unwrap();
+    let folds = special.iter().filter(|s| s["kind"] == "fold").count();
+    assert_eq!(curves["branches"].as_array().unwrap().len(), folds);
+    assert_eq!(curves["branches"][0], curve["branches"][0]);
     for (line, expected) in [
+        (
+            "continue impact_oscillator --from b.npz:cusp --free omega,r --sweep r=0.4:0.6",
+            "is of the kind cusp",
+        ),
+        (
+            "continue impact_oscillator --from b.npz:fould --free omega,r --sweep r=0.4:0.6",
+            "did you mean `fold`",
+        ),
+        (
+            "continue impact_oscillator --from b.npz:1 --free omega,r --sweep r=0.4:0.6 --switch period-doubling",
+            "cannot be used with",
+        ),
         (
             "continue impact_oscillator --from b.npz:99 --free omega,r --sweep r=0.4:0.6",
             "and no 99",

@@ -66,9 +66,7 @@ fn found(answering: &Answering, question: &CurveQuestion) -> Result<Found, Refus
 
 /// The point that is asked about.
 fn known(question: &CurveQuestion, states: usize) -> Result<Known, Refusal> {
-    let mut kinds = SpecialKind::ALL.into_iter();
-    let kind = kinds.find(|known| known.name() == question.kind);
-    let kind = kind
+    let kind = SpecialKind::named(&question.kind)
         .ok_or_else(|| Refusal::input(format!("no special point is called `{}`", question.kind)))?;
     if question.state.len() != states {
         return Err(Refusal::input(format!(

@@ -1,4 +1,4 @@
-//! Curves of special points in two parameters, one after the other.
+//! Curves of special points in two parameters, side by side.
 
 use super::find::find_curve;
 use super::job::{Plane, Ready};
@@ -6,9 +6,11 @@ use super::log::Log;
 use super::restored::Restored;
 use super::wanted::Curve;
 use crate::observer::Observer;
+use crate::parallel::each;
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{Branch, End, Known, Record, Spec, SpecialKind};
 use chatter::model::Model;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Curves that were followed.
 pub(super) struct Curves {
@@ -20,45 +22,89 @@ pub(super) struct Curves {
     pub complete: bool,
 }
 
-/// The curves. With a log they go on from what it held, and how far they come is kept in it.
+/// The curves, side by side. With a log they go on from what it held, and how far they come is kept in it.
 ///
 /// # Errors
 /// A point cannot be found again, or is of a kind that has no curve, or the log cannot be written.
 pub(super) fn find_curves(
     ready: &Ready,
     plane: &Plane,
-    log: Option<&mut Log>,
+    mut log: Option<&mut Log>,
     observer: &dyn Observer,
 ) -> Result<Curves, Refusal> {
-    let over = ready.wanted.over;
     let mut spec = ready.wanted.spec.clone();
-    let mut log = log;
-    let mut known = log.as_mut().map(|log| log.before()).unwrap_or_default();
-    let mut curves = Vec::new();
-    let mut complete = true;
-    for (piece, point) in plane.points.iter().enumerate() {
+    let mut begun = log.as_mut().map(|log| log.before()).unwrap_or_default();
+    let mut pieces = Vec::new();
+    for (number, point) in plane.points.iter().enumerate() {
         let mut model = ready.model.clone();
-        let at = known_point((&mut model, &mut spec), point)?;
-        let wanted = Curve {
-            spec: spec.clone(),
-            free: [ready.free[0], over.parameter],
-            known: at,
-            limits: over.limits,
-        };
-        let before = known.parts.remove(&piece).unwrap_or_default();
-        let mut keep = |record: &Record| log.as_mut().map_or(Ok(()), |log| log.part(piece, record));
-        let curve = find_curve(&model, &wanted, (before, &mut keep), observer)?;
-        complete = !curve.1.ends.contains(&End::Interrupted);
-        curves.push(curve);
-        if !complete {
-            break;
+        let known = known_point((&mut model, &mut spec), point)?;
+        let before = begun.parts.remove(&number).unwrap_or_default();
+        pieces.push((number, model, known, Mutex::new(before)));
+    }
+    let log = Mutex::new(log);
+    let found: Vec<Mutex<Option<_>>> = pieces.iter().map(|_| Mutex::new(None)).collect();
+    let refused: Mutex<Vec<(usize, Refusal)>> = Mutex::default();
+    let filled = each(
+        &pieces,
+        observer.stop(),
+        |(number, model, known, before)| {
+            let wanted = Curve {
+                spec: spec.clone(),
+                free: [ready.free[0], ready.wanted.over.parameter],
+                known: known.clone(),
+                limits: ready.wanted.over.limits,
+            };
+            let mut keep = |record: &Record| match &mut *lock(&log) {
+                Some(log) => log.part(*number, record),
+                None => Ok(()),
+            };
+            let before = core::mem::take(&mut *lock(before));
+            match find_curve(model, &wanted, (before, &mut keep), observer) {
+                Ok(curve) => *lock(&found[*number]) = Some(curve),
+                // Of several the others are followed.
+                Err(refusal @ (Refusal::Input { .. } | Refusal::Unfinished { .. })) => {
+                    lock(&refused).push((*number, refusal));
+                }
+                Err(refusal) => return Err(refusal),
+            }
+            Ok(())
+        },
+    );
+    match filled {
+        Ok(_) | Err(Refusal::Interrupted) => {}
+        Err(refusal) => return Err(refusal),
+    }
+    let mut refused = refused.into_inner().unwrap_or_else(PoisonError::into_inner);
+    refused.sort_by_key(|&(number, _)| number);
+    if refused.len() == pieces.len() && !refused.is_empty() {
+        return Err(refused.swap_remove(0).1);
+    }
+    for (number, refusal) in refused {
+        if let Refusal::Input { message, .. } | Refusal::Unfinished { message, .. } = refusal {
+            let Restored {
+                known, parameters, ..
+            } = &plane.points[number];
+            let values: Vec<String> = (parameters.iter())
+                .map(|(name, value)| format!("{name} = {value}"))
+                .collect();
+            let (kind, values) = (known.kind.name(), values.join(", "));
+            observer.remark(&format!("no curve of the {kind} at {values}: {message}"));
         }
     }
+    let found = found.into_iter().map(|curve| lock(&curve).take());
+    let all: Vec<Option<(SpecialKind, Branch)>> = found.collect();
+    let is_whole = |curve: &Option<(SpecialKind, Branch)>| {
+        (curve.as_ref()).is_some_and(|(_, curve)| !curve.ends.contains(&End::Interrupted))
+    };
     Ok(Curves {
-        curves,
+        complete: all.iter().all(is_whole),
+        curves: all.into_iter().flatten().collect(),
         monitors: spec.monitors,
-        complete,
     })
+}
+
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A special point that is followed in two parameters; the model is set to its values.

@@ -30,7 +30,7 @@ pub use picture::{Vertical, first_that_changes, picture, plane};
 pub use produce::{Beginning, Produced, produce, produce_share};
 pub use refused::refused;
 pub use request::{free_parameter, specification};
-pub use restored::{Restored, holds_branches, restore};
+pub use restored::{Chosen, Restored, holds_branches, restore};
 pub use several::Shared;
 pub use table::write;
 pub use wanted::{Branches, Curve, Orbits, Reach, beside, search};

@@ -1,4 +1,4 @@
-//! A special point from a table that was written before.
+//! Special points from a table that was written before.
 
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{Known, SpecialKind};
@@ -19,23 +19,58 @@ pub struct Restored {
     pub parameters: Vec<(String, f64)>,
 }
 
-/// Reads special point number `index`, from 1, of a table in NPZ.
+/// Which special points of a table are meant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Chosen {
+    /// The one with this number, from 1.
+    Number(usize),
+    /// All of a kind.
+    All(SpecialKind),
+}
+
+/// Reads special points of a table in NPZ.
 ///
 /// # Errors
 /// There is no such file, or no such point in it, or it is of another model.
-pub fn restore(model: &Model, path: &Path, index: usize) -> Result<Restored, Refusal> {
+pub fn restore(model: &Model, path: &Path, chosen: &Chosen) -> Result<Vec<Restored>, Refusal> {
     let file = NpzReader::open(path).map_err(Refusal::input)?;
     let kinds = file.texts("special_kind").map_err(|_| {
         Refusal::input(format!("`{}` holds no special points", path.display()))
             .help("write them with `chatter continue … --out FILE.npz`")
     })?;
-    let Some(place) = index.checked_sub(1).filter(|place| *place < kinds.len()) else {
-        return Err(Refusal::input(format!(
-            "`{}` has special points 1 to {}, and no {index}",
-            path.display(),
-            kinds.len()
-        )));
+    let places: Vec<usize> = match chosen {
+        Chosen::Number(index) => (0..kinds.len())
+            .filter(|place| place + 1 == *index)
+            .collect(),
+        Chosen::All(kind) => (0..kinds.len())
+            .filter(|&place| kinds[place] == kind.name())
+            .collect(),
     };
+    if places.is_empty() {
+        let path = path.display();
+        return Err(Refusal::input(match chosen {
+            Chosen::Number(index) => format!(
+                "`{path}` has special points 1 to {}, and no {index}",
+                kinds.len()
+            ),
+            Chosen::All(kind) => format!(
+                "none of the {} special points in `{path}` is of the kind {}",
+                kinds.len(),
+                kind.name()
+            ),
+        }));
+    }
+    (places.into_iter())
+        .map(|place| one(model, (&file, path), (place, &kinds[place])))
+        .collect()
+}
+
+/// The special point in a row of a table.
+fn one(
+    model: &Model,
+    (file, path): (&NpzReader, &Path),
+    (place, kind): (usize, &str),
+) -> Result<Restored, Refusal> {
     let number = |name: &str| -> Result<f64, Refusal> {
         let values = file.floats(name).map_err(Refusal::input)?;
         values.get(place).copied().ok_or_else(|| {
@@ -45,16 +80,12 @@ pub fn restore(model: &Model, path: &Path, index: usize) -> Result<Restored, Ref
             ))
         })
     };
-    let named = |kind: &&SpecialKind| kind.name() == kinds[place];
-    let kind = (SpecialKind::ALL.iter().find(named))
-        .copied()
-        .ok_or_else(|| {
-            Refusal::input(format!(
-                "`{}` has a point of unknown kind `{}`",
-                path.display(),
-                kinds[place]
-            ))
-        })?;
+    let kind = SpecialKind::named(kind).ok_or_else(|| {
+        Refusal::input(format!(
+            "`{}` has a point of unknown kind `{kind}`",
+            path.display()
+        ))
+    })?;
     let states: Result<Vec<f64>, Refusal> = (model.states.iter())
         .map(|state| number(&format!("special_{}", state.name)))
         .collect();

@@ -6,7 +6,9 @@ use crate::options::{
     Assignment, Count, FigureFile, Initial, Loaded, PeriodBegins, Quantity, ShareOption, TableFile,
     WholeNumber, Window,
 };
-use chatter_work::periodic::{Job, Sought};
+use chatter::analysis::periodic::SpecialKind;
+use chatter::expressions::nearest;
+use chatter_work::periodic::{Chosen, Job, Sought};
 use chatter_work::source::Source;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -20,6 +22,7 @@ EXAMPLES
   chatter continue impact_oscillator --sweep omega=2.4:3 --all 3 --starts 500 --out all.npz
   chatter continue impact_oscillator --set sigma=0 --sweep omega=2.4:3 --plot branch.svg
   chatter continue impact_oscillator --from branch.npz:2 --free omega,r --sweep r=0.4:0.9 --plot curve.svg
+  chatter continue pressure_relief_valve --from branch.npz:period_doubling --free q,kappa --sweep kappa=1.2:1.3 --plot plane.pdf
 
 The orbit that the motion settles to is followed to both sides of the parameter's value, stable or not, by its arc length:
 around folds, and through grazes from one sequence of events to the next, where the branch gains or loses an impact. At a
@@ -103,7 +106,7 @@ pub struct Arguments {
     pub shard: Option<ShareOption>,
 
     /// Follow the branches that leave at such points, too
-    #[arg(long, value_name = "KIND", value_enum)]
+    #[arg(long, value_name = "KIND", value_enum, conflicts_with = "from")]
     switch: Vec<Switch>,
 
     /// How often a branch may be left for another [default: 1]
@@ -131,8 +134,8 @@ pub struct Arguments {
     #[arg(long, value_name = "EXPR", allow_hyphen_values = true)]
     monitor: Vec<String>,
 
-    /// Follow special point number N (from 1) of a table that was written before in two parameters, see --free; may be given
-    /// several times
+    /// Follow special point number N (from 1) of a table that was written before in two parameters, see --free, or with the name of
+    /// a kind in place of the number all that are of it; may be given several times
     #[arg(long, value_name = "FILE.npz:N", requires = "free")]
     pub from: Vec<Seed>,
 
@@ -193,24 +196,38 @@ impl FromStr for Swept {
     }
 }
 
-/// A file and the number of a point in it.
+/// A file and points in it.
 #[derive(Clone, Debug)]
 pub struct Seed {
     /// The file.
     pub path: PathBuf,
-    /// The number, from 1.
-    pub index: usize,
+    /// Which points.
+    pub chosen: Chosen,
 }
 
 impl FromStr for Seed {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        const EXPECTED: &str = "expected FILE.npz:N, such as branch.npz:3";
-        let (path, index) = text.rsplit_once(':').ok_or(EXPECTED)?;
+        const EXPECTED: &str = "expected FILE.npz:N or FILE.npz:KIND, such as branch.npz:3 or branch.npz:period_doubling";
+        let (path, chosen) = text.rsplit_once(':').ok_or(EXPECTED)?;
+        let chosen = match chosen.parse() {
+            Ok(number) => Chosen::Number(number),
+            Err(_) => {
+                let name = chosen.replace('-', "_");
+                let kind = SpecialKind::named(&name).ok_or_else(|| {
+                    let known = nearest(&name, SpecialKind::ALL.map(SpecialKind::name));
+                    known.map_or_else(
+                        || EXPECTED.to_owned(),
+                        |known| format!("{EXPECTED}; did you mean `{known}`?"),
+                    )
+                })?;
+                Chosen::All(kind)
+            }
+        };
         Ok(Self {
             path: PathBuf::from(path),
-            index: index.parse().map_err(|_| EXPECTED)?,
+            chosen,
         })
     }
 }

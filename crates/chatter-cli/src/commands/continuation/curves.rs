@@ -19,12 +19,12 @@ pub fn plane(
         return Ok(None);
     }
     let other = other_parameter(free, model, swept)?;
-    let points = seeds
-        .iter()
-        .map(|seed| restore(model, &seed.path, seed.index));
+    let points: Result<Vec<_>, _> = (seeds.iter())
+        .map(|seed| restore(model, &seed.path, &seed.chosen))
+        .collect();
     Ok(Some(Plane {
         other,
-        points: points.collect::<Result<_, _>>()?,
+        points: points?.concat(),
     }))
 }
 

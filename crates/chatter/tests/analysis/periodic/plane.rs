@@ -96,6 +96,23 @@ fn an_orbit_without_impacts_touches_where_its_amplitude_says() {
     }
 }
 
+/// A linear oscillator that touches a wall once a period: a kick at every touch moves the orbit there by the kick times
+/// e^(-c T/2) sin(w_d T)/w_d over det(1 - A). Where the sine vanishes the impact costs no change of the parameter: the graze turns
+/// from one that persists into a fold with a corner, and the curve of folds ends there.
+#[test]
+fn a_graze_persists_up_to_where_the_curve_of_folds_ends() {
+    let text = "[parameters]\ns = 0.4\nw = 1.85\nc = 0.1\n[flight]\nx = 'v'\nv = '-x - c*v + cos(w*t)'\n[[contact]]\ngap = 's - x'\n\
+                impulse = { v = -1 }\nrestitution = 0.7\n[initial]\nx = -0.414\nv = 0\n";
+    let model = with(text, &[]);
+    let corner = 2.0 * (1.0 - 0.0025_f64).sqrt();
+    let found = over(&model, "s", (0.2, 0.6), (3, 0.05));
+    let graze = nearest(&found, &GRAZES, 0.4);
+    let curve = curve(&model, ["s", "w"], &graze, ((1.6, 2.4), 0.05));
+    let ends = of(&curve, SpecialKind::GrazeFold);
+    assert_eq!(ends.len(), 1, "{:?}", curve.special);
+    assert!((ends[0][1] - corner).abs() < 1e-12, "{ends:?} {corner}");
+}
+
 /// A curve of tori holds its pair on the unit circle, and passes a quarter of a turn where an independent computation does.
 #[test]
 fn tori_of_two_masses_in_two_parameters() {

@@ -118,6 +118,11 @@ impl SpecialKind {
         }
     }
 
+    /// The kind of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
     /// Whether an impact or a flight grazes.
     pub const fn is_graze(self) -> bool {
         matches!(self, Self::ImpactGraze | Self::FlightGraze)

@@ -6,15 +6,40 @@ use crate::analysis::periodic::branch::SpecialKind;
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::multipliers::{neutral, pair, passes, without_nearest};
 use crate::analysis::periodic::shooting::Shooting;
-use crate::numerics::Complex;
+use crate::numerics::{Complex, dot, unit};
 
-/// A kind of point, and what changes its sign there; none where that has no value.
-pub(super) type Test = (SpecialKind, Option<f64>);
+/// A kind of point, what changes its sign there, none where that has no value, and whether that is one of the multipliers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Test {
+    pub kind: SpecialKind,
+    pub value: Option<f64>,
+    pub of_multipliers: bool,
+}
 
-/// What the functions are of: an orbit on a curve, its multipliers, without the impact that grazes, and where the curve came from.
+/// A function of the multipliers.
+const fn multiplier(kind: SpecialKind, value: Option<f64>) -> Test {
+    Test {
+        kind,
+        value,
+        of_multipliers: true,
+    }
+}
+
+/// A function of the curve itself.
+const fn geometry(kind: SpecialKind, value: Option<f64>) -> Test {
+    Test {
+        kind,
+        value,
+        of_multipliers: false,
+    }
+}
+
+/// What the functions are of: an orbit on a curve, the step that ends with its graze, its multipliers without that impact, and where
+/// the curve came from.
 pub(super) struct Place<'p> {
     pub shooting: &'p Shooting<f64>,
     pub station: &'p Station,
+    pub grazing: Option<usize>,
     pub multipliers: &'p [Complex],
     pub bordered: &'p Bordered,
     pub from: &'p Station,
@@ -27,37 +52,38 @@ pub(super) fn tests(kind: SpecialKind, place: &Place<'_>) -> Vec<Test> {
         SpecialKind::Fold => {
             let others = without_nearest(all, 1.0);
             vec![
-                (SpecialKind::Cusp, Some(along(place))),
-                (SpecialKind::FoldFlip, passes(&others, -1.0)),
-                (SpecialKind::Resonance11, passes(&others, 1.0)),
-                (SpecialKind::FoldTorus, pair(&others)),
+                geometry(SpecialKind::Cusp, Some(along(place))),
+                multiplier(SpecialKind::FoldFlip, passes(&others, -1.0)),
+                multiplier(SpecialKind::Resonance11, passes(&others, 1.0)),
+                multiplier(SpecialKind::FoldTorus, pair(&others)),
             ]
         }
         SpecialKind::PeriodDoubling => {
             let others = without_nearest(all, -1.0);
             vec![
-                (SpecialKind::GeneralisedDoubling, side(place)),
-                (SpecialKind::FoldFlip, passes(&others, 1.0)),
-                (SpecialKind::Resonance12, passes(&others, -1.0)),
-                (SpecialKind::FlipTorus, pair(&others)),
+                geometry(SpecialKind::GeneralisedDoubling, side(place)),
+                multiplier(SpecialKind::FoldFlip, passes(&others, 1.0)),
+                multiplier(SpecialKind::Resonance12, passes(&others, -1.0)),
+                multiplier(SpecialKind::FlipTorus, pair(&others)),
             ]
         }
         SpecialKind::FlightGraze | SpecialKind::ImpactGraze => vec![
-            (SpecialKind::GrazeFold, passes(all, 1.0)),
-            (SpecialKind::GrazeDoubling, passes(all, -1.0)),
-            (SpecialKind::GrazeTorus, pair(all)),
+            geometry(SpecialKind::GrazeFold, persistence(place)),
+            multiplier(SpecialKind::GrazeFold, passes(all, 1.0)),
+            multiplier(SpecialKind::GrazeDoubling, passes(all, -1.0)),
+            multiplier(SpecialKind::GrazeTorus, pair(all)),
         ],
         SpecialKind::NeimarkSacker => {
             let Some((_, sum, others)) = neutral(all) else {
                 return Vec::new();
             };
             vec![
-                (SpecialKind::Resonance11, Some(2.0 - sum)),
-                (SpecialKind::Resonance12, Some(2.0 + sum)),
-                (SpecialKind::Resonance13, Some(1.0 + sum)),
-                (SpecialKind::Resonance14, Some(sum)),
-                (SpecialKind::FoldTorus, passes(&others, 1.0)),
-                (SpecialKind::FlipTorus, passes(&others, -1.0)),
+                multiplier(SpecialKind::Resonance11, Some(2.0 - sum)),
+                multiplier(SpecialKind::Resonance12, Some(2.0 + sum)),
+                multiplier(SpecialKind::Resonance13, Some(1.0 + sum)),
+                multiplier(SpecialKind::Resonance14, Some(sum)),
+                multiplier(SpecialKind::FoldTorus, passes(&others, 1.0)),
+                multiplier(SpecialKind::FlipTorus, passes(&others, -1.0)),
             ]
         }
         _ => Vec::new(),
@@ -112,7 +138,20 @@ fn in_parameters(shooting: &Shooting<f64>, station: &Station) -> Vec<f64> {
 fn along(place: &Place<'_>) -> f64 {
     let before = in_parameters(place.shooting, place.from);
     let here = in_parameters(place.shooting, place.station);
-    crate::numerics::dot(&before, &here)
+    dot(&before, &here)
+}
+
+/// Directions across the curve and along it in the plane of parameters, in units of their sizes.
+fn across_and_along(place: &Place<'_>) -> Option<([f64; 2], [f64; 2])> {
+    let free = place.station.at.len() - place.shooting.parameters();
+    let scales = &place.shooting.scales()[free..];
+    let [x, y] = in_parameters(place.shooting, place.station)[..] else {
+        return None;
+    };
+    Some((
+        [-y / scales[0], x / scales[1]],
+        [x / scales[0], y / scales[1]],
+    ))
 }
 
 /// How far across the curve the doubled orbits lie.
@@ -120,19 +159,27 @@ fn side(place: &Place<'_>) -> Option<f64> {
     let Bordered::Singular(singular) = place.bordered else {
         return None;
     };
-    let free = place.station.at.len() - place.shooting.parameters();
-    let scales = &place.shooting.scales()[free..];
-    let direction = in_parameters(place.shooting, place.station);
-    let [x, y] = direction[..] else {
-        return None;
-    };
-    // In units of the parameters' sizes along and across.
-    let held = vec![x / scales[0], y / scales[1]];
-    let across = [-y / scales[0], x / scales[1]];
+    let (across, along) = across_and_along(place)?;
     shift(
         place.shooting,
         &place.station.at,
         singular,
-        (&across, &[held]),
+        (&across, &[along.to_vec()]),
     )
+}
+
+/// How far across the curve of a graze the orbits lie whose impact has a rate, in parts of it. Where this changes its sign the graze
+/// turns from one that persists into a fold with a corner, and the curves end on which orbits with the impact fold and double.
+fn persistence(place: &Place<'_>) -> Option<f64> {
+    let (across, along) = across_and_along(place)?;
+    let at = &place.station.at;
+    let mut shooting = place.shooting.clone();
+    let linearised = shooting.evaluate(at).ok()?;
+    let (_, rate) = shooting.monitor(place.grazing?, at).ok()?;
+    let free = at.len() - along.len();
+    let mut held = vec![0.0; at.len()];
+    held[free..].copy_from_slice(&along);
+    let factors = linearised.bordered([&*held, &*rate]).factored()?;
+    let with_rate = factors.solve(&unit(at.len(), at.len() - 1));
+    Some(dot(&across, &with_rate[free..]))
 }

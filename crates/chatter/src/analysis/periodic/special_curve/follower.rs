@@ -219,6 +219,7 @@ impl Follower {
             let place = degenerate::Place {
                 shooting: &reader,
                 station,
+                grazing,
                 multipliers: &multipliers,
                 bordered,
                 from,
@@ -227,15 +228,15 @@ impl Follower {
         };
         let (before, after) = (at(from)?, at(to)?);
         let mut found = Vec::new();
-        for (index, ((kind, before), (_, after))) in before.iter().zip(&after).enumerate() {
-            let (Some(before), Some(after)) = (*before, *after) else {
+        for (index, (test, after)) in before.iter().zip(&after).enumerate() {
+            let (Some(before), Some(after)) = (test.value, after.value) else {
                 continue;
             };
             if before * after >= 0.0 {
                 continue;
             }
             let mut held = bordered.of(&mut self.shooting);
-            let mut value = |station: &Station| at(station)?.get(index)?.1;
+            let mut value = |station: &Station| at(station)?.get(index)?.value;
             let located = locate(&mut held, from, step, (before, after), &mut |_, station| {
                 value(station)
             });
@@ -249,8 +250,8 @@ impl Follower {
                 continue;
             }
             let there = multipliers(&self.shooting, &station.at, grazing);
-            if has_multipliers(*kind, &there) {
-                found.push((*kind, station, ahead, here));
+            if !test.of_multipliers || has_multipliers(test.kind, &there) {
+                found.push((test.kind, station, ahead, here));
             }
         }
         found.sort_by(|a, b| a.2.total_cmp(&b.2));
