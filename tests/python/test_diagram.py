@@ -138,6 +138,16 @@ def test_what_is_set_gives_way_to_what_is_swept(valve):
     assert d.specification["set"] == [["r", "0.8"]]
 
 
+def test_what_is_wrong_with_a_diagram_is_said_before_anything_is_begun(valve, tmp_path):
+    with pytest.raises(ch.InputError, match="x.txt"):
+        valve.diagram(out=tmp_path / "x.txt", q=(0.0201, 0.0206, 24), **ASKED)
+    with pytest.raises(ch.InputError, match="x.txt"):
+        valve.branches(q=(0.0201, 0.0206), out=tmp_path / "x.txt")
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(ch.InputError, match=r"expected \(from, to, count\)"):
+        valve.diagram(q=(0.0201, 0.0206), **ASKED)
+
+
 def test_shares_come_to_the_file_of_one_process(valve, tmp_path):
     whole = tmp_path / "whole.npz"
     asked = dict(q=(0.0201, 0.0206, 24), **ASKED)

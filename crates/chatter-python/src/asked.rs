@@ -1,8 +1,11 @@
 //! What is asked, from a dictionary.
 
-use crate::errors::unreadable;
+use crate::errors::{raised, unreadable};
+use chatter_files::Format;
+use chatter_work::Refusal;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// What a text or number means, by its name in the dictionary of what is asked.
@@ -28,6 +31,15 @@ impl<'py> Asked<'_, 'py> {
                 .map_err(|error: T::Err| unreadable(name, error.to_string()))
         };
         texts.iter().map(read).collect()
+    }
+
+    /// The table that is to be written: one of a known format, before anything is begun for it.
+    pub fn table(&self) -> PyResult<Option<PathBuf>> {
+        let out: Option<PathBuf> = self.get("out")?;
+        if let Some(path) = &out {
+            Format::of_table(path).map_err(|error| raised(Refusal::input(error)))?;
+        }
+        Ok(out)
     }
 
     /// A text.

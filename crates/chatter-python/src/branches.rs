@@ -61,7 +61,7 @@ fn job(core: &Core, asked: &Asked) -> PyResult<(Job, Option<PathBuf>)> {
         branch_points: asked.get("branch_points")?.unwrap_or(0),
         plane: None,
     };
-    Ok((job, asked.get("out")?))
+    Ok((job, asked.table()?))
 }
 
 /// The branches of periodic orbits over a range of a parameter. `asked` has options by name, expressions as texts; `through` is an

@@ -63,7 +63,7 @@ fn request(core: &Core, asked: &Asked) -> PyResult<Request> {
         longest_return: asked.text::<Quantity>("longest_return")?,
         most_impacts: asked.text::<Count>("most_impacts")?,
         tolerance: asked.text::<Quantity>("tolerance")?,
-        out: asked.get("out")?,
+        out: asked.table()?,
         plot: None,
         shear: None,
     })

@@ -220,7 +220,10 @@ def _sweep(name: str, value: Any) -> tuple[str, str]:
     """The option that a sweep is, and what it says."""
     if isinstance(value, (str, int, float)) or np.ndim(value) == 0:
         return "at", f"{name}={text_of(value)}"
-    low, high, count, *spacing = value
+    try:
+        low, high, count, *spacing = value
+    except ValueError:
+        spacing = ["too few"]
     if len(spacing) > 1 or (spacing and spacing[0] != "log"):
         raise InputError(f"{name}={value!r}: expected (from, to, count), or (from, to, count, \"log\")")
     return "sweep", ":".join([f"{name}={text_of(low)}", text_of(high), str(int(count)), *spacing])
