@@ -103,10 +103,19 @@ pub fn events_of(subject: &Subject, orbit: &Orbit) -> Result<Vec<Event<f64>>, Re
     for event in &mut events {
         event.time -= begin;
     }
+    // What a period begins with is told at its end: at the start it depends on rounding whether it was.
+    let period = orbit.period.high();
+    let late = LATE * period;
+    let again: Vec<_> = (events.iter())
+        .filter(|event| event.time >= period - late)
+        .map(|event| (event.kind, event.detail.place()))
+        .collect();
+    events
+        .retain(|event| event.time > late || !again.contains(&(event.kind, event.detail.place())));
     Ok(events)
 }
 
-/// Events at the very end of a period belong to it.
+/// Events at the very end of a period belong to it, in parts of it; those at the very start come again there.
 const LATE: f64 = 1e-9;
 
 /// One period, followed from its start.

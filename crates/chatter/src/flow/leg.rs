@@ -19,7 +19,7 @@ use super::system::{Settings, System};
 use super::trajectory::Trajectory;
 use super::variation::{Column, Direction as Along, with_identity};
 use super::{Closed, Occurrence};
-use crate::expressions::{Expansion, Expr, Graph, Symbol, Tape};
+use crate::expressions::{Expansion, Expr, Graph, Side, Symbol, Tape};
 use crate::model::{Direction, Model, Section};
 use crate::numerics::{Matrix, Real, two_sum};
 use serde::{Deserialize, Serialize};
@@ -166,46 +166,54 @@ struct Ending {
     guards: Vec<(GuardKind, Expr)>,
     surface: Option<Expr>,
     map: Vec<Expr>,
-    /// Gap and rate of each contact that is closed, and what changes the rate by one.
-    closed: Vec<(Expr, Expr, Vec<Expr>)>,
+    held: Vec<Held>,
 }
 
-/// A map of states that are put onto what holds them first: contact forces keep gap and rate as they are, be they zero or not,
-/// so that an orbit which never leaves a contact would be one of many.
-fn on_contacts(
+/// A function that a mode holds at zero: gap and rate of a contact that is closed, the surface that is slid along.
+struct Held {
+    function: Expr,
+    /// What changes it by one; without it, the function's own slopes do.
+    by: Option<Vec<Expr>>,
+}
+
+/// A map of states that are put onto what holds them first: forces of contact and friction keep gap and rates as they are, be they
+/// zero or not, so that an orbit which never leaves a contact or a surface would be one of many.
+fn onto_what_holds(
     graph: &mut Graph,
-    closed: &[(Expr, Expr, Vec<Expr>)],
+    held: &[Held],
     map: &[Expr],
     time: Option<usize>,
 ) -> Vec<Expr> {
     let mut place: Vec<Expr> = (0..map.len()).map(|i| graph.state(i)).collect();
-    for (gap, rate, jump) in closed {
-        let slopes: Vec<Expr> = (0..map.len())
-            .map(|i| match time {
-                Some(time) if time == i => graph.number(0.0),
-                _ => graph.derivative(*gap, Symbol::State(i)),
+    for Held { function, by } in held {
+        let (direction, part) = match by {
+            Some(jump) => (jump.clone(), *function),
+            None => {
+                let slopes: Vec<Expr> = (0..map.len())
+                    .map(|i| match time {
+                        Some(time) if time == i => graph.number(0.0),
+                        _ => graph.derivative(*function, Symbol::State(i)),
+                    })
+                    .collect();
+                let squares: Vec<Expr> = slopes
+                    .iter()
+                    .map(|&slope| graph.mul(slope, slope))
+                    .collect();
+                let square = graph.sum(&squares);
+                (slopes, graph.div(*function, square))
+            }
+        };
+        let moved: Vec<Expr> = (direction.iter().enumerate())
+            .map(|(i, &along)| {
+                let step = graph.mul(along, part);
+                let state = graph.state(i);
+                graph.sub(state, step)
             })
             .collect();
-        let squares: Vec<Expr> = slopes
-            .iter()
-            .map(|&slope| graph.mul(slope, slope))
+        let known = place.clone();
+        place = (moved.iter())
+            .map(|&expr| graph.substitute(expr, &|symbol| at(&known, symbol)))
             .collect();
-        let square = graph.sum(&squares);
-        let part = graph.div(*gap, square);
-        // Along the slopes of the gap, then along what changes its rate alone.
-        for (direction, by) in [(&slopes, part), (jump, *rate)] {
-            let moved: Vec<Expr> = (direction.iter().enumerate())
-                .map(|(i, &along)| {
-                    let step = graph.mul(along, by);
-                    let state = graph.state(i);
-                    graph.sub(state, step)
-                })
-                .collect();
-            let known = place.clone();
-            place = (moved.iter())
-                .map(|&expr| graph.substitute(expr, &|symbol| at(&known, symbol)))
-                .collect();
-        }
     }
     (map.iter())
         .map(|&image| graph.substitute(image, &|symbol| at(&place, symbol)))
@@ -250,17 +258,28 @@ impl System {
             Jump::Impact(contact) => contacts.get(contact)?.after_impact.clone(),
             Jump::Reset(section) => sections.get(section)?.reset.clone()?,
         };
-        let closed = (grip.carrying().contacts())
+        let slid_along = (on_sides.active.members())
+            .filter(|&index| sides.get(index) == Side::Sliding)
+            .map(|index| Held {
+                function: on_sides.surfaces[index],
+                by: None,
+            });
+        let in_contact = (grip.carrying().contacts())
             .filter_map(|index| contacts.get(index))
-            .map(|contact| (contact.gap, contact.rate, contact.jump.clone()))
-            .collect();
+            .flat_map(|contact| {
+                [(contact.gap, None), (contact.rate, Some(&contact.jump))].map(|(function, by)| {
+                    let by = by.cloned();
+                    Held { function, by }
+                })
+            });
+        let held = in_contact.chain(slid_along).collect();
         Some(Ending {
             graph,
             field: exprs.field,
             guards: guards.into_iter().map(|(guard, _, f)| (guard, f)).collect(),
             surface,
             map,
-            closed,
+            held,
         })
     }
 
@@ -273,11 +292,11 @@ impl System {
             guards,
             surface,
             map,
-            closed,
+            held,
         } = self.ending(kind)?;
         let graph = &mut graph;
         let coordinates = field.len();
-        let map = on_contacts(graph, &closed, &map, self.model().time);
+        let map = onto_what_holds(graph, &held, &map, self.model().time);
         let columns = columns(coordinates, free);
         let section = section.filter(|&section| kind.ends_at != Some(GuardKind::Section(section)));
         let crossed = section.and_then(|section| {

@@ -1,5 +1,6 @@
 //! Orbits beside one whose equations are singular: displaced along what the singular matrix takes to zero, once or twice around.
 
+use super::cycle::rotate::a_turn_later;
 use super::shooting::Shooting;
 use crate::analysis::continuation::{Condition, Problem, Singular, newton};
 use crate::numerics::dot;
@@ -33,7 +34,9 @@ impl Aside {
         let mut guess = moved(1.0)[..size].to_vec();
         let mut row = direction.to_vec();
         if singular.sign() < 0.0 {
-            steps.extend(shooting.current_steps(&moved(-1.0)));
+            let parameters = shooting.workshop.parameters(shooting.free(at));
+            let second = (&*shooting.current_steps(&moved(-1.0)), &*shooting.counts);
+            steps.extend(a_turn_later(&shooting.workshop, &parameters, second).ok()?);
             counts.iter_mut().for_each(|count| *count *= 2);
             let mut second = moved(-1.0)[..size].to_vec();
             shooting.turn_on(&mut second, at);

@@ -56,7 +56,6 @@ pub use survey::Beside;
 use crate::model::Model;
 use closure::Closure;
 use core::ops::ControlFlow;
-use cycle::settle::settle;
 use diary::Diary;
 use serde::{Deserialize, Serialize};
 use shooting::Workshop;
@@ -133,8 +132,7 @@ pub fn settled(
     let workshop = workshop(model, spec, (&[], &[]))?;
     let parameters = model.parameter_values::<f64>(&[]);
     let state = model.initial_state(&parameters);
-    let found = settle(&workshop, &[], &state, spec.patience, observer)
-        .and_then(|cycle| orbit::close(&workshop, cycle, &[]));
+    let found = orbit::settled(&workshop, &[], &state, spec.patience, observer);
     search::simplest(&workshop, found, &state, &[]).map(orbit::as_told)
 }
 
@@ -200,8 +198,7 @@ pub fn branches(
         let parameters = model.parameter_values::<f64>(&[(what.parameter, here)]);
         let state = model.initial_state(&parameters);
         let mut settling = |_: f64| diary.tell(Told::Settling);
-        let found = settle(&workshop, &[here], &state, spec.patience, &mut settling)
-            .and_then(|cycle| orbit::close(&workshop, cycle, &[here]));
+        let found = orbit::settled(&workshop, &[here], &state, spec.patience, &mut settling);
         let orbit = match search::simplest(&workshop, found, &state, &[here]) {
             Ok(orbit) => orbit,
             Err(PeriodicError::Interrupted) => return Err(PeriodicError::Interrupted),

@@ -1,7 +1,7 @@
 //! One periodic orbit, closed by Newton's method.
 
 use super::cycle::itinerary::Passage;
-use super::cycle::settle::Cycle;
+use super::cycle::settle::{Cycle, Patience, settle};
 use super::error::PeriodicError;
 use super::margins::{Margin, margins};
 use super::multipliers::is_stable;
@@ -11,6 +11,7 @@ use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
 use crate::model::greatest_common_divisor;
 use crate::numerics::{Complex, DoubleDouble, Real, Scalar};
+use core::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A periodic orbit.
@@ -53,6 +54,27 @@ impl Orbit {
 pub(super) fn failed(error: &NewtonError) -> PeriodicError {
     PeriodicError::NoConvergence {
         how: error.to_string(),
+    }
+}
+
+/// The orbit that the trajectory from a state settles to at these free parameters. Where a crossing of the section shares its instant
+/// with several other events, whose order is rounding, the orbit is closed without it.
+pub(crate) fn settled(
+    workshop: &Arc<Workshop>,
+    free: &[f64],
+    state: &[f64],
+    patience: Patience,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Orbit, PeriodicError> {
+    let mut told_from = |section: Option<usize>| {
+        settle((workshop, section), free, state, patience, observer)
+            .and_then(|cycle| close(workshop, cycle, free))
+    };
+    match told_from(workshop.section) {
+        Err(error @ PeriodicError::NoConvergence { .. }) if workshop.section.is_some() => {
+            told_from(None).map_err(|_| error)
+        }
+        found => found,
     }
 }
 

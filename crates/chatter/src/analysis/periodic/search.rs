@@ -2,9 +2,10 @@
 
 use super::branch::is_broken;
 use super::cycle::itinerary::Step;
-use super::cycle::settle::{Patience, loops, settle};
+use super::cycle::settle::{Patience, loops};
+use super::cycle::trace::Tracer;
 use super::error::PeriodicError;
-use super::orbit::{Orbit, as_told, close};
+use super::orbit::{Orbit, as_told, close, settled};
 use super::shooting::Workshop;
 use crate::analysis::diagram::Generator;
 use crate::flow::GuardKind;
@@ -57,9 +58,7 @@ pub(crate) fn search(
     let extent = extent(workshop, state, &parameters)?;
     let patience = Patience::default();
     let mut quiet = |_: f64| ControlFlow::Continue(());
-    if let Ok(cycle) = settle(workshop, &[], state, patience, &mut quiet)
-        && let Ok(orbit) = close(workshop, cycle, &[])
-    {
+    if let Ok(orbit) = settled(workshop, &[], state, patience, &mut quiet) {
         let laps = match (workshop.closure.forcing(&parameters), workshop.section) {
             (Some(period), _) => (orbit.period.to_f64() / period).round() as usize,
             (None, Some(section)) => {
@@ -155,7 +154,7 @@ pub(crate) fn simplest(
                 continue;
             };
             let shorter = other.period.to_f64() < longest;
-            if shorter && is_broken(&mut other.shooting, &other.at).is_ok_and(|broken| !broken) {
+            if shorter && is_motion(workshop, &mut other) {
                 best = Some((index + 1, other));
                 break;
             }
@@ -173,12 +172,45 @@ const SHORTER: f64 = 0.75;
 /// Orbits that were found, each with the states that it is known by.
 type Found = Vec<(Orbit, Vec<Vec<f64>>)>;
 
+/// A motion that ends so far from where an orbit does, against the size of the state, is another one.
+const ELSEWHERE: f64 = 1e-3;
+/// The event at the end of a period is passed by so much of it.
+const LATE: f64 = 1e-9;
+/// Beyond this multiplier rounding takes a motion away from its orbit within a period.
+const BLURRED: f64 = 1e9;
+
+/// Whether a solution is a motion of the system: its events in their order, and, where a period is short enough to tell, the motion
+/// from its start comes back there. A jump may take a state across a surface where no leg of the cycle looks.
+fn is_motion(workshop: &Workshop, orbit: &mut Orbit) -> bool {
+    if !is_broken(&mut orbit.shooting, &orbit.at).is_ok_and(|broken| !broken) {
+        return false;
+    }
+    let largest = (orbit.multipliers.iter()).fold(0.0, |most: f64, m| most.max(m.modulus()));
+    if largest > BLURRED {
+        return true;
+    }
+    comes_back(workshop, orbit).is_none_or(|distance| distance < ELSEWHERE)
+}
+
+/// How far from its start the motion from there is after a period, if it can be followed.
+fn comes_back(workshop: &Workshop, orbit: &Orbit) -> Option<f64> {
+    let shooting = &orbit.shooting;
+    let parameters = workshop.parameters(shooting.free(&orbit.at));
+    let turns = workshop.closure.turns(&parameters).ok()?;
+    let start = shooting.node(&orbit.at, 0).to_vec();
+    let clock = workshop.model.time.map_or(0.0, |index| start[index]);
+    let mut tracer = Tracer::new(&workshop.system, &parameters, &start, None).ok()?;
+    let until = (clock + orbit.period.to_f64() * (1.0 + LATE), usize::MAX / 2);
+    let mut quiet = |_: f64| ControlFlow::Continue(());
+    tracer.follow(until, &mut Vec::new(), &mut quiet).ok()?;
+    let states = (&*start, tracer.trajectory.state());
+    let difference = (workshop.closure).difference(&turns, states, &shooting.state_sizes());
+    Some(difference.distance)
+}
+
 /// Adds an orbit unless it is known, or no motion of the system.
 fn add(workshop: &Workshop, extent: &[(f64, f64)], found: &mut Found, mut orbit: Orbit) {
-    let Ok(broken) = is_broken(&mut orbit.shooting, &orbit.at) else {
-        return;
-    };
-    if broken {
+    if !is_motion(workshop, &mut orbit) {
         return;
     }
     let Ok(turns) = workshop.closure.turns::<f64>(&workshop.parameters(&[])) else {
@@ -222,7 +254,7 @@ fn extent(
     parameters: &[f64],
 ) -> Result<Vec<(f64, f64)>, PeriodicError> {
     let period = workshop.closure.forcing(parameters);
-    let mut tracer = super::cycle::trace::Tracer::new(&workshop.system, parameters, state, None)?;
+    let mut tracer = Tracer::new(&workshop.system, parameters, state, None)?;
     let clock = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut ends: Vec<(f64, f64)> = state.iter().map(|&x| (x, x)).collect();
     let step = period.unwrap_or(1.0) / 64.0;

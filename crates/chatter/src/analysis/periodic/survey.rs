@@ -3,10 +3,10 @@
 
 use super::aside::Aside;
 use super::branch::{Branch, End, Limits, Point, Special, SpecialKind, follow};
-use super::cycle::settle::{Patience, settle};
+use super::cycle::settle::Patience;
 use super::diary::Diary;
 use super::error::PeriodicError;
-use super::orbit::close;
+use super::orbit::settled;
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::Singular;
 use core::ops::ControlFlow;
@@ -67,10 +67,7 @@ pub(crate) fn survey(
                     continue;
                 }
                 let mut quiet = |_: f64| ControlFlow::Continue(());
-                let Ok(cycle) = settle(workshop, &[beyond], state, patience, &mut quiet) else {
-                    continue;
-                };
-                let Ok(orbit) = close(workshop, cycle, &[beyond]) else {
+                let Ok(orbit) = settled(workshop, &[beyond], state, patience, &mut quiet) else {
                     continue;
                 };
                 let fits = orbit.impacts.is_none() == wants_infinite

@@ -177,3 +177,88 @@ w = 0
         assert!(off.abs() < 1e-12, "{speed}: {off:e}");
     }
 }
+
+/// A converter that switches where its voltage crosses a ramp, with the section at the very instant at which the ramp jumps back and
+/// the converter switches as well: the period is one turn of the clock, and the multipliers are those of a product of two
+/// matrix exponentials with its saltation.
+#[test]
+fn a_section_at_a_jump_does_not_lengthen_the_period() {
+    const BUCK: &str = r#"
+[parameters]
+E = 22
+[definitions]
+ramp = "3.8 + 4.4*mod(t, 400e-6)/400e-6"
+[flight]
+v = "(i - v/22)/47e-6"
+i = "(if(8.4*(v - 11.3) < ramp, E, 0) - v)/20e-3"
+[section.clock]
+surface = "sin(2*pi*t/400e-6)"
+direction = "rising"
+[initial]
+v = 12
+i = 0.5
+"#;
+    let found = orbit(&with(BUCK, &[]));
+    let off = found.period.to_f64() / 400e-6 - 1.0;
+    assert!(off.abs() < 1e-12, "{off:e}");
+    let first = found.multipliers[0];
+    assert!((first.re + 0.752_798_368_7).abs() < 1e-9, "{first:?}");
+    assert!((first.im.abs() - 0.335_394_524_6).abs() < 1e-9, "{first:?}");
+}
+
+/// An oscillator under a force that is a table of time: its second turn is in other pieces of the table than the first.
+#[test]
+fn the_doubled_orbit_goes_on_in_later_pieces_of_a_table() {
+    use super::branch_spec;
+    use chatter::analysis::periodic::{Beside, Spec, branches};
+    let model = with(TRIANGLES, &[("F", "0.1")]);
+    let beside = Beside {
+        doublings: 1,
+        branch_points: 0,
+    };
+    let spec = branch_spec(&model, ("F", (0.05, 0.25)), (5, 0.02), beside);
+    let found = branches(&model, &Spec::default(), &spec, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(found.len(), 2);
+    let doubling = super::nearest(&found, &[SpecialKind::PeriodDoubling], 0.193);
+    assert_eq!(doubling.above, Some(true));
+    let born = super::nearest(&found[1..], &[SpecialKind::BranchPoint], 0.193);
+    assert!((value(&born) - value(&doubling)).abs() < 1e-12);
+    assert!(
+        found[1]
+            .points
+            .iter()
+            .all(|point| (point.period / 12.0 - 1.0).abs() < 1e-9)
+    );
+    // Stable at first, as the doubling says.
+    let first = |point: &&chatter::analysis::periodic::Point| {
+        (0.1935..0.199).contains(&point.parameters[0])
+    };
+    assert!(
+        found[1]
+            .points
+            .iter()
+            .filter(first)
+            .any(|point| point.is_stable())
+    );
+}
+
+const TRIANGLES: &str = r#"
+[parameters]
+F = 0.4
+[table.wave]
+x = [0, 0.25, 0.75, 1]
+y = [0, 1, -1, 0]
+kind = "periodic-cubic"
+[flight]
+x = "v"
+v = "-0.25*v + x - x^3 + F*wave(t/6)"
+[section.clock]
+surface = "sin(2*pi*t/6 - 1)"
+direction = "rising"
+[initial]
+x = 1
+v = 0
+"#;

@@ -7,8 +7,11 @@ use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
 use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::orbit::{Orbit, close};
+use crate::analysis::periodic::shooting::Workshop;
+use crate::expressions::Symbol;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
+use crate::numerics::dot;
 
 /// So far beyond a place where the sequence of events changes orbits are looked for, in parts of the longest step; and where what is
 /// expected there is so near to closed, they are of the same branch.
@@ -171,7 +174,8 @@ impl Walker {
             let guess = from.at.iter().zip(&from.tangent);
             let guess: Vec<f64> = guess.map(|(x, by)| x + by * ahead).collect();
             let free = self.shooting.free(&guess).to_vec();
-            let start = self.shooting.node(&guess, robust).to_vec();
+            let mut start = self.shooting.node(&guess, robust).to_vec();
+            out_of_walls(&workshop, &free, &mut start);
             let told = (&start, self.shooting.period());
             let cycle = reread(&workshop, &free, told).ok()?;
             if cycle.distance > SAME_BEYOND {
@@ -189,5 +193,33 @@ impl Walker {
             self.settle(&station);
             Some(station)
         })
+    }
+}
+
+/// Takes a state that was only guessed out of the contacts that it penetrates.
+fn out_of_walls(workshop: &Workshop, free: &[f64], state: &mut [f64]) {
+    let model = &workshop.model;
+    let parameters = workshop.parameters(free);
+    for contact in &model.contacts {
+        let gap = model.graph.evaluate(contact.gap, state, &parameters);
+        if gap >= 0.0 {
+            continue;
+        }
+        let graph = &mut model.graph.clone();
+        let slopes: Vec<f64> = (0..state.len())
+            .map(|i| match model.time {
+                Some(time) if time == i => 0.0,
+                _ => {
+                    let slope = graph.derivative(contact.gap, Symbol::State(i));
+                    graph.evaluate(slope, state, &parameters)
+                }
+            })
+            .collect();
+        let square = dot(&slopes, &slopes);
+        if square > 0.0 {
+            for (x, slope) in state.iter_mut().zip(&slopes) {
+                *x -= gap * slope / square;
+            }
+        }
     }
 }

@@ -9,43 +9,50 @@ use crate::numerics::DoubleDouble;
 /// A place on the way of a step, in parts of it, at which nothing happens.
 const ON_THE_WAY: f64 = 0.4142;
 
-/// Tells a cycle from step `by` on: what was before it comes a turn later, by `counts` turns of each phase, in pieces of lookups
-/// that many further.
+/// Tells a cycle from step `by` on: what was before it comes a turn later.
 pub(crate) fn rotate(
     workshop: &Workshop,
     parameters: &[f64],
     (steps, counts): (&mut [Step], &[i64]),
     by: usize,
 ) -> Result<(), PeriodicError> {
-    let turns = workshop.closure.turns::<f64>(parameters)?;
-    let later = |state: &[f64]| Closure::later(&turns, counts, state);
-    for index in 0..by {
-        let ends = (&steps[index].start, &steps[index + 1].start);
-        let between = ends.0.iter().zip(ends.1);
-        let state: Vec<f64> = between.map(|(a, b)| a + ON_THE_WAY * (b - a)).collect();
-        let pieces = steps[index].pieces.iter().enumerate();
-        let pieces: Vec<i64> = pieces
-            .map(|(lookup, &piece)| {
-                further(
-                    workshop,
-                    parameters,
-                    (lookup, piece),
-                    (&state, &later(&state)),
-                )
-            })
-            .collect();
-        let step = &mut steps[index];
-        (step.start, step.pieces) = (later(&step.start), pieces);
-    }
+    let next = a_turn_later(workshop, parameters, (steps, counts))?;
+    steps[..by].clone_from_slice(&next[..by]);
     steps.rotate_left(by);
     Ok(())
+}
+
+/// The cycle's next time around: by `counts` turns of each phase later, in pieces of lookups that many further.
+pub(crate) fn a_turn_later(
+    workshop: &Workshop,
+    parameters: &[f64],
+    (steps, counts): (&[Step], &[i64]),
+) -> Result<Vec<Step>, PeriodicError> {
+    let turns = workshop.closure.turns::<f64>(parameters)?;
+    let later = |state: &[f64]| Closure::later(&turns, counts, state);
+    let ends = (steps.iter().skip(1).map(|next| next.start.clone()))
+        .chain(steps.first().map(|first| later(&first.start)));
+    let moved = steps.iter().zip(ends).map(|(step, end)| {
+        let between = step.start.iter().zip(&end);
+        let state: Vec<f64> = between.map(|(a, b)| a + ON_THE_WAY * (b - a)).collect();
+        let way = (&*state, &*later(&state));
+        let pieces = step.pieces.iter().enumerate();
+        Step {
+            start: later(&step.start),
+            pieces: pieces
+                .map(|known| further(workshop, parameters, known, way))
+                .collect(),
+            ..step.clone()
+        }
+    });
+    Ok(moved.collect())
 }
 
 /// The piece of a lookup in which a state is, when another is in this piece of it.
 fn further(
     workshop: &Workshop,
     parameters: &[f64],
-    (lookup, piece): (usize, i64),
+    (lookup, &piece): (usize, &i64),
     (from, to): (&[f64], &[f64]),
 ) -> i64 {
     let system = &workshop.system;

@@ -3,7 +3,7 @@
 use super::itinerary::{Step, read};
 use super::reread::from_early_on;
 use super::rotate::rotate;
-use super::trace::{Instant, Tracer};
+use super::trace::{Instant, ONE_INSTANT, Tracer};
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Shooting, Workshop, without_zeros};
@@ -100,7 +100,7 @@ pub(super) fn states(instants: &[Instant]) -> impl Iterator<Item = &Vec<f64>> {
 }
 
 /// The instants that may tell returns, the best first: the latest crossing of the section, the latest release, the fastest impact of
-/// late, and, without any of these, the latest of all.
+/// late, and, without any of the latter two, the latest of all others that shares its time with none.
 fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
     let late = instants.len() / 2;
     let crossed = section.and_then(|section| {
@@ -120,28 +120,42 @@ fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
         });
     let mut found: Vec<usize> = [crossed, released, fastest].into_iter().flatten().collect();
     found.dedup();
-    match instants.len().checked_sub(1) {
-        Some(latest) if found.is_empty() => vec![latest],
-        _ => found,
+    if released.or(fastest).is_none() {
+        let crosses = |index: usize| section.is_some_and(|s| instants[index].crosses(s));
+        let times = |index: usize| instants.get(index).map(|instant| instant.time);
+        let is_alone = |index: &usize| {
+            let neighbours = [index.checked_sub(1).and_then(times), times(index + 1)];
+            let here = instants[*index].time;
+            let shares = |time: f64| (time - here).abs() <= ONE_INSTANT * f64::EPSILON * here.abs();
+            !crosses(*index) && !neighbours.into_iter().flatten().any(shares)
+        };
+        let latest = instants.len().checked_sub(1);
+        let alone = (0..instants.len()).rev().find(is_alone).or(latest);
+        found.extend(alone.filter(|alone| !found.contains(alone)));
     }
+    found
 }
 
 /// What one landmark tells as a return is none where another tells one in less than this part of the time: where a crossing of the
 /// section shares its instant with something else, which of them comes first is rounding, and differs from turn to turn.
 const SOONER: f64 = 0.75;
+/// The others may be so many times as far apart.
+const LOOSER: f64 = 10.0;
 
 /// The instants of the latest return nearer than `near`; otherwise how near the nearest is.
 fn latest_return(
     workshop: &Workshop,
     turns: &[Turn<f64>],
-    instants: &[Instant],
+    (instants, section): (&[Instant], Option<usize>),
     near: f64,
 ) -> Result<(usize, usize), f64> {
     let sizes = sizes(states(instants), turns);
     let mut nearest = f64::INFINITY;
     let mut found: Option<(usize, usize)> = None;
     let time = |(first, last): (usize, usize)| instants[last].time - instants[first].time;
-    for last in landmarks(instants, workshop.section) {
+    for last in landmarks(instants, section) {
+        // What is settling is no nearer after one turn than after several.
+        let near = if found.is_some() { LOOSER * near } else { near };
         for first in (0..last).rev() {
             let (a, b) = (&instants[first], &instants[last]);
             let is_alike =
@@ -250,9 +264,9 @@ fn alone(
     cycle(workshop, turns, instants, &sizes)
 }
 
-/// What the trajectory from a state settles to.
+/// What the trajectory from a state settles to; crossings of a section count as events.
 pub(crate) fn settle(
-    workshop: &Workshop,
+    (workshop, section): (&Workshop, Option<usize>),
     free: &[f64],
     state: &[f64],
     patience: Patience,
@@ -262,7 +276,7 @@ pub(crate) fn settle(
     let turns = workshop.closure.turns(&parameters)?;
     let forcing = workshop.closure.forcing(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
-    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, section)?;
     let returned = |instants: &[Instant], (first, last): (usize, usize)| {
         let sizes = sizes(states(instants), &turns);
         let found = cycle(workshop, &turns, &instants[first..=last], &sizes)?;
@@ -317,7 +331,7 @@ pub(crate) fn settle(
                 return Ok(found);
             }
         } else if !instants.is_empty() {
-            match latest_return(workshop, &turns, &instants, NEAR[0]) {
+            match latest_return(workshop, &turns, (&instants, section), NEAR[0]) {
                 Ok((first, last)) => {
                     return returned(&instants, (first, last));
                 }
@@ -338,7 +352,9 @@ pub(crate) fn settle(
             if let Some(found) = timed(workshop, &turns, &tracer, strobes, *near) {
                 return Ok(found);
             }
-        } else if let Ok((first, last)) = latest_return(workshop, &turns, &instants, *near) {
+        } else if let Ok((first, last)) =
+            latest_return(workshop, &turns, (&instants, section), *near)
+        {
             return returned(&instants, (first, last));
         }
     }

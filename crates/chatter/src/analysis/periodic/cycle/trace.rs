@@ -68,7 +68,7 @@ pub(crate) struct Tracer<'s> {
 }
 
 /// Of a knot of a table, where functions go on smoothly, and a section times that differ by so many roundoffs are one instant.
-const ONE_INSTANT: f64 = 8.0;
+pub(super) const ONE_INSTANT: f64 = 8.0;
 
 /// Steps without an event.
 const MOST_STEPS: usize = 200_000;

@@ -73,6 +73,8 @@ pub(crate) struct Shooting<R: Real> {
 
 /// Sizes of states that fall below this part of what they were.
 const NEXT_TO_NOTHING: f64 = 1e-6;
+/// A state is zero at nodes alone if all that is seen of it there is less than this part of how far others may move it.
+const AT_NODES_ALONE: f64 = 1e-9;
 /// A leg that would take this many times as long as its guess is given up.
 const LONGEST: f64 = 4.0;
 
@@ -151,6 +153,26 @@ impl<R: Real> Shooting<R> {
                 *size = size
                     .max(x.abs())
                     .max(if moves.is_finite() { moves } else { 0.0 });
+            }
+        }
+        // Nor is one next to nothing that vanishes at all nodes together with its rate, but for rounding: others move it. (What is followed
+        // as a whole shrinks to nothing where chatter begins.)
+        let is_followed = !self.steps.iter().any(Step::is_stretch);
+        for (index, state) in model.states.iter().enumerate().filter(|_| is_followed) {
+            let rate = |at: &[f64]| model.graph.evaluate(state.derivative, at, &parameters);
+            let moved = self.steps.iter().fold(0.0_f64, |most, step| {
+                let beside: Vec<f64> = (step.start.iter().zip(&sizes))
+                    .map(|(x, size)| x + size)
+                    .collect();
+                let moves = ((rate(&beside) - rate(&step.start)) * step.duration).abs();
+                if moves.is_finite() {
+                    most.max(moves)
+                } else {
+                    most
+                }
+            });
+            if sizes[index] > 0.0 && sizes[index] < AT_NODES_ALONE * moved {
+                sizes[index] = moved;
             }
         }
         // A phase that goes round no times is a state like others.
