@@ -3,7 +3,12 @@
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::{Executor, Threads};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What pieces share. One that panicked takes nothing from the others.
+pub fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// What `work` makes of each piece, in the order of the pieces, in which they are begun too: whatever takes long is best
 /// among the first.
@@ -27,8 +32,7 @@ pub fn each<P: Sync, T: Send>(
             if result.is_err() {
                 next.store(pieces.len(), Ordering::Relaxed);
             }
-            let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-            made.push((place, result));
+            lock(&made).push((place, result));
         }
     });
     if stop.load(Ordering::Relaxed) {

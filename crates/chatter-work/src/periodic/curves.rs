@@ -6,11 +6,11 @@ use super::log::Log;
 use super::restored::Restored;
 use super::wanted::Curve;
 use crate::observer::Observer;
-use crate::parallel::each;
+use crate::parallel::{each, lock};
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{Branch, End, Known, Record, Spec, SpecialKind};
 use chatter::model::Model;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 /// Curves that were followed.
 pub(super) struct Curves {
@@ -39,7 +39,7 @@ pub(super) fn find_curves(
         let mut model = ready.model.clone();
         let known = known_point((&mut model, &mut spec), point)?;
         let before = begun.parts.remove(&number).unwrap_or_default();
-        pieces.push((number, model, known, Mutex::new(before)));
+        pieces.push((number, model, known, before));
     }
     let log = Mutex::new(log);
     let found: Vec<Mutex<Option<_>>> = pieces.iter().map(|_| Mutex::new(None)).collect();
@@ -58,8 +58,7 @@ pub(super) fn find_curves(
                 Some(log) => log.part(*number, record),
                 None => Ok(()),
             };
-            let before = core::mem::take(&mut *lock(before));
-            match find_curve(model, &wanted, (before, &mut keep), observer) {
+            match find_curve(model, &wanted, (before.clone(), &mut keep), observer) {
                 Ok(curve) => *lock(&found[*number]) = Some(curve),
                 // Of several the others are followed.
                 Err(refusal @ (Refusal::Input { .. } | Refusal::Unfinished { .. })) => {
@@ -101,10 +100,6 @@ pub(super) fn find_curves(
         curves: all.into_iter().flatten().collect(),
         monitors: spec.monitors,
     })
-}
-
-fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
-    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A special point that is followed in two parameters; the model is set to its values.

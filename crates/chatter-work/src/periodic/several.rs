@@ -6,13 +6,13 @@ use super::log::{Known, Log};
 use super::refused;
 use super::wanted::{Branches, Orbits};
 use crate::observer::Observer;
-use crate::parallel::each;
+use crate::parallel::{each, lock};
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::Share;
 use chatter::analysis::periodic::{Branch, Distinct, End, PeriodicError, Record, Search, Start};
 use chatter::model::Model;
 use std::collections::BTreeSet;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 /// The orbits, and what is followed from them.
 struct Pieces<'a> {
@@ -31,10 +31,6 @@ struct Standing<'a> {
     done: BTreeSet<usize>,
     /// What tells orbits that lie on what was followed already.
     followed: Distinct,
-}
-
-fn lock<'a, 'b>(shared: &'a Mutex<Standing<'b>>) -> MutexGuard<'a, Standing<'b>> {
-    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What a share of the work came to.
