@@ -14,6 +14,13 @@ pub(crate) enum Corner {
     Lookup(usize),
 }
 
+impl Corner {
+    /// Whether it is a surface.
+    pub fn is_surface(self) -> bool {
+        matches!(self, Self::Surface(_))
+    }
+}
+
 /// What a mode asks of one corner.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {

@@ -292,9 +292,13 @@ impl<R: Real> Trajectory<R> {
             let standings = self.standings(system)?;
             // What a corner that was met takes along by a jump is a rounding error beyond, or not, until it is chosen.
             let is_first = met.is_some_and(|met| !chosen.contains(&met));
-            // Friction of several contacts may oppose one rate: their surfaces are met together.
+            // Friction of several contacts may oppose one rate: their surfaces are met together. Where a function is looked up
+            // at a knot it is no zero of the same function, and the other way round.
             let is_met = |corner: Corner| {
-                met.is_some_and(|met| system.corner_expr(corner) == system.corner_expr(met))
+                met.is_some_and(|met| {
+                    corner.is_surface() == met.is_surface()
+                        && system.corner_expr(corner) == system.corner_expr(met)
+                })
             };
             let beyond = (standings.iter())
                 .filter(|_| !is_first)
@@ -662,7 +666,7 @@ impl<R: Real> Trajectory<R> {
             }
             let is_slid = matches!(standing.corner, Corner::Surface(k)
                 if verdict.candidate.sides.get(k) == Side::Sliding);
-            let is_surface = matches!(standing.corner, Corner::Surface(_));
+            let is_surface = standing.corner.is_surface();
             if is_slid && standing.guards.is_empty() {
                 return Ok(None);
             }

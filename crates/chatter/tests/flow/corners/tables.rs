@@ -162,3 +162,31 @@ fn leaving_a_table_ends_a_run_at_its_time() {
     assert_eq!(end.outcome, Outcome::Horizon);
     assert!((end.state[0] - 37.5).abs() < 1e-13);
 }
+
+/// A knot of a table is no zero of its argument, nor a whole number of it: what is chosen by the sign of the same function goes on
+/// as it is. The same function of a second state that moves alike is another function to the program.
+#[test]
+fn a_knot_of_a_function_is_no_zero_of_it() {
+    const TABLE: &str =
+        "[table.st]\nx = [-9, -1, 1, 9]\ny = [-3, -0.8, 1.4, 5]\nkind = \"linear\"\n";
+    for force in [
+        "st(x) + abs(Y)",
+        "floor(x) + abs(Y)",
+        "mod(x, 1) + step(Y)*x",
+        "st(x) + max(Y, 0)*(1 + v^2)",
+        "st(x) + if(Y > 0, x, -0.3)",
+        "st(v)*0.2 + 3*st(x)*sign(Y)",
+    ] {
+        let end = |other: &str| {
+            let force = force.replace('Y', other);
+            let text = format!(
+                "{TABLE}[flight]\nx = \"v\"\nv = \"-({force})\"\ny = \"v\"\n[initial]\nx = 2.3\nv = 0\ny = 2.3\n"
+            );
+            run::<f64>(&text, 4.0).state
+        };
+        let (own, other) = (end("x"), end("y"));
+        for (a, b) in own.iter().zip(&other) {
+            assert!((a - b).abs() < 1e-12, "{force}: {own:?} {other:?}");
+        }
+    }
+}
