@@ -420,15 +420,24 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn enter_grip(&mut self, system: &System, grip: Grip) -> Result<(), FlowError> {
         let before = self.touching;
         let old = system.program(self.mode);
+        let sides = system.origin_of(self.mode).map(|(_, sides, _)| sides);
         self.mode = system.meet(grip, self.regime);
+        let closes = grip
+            .closed
+            .contacts()
+            .any(|contact| !self.closed.contains(contact));
         (self.closed, self.idle) = (grip.closed, grip.idle);
         self.load_constants(system, self.mode);
         let program = self.program(system)?;
         self.touching = Touching::NONE;
         self.left = Left::NONE;
         for (index, guard) in program.guards.iter().enumerate() {
-            let same =
-                old.and_then(|old| old.guards.iter().position(|other| other.kind == guard.kind));
+            // On the other side of a surface its guard is another function, and what closes may take the state back to it.
+            let is_another = matches!(guard.kind, GuardKind::Switch(surface)
+                if closes || sides.is_some_and(|s| s.get(surface) != self.regime.get(surface)));
+            let same = old
+                .filter(|_| !is_another)
+                .and_then(|old| old.guards.iter().position(|other| other.kind == guard.kind));
             let roots = same.map_or(0, |place| before.get(place));
             // A balance holds in one mode.
             if !guard.is_balanced(roots) {

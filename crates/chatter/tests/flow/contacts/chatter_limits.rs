@@ -1,10 +1,12 @@
 //! Where chatter sequences end, against closed forms and recurrences in double-double, and that the error told of each
 //! time is true.
 
+use chatter::analysis::simulate::{Spec, simulate};
 use chatter::flow::{Column, Occurrence, Settings, System, Trajectory};
 use chatter::model::{Model, ModelBuilder};
 use chatter::numerics::{DoubleDouble, Real, Scalar};
 use proptest::prelude::*;
+use std::ops::ControlFlow;
 
 type Dd = DoubleDouble;
 
@@ -276,5 +278,29 @@ proptest! {
         prop_assert!(off <= 1e-14 * truth.max(1.0), "off by {:e}", off);
         let apart = trajectory.state()[2] - trajectory.state()[0];
         prop_assert!(apart.abs() <= 1e-13, "apart by {:e}", apart);
+    }
+}
+
+/// A point mass that is dropped onto a rough incline: each impact stops it along the incline, and so does the rest of them; there
+/// it sticks, whatever the extrapolated rate is by rounding. The load is less than the friction force at rest, 2.943.
+#[test]
+fn what_impacts_have_stopped_sticks_where_chatter_ends() {
+    for load in ["-1", "1", "-0.001", "0.1*cos(3*t)", "-2.9"] {
+        for speed in [0.5, -0.3, 0.0] {
+            let text = format!(
+                "[flight]\nx = \"u\"\nu = \"{load} - 0.5*u\"\ny = \"v\"\nv = \"-9.81\"\n[[contact]]\ngap = \"y\"\n\
+                 impulse = {{ v = 1 }}\nrestitution = 0.7\nfriction = {{ coefficient = 0.3, along = {{ u = 1 }}, rate = \"u\" }}\n\
+                 [initial]\nx = 0\nu = {speed}\ny = 0.02\nv = 0\n"
+            );
+            let model = Model::from_toml(&text, "incline").unwrap();
+            let run = simulate::<f64>(
+                &model,
+                &Spec::until(3.0),
+                &mut |_| ControlFlow::Continue(()),
+            );
+            let run = run.unwrap_or_else(|error| panic!("{load} from {speed}: {error:?}"));
+            assert!(run.state[1].abs() < 1e-15, "{load}: {:?}", run.state);
+            assert!(run.state[2].abs() < 1e-18, "{load}: {:?}", run.state);
+        }
     }
 }
