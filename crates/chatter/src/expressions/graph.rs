@@ -125,6 +125,8 @@ pub struct Graph {
     folding: Folding,
     known: FxHashMap<Node, Expr>,
     pub(super) curves: Vec<Arc<Curve>>,
+    /// By their terms in order of their handles: the sums that have been surfaces.
+    pub(super) surfaces: FxHashMap<Vec<Expr>, Expr>,
 }
 
 impl Graph {

@@ -70,7 +70,7 @@ impl Edge {
 impl Graph {
     /// `above` where `surface` is positive, `below` where it is negative.
     ///
-    /// A surface and its negative, and its multiples by numbers, are one surface.
+    /// A surface and its negative, its multiples by numbers, and the same terms in another order are one surface.
     pub fn switch(&mut self, surface: Expr, above: Expr, below: Expr, edge: Edge) -> Expr {
         if above == below && self.can_vanish(surface) {
             return above;
@@ -94,16 +94,8 @@ impl Graph {
         }
         let one = self.number(1.0);
         let (coefficient, rest) = self.split_coefficient(surface, one);
-        let mut flipped = coefficient.high() < 0.0;
-        let mut canonical = rest;
-        if let Node::Sum(terms) = self.node(rest).clone() {
-            let negated: Vec<Expr> = terms.iter().map(|&term| self.neg(term)).collect();
-            let negated = self.sum(&negated);
-            if negated < rest {
-                canonical = negated;
-                flipped = !flipped;
-            }
-        }
+        let (canonical, is_negated) = self.one_surface(rest);
+        let flipped = is_negated != (coefficient.high() < 0.0);
         if !flipped {
             return self.intern(Node::Switch {
                 surface: canonical,
@@ -128,6 +120,41 @@ impl Graph {
             below: above,
             edge: edge.flipped(),
         })
+    }
+
+    /// The surface on which a sum vanishes, and whether it is the sum's negative: of all sums that differ in sign and order
+    /// alone the one that was a surface first.
+    fn one_surface(&mut self, sum: Expr) -> (Expr, bool) {
+        let Node::Sum(terms) = self.node(sum).clone() else {
+            return (sum, false);
+        };
+        let sorted = |mut terms: Vec<Expr>| {
+            terms.sort_unstable();
+            terms
+        };
+        let negated: Vec<Expr> = terms.iter().map(|&term| self.neg(term)).collect();
+        let minus_sum = self.sum(&negated);
+        // The negative of what is itself the negative of a sum has that one's terms.
+        let negated = match self.node(minus_sum) {
+            Node::Sum(terms) => terms.to_vec(),
+            _ => negated,
+        };
+        let terms = negated.iter().map(|&term| self.neg(term)).collect();
+        let (terms, negated) = (sorted(terms), sorted(negated));
+        if let Some(&known) = self.surfaces.get(&terms) {
+            return (known, false);
+        }
+        if let Some(&known) = self.surfaces.get(&negated) {
+            return (known, true);
+        }
+        let is_negated = minus_sum < sum;
+        let (terms, surface) = if is_negated {
+            (negated, minus_sum)
+        } else {
+            (terms, sum)
+        };
+        self.surfaces.insert(terms, surface);
+        (surface, is_negated)
     }
 
     /// `|x|`.
@@ -160,10 +187,13 @@ impl Graph {
         self.switch(difference, b, a, Edge::Above)
     }
 
-    /// x, or the bound that it exceeds.
+    /// x, or the bound that it exceeds: the smaller one of `high` and the larger one of `low` and x, told by the sides of `low`
+    /// and `high` on which x is, which other choices may share.
     pub fn clamp(&mut self, x: Expr, low: Expr, high: Expr) -> Expr {
-        let bounded = self.max(x, low);
-        self.min(bounded, high)
+        let inside = self.min(x, high);
+        let outside = self.min(low, high);
+        let above_low = self.sub(x, low);
+        self.switch(above_low, inside, outside, Edge::Above)
     }
 
     /// The largest whole number that does not exceed x.

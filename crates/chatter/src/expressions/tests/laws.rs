@@ -2,7 +2,7 @@
 
 use super::plain::{Plain, plain, point};
 use super::{names, read};
-use crate::expressions::{Function, Graph, Names, Symbol};
+use crate::expressions::{Corners, Edge, Function, Graph, Names, Symbol};
 use crate::numerics::{DoubleDouble, Real, Scalar};
 use proptest::prelude::*;
 
@@ -311,5 +311,34 @@ fn exact_power(base: Exactly, exponent: Exactly) -> Exactly {
             }
         }
         _ => Unsure,
+    }
+}
+
+/// Limits of a command, and what else is chosen by them, are two surfaces: whatever their signs, and the order of their terms.
+#[test]
+fn surfaces_are_one_whatever_their_sign_and_order() {
+    let mut graph = Graph::default();
+    let (x, v, u) = (graph.state(0), graph.state(1), graph.parameter(0));
+    let minus_u = graph.neg(u);
+    let command = graph.add(x, v);
+    let limited = graph.clamp(command, minus_u, u);
+    let below = graph.sub(minus_u, command);
+    let windup = graph.switch(below, x, v, Edge::Below);
+    let backwards = graph.sum(&[v, minus_u, x]);
+    let above = graph.step(backwards);
+    let corners = Corners::of(&graph, &[limited, windup, above], 1);
+    let surfaces: Vec<_> = corners.surfaces.iter().map(|&s| graph.node(s)).collect();
+    assert_eq!(surfaces.len(), 2, "{surfaces:?}");
+    for at in [-2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0] {
+        for (low, high) in [(-1.0, 1.0), (1.0, -1.0), (0.5, 0.5)] {
+            let [x, low_, high_] = [0, 1, 2].map(|place| graph.state(place));
+            let clamped = graph.clamp(x, low_, high_);
+            let value = graph.evaluate(clamped, &[at, low, high], &[]);
+            assert_eq!(
+                value,
+                f64::min(f64::max(at, low), high),
+                "{at} {low} {high}"
+            );
+        }
     }
 }
