@@ -21,7 +21,10 @@ pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
         PeriodicError::OutOfRange { .. } => {
             Some("give --sweep a range with the point in it, or begin at another point with --from".to_owned())
         }
-        PeriodicError::Equilibrium { .. } => Some("start elsewhere with --initial, or choose other parameters".to_owned()),
+        PeriodicError::OneOfMany => {
+            Some("energy may be conserved: add damping or forcing, or follow the motion with simulate".to_owned())
+        }
+        PeriodicError::Equilibrium { .. } | PeriodicError::AtRest => Some("start elsewhere with --initial, or choose other parameters".to_owned()),
         _ => None,
     };
     match error {

@@ -560,7 +560,7 @@ impl Leg {
     }
 
     /// The inner least values of all guards on the way, in order of time, and the values at the end of those that do not
-    /// end the leg.
+    /// end the leg; also those that are negative where it begins, as though they were at its end.
     ///
     /// # Errors
     /// As for [`fly`](Self::fly).
@@ -589,6 +589,7 @@ impl Leg {
         let low = vec![0.0; x.len()];
         let mut found = Vec::new();
         (flyer.expansion).evaluate(&self.watch.values, &constants, x, &low, &mut values);
+        let began = values[..count].to_vec();
         let mut sides: Vec<f64> = (events.iter().zip(&values[count..]))
             .map(|(event, &rate)| event.side(values[event.guard], rate, duration))
             .collect();
@@ -631,8 +632,17 @@ impl Leg {
                         Some(place) => events[place].at_end(sides[place], values[guard]),
                         None => Some(values[guard]),
                     };
-                    found.extend(others.filter_map(|guard| {
+                    found.extend(others.clone().filter_map(|guard| {
                         at_end(guard).map(|value| least(guards[guard], value, true))
+                    }));
+                    let begins_beyond = |&guard: &usize| {
+                        let by = (values[guard] - began[guard]).abs();
+                        event(guard).is_none() && began[guard] < -JUST_OPENED * by
+                    };
+                    found.extend(others.filter(begins_beyond).map(|guard| Least {
+                        time: 0.0,
+                        state: x.to_vec(),
+                        ..least(guards[guard], began[guard], true)
                     }));
                     return Ok(found);
                 }
@@ -642,6 +652,9 @@ impl Leg {
         Err(left_domain(clock, x))
     }
 }
+
+/// The guard of what a leg begins with is known to this part of what it changes by on the leg.
+const JUST_OPENED: f64 = 1e-9;
 
 /// A stretch of the flow with whatever happens on it, from a state up to an event: for what has no fixed number of events, such
 /// as complete chatter.

@@ -63,7 +63,7 @@ const SAME: f64 = 1e-9;
 impl Closure {
     /// Of a model whose time has this period, if it is said, with the section at which its orbits can be told: one that repeats
     /// less often than the equations would make them longer. Sections that change nothing are no part of the motion, but where
-    /// they alone say what time is.
+    /// they alone say what time is, or what happens: to and fro across a section a pendulum's angle is no phase.
     pub(crate) fn with_section(
         model: &Model,
         free: &[usize],
@@ -96,8 +96,13 @@ impl Closure {
                 _ => false,
             }
         };
-        let section = section.filter(fits);
-        Ok((closure, section))
+        let fitting = section.filter(fits);
+        let nothing_else_happens =
+            model.time.is_none() && model.contacts.is_empty() && events.is_empty();
+        if section.is_some() && fitting.is_none() && nothing_else_happens {
+            return Ok((Self::new(model, free, given, &all)?, section));
+        }
+        Ok((closure, fitting))
     }
 
     fn new(

@@ -45,6 +45,10 @@ pub enum PeriodicError {
         /// When.
         time: f64,
     },
+    /// Periodic orbits lie beside each other, of one period or of different ones.
+    OneOfMany,
+    /// The equations of a periodic orbit are solved by an equilibrium.
+    AtRest,
     /// The trajectory has not come near to where it was.
     NotSettled {
         /// How long it was followed.
@@ -101,6 +105,14 @@ impl fmt::Display for PeriodicError {
             Self::Equilibrium { time } => write!(
                 out,
                 "nothing happens after time {time:.6}: the trajectory comes to rest, and an equilibrium is no periodic orbit"
+            ),
+            Self::OneOfMany => write!(
+                out,
+                "the motion is periodic, and so is all motion beside it: nothing tells one orbit from the others"
+            ),
+            Self::AtRest => write!(
+                out,
+                "no periodic orbit was found: Newton's method leads to an equilibrium, which is none"
             ),
             Self::NotSettled { time, nearest } => write!(
                 out,

@@ -71,7 +71,9 @@ pub(crate) fn settled(
             .and_then(|cycle| close(workshop, cycle, free))
     };
     match told_from(workshop.section) {
-        Err(error @ PeriodicError::NoConvergence { .. }) if workshop.section.is_some() => {
+        Err(error @ (PeriodicError::NoConvergence { .. } | PeriodicError::AtRest))
+            if workshop.section.is_some() =>
+        {
             told_from(None).map_err(|_| error)
         }
         found => found,
@@ -98,12 +100,60 @@ pub(crate) fn close(
     } else {
         guess
     };
-    let found = newton(&mut shooting, &near, &rows).map_err(|error| failed(&error))?;
+    let found = newton(&mut shooting, &near, &rows);
+    let found = found.map_err(|error| failed(&error)).and_then(|found| {
+        if is_at_rest(&shooting, &found.at) {
+            return Err(PeriodicError::AtRest);
+        }
+        Ok(found)
+    });
+    let found = match found {
+        Err(PeriodicError::NoConvergence { .. } | PeriodicError::AtRest)
+            if is_one_of_many(&mut shooting, &near) =>
+        {
+            return Err(PeriodicError::OneOfMany);
+        }
+        found => found?,
+    };
     shooting.adopt(&found.at);
     match shorter(&shooting, &found.at)? {
         Some(cycle) => close(workshop, cycle, free),
         None => finish(shooting, found.at),
     }
+}
+
+/// Beside a closed cycle with a multiplier as near to one there are others.
+const SINGULAR: f64 = 1e-4;
+
+/// Whether a cycle closes and so do others beside it, as far as numbers can tell.
+fn is_one_of_many(shooting: &mut Shooting<f64>, at: &[f64]) -> bool {
+    let Ok(linear) = shooting.evaluate(at) else {
+        return false;
+    };
+    let off = linear.residual.iter().zip(shooting.scales());
+    let closes = off.fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size)) <= NEAR;
+    let is_one = |m: &Complex| (m.re - 1.0).hypot(m.im) <= SINGULAR;
+    closes && shooting.multipliers().iter().any(is_one)
+}
+
+/// States that change by less than this part of what they do on the cycle that an orbit was closed from are at rest.
+const AT_REST: f64 = 1e-9;
+
+/// Whether an autonomous system is at rest at all nodes.
+fn is_at_rest(shooting: &Shooting<f64>, at: &[f64]) -> bool {
+    let model = &shooting.workshop.model;
+    if shooting.workshop.closure.time.is_some() || shooting.counts.iter().any(|&count| count != 0) {
+        return false;
+    }
+    let parameters = shooting.workshop.parameters::<f64>(shooting.free(at));
+    let (sizes, period) = (shooting.state_sizes(), shooting.period());
+    (0..shooting.steps.len()).all(|index| {
+        let node = shooting.node(at, index);
+        (model.states.iter().zip(&sizes)).all(|(state, size)| {
+            let rate = model.graph.evaluate(state.derivative, node, &parameters);
+            (rate * period).abs() <= AT_REST * size
+        })
+    })
 }
 
 /// The same orbit as it is told: from the section, where it crosses it though the cycle that it was closed from did not.

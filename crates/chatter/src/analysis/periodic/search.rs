@@ -2,6 +2,7 @@
 
 use super::branch::is_broken;
 use super::cycle::itinerary::Step;
+use super::cycle::reread::reread;
 use super::cycle::settle::{Patience, loops};
 use super::cycle::trace::Tracer;
 use super::error::PeriodicError;
@@ -150,11 +151,9 @@ pub(crate) fn simplest(
             break;
         };
         for (index, cycle) in loops.cycles.into_iter().enumerate() {
-            let Ok(mut other) = close(workshop, cycle, free) else {
-                continue;
-            };
-            let shorter = other.period.to_f64() < longest;
-            if shorter && is_motion(workshop, &mut other) {
+            let other = close(workshop, cycle, free).ok();
+            let shorter = other.filter(|other| other.period.to_f64() < longest);
+            if let Some(other) = shorter.and_then(|other| motion(workshop, other)) {
                 best = Some((index + 1, other));
                 break;
             }
@@ -172,8 +171,11 @@ const SHORTER: f64 = 0.75;
 /// Orbits that were found, each with the states that it is known by.
 type Found = Vec<(Orbit, Vec<Vec<f64>>)>;
 
-/// A motion that ends so far from where an orbit does, against the size of the state, is another one.
-const ELSEWHERE: f64 = 1e-3;
+/// A motion that ends so far from where an orbit does, against the size of the state, is another one; beside an unstable orbit so
+/// much farther as its greatest multiplier tells, …
+const ELSEWHERE: f64 = 1e-6;
+/// … up to this.
+const FARTHEST: f64 = 1e-3;
 /// The event at the end of a period is passed by so much of it.
 const LATE: f64 = 1e-9;
 /// Beyond this multiplier rounding takes a motion away from its orbit within a period.
@@ -189,7 +191,21 @@ fn is_motion(workshop: &Workshop, orbit: &mut Orbit) -> bool {
     if largest > BLURRED {
         return true;
     }
-    comes_back(workshop, orbit).is_none_or(|distance| distance < ELSEWHERE)
+    let near = (ELSEWHERE * largest.max(1.0)).min(FARTHEST);
+    comes_back(workshop, orbit).is_none_or(|distance| distance < near)
+}
+
+/// The orbit if it is a motion of the system; otherwise the orbit that the motion from its start is near to. A loop that begins and
+/// ends in two pieces of a table has one of them wrong.
+fn motion(workshop: &Arc<Workshop>, mut orbit: Orbit) -> Option<Orbit> {
+    if is_motion(workshop, &mut orbit) {
+        return Some(orbit);
+    }
+    let free = orbit.shooting.free(&orbit.at).to_vec();
+    let state = orbit.shooting.node(&orbit.at, 0).to_vec();
+    let cycle = reread(workshop, &free, (&state, orbit.period.to_f64())).ok()?;
+    let mut other = close(workshop, cycle, &free).ok()?;
+    is_motion(workshop, &mut other).then_some(other)
 }
 
 /// How far from its start the motion from there is after a period, if it can be followed.
@@ -208,11 +224,11 @@ fn comes_back(workshop: &Workshop, orbit: &Orbit) -> Option<f64> {
     Some(difference.distance)
 }
 
-/// Adds an orbit unless it is known, or no motion of the system.
-fn add(workshop: &Workshop, extent: &[(f64, f64)], found: &mut Found, mut orbit: Orbit) {
-    if !is_motion(workshop, &mut orbit) {
+/// Adds an orbit, or that which the motion from it is near to, unless it is known.
+fn add(workshop: &Arc<Workshop>, extent: &[(f64, f64)], found: &mut Found, orbit: Orbit) {
+    let Some(mut orbit) = motion(workshop, orbit) else {
         return;
-    }
+    };
     let Ok(turns) = workshop.closure.turns::<f64>(&workshop.parameters(&[])) else {
         return;
     };

@@ -319,3 +319,47 @@ v = 0
         assert!((found.period.to_f64() - core::f64::consts::TAU).abs() < 1e-12);
     }
 }
+
+/// To and fro across its section a pendulum's angle is no phase: its limit cycle, its rest, and its free swings, one of many.
+#[test]
+fn a_pendulum_is_told_from_its_section() {
+    let pendulum = |torque: &str| {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"{torque} - sin(x)\"\n[section.down]\nsurface = \"x\"\ndirection = \"rising\"\n\
+             [initial]\nx = 1\nv = 0\n"
+        );
+        let model = with(&text, &[]);
+        settled(&model, &Spec::default(), &mut |_| ControlFlow::Continue(()))
+    };
+    let cycle = pendulum("-0.1*v + 0.3*v*(1 - v^2)").unwrap();
+    assert!(cycle.is_stable() && cycle.section == Some(0));
+    assert!((cycle.trivial_multiplier.unwrap() - 1.0).abs() < 1e-10);
+    let rest = pendulum("-0.05*v");
+    assert!(matches!(rest, Err(PeriodicError::Equilibrium { .. })));
+    let swing = pendulum("0");
+    assert!(matches!(swing, Err(PeriodicError::OneOfMany)));
+}
+
+/// A rotor whose equations repeat after a third of a turn, and its section after a turn.
+#[test]
+fn a_rotor_is_told_from_its_section() {
+    const ROTOR: &str = r#"
+[flight]
+th = "w"
+w = "0.1*(1.2 - w)"
+x = "-x + 0.05*sin(3*th)"
+[section.mark]
+surface = "sin(th)"
+direction = "rising"
+[initial]
+th = 0
+w = 1
+x = 0
+"#;
+    let orbit = orbit(&with(ROTOR, &[]));
+    let period = core::f64::consts::TAU / 1.2;
+    assert!((orbit.period.to_f64() - period).abs() < 1e-13);
+    // x is driven by 0.05 sin(3.6 t): its part in phase with the cosine at the section.
+    let x = -0.05 * 3.6 / (1.0 + 3.6 * 3.6);
+    assert!((orbit.start[2].to_f64() - x).abs() < 1e-13);
+}

@@ -3,7 +3,8 @@
 
 use super::{HELD, PENDULUM, model, orbit, over, value, with};
 use chatter::analysis::exponents::{Spec as Averages, exponents};
-use chatter::analysis::periodic::{Branch, End, MarginKind, SpecialKind};
+use chatter::analysis::periodic::{Branch, End, MarginKind, Search, Spec, SpecialKind, all};
+use chatter::analysis::simulate::{Spec as Until, simulate};
 use chatter::numerics::Real;
 use core::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -262,3 +263,92 @@ direction = "rising"
 x = 1
 v = 0
 "#;
+
+/// A loop from an impact before a knot to one after it has a leg that begins beyond its piece: no orbit, though its equations have a
+/// solution. From many starts there is one orbit, and the motion from it comes back.
+#[test]
+fn a_leg_begins_within_its_piece() {
+    const MESH: &str = r#"
+[parameters]
+om = 2
+[table.mesh]
+x = [0, 0.3, 0.5, 0.8, 1]
+y = [1, 1.4, 1.4, 0.7, 1]
+kind = "linear"
+[flight]
+p = "u"
+u = "-0.16*u - mesh(mod(om*t/(2*pi), 1))*p + 0.3*cos(om*t)"
+[[contact]]
+gap = "0.05 - p"
+impulse = { u = -1 }
+restitution = 0.6
+[section.strobe]
+surface = "sin(om*t - 0.3)"
+direction = "rising"
+[initial]
+p = 0
+u = 0.1
+"#;
+    let model = with(MESH, &[]);
+    let search = Search {
+        periods: 2,
+        starts: 60,
+        seed: 1,
+    };
+    let found = all(&model, &Spec::default(), &search, &mut |_| {
+        ControlFlow::Continue(())
+    });
+    let found = found.unwrap();
+    let [only] = &found[..] else {
+        panic!("{} orbits", found.len());
+    };
+    let start: Vec<f64> = only.start.iter().map(|x| x.to_f64()).collect();
+    let mut begun = model.clone();
+    for (state, value) in model.states.iter().zip(&start) {
+        begun.set_initial(&state.name, &value.to_string()).unwrap();
+    }
+    let until = start[2] + only.period.to_f64();
+    let run = simulate::<f64>(&begun, &Until::until(until), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    let end = run.unwrap().state;
+    for (a, b) in start[..2].iter().zip(&end) {
+        assert!((a - b).abs() < 1e-12, "{start:?} {end:?}");
+    }
+}
+
+/// A release at the very time of a jump of a force is one instant of two events, at which no cycle is told: another release is
+/// found for that.
+#[test]
+fn a_release_may_share_its_instant_with_a_jump() {
+    const SLAP: &str = r#"
+[parameters]
+r = 0.4
+[definitions]
+th = "10*t"
+sb = "sin(th)/3"
+side = "(200*if(mod(th, 4*pi) < pi, 1, 0.1) - 2.5*cos(th))*sb/sqrt(1 - sb^2)/0.5"
+[flight]
+y = "v"
+v = "side - 2*v"
+[[contact]]
+name = "thrust"
+gap = "1e-3 - y"
+impulse = { v = -1 }
+restitution = "r"
+[[contact]]
+name = "anti"
+gap = "y + 1e-3"
+impulse = { v = 1 }
+restitution = "r"
+[section.tdc]
+surface = "sin(10*t/2)"
+direction = "rising"
+[initial]
+y = 0
+v = 0
+"#;
+    let orbit = orbit(&with(SLAP, &[]));
+    assert!((orbit.period.to_f64() - 0.4 * core::f64::consts::PI).abs() < 1e-13);
+    assert_eq!(orbit.impacts, None);
+}

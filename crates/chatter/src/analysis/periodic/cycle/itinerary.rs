@@ -91,7 +91,7 @@ impl Step {
 const SAME_INSTANT: f64 = 8.0 * f64::EPSILON;
 
 /// What one instant by itself is: its guard, and the jump there. None where it is more than one event.
-fn single(instant: &Instant) -> Option<LegKind> {
+pub(super) fn single(instant: &Instant) -> Option<LegKind> {
     let guard = instant.guard?;
     let mut jump = Jump::None;
     let mut events = 0;

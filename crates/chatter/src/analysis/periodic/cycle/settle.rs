@@ -1,6 +1,6 @@
 //! What a trajectory settles to: the latest return to where it was.
 
-use super::itinerary::{Step, read};
+use super::itinerary::{Step, read, single};
 use super::reread::from_early_on;
 use super::rotate::rotate;
 use super::trace::{Instant, ONE_INSTANT, Tracer};
@@ -108,7 +108,10 @@ fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
             .iter()
             .rposition(|instant| instant.crosses(section))
     });
-    let released = instants.iter().rposition(Instant::is_release);
+    // Where a release shares its instant with something else, no step ends.
+    let released = (instants.iter())
+        .rposition(|instant| instant.is_release() && single(instant).is_some())
+        .or_else(|| instants.iter().rposition(Instant::is_release));
     let fastest = (instants.iter().enumerate().skip(late))
         .filter_map(|(index, instant)| Some((index, instant.impact()?.1)))
         .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -225,14 +228,29 @@ fn size(state: &[f64]) -> f64 {
     state.iter().fold(0.0, |size, x| size.max(x.abs()))
 }
 
-/// Whether the latest of these states is next to nothing, against the most that states have been.
-fn is_next_to_nothing(instants: &[Instant], most: &mut f64) -> bool {
+/// Whether the latest of these states is next to nothing, against the most that states have been, and phases go round no more.
+fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &mut f64) -> bool {
+    let is_phase = |index: usize| turns.iter().any(|turn| turn.state == index);
+    let moving = |state: &Vec<f64>| {
+        let all = state
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| !is_phase(*index));
+        all.fold(0.0_f64, |size, (_, x)| size.max(x.abs()))
+    };
     for state in states(instants) {
-        *most = most.max(size(state));
+        *most = most.max(moving(state));
     }
+    let [.., before, latest] = instants else {
+        return false;
+    };
+    let stands = |turn: &Turn<f64>| {
+        let turned = latest.state[turn.state] - before.state[turn.state];
+        turned.abs() <= DIED_OUT * turn.period
+    };
     // Zero itself is what a reset makes of a state.
-    let latest = instants.last().map_or(0.0, |latest| size(&latest.state));
-    latest > 0.0 && latest <= DIED_OUT * *most
+    let size = moving(&latest.state);
+    size > 0.0 && size <= DIED_OUT * *most && turns.iter().all(stands)
 }
 
 /// The cycle between two instants, where states have these sizes.
@@ -309,7 +327,7 @@ pub(crate) fn settle(
                 let before = instants.len();
                 tracer.follow((start + patience.time, chunk), &mut instants, observer)?;
                 total += instants.len() - before;
-                if turns.is_empty() && is_next_to_nothing(&instants[before..], &mut most) {
+                if is_next_to_nothing(&instants[before..], &turns, &mut most) {
                     let time = tracer.trajectory.time();
                     return Err(PeriodicError::Equilibrium { time });
                 }
