@@ -67,6 +67,9 @@ impl Default for Patience {
 
 /// A return this near is one; others are tried where time runs out.
 const NEAR: [f64; 4] = [1e-9, 1e-6, 1e-4, 1e-2];
+/// A return that is not as near as the first of these is none after more instants: the equations of so long a cycle take minutes, and
+/// what has not settled is nearer to a shorter one.
+const MOST_LOOSE: usize = 240;
 /// Between looks: events, twice as many from one look to the next, and periods of the forcing.
 const FIRST_CHUNK: usize = 16;
 const CHUNK: usize = 600;
@@ -159,7 +162,12 @@ fn latest_return(
     for last in landmarks(instants, section) {
         // What is settling is no nearer after one turn than after several.
         let near = if found.is_some() { LOOSER * near } else { near };
-        for first in (0..last).rev() {
+        let earliest = if near > NEAR[0] {
+            last.saturating_sub(MOST_LOOSE)
+        } else {
+            0
+        };
+        for first in (earliest..last).rev() {
             let (a, b) = (&instants[first], &instants[last]);
             let is_alike =
                 a.guard == b.guard && a.mode_after == b.mode_after && a.told.len() == b.told.len();
