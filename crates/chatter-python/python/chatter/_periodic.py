@@ -57,8 +57,8 @@ class PeriodicOrbit(Frozen):
         """
         from chatter._branches import branches
 
-        own = self.model.parameters[parameter]
-        ends = sorted((own, float(self.model.with_values({parameter: to}).parameters[parameter])))
+        other = float(self.model.with_values({parameter: to}).parameters[parameter])
+        ends = sorted((self.model.parameters[parameter], other))
         through = (list(self.start.values()), self.period)
         return branches(self.model, parameter, *ends, how=self._how, through=through, progress=progress, **limits)[0]
 

@@ -301,7 +301,10 @@ impl<R: Real> Trajectory<R> {
         let class = self.load(work);
         let resolution =
             resolve(work, program, class, (self.touching, self.left)).map_err(|unsettled| {
-                unsettled.into_error((self.time, &self.state), (system, program))
+                unsettled.into_error(
+                    (self.time, &self.state[..self.coordinates]),
+                    (system, program),
+                )
             })?;
         work.travel();
         let crowd = self.crowd(work, program);
@@ -309,10 +312,7 @@ impl<R: Real> Trajectory<R> {
             work.collide(program);
         }
         if !work.state.iter().all(|x| x.is_finite()) {
-            return Err(FlowError::LeftDomain {
-                time: self.time.to_f64(),
-                state: self.state.iter().map(|x| x.to_f64()).collect(),
-            });
+            return Err(self.left_domain());
         }
         let mut result = self.result(work);
         let Resolution {
@@ -599,9 +599,10 @@ impl<R: Real> Trajectory<R> {
     }
 
     fn left_domain(&self) -> FlowError {
+        let state = &self.state[..self.coordinates];
         FlowError::LeftDomain {
             time: self.time.to_f64(),
-            state: self.state.iter().map(|x| x.to_f64()).collect(),
+            state: state.iter().map(|x| x.to_f64()).collect(),
         }
     }
 }
