@@ -21,7 +21,7 @@ use super::variation::{Column, Direction as Along, with_identity};
 use super::{Closed, Occurrence};
 use crate::expressions::{Expansion, Expr, Graph, Side, Symbol, Tape};
 use crate::model::{Direction, Model, Section};
-use crate::numerics::{Matrix, Real, two_sum};
+use crate::numerics::{Matrix, Real, dot, two_sum};
 use serde::{Deserialize, Serialize};
 
 /// What the event at the end of a leg does to the state.
@@ -668,7 +668,6 @@ pub(crate) struct Stretch {
     /// Contacts that are closed where it starts, and the gap to start on, if any.
     closed: Closed,
     gap: Option<Expr>,
-    coordinates: usize,
     time: Option<usize>,
 }
 
@@ -706,7 +705,6 @@ impl System {
             accumulations: kind.accumulations,
             closed: kind.closed,
             gap: kind.on.map(|contact| self.model().contacts[contact].gap),
-            coordinates,
             time: self.model().time,
         })
     }
@@ -828,33 +826,45 @@ impl Stretch {
     /// orbit's equations has yet to close.
     pub(crate) fn onto_contact<R: Real>(&self, parameters: &[R], x: &[R]) -> Vec<R> {
         let mut x = x.to_vec();
-        let Some(gap) = self.gap else {
-            return x;
-        };
-        let graph = &mut self.system.model().graph.clone();
-        let slopes: Vec<Expr> = (0..self.coordinates)
-            .map(|i| graph.derivative(gap, crate::expressions::Symbol::State(i)))
-            .collect();
-        for _ in 0..3 {
-            let value = graph.evaluate(gap, &x, parameters);
-            let gradient: Vec<R> = (slopes.iter().enumerate())
-                .map(|(i, &slope)| {
-                    if Some(i) == self.time {
-                        R::ZERO
-                    } else {
-                        graph.evaluate(slope, &x, parameters)
-                    }
-                })
-                .collect();
-            let square = crate::numerics::dot(&gradient, &gradient);
-            if value == R::ZERO || square == R::ZERO {
-                break;
-            }
-            for (x, &slope) in x.iter_mut().zip(&gradient) {
-                *x -= value * slope / square;
-            }
+        if let Some(gap) = self.gap {
+            onto_gap(self.system.model(), (gap, CORRECTIONS), parameters, &mut x);
         }
         x
+    }
+}
+
+/// A gap that is nearly zero is after so many.
+const CORRECTIONS: usize = 3;
+
+/// Takes a state to where a gap is zero at the same time, by the least displacement: by so many steps of Newton's method.
+pub(crate) fn onto_gap<R: Real>(
+    model: &Model,
+    (gap, steps): (Expr, usize),
+    parameters: &[R],
+    x: &mut [R],
+) {
+    let graph = &mut model.graph.clone();
+    let slopes: Vec<Expr> = (0..model.states.len())
+        .map(|i| graph.derivative(gap, Symbol::State(i)))
+        .collect();
+    for _ in 0..steps {
+        let value = graph.evaluate(gap, x, parameters);
+        let gradient: Vec<R> = (slopes.iter().enumerate())
+            .map(|(i, &slope)| {
+                if Some(i) == model.time {
+                    R::ZERO
+                } else {
+                    graph.evaluate(slope, x, parameters)
+                }
+            })
+            .collect();
+        let square = dot(&gradient, &gradient);
+        if value == R::ZERO || square == R::ZERO {
+            break;
+        }
+        for (x, &slope) in x.iter_mut().zip(&gradient) {
+            *x -= value * slope / square;
+        }
     }
 }
 

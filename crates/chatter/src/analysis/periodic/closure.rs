@@ -80,29 +80,29 @@ impl Closure {
             }
             found => found?,
         };
-        let parameters = model.parameter_values::<f64>(&[]);
-        let fits = |section: &usize| {
-            let with = [&*events, &[*section]].concat();
-            let Ok(other) = Self::new(model, free, given, &with) else {
-                return false;
-            };
-            match (closure.turns(&parameters), other.turns(&parameters)) {
-                (Ok(own), Ok(other)) => {
-                    own.len() == other.len()
-                        && (own.iter().zip(&other)).all(|(a, b): (&Turn<f64>, &Turn<f64>)| {
-                            a.state == b.state && (a.period - b.period).abs() <= SAME * a.period
-                        })
-                }
-                _ => false,
-            }
+        let Some(own) = section else {
+            return Ok((closure, None));
         };
-        let fitting = section.filter(fits);
+        let with = Self::new(model, free, given, &[&*events, &[own]].concat());
+        let parameters = model.parameter_values::<f64>(&[]);
+        let fits = |other: &Self| match (closure.turns(&parameters), other.turns(&parameters)) {
+            (Ok(own), Ok(other)) => {
+                own.len() == other.len()
+                    && (own.iter().zip(&other)).all(|(a, b): (&Turn<f64>, &Turn<f64>)| {
+                        a.state == b.state && (a.period - b.period).abs() <= SAME * a.period
+                    })
+            }
+            _ => false,
+        };
+        if with.as_ref().is_ok_and(fits) {
+            return Ok((closure, section));
+        }
         let nothing_else_happens =
             model.time.is_none() && model.contacts.is_empty() && events.is_empty();
-        if section.is_some() && fitting.is_none() && nothing_else_happens {
-            return Ok((Self::new(model, free, given, &all)?, section));
+        if nothing_else_happens {
+            return Ok((with?, section));
         }
-        Ok((closure, fitting))
+        Ok((closure, None))
     }
 
     fn new(

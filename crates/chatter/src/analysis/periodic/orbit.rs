@@ -100,40 +100,30 @@ pub(crate) fn close(
     } else {
         guess
     };
-    let found = newton(&mut shooting, &near, &rows);
-    let found = found.map_err(|error| failed(&error)).and_then(|found| {
-        if is_at_rest(&shooting, &found.at) {
-            return Err(PeriodicError::AtRest);
+    let failed = match newton(&mut shooting, &near, &rows) {
+        Err(error) => failed(&error),
+        Ok(found) if is_at_rest(&shooting, &found.at) => PeriodicError::AtRest,
+        Ok(found) => {
+            shooting.adopt(&found.at);
+            return match shorter(&shooting, &found.at)? {
+                Some(cycle) => close(workshop, cycle, free),
+                None => finish(shooting, found.at),
+            };
         }
-        Ok(found)
-    });
-    let found = match found {
-        Err(PeriodicError::NoConvergence { .. } | PeriodicError::AtRest)
-            if is_one_of_many(&mut shooting, &near) =>
-        {
-            return Err(PeriodicError::OneOfMany);
-        }
-        found => found?,
     };
-    shooting.adopt(&found.at);
-    match shorter(&shooting, &found.at)? {
-        Some(cycle) => close(workshop, cycle, free),
-        None => finish(shooting, found.at),
+    if cycle.distance <= NEAR && is_singular(&mut shooting, &near) {
+        return Err(PeriodicError::OneOfMany);
     }
+    Err(failed)
 }
 
 /// Beside a closed cycle with a multiplier as near to one there are others.
 const SINGULAR: f64 = 1e-4;
 
-/// Whether a cycle closes and so do others beside it, as far as numbers can tell.
-fn is_one_of_many(shooting: &mut Shooting<f64>, at: &[f64]) -> bool {
-    let Ok(linear) = shooting.evaluate(at) else {
-        return false;
-    };
-    let off = linear.residual.iter().zip(shooting.scales());
-    let closes = off.fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size)) <= NEAR;
+/// Whether a multiplier beside the trivial one is one, as far as numbers can tell.
+fn is_singular(shooting: &mut Shooting<f64>, at: &[f64]) -> bool {
     let is_one = |m: &Complex| (m.re - 1.0).hypot(m.im) <= SINGULAR;
-    closes && shooting.multipliers().iter().any(is_one)
+    shooting.evaluate(at).is_ok() && shooting.multipliers().iter().any(is_one)
 }
 
 /// States that change by less than this part of what they do on the cycle that an orbit was closed from are at rest.

@@ -419,8 +419,8 @@ impl<R: Real> Trajectory<R> {
     /// As [`enter`](Self::enter), where it is known which of the contacts are idle.
     pub(super) fn enter_grip(&mut self, system: &System, grip: Grip) -> Result<(), FlowError> {
         let before = self.touching;
-        let old = system.program(self.mode);
-        let sides = system.origin_of(self.mode).map(|(_, sides, _)| sides);
+        let from = self.mode;
+        let old = system.program(from);
         self.mode = system.meet(grip, self.regime);
         let closes = grip
             .closed
@@ -433,8 +433,12 @@ impl<R: Real> Trajectory<R> {
         self.left = Left::NONE;
         for (index, guard) in program.guards.iter().enumerate() {
             // On the other side of a surface its guard is another function, and what closes may take the state back to it.
-            let is_another = matches!(guard.kind, GuardKind::Switch(surface)
-                if closes || sides.is_some_and(|s| s.get(surface) != self.regime.get(surface)));
+            let turned = |surface: usize| {
+                (system.origin_of(from))
+                    .is_some_and(|(_, sides, _)| sides.get(surface) != self.regime.get(surface))
+            };
+            let is_another =
+                matches!(guard.kind, GuardKind::Switch(surface) if closes || turned(surface));
             let same = old
                 .filter(|_| !is_another)
                 .and_then(|old| old.guards.iter().position(|other| other.kind == guard.kind));

@@ -13,7 +13,8 @@ mod told_from;
 mod told_once;
 
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, Limits, Orbit, Spec, Special, SpecialKind, branches, settled,
+    Beside, Branch, BranchSpec, Limits, Orbit, PeriodicError, Search, Spec, Special, SpecialKind,
+    all, branches, settled,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -32,8 +33,25 @@ fn with(text: &str, set: &[(&str, &str)]) -> Model {
     model
 }
 
+fn settles(model: &Model) -> Result<Orbit, PeriodicError> {
+    settled(model, &Spec::default(), &mut |_| ControlFlow::Continue(()))
+}
+
 fn orbit(model: &Model) -> Orbit {
-    settled(model, &Spec::default(), &mut |_| ControlFlow::Continue(())).unwrap()
+    settles(model).unwrap()
+}
+
+/// All orbits of up to so many periods from so many starts.
+fn orbits_from(model: &Model, (periods, starts, seed): (usize, u64, u64)) -> Vec<Orbit> {
+    let what = Search {
+        periods,
+        starts,
+        seed,
+    };
+    all(model, &Spec::default(), &what, &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap()
 }
 
 fn branch_spec(

@@ -1,8 +1,8 @@
 //! Orbits against reference values in quadruple precision, and against laws.
 
-use super::{model, orbit, with};
+use super::{model, orbit, orbits_from, settles, with};
 use chatter::analysis::border::{BorderSpec, border_near};
-use chatter::analysis::periodic::{MarginKind, PeriodicError, Search, Spec, all, settled};
+use chatter::analysis::periodic::{MarginKind, PeriodicError, Spec, settled};
 use chatter::analysis::universal::Universal;
 use chatter::numerics::Real;
 use proptest::prelude::*;
@@ -183,13 +183,7 @@ fn what_is_no_orbit_is_said() {
 fn small_multipliers_do_not_drown_in_large_ones() {
     let text = "[flight]\nx = 'v'\nv = '-x - 0.362946697614734*v + cos(2.2757224799201263*t)'\n[[contact]]\n\
         gap = '0.2207665698688728 - x'\nimpulse = { v = -1 }\nrestitution = 0.3\n[initial]\nx = -0.5\nv = 0\n";
-    let what = Search {
-        periods: 12,
-        starts: 12,
-        seed: 1,
-    };
-    let mut quiet = |_| ControlFlow::Continue(());
-    let found = all(&with(text, &[]), &Spec::default(), &what, &mut quiet).unwrap();
+    let found = orbits_from(&with(text, &[]), (12, 12, 1));
     let mut most = 0.0_f64;
     for orbit in &found {
         let [large, small] = orbit.multipliers[..] else {
@@ -222,7 +216,7 @@ proptest! {
             "[flight]\nx = 'v'\nv = '-x - {c:?}*v + cos({omega:?}*t)'\n[[contact]]\ngap = '{sigma:?} - x'\n\
              impulse = {{ v = -1 }}\nrestitution = {r:?}\n[initial]\nx = -0.5\nv = 0\n"
         );
-        let found = settled(&with(&text, &[]), &Spec::default(), &mut |_| ControlFlow::Continue(()));
+        let found = settles(&with(&text, &[]));
         if let Ok(orbit) = found
             && let Some(impacts) = orbit.impacts
         {
@@ -240,15 +234,7 @@ proptest! {
 #[test]
 fn all_orbits_of_one_impact_are_found() {
     let model = model("impact_oscillator", &[("omega", "2.7"), ("r", "0.8")]);
-    let what = Search {
-        periods: 1,
-        starts: 60,
-        seed: 1,
-    };
-    let found = all(&model, &Spec::default(), &what, &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    let found = orbits_from(&model, (1, 60, 1));
     let one: Vec<_> = found
         .iter()
         .filter(|orbit| orbit.impacts == Some(1))
@@ -280,7 +266,7 @@ v = 0
 "#;
     for damping in ["0.01", "0.25", "0.9"] {
         let model = with(DAMPED, &[("d", damping)]);
-        let found = settled(&model, &Spec::default(), &mut |_| ControlFlow::Continue(()));
+        let found = settles(&model);
         assert!(
             matches!(found, Err(PeriodicError::Equilibrium { .. })),
             "{damping}: {:?}",
@@ -328,8 +314,7 @@ fn a_pendulum_is_told_from_its_section() {
             "[flight]\nx = \"v\"\nv = \"{torque} - sin(x)\"\n[section.down]\nsurface = \"x\"\ndirection = \"rising\"\n\
              [initial]\nx = 1\nv = 0\n"
         );
-        let model = with(&text, &[]);
-        settled(&model, &Spec::default(), &mut |_| ControlFlow::Continue(()))
+        settles(&with(&text, &[]))
     };
     let cycle = pendulum("-0.1*v + 0.3*v*(1 - v^2)").unwrap();
     assert!(cycle.is_stable() && cycle.section == Some(0));
@@ -340,7 +325,7 @@ fn a_pendulum_is_told_from_its_section() {
     assert!(matches!(swing, Err(PeriodicError::OneOfMany)));
 }
 
-/// A rotor whose equations repeat after a third of a turn, and its section after a turn.
+/// A rotor whose equations repeat after a third of a turn, and its section after a turn; another section is none of it.
 #[test]
 fn a_rotor_is_told_from_its_section() {
     const ROTOR: &str = r#"
@@ -350,6 +335,9 @@ w = "0.1*(1.2 - w)"
 x = "-x + 0.05*sin(3*th)"
 [section.mark]
 surface = "sin(th)"
+direction = "rising"
+[section.passed_once]
+surface = "th - 1"
 direction = "rising"
 [initial]
 th = 0

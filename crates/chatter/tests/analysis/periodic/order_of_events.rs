@@ -1,9 +1,9 @@
 //! Orbits whose events change their order, or come to nothing: sections and knots that chatter passes, contacts that begin to open,
 //! states that die out.
 
-use super::{HELD, PENDULUM, model, orbit, over, value, with};
+use super::{HELD, PENDULUM, model, orbit, orbits_from, over, value, with};
 use chatter::analysis::exponents::{Spec as Averages, exponents};
-use chatter::analysis::periodic::{Branch, End, MarginKind, Search, Spec, SpecialKind, all};
+use chatter::analysis::periodic::{Branch, End, MarginKind, SpecialKind};
 use chatter::analysis::simulate::{Spec as Until, simulate};
 use chatter::numerics::Real;
 use core::f64::consts::TAU;
@@ -290,15 +290,7 @@ p = 0
 u = 0.1
 "#;
     let model = with(MESH, &[]);
-    let search = Search {
-        periods: 2,
-        starts: 60,
-        seed: 1,
-    };
-    let found = all(&model, &Spec::default(), &search, &mut |_| {
-        ControlFlow::Continue(())
-    });
-    let found = found.unwrap();
+    let found = orbits_from(&model, (2, 60, 1));
     let [only] = &found[..] else {
         panic!("{} orbits", found.len());
     };

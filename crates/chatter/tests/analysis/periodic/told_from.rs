@@ -1,21 +1,11 @@
 //! Searches for all orbits: each is found, and is one orbit wherever it is told from.
 
-use super::{HELD, PENDULUM, with};
-use chatter::analysis::periodic::{Orbit, Search, Spec, all};
+use super::{HELD, PENDULUM, orbits_from, with};
+use chatter::analysis::periodic::Orbit;
 use chatter::numerics::Real;
-use std::ops::ControlFlow;
 
 fn found(text: &str, set: &[(&str, &str)], (periods, starts): (usize, u64)) -> Vec<Orbit> {
-    let what = Search {
-        periods,
-        starts,
-        seed: 0,
-    };
-    let model = with(text, set);
-    all(&model, &Spec::default(), &what, &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .unwrap()
+    orbits_from(&with(text, set), (periods, starts, 0))
 }
 
 fn without_section(text: &str) -> String {

@@ -8,10 +8,8 @@ use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::orbit::{Orbit, close};
 use crate::analysis::periodic::shooting::Workshop;
-use crate::expressions::Symbol;
 use crate::flow::GuardKind;
-use crate::flow::leg::Least;
-use crate::numerics::dot;
+use crate::flow::leg::{Least, onto_gap};
 
 /// So far beyond a place where the sequence of events changes orbits are looked for, in parts of the longest step; and where what is
 /// expected there is so near to closed, they are of the same branch.
@@ -202,24 +200,8 @@ fn out_of_walls(workshop: &Workshop, free: &[f64], state: &mut [f64]) {
     let parameters = workshop.parameters(free);
     for contact in &model.contacts {
         let gap = model.graph.evaluate(contact.gap, state, &parameters);
-        if gap >= 0.0 {
-            continue;
-        }
-        let graph = &mut model.graph.clone();
-        let slopes: Vec<f64> = (0..state.len())
-            .map(|i| match model.time {
-                Some(time) if time == i => 0.0,
-                _ => {
-                    let slope = graph.derivative(contact.gap, Symbol::State(i));
-                    graph.evaluate(slope, state, &parameters)
-                }
-            })
-            .collect();
-        let square = dot(&slopes, &slopes);
-        if square > 0.0 {
-            for (x, slope) in state.iter_mut().zip(&slopes) {
-                *x -= gap * slope / square;
-            }
+        if gap < 0.0 {
+            onto_gap(model, (contact.gap, 1), &parameters, state);
         }
     }
 }

@@ -176,8 +176,8 @@ fn latest_return(
             }
             let difference = (workshop.closure).difference(turns, (&a.state, &b.state), &sizes);
             // What dies out comes back to nothing, and not to where it was.
-            let shrinks =
-                turns.is_empty() && (size(&a.state) / size(&b.state) - 1.0).abs() > near.sqrt();
+            let shrinks = turns.is_empty()
+                && (size(&a.state, turns) / size(&b.state, turns) - 1.0).abs() > near.sqrt();
             if difference.distance <= near && !shrinks {
                 if found.is_none_or(|known| time((first, last)) < SOONER * time(known)) {
                     found = Some((first, last));
@@ -218,8 +218,9 @@ fn die_out(steps: &mut [Step], turns: &[Turn<f64>], (sizes, distance): (&[f64], 
     if distance > NEAR[1] {
         return;
     }
-    let moves = |i: &usize| !turns.iter().any(|turn| turn.state == *i);
-    let moving: Vec<usize> = (0..sizes.len()).filter(moves).collect();
+    let moving: Vec<usize> = (0..sizes.len())
+        .filter(|&index| !is_phase(turns, index))
+        .collect();
     let vanishes = |i: &usize| {
         let most = NO_MORE * distance * sizes[*i];
         steps.iter().all(|step| step.start[*i].abs() <= most)
@@ -231,23 +232,22 @@ fn die_out(steps: &mut [Step], turns: &[Turn<f64>], (sizes, distance): (&[f64], 
     }
 }
 
-/// The largest entry of a state.
-fn size(state: &[f64]) -> f64 {
-    state.iter().fold(0.0, |size, x| size.max(x.abs()))
+/// Whether a state is a phase.
+fn is_phase(turns: &[Turn<f64>], index: usize) -> bool {
+    turns.iter().any(|turn| turn.state == index)
+}
+
+/// The largest entry of a state but for its phases.
+fn size(state: &[f64], turns: &[Turn<f64>]) -> f64 {
+    let all = state.iter().enumerate();
+    all.filter(|(index, _)| !is_phase(turns, *index))
+        .fold(0.0, |size, (_, x)| size.max(x.abs()))
 }
 
 /// Whether the latest of these states is next to nothing, against the most that states have been, and phases go round no more.
 fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &mut f64) -> bool {
-    let is_phase = |index: usize| turns.iter().any(|turn| turn.state == index);
-    let moving = |state: &Vec<f64>| {
-        let all = state
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| !is_phase(*index));
-        all.fold(0.0_f64, |size, (_, x)| size.max(x.abs()))
-    };
     for state in states(instants) {
-        *most = most.max(moving(state));
+        *most = most.max(size(state, turns));
     }
     let [.., before, latest] = instants else {
         return false;
@@ -257,7 +257,7 @@ fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &mut f64)
         turned.abs() <= DIED_OUT * turn.period
     };
     // Zero itself is what a reset makes of a state.
-    let size = moving(&latest.state);
+    let size = size(&latest.state, turns);
     size > 0.0 && size <= DIED_OUT * *most && turns.iter().all(stands)
 }
 
