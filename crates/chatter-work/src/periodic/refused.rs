@@ -24,6 +24,9 @@ pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
         PeriodicError::OneOfMany => {
             Some("energy may be conserved: add damping or forcing, or follow the motion with simulate".to_owned())
         }
+        PeriodicError::Eventless { .. } => {
+            Some("give the model a [section.NAME] that the motion crosses".to_owned())
+        }
         PeriodicError::Equilibrium { .. } | PeriodicError::AtRest => Some("start elsewhere with --initial, or choose other parameters".to_owned()),
         _ => None,
     };

@@ -7,7 +7,7 @@
 use crate::analysis::periodic::PeriodicError;
 use crate::flow::{Column, Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
-use crate::numerics::unit;
+use crate::numerics::{Matrix, balance, unit};
 use core::ops::ControlFlow;
 
 /// How exponents are averaged.
@@ -75,14 +75,17 @@ pub fn exponents(
     let start = [initial, frame.concat()].concat();
     let mut trajectory = Trajectory::start(&system, &mut work, &parameters, begin, &start)
         .map_err(PeriodicError::Start)?;
+    let mut units = vec![1.0; n];
     let mut growth: Vec<Vec<f64>> = Vec::new();
     let total = spec.transient + spec.intervals;
     for interval in 0..total {
         if interval % 8 == 0 && observer(interval as f64 / total as f64).is_break() {
             break;
         }
-        (trajectory.replace_columns(&system, &mut work, &frame.concat()))
-            .map_err(PeriodicError::Ended)?;
+        let columns: Vec<f64> = (frame.iter())
+            .flat_map(|displacement| displacement.iter().zip(&units).map(|(y, unit)| y * unit))
+            .collect();
+        (trajectory.replace_columns(&system, &mut work, &columns)).map_err(PeriodicError::Ended)?;
         trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
         let mut steps = 0;
         let mut latest: Option<(f64, usize)> = None;
@@ -118,6 +121,16 @@ pub fn exponents(
                 displacement[time] = 0.0;
             }
         }
+        if interval == 0 {
+            // Lengths say what is forgotten in units that the motion itself takes for like ones.
+            units = natural_units(&frame, &moving, n);
+            for (displacement, &i) in frame.iter_mut().zip(&moving) {
+                displacement.iter_mut().for_each(|x| *x *= units[i]);
+            }
+        }
+        for displacement in &mut frame {
+            (displacement.iter_mut().zip(&units)).for_each(|(x, unit)| *x /= unit);
+        }
         let logarithms = orthonormal(&mut frame, &moving);
         if interval >= spec.transient {
             growth.push(logarithms);
@@ -127,6 +140,21 @@ pub fn exponents(
         return Err(PeriodicError::Interrupted);
     }
     Ok(averaged(&growth, spec.interval))
+}
+
+/// Units of the states in which displacements, unit vectors an interval before, are of like size.
+fn natural_units(frame: &[Vec<f64>], moving: &[usize], states: usize) -> Vec<f64> {
+    let mut map = Matrix::zeros(moving.len(), moving.len());
+    for (column, displacement) in frame.iter().enumerate() {
+        for (row, &i) in moving.iter().enumerate() {
+            map[(row, column)] = displacement[i];
+        }
+    }
+    let mut units = vec![1.0; states];
+    for (&i, unit) in moving.iter().zip(balance(&mut map)) {
+        units[i] = unit;
+    }
+    units
 }
 
 /// Makes displacements orthogonal, of length one; the logarithms of the lengths that they had.

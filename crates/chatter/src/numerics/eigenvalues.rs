@@ -22,14 +22,40 @@ impl Complex {
 /// Steps of the QR iteration for each eigenvalue: a few are usual.
 const STEPS: usize = 200;
 
+/// Units d of the coordinates, powers of two, in which rows and columns of a map are of like size, x = D y and D^-1 M D (Parlett
+/// and Reinsch): what is small against the largest entry says something only there. Ones if the matrix holds what is not
+/// finite, or has no finite square.
+pub fn balance(matrix: &mut Matrix<f64>) -> Vec<f64> {
+    let size = matrix.rows();
+    let square: f64 = (0..size)
+        .flat_map(|i| matrix.row(i))
+        .map(|entry| entry * entry)
+        .sum();
+    if !square.is_finite() {
+        return vec![1.0; size];
+    }
+    let mut dense = dense(matrix);
+    let units = nalgebra::linalg::balancing::balance_parlett_reinsch(&mut dense);
+    for i in 0..size {
+        for k in 0..size {
+            matrix[(i, k)] = dense[(i, k)];
+        }
+    }
+    units.iter().copied().collect()
+}
+
+fn dense(matrix: &Matrix<f64>) -> nalgebra::DMatrix<f64> {
+    nalgebra::DMatrix::from_fn(matrix.rows(), matrix.rows(), |i, k| matrix[(i, k)])
+}
+
 /// All eigenvalues, the largest first, of a complex pair the one above the real axis first. Empty if the matrix is, or
-/// holds what is not finite.
+/// holds what is not finite. The smallest are known if the matrix is [balanced](balance).
 pub fn eigenvalues(matrix: &Matrix<f64>) -> Vec<Complex> {
     let size = matrix.rows();
     if size == 0 || !(0..size).all(|i| matrix.row(i).iter().all(|x| x.is_finite())) {
         return Vec::new();
     }
-    let dense = nalgebra::DMatrix::from_fn(size, size, |i, k| matrix[(i, k)]);
+    let dense = dense(matrix);
     let Some(schur) = nalgebra::Schur::try_new(dense, f64::EPSILON, STEPS * size) else {
         return Vec::new();
     };
@@ -94,5 +120,20 @@ mod tests {
         }
         matrix[(0, 0)] = f64::NAN;
         assert_eq!(eigenvalues(&matrix), []);
+    }
+
+    #[test]
+    fn units_do_not_matter() {
+        // A rotation by one radian, of nanometres and metres a second.
+        let unit = 1e9;
+        let mut matrix = Matrix::zeros(2, 2);
+        (matrix[(0, 0)], matrix[(1, 1)]) = (libm::cos(1.0), libm::cos(1.0));
+        (matrix[(0, 1)], matrix[(1, 0)]) = (libm::sin(1.0) / unit, -libm::sin(1.0) * unit);
+        let units = balance(&mut matrix);
+        assert!((units[1] / units[0] / unit).log2().abs() < 2.0, "{units:?}");
+        for (value, im) in eigenvalues(&matrix).iter().zip([1.0, -1.0]) {
+            let off = (value.re - libm::cos(1.0)).abs() + (value.im - im * libm::sin(1.0)).abs();
+            assert!(off < 1e-14, "{value:?}");
+        }
     }
 }

@@ -20,7 +20,7 @@ mod with_terms;
 pub use bracket::{Bracket, root_between};
 pub(crate) use double_double::two_sum;
 pub use double_double::{DoubleDouble, NotANumber};
-pub use eigenvalues::{Complex, eigenvalues};
+pub use eigenvalues::{Complex, balance, eigenvalues};
 pub use extrapolation::{Estimate, Plan, limit};
 pub use lanes::{LaneMask, LaneSet, Lanes};
 pub use matrix::{Factored, Matrix, dot, moved, pairs, unit};

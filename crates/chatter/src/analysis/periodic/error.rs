@@ -45,6 +45,11 @@ pub enum PeriodicError {
         /// When.
         time: f64,
     },
+    /// The trajectory moves on, and nothing happens that a return could be told by.
+    Eventless {
+        /// Since when.
+        time: f64,
+    },
     /// Periodic orbits lie beside each other, of one period or of different ones.
     OneOfMany,
     /// The equations of a periodic orbit are solved by an equilibrium.
@@ -105,6 +110,10 @@ impl fmt::Display for PeriodicError {
             Self::Equilibrium { time } => write!(
                 out,
                 "nothing happens after time {time:.6}: the trajectory comes to rest, and an equilibrium is no periodic orbit"
+            ),
+            Self::Eventless { time } => write!(
+                out,
+                "nothing happens after time {time:.6}, and the motion goes on: nothing is met that a return could be told by"
             ),
             Self::OneOfMany => write!(
                 out,

@@ -19,17 +19,35 @@ pub(crate) struct Translation {
     pub others: Vec<(usize, f64)>,
 }
 
-/// The equations are looked at in so many places at each distance: a derivative that vanishes in all of them vanishes.
-const PLACES: usize = 4;
+/// The equations are looked at in so many places: a derivative that vanishes in all of them vanishes.
+const PLACES: usize = 8 * DISTANCES.len();
 
-/// How far away from a state they are, in parts of its size or of one: what is saturated far away is not nearby.
-const DISTANCES: [f64; 4] = [1.0, 0.03, 1e-3, 30.0];
+/// How far away from a state they are, in parts of its size or of one: what is saturated far away is not nearby, what
+/// nanometres are subject to is nothing beside what becomes of it at a metre, and seconds know little of a year. First all states
+/// are as far away, then each as far as another one was before.
+const DISTANCES: [f64; 8] = [1.0, 0.03, 1e-3, 30.0, 1e4, 1e-6, 1e-9, 1e-12];
 
 /// How far the places are from each other, in such parts. Incommensurate with anything in a model.
 const APART: f64 = 0.061_803_398_874_989_49;
 
-/// A slope this small against the others of its equation, after elimination, is rounding error.
-const ROUNDING: f64 = 1e-10;
+/// A slope this small against the others of its equation is rounding error, …
+const ROUNDING: f64 = 1e-14;
+
+/// … and so is one this small against what was taken off it.
+const CANCELLED: f64 = 1e-10;
+
+/// A slope, and the largest number that it is a sum of.
+#[derive(Clone, Copy, Debug)]
+struct Slope {
+    value: f64,
+    size: f64,
+}
+
+impl Slope {
+    fn is_known(self) -> bool {
+        self.value.abs() > CANCELLED * self.size
+    }
+}
 
 impl Translations {
     /// Of these equations of a model.
@@ -60,35 +78,43 @@ impl Translations {
         for column in 0..states {
             let open = pivots.len();
             let largest = (open..rows.len()).max_by(|&a, &b| {
-                let size = |row: usize| rows[row][column].abs();
-                size(a).total_cmp(&size(b))
+                let size = |row: usize| {
+                    let slope = rows[row][column];
+                    (slope.is_known(), slope.value.abs())
+                };
+                let ((a_known, a), (b_known, b)) = (size(a), size(b));
+                a_known.cmp(&b_known).then(a.total_cmp(&b))
             });
-            let Some(row) = largest.filter(|&row| rows[row][column].abs() > ROUNDING) else {
+            let Some(row) = largest.filter(|&row| rows[row][column].is_known()) else {
                 continue;
             };
             rows.swap(open, row);
-            let pivot = rows[open][column];
-            rows[open].iter_mut().for_each(|x| *x /= pivot);
+            let pivot = rows[open][column].value;
+            for slope in &mut rows[open] {
+                slope.value /= pivot;
+                slope.size /= pivot.abs();
+            }
             let cleared = rows[open].clone();
             for (index, other) in rows.iter_mut().enumerate() {
-                let times = other[column];
-                if index != open && times != 0.0 {
-                    other
-                        .iter_mut()
-                        .zip(&cleared)
-                        .for_each(|(x, y)| *x -= times * y);
+                let times = other[column].value;
+                if index == open || times == 0.0 {
+                    continue;
+                }
+                for (slope, by) in other.iter_mut().zip(&cleared) {
+                    slope.value -= times * by.value;
+                    slope.size = slope.size.max(times.abs() * by.size);
                 }
             }
             pivots.push((open, column));
         }
         let bound = |state: &usize| pivots.iter().any(|(_, column)| column == state);
         let translation = |state: usize| {
-            let others = pivots
-                .iter()
-                .map(|&(row, column)| (column, -rows[row][state]));
+            let others = (pivots.iter())
+                .filter(|&&(row, _)| rows[row][state].is_known())
+                .map(|&(row, column)| (column, -rows[row][state].value));
             Translation {
                 state,
-                others: others.filter(|(_, times)| times.abs() > ROUNDING).collect(),
+                others: others.collect(),
             }
         };
         (0..states)
@@ -98,15 +124,14 @@ impl Translations {
     }
 
     /// Slopes of all equations in all places, each equation in units of its largest.
-    fn rows(&self, parameters: &[f64], state: &[f64]) -> Vec<Vec<f64>> {
+    fn rows(&self, parameters: &[f64], state: &[f64]) -> Vec<Vec<Slope>> {
         let mut scratch = Vec::new();
         let mut rows = Vec::new();
-        let places = DISTANCES
-            .into_iter()
-            .flat_map(|distance| (0..PLACES).map(move |k| (distance, k)));
-        for (distance, place) in places {
+        for place in 0..PLACES {
             let moved: Vec<f64> = (state.iter().enumerate())
                 .map(|(index, x)| {
+                    let turn = place + index * (place / DISTANCES.len());
+                    let distance = DISTANCES[turn % DISTANCES.len()];
                     let step = ((1 + index + place * state.len()) as f64 * APART).fract();
                     x + distance * step * (1.0 + x.abs())
                 })
@@ -118,7 +143,16 @@ impl Translations {
                 let size = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
                 // Outside the domain there is nothing to learn.
                 if size > 0.0 && row.iter().all(|x| x.is_finite()) {
-                    rows.push(row.iter().map(|x| x / size).collect());
+                    let slope = |x: &f64| {
+                        let value = if x.abs() > ROUNDING * size {
+                            x / size
+                        } else {
+                            0.0
+                        };
+                        let size = value.abs();
+                        Slope { value, size }
+                    };
+                    rows.push(row.iter().map(slope).collect());
                 }
             }
         }
@@ -166,6 +200,18 @@ mod tests {
             others: Vec::new(),
         };
         assert_eq!(of(way, "a + 1"), [alone]);
+    }
+
+    #[test]
+    fn what_is_small_is_not_free() {
+        // A cubic spring of nanometres: where x is a metre, the load is nothing beside it.
+        let states =
+            "a = \"u\"\nu = \"-1e12*a - 5e29*a^3 + 1e3*sin(b/1e-6) - u\"\nb = \"1\"\nv = \"-v\"";
+        let text = format!("[flight]\n{states}\n[initial]\na = 0\nu = 0\nb = 0\nv = 1e-6\n");
+        let model = Model::from_toml(&text, "test").unwrap();
+        let state = model.initial_state(&[]);
+        let found = Translations::new(&model, &model.equations()).at(&[], &state);
+        assert_eq!(found, []);
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub struct Patience {
     pub events: usize,
     /// Periods of the forcing, at most.
     pub periods: usize,
-    /// Time, at most.
+    /// Time, at most; where the motion's own time is longer than one, in units of that.
     #[serde(with = "number")]
     pub time: f64,
 }
@@ -315,6 +315,7 @@ pub(crate) fn settle(
     // Since the latest event.
     let mut quiet = 1;
     let mut nearest = f64::INFINITY;
+    let mut limit = start + patience.time;
     let end = loop {
         match forcing {
             Some(period) => {
@@ -333,7 +334,14 @@ pub(crate) fn settle(
             }
             None => {
                 let before = instants.len();
-                tracer.follow((start + patience.time, chunk), &mut instants, observer)?;
+                tracer.follow((limit, chunk), &mut instants, observer)?;
+                if chunk == FIRST_CHUNK {
+                    limit = start + patience.time * tracer.trajectory.pace();
+                    let missing = (before + chunk).saturating_sub(instants.len());
+                    if missing > 0 && tracer.trajectory.time() < limit {
+                        tracer.follow((limit, missing), &mut instants, observer)?;
+                    }
+                }
                 total += instants.len() - before;
                 if is_next_to_nothing(&instants[before..], &turns, &mut most) {
                     let time = tracer.trajectory.time();
@@ -342,7 +350,11 @@ pub(crate) fn settle(
                 let quiet = instants.last().map_or(start, |instant| instant.time);
                 let all = tracer.trajectory.time() - start;
                 if instants.len() - before < chunk && tracer.trajectory.time() - quiet > 0.5 * all {
-                    return Err(PeriodicError::Equilibrium { time: quiet });
+                    let goes_on = tracer.moves(NEAR[1], observer)?;
+                    return Err(match goes_on {
+                        true => PeriodicError::Eventless { time: quiet },
+                        false => PeriodicError::Equilibrium { time: quiet },
+                    });
                 }
                 chunk = (2 * chunk).min(CHUNK);
             }
@@ -366,7 +378,7 @@ pub(crate) fn settle(
         }
         let over = total >= patience.events
             || strobes.len() > patience.periods
-            || (forcing.is_none() && tracer.trajectory.time() >= start + patience.time);
+            || (forcing.is_none() && tracer.trajectory.time() >= limit);
         if over || (forcing.is_none() && instants.is_empty()) {
             break tracer.trajectory.time();
         }

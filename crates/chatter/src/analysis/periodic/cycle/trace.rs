@@ -70,6 +70,9 @@ pub(crate) struct Tracer<'s> {
 /// Of a knot of a table, where functions go on smoothly, and a section times that differ by so many roundoffs are one instant.
 pub(super) const ONE_INSTANT: f64 = 8.0;
 
+/// Whether a motion goes on is looked at for so many units of its time.
+const STEPS_MORE: f64 = 16.0;
+
 /// Steps without an event.
 const MOST_STEPS: usize = 200_000;
 
@@ -97,6 +100,20 @@ impl<'s> Tracer<'s> {
         let lookups = &self.system.corners().lookups;
         matches!(guard, Some(GuardKind::Piece(lookup, _))
             if lookups.get(lookup).is_some_and(|lookup| matches!(lookup.within, LookedUpIn::Curve(_))))
+    }
+
+    /// Whether states change on a few steps more, by such a part of their size.
+    pub(crate) fn moves(
+        &mut self,
+        part: f64,
+        observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<bool, PeriodicError> {
+        let before = self.trajectory.state().to_vec();
+        let until = self.trajectory.time() + STEPS_MORE * self.trajectory.pace();
+        self.follow((until, usize::MAX / 2), &mut Vec::new(), observer)?;
+        let size = crate::numerics::dot(&before, &before).sqrt();
+        let moved = self.trajectory.state().iter().zip(&before);
+        Ok(moved.map(|(x, y)| (x - y).abs()).any(|by| by > part * size))
     }
 
     /// Follows up to a time, or until so many instants are known, and adds them to the list. The observer may break off.

@@ -3,9 +3,9 @@
 use super::{Flown, Shooting};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, held};
 use crate::flow::leg::Landing;
-use crate::numerics::{Complex, Matrix, Real, dot, eigenvalues, pairs};
+use crate::numerics::{Complex, Matrix, Real, balance, dot, eigenvalues, pairs};
 
-/// So many roundoffs of the largest entry of a matrix are what its eigenvalues may be off by.
+/// So many roundoffs of the largest entry of a balanced matrix are what its eigenvalues may be off by.
 const ROUNDED: f64 = 64.0;
 /// An impact of so small a part of what rates are has none: rates go to zero as roots of the distance do.
 const NO_RATE: f64 = 1e-5;
@@ -47,6 +47,7 @@ impl<R: Real> Shooting<R> {
                 reduced[(row, column)] = product[(i, k)].to_f64();
             }
         }
+        balance(&mut reduced);
         let entries = (0..kept.len()).flat_map(|row| reduced.row(row));
         let larger = |most: f64, x: &f64| {
             if x.is_finite() {
