@@ -79,8 +79,9 @@ struct Watch {
     /// zero.
     events: Vec<Event>,
     graph: Graph,
-    /// All guards, then the rates of events.
+    /// All guards, and their rates.
     values: Tape,
+    rates: Tape,
 }
 
 /// An event among the guards.
@@ -153,6 +154,8 @@ pub(crate) struct Least {
     /// Since the start of the leg.
     pub time: f64,
     pub value: f64,
+    /// How large the guard is on the leg, about.
+    pub size: f64,
     /// The state there.
     pub state: Vec<f64>,
     /// Whether this is the end of the leg.
@@ -322,10 +325,9 @@ impl System {
                 _ => None,
             })
             .collect();
-        let functions: Vec<Expr> = (watched.iter().map(|&(_, function)| function))
-            .chain(events.iter().map(|event| rates[event.guard]))
-            .collect();
+        let functions: Vec<Expr> = watched.iter().map(|&(_, function)| function).collect();
         let values = Tape::new(graph, coordinates, &[], &functions);
+        let at_start = Tape::new(graph, coordinates, &[], &rates);
         let edge = Edge::new(self.model(), graph, (&field, surface, &map), free);
         let bare = |graph: &Graph, sections: Vec<Section>| Model {
             graph: graph.clone(),
@@ -340,6 +342,7 @@ impl System {
             ..self.model().clone()
         };
         let flow = System::with_columns(&bare(graph, Vec::new()), &columns).ok()?;
+        let flow = flow.past_roots();
         let surface = |surface: Expr, direction: Direction| Section {
             name: String::new(),
             surface,
@@ -361,7 +364,8 @@ impl System {
         let turning: Vec<Section> = turning.chain(crossing).chain(falling).collect();
         let watching = (!turning.is_empty())
             .then(|| System::new(&bare(graph, turning)).ok())
-            .flatten();
+            .flatten()
+            .map(System::past_roots);
         Some(Leg {
             kind,
             flow,
@@ -373,6 +377,7 @@ impl System {
                 events,
                 graph: graph.clone(),
                 values,
+                rates: at_start,
             },
             field: at_point,
             graph: graph.clone(),
@@ -428,7 +433,7 @@ impl Edge {
         let n = self.coordinates;
         let mut values = vec![R::ZERO; self.tape.outputs.len()];
         let low = vec![R::ZERO; end.len()];
-        expansion.evaluate(&self.tape, constants, end, &low, &mut values);
+        expansion.evaluate_past_roots(&self.tape, constants, (end, &low), &mut values);
         let mut image_slopes = Matrix::zeros(n, self.columns);
         let mut surface_slopes = Vec::with_capacity(self.columns);
         let mut rate_slopes = Vec::with_capacity(self.columns);
@@ -488,6 +493,7 @@ pub(crate) struct Flyer<R: Real> {
     expansion: Expansion<R>,
     at_edge: Known<R>,
     at_watch: Known<R>,
+    at_watch_start: Known<R>,
     /// At these parameters.
     trajectory: Placed<R>,
     watcher: Placed<R>,
@@ -501,9 +507,15 @@ impl Leg {
         Flyer {
             work: self.flow.workspace(settings),
             watching: (self.watch.system.as_ref()).map(|system| system.workspace(settings)),
-            expansion: Expansion::new(&[&self.edge.tape, &self.field, &self.watch.values]),
+            expansion: Expansion::new(&[
+                &self.edge.tape,
+                &self.field,
+                &self.watch.values,
+                &self.watch.rates,
+            ]),
             at_edge: Known::new(),
             at_watch: Known::new(),
+            at_watch_start: Known::new(),
             trajectory: None,
             watcher: None,
         }
@@ -514,7 +526,7 @@ impl Leg {
         let constants = self.field.constants(&self.graph, parameters);
         let mut values = vec![R::ZERO; x.len()];
         let low = vec![R::ZERO; x.len()];
-        (flyer.expansion).evaluate(&self.field, &constants, x, &low, &mut values);
+        (flyer.expansion).evaluate_past_roots(&self.field, &constants, (x, &low), &mut values);
         values
     }
 
@@ -560,7 +572,8 @@ impl Leg {
     }
 
     /// The inner least values of all guards on the way, in order of time, and the values at the end of those that do not
-    /// end the leg; also those that are negative where it begins, as though they were at its end.
+    /// end the leg; also those of any that is negative where it begins, and of what ends what is held, as though they were at its
+    /// end.
     ///
     /// # Errors
     /// As for [`fly`](Self::fly).
@@ -585,33 +598,51 @@ impl Leg {
             .to_vec();
         let Watch { guards, events, .. } = &self.watch;
         let count = guards.len();
-        let mut values = vec![0.0; count + events.len()];
+        let (mut began, mut rates) = (vec![0.0; count], vec![0.0; count]);
         let low = vec![0.0; x.len()];
         let mut found = Vec::new();
-        (flyer.expansion).evaluate(&self.watch.values, &constants, x, &low, &mut values);
-        let began = values[..count].to_vec();
-        let mut sides: Vec<f64> = (events.iter().zip(&values[count..]))
-            .map(|(event, &rate)| event.side(values[event.guard], rate, duration))
+        let expansion = &mut flyer.expansion;
+        expansion.evaluate_past_roots(&self.watch.values, &constants, (x, &low), &mut began);
+        let of_rates =
+            (flyer.at_watch_start).constants(&self.watch.rates, &self.watch.graph, parameters);
+        expansion.evaluate_past_roots(&self.watch.rates, of_rates, (x, &low), &mut rates);
+        let mut sides: Vec<f64> = (events.iter())
+            .map(|event| event.side(began[event.guard], rates[event.guard], duration))
             .collect();
+        let mut sizes: Vec<f64> = (began.iter().zip(&rates))
+            .map(|(value, rate)| value.abs().max((rate * duration).abs()))
+            .collect();
+        let mut values = vec![0.0; count];
         let first_fall = count + usize::from(self.watch.section.is_some());
         for _ in 0..MOST_STEPS {
             let told = trajectory.advance_to_horizon(system, work)?;
             let Some(told) = told else { continue };
             let state = trajectory.state();
             let time = trajectory.time() - clock;
-            (flyer.expansion).evaluate(&self.watch.values, &constants, state, &low, &mut values);
-            let least = |guard: GuardKind, value: f64, at_end: bool| Least {
-                guard,
+            let here = (state, &low[..]);
+            expansion.evaluate_past_roots(&self.watch.values, &constants, here, &mut values);
+            for (size, value) in sizes.iter_mut().zip(&values) {
+                *size = size.max(value.abs());
+            }
+            let least = |guard: usize, value: f64, at_end: bool| Least {
+                guard: guards[guard],
                 time,
                 value,
+                size: sizes[guard],
                 state: state.to_vec(),
                 at_end,
             };
             let event = |guard: usize| events.iter().position(|event| event.guard == guard);
             match told {
                 Occurrence::Section { section } if section == count && section < first_fall => {
-                    let section = self.watch.section.map(GuardKind::Section);
-                    found.extend(section.map(|guard| least(guard, 0.0, false)));
+                    found.extend(self.watch.section.map(|section| Least {
+                        guard: GuardKind::Section(section),
+                        time,
+                        value: 0.0,
+                        size: 0.0,
+                        state: state.to_vec(),
+                        at_end: false,
+                    }));
                 }
                 Occurrence::Section { section } => {
                     let fall = section.checked_sub(first_fall);
@@ -623,26 +654,32 @@ impl Leg {
                         }
                         None => Some(values[guard]),
                     };
-                    found.extend(value.map(|value| least(guards[guard], value, false)));
+                    found.extend(value.map(|value| least(guard, value, false)));
                 }
                 Occurrence::Horizon => {
-                    let others =
-                        (0..count).filter(|&guard| Some(guards[guard]) != self.kind.ends_at);
+                    let ends_it = |guard: usize| Some(guards[guard]) == self.kind.ends_at;
+                    let others = (0..count).filter(|&guard| !ends_it(guard));
                     let at_end = |guard: usize| match event(guard) {
                         Some(place) => events[place].at_end(sides[place], values[guard]),
                         None => Some(values[guard]),
                     };
-                    found.extend(others.clone().filter_map(|guard| {
-                        at_end(guard).map(|value| least(guards[guard], value, true))
-                    }));
+                    found.extend(
+                        others.filter_map(|guard| {
+                            at_end(guard).map(|value| least(guard, value, true))
+                        }),
+                    );
                     let begins_beyond = |&guard: &usize| {
-                        let by = (values[guard] - began[guard]).abs();
-                        event(guard).is_none() && began[guard] < -JUST_OPENED * by
+                        let by = match ends_it(guard) {
+                            true => sizes[guard],
+                            false => (values[guard] - began[guard]).abs(),
+                        };
+                        let holds = ends_it(guard) && !matches!(guards[guard], GuardKind::Gap(_));
+                        event(guard).is_none() && (holds || began[guard] < -JUST_OPENED * by)
                     };
-                    found.extend(others.filter(begins_beyond).map(|guard| Least {
+                    found.extend((0..count).filter(begins_beyond).map(|guard| Least {
                         time: 0.0,
                         state: x.to_vec(),
-                        ..least(guards[guard], began[guard], true)
+                        ..least(guard, began[guard], true)
                     }));
                     return Ok(found);
                 }

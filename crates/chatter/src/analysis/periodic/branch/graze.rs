@@ -16,6 +16,8 @@ const NOT_QUITE: f64 = 1e-5;
 const LEAST_HEIGHT: f64 = 1e4;
 /// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
 const THERE: f64 = 1e-3;
+/// Orbits of a branch are solved to so small a part of their size, and so are places that are told from their guards.
+const SOLVED: f64 = 1e-12;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
 
@@ -70,6 +72,13 @@ impl Walker {
             {
                 self.lose(&station, index, &there)
             }
+            Broken::Beyond(index, guard) => {
+                self.begins_at_its_end((&from, &station), &broken, &there);
+                Err(format!(
+                    "event {index} of the orbit would come where what it ends begins: {}",
+                    self.shooting.workshop.named(guard)
+                ))
+            }
             Broken::Early(index, guard) => Err(format!(
                 "before event {index} of the orbit comes {}",
                 self.shooting.workshop.named(guard)
@@ -88,6 +97,27 @@ impl Walker {
             Stop::End(end @ End::Lost(_)) => Stop::Broken(end, Box::new(station)),
             other => other,
         }
+    }
+
+    /// Notes where a step begins exactly where its own guard would end it.
+    fn begins_at_its_end(
+        &mut self,
+        (from, to): (&Station, &Station),
+        broken: &Broken,
+        there: &Point,
+    ) {
+        let mut value = |station: &Station| {
+            self.shooting.evaluate(&station.at).ok()?;
+            let least = self.shooting.least(&station.at).ok()?;
+            broken.value(&self.shooting, &least)
+        };
+        let (before, residual) = (value(from), value(to).map_or(0.0, f64::abs));
+        let parameter = to.parameter();
+        let slope = before.map(|before| (before - residual) / (from.parameter() - parameter));
+        let off = slope.map_or(0.0, |slope| (residual / slope).abs());
+        let error = off + SOLVED * parameter.abs();
+        self.settle(to);
+        self.note(SpecialKind::Touch, there, &to.at, error, residual);
     }
 
     /// Whether the way between the last impact and a touch of the same contact can be told from rounding of the gap.
@@ -164,7 +194,7 @@ impl Walker {
                 SpecialKind::Touch,
                 there,
                 &station.at,
-                1e-12,
+                SOLVED,
                 touching.value.abs(),
             );
             return Err("a guard is touched that no event follows".to_owned());

@@ -14,6 +14,8 @@ pub(crate) enum Broken {
     Inner(usize, GuardKind),
     /// This guard vanishes before the end of this step.
     Early(usize, GuardKind),
+    /// This step begins beyond the guard that ends it: a contact that cannot stay closed, a stick that would slip at once.
+    Beyond(usize, GuardKind),
 }
 
 impl Broken {
@@ -28,15 +30,30 @@ impl Broken {
         match *self {
             Self::Event(step) => Some(-shooting.latest.get(step)?.surface_rate),
             Self::Inner(step, guard) => smallest(step, guard, false),
-            Self::Early(step, guard) => smallest(step, guard, true),
+            Self::Early(step, guard) | Self::Beyond(step, guard) => smallest(step, guard, true),
         }
     }
 }
 
-/// A guard that has just opened is known to rounding only: below so much of nothing it says nothing.
-const NOTHING: f64 = -1e-13;
+/// A guard that has just opened is known to rounding only: so small a part of what it is elsewhere on the orbit says nothing, …
+const NOTHING: f64 = 1e-13;
+/// … or so small a part of the states, where it is no larger part of them anywhere.
+const NOWHERE: f64 = 1e-12;
 
 pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Broken> {
+    let closure = &shooting.workshop.closure;
+    let states = (shooting.state_sizes().iter().enumerate())
+        .filter(|(index, _)| !closure.is_phase(*index))
+        .fold(0.0_f64, |most, (_, size)| most.max(*size));
+    let size = |guard: GuardKind| {
+        let all = least.iter().flatten().filter(|least| least.guard == guard);
+        let size = all.fold(0.0_f64, |most, least| most.max(least.size));
+        if size > NOWHERE * states {
+            size
+        } else {
+            states
+        }
+    };
     let mut found = Vec::new();
     for (index, step) in shooting.steps.iter().enumerate() {
         let Some(landing) = shooting.latest.get(index) else {
@@ -50,12 +67,16 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             found.push(Broken::Event(index));
         }
         for least in least.get(index).into_iter().flatten() {
-            let known = match (least.at_end, least.value < 0.0) {
-                (_, false) => continue,
-                (false, true) => Broken::Inner(index, least.guard),
-                // What vanishes with the event itself is left to the next step.
-                (true, true) if least.value < NOTHING => Broken::Early(index, least.guard),
-                (true, true) => continue,
+            if least.value >= 0.0 {
+                continue;
+            }
+            // What vanishes with the event itself is left to the next step.
+            let is_known = least.value < -NOTHING * size(least.guard);
+            let known = match least.at_end {
+                false => Broken::Inner(index, least.guard),
+                true if !is_known => continue,
+                true if step.ends_at() == Some(least.guard) => Broken::Beyond(index, least.guard),
+                true => Broken::Early(index, least.guard),
             };
             if !found.contains(&known) {
                 found.push(known);

@@ -98,6 +98,7 @@ impl Shooting<f64> {
             guard: GuardKind::Section(section),
             time: instant.time - clock,
             value: 0.0,
+            size: 0.0,
             state: instant.state,
             at_end: false,
         };

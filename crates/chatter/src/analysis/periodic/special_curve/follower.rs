@@ -300,7 +300,7 @@ impl Follower {
         let is_graze = match broken {
             Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
             Broken::Inner(_, guard) => matches!(guard, crate::flow::GuardKind::Gap(_)),
-            Broken::Early(..) => false,
+            Broken::Early(..) | Broken::Beyond(..) => false,
         };
         if !is_graze {
             return lost();
