@@ -46,6 +46,7 @@ pub use parser::{DEEPEST_NESTING, LONGEST_TEXT, names};
 pub use piecewise::{Condition, CurveId, Edge};
 pub(crate) use series::ORDER_CLASSES;
 pub use series::{Expansion, MAX_ORDER};
+pub(crate) use singularity::Negligible;
 pub use singularity::Singularity;
 pub use suggest::{is_reserved, nearest};
 pub use tape::{Operand, Tape};

@@ -13,10 +13,11 @@
 //! -a'/a, grow like the nearest one's.
 
 use super::graph::{Expr, Function};
+use super::machine::Compiled;
 use super::series::{Expansion, convolve};
 use super::tape::{Op, Operand, Tape};
 use crate::numerics::polynomial::sizes;
-use crate::numerics::{Mask, Scalar};
+use crate::numerics::{Mask, Real, Scalar};
 use rustc_hash::FxHashMap;
 
 /// What has no value, or a corner, where its argument vanishes.
@@ -140,6 +141,94 @@ impl Tape {
     }
 }
 
+/// What may be left out where the base of a root vanishes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Negligible {
+    /// What is zero there. What is infinite stays so.
+    Zero,
+    /// What has a finite integral from there on, as the derivative of a root has.
+    Integrable,
+}
+
+impl Tape {
+    /// This tape where the roots and powers of one of its singular points are nothing, and so is what is divided by them: what is
+    /// left where the point's series vanishes. None if something there is not negligible.
+    pub(crate) fn without_roots<R: Real>(
+        &self,
+        which: usize,
+        constants: &[R],
+        negligible: Negligible,
+    ) -> Option<Self> {
+        let slot = self.singular.get(which)?.slot;
+        let mut producers = vec![None; self.slots];
+        for op in &self.ops {
+            for out in op.writes() {
+                producers[out] = Some(op.clone());
+            }
+        }
+        let vanishes = |of: usize| {
+            let mut zeros = Vec::new();
+            zeros_of(of, &producers, &mut zeros);
+            zeros.contains(&slot)
+        };
+        let is_root = |of: usize| {
+            matches!(
+                producers[of],
+                Some(Op::SquareRoot { .. } | Op::Power { .. })
+            )
+        };
+        let mut tape = self.clone();
+        let mut roots = 0;
+        for op in &mut tape.ops {
+            let out = match *op {
+                Op::SquareRoot { out, radicand, .. } if vanishes(radicand) => out,
+                Op::Power {
+                    out,
+                    base,
+                    exponent,
+                    ..
+                } if vanishes(base) => {
+                    let exponent = constants[exponent].to_f64();
+                    match negligible {
+                        Negligible::Zero if exponent > 0.0 => {}
+                        Negligible::Zero => continue,
+                        Negligible::Integrable if exponent > -1.0 => {}
+                        Negligible::Integrable => return None,
+                    }
+                    out
+                }
+                Op::Divide {
+                    out,
+                    numerator,
+                    denominator,
+                    ..
+                } if vanishes(denominator) => {
+                    let both = matches!(numerator, Operand::Series(slot) if vanishes(slot));
+                    match negligible {
+                        Negligible::Zero if both && is_root(denominator) => {}
+                        Negligible::Zero => continue,
+                        Negligible::Integrable if is_root(denominator) => {}
+                        Negligible::Integrable => return None,
+                    }
+                    out
+                }
+                _ => continue,
+            };
+            roots += 1;
+            *op = Op::Linear {
+                out,
+                offset: None,
+                first: 0,
+                end: 0,
+            };
+        }
+        tape.singular.retain(|singular| singular.slot != slot);
+        tape.swings.retain(|swing| !vanishes(swing.slot()));
+        tape.compiled = Compiled::default();
+        (roots > 0).then_some(tape)
+    }
+}
+
 /// The series whose zeros are those of a series.
 fn zeros_of(slot: usize, producers: &[Option<Op>], into: &mut Vec<usize>) {
     match producers[slot] {
@@ -159,6 +248,37 @@ fn zeros_of(slot: usize, producers: &[Option<Op>], into: &mut Vec<usize>) {
             ..
         }) => {}
         _ => into.push(slot),
+    }
+}
+
+impl<R: Real> Expansion<R> {
+    /// The tape without the roots of one thing that is not positive in the latest run; none if there is no such.
+    pub(crate) fn past_a_root(&self, tape: &Tape, constants: &[R]) -> Option<Tape> {
+        (tape.singular.iter().enumerate())
+            .filter(|(_, singular)| self.get(singular.slot, 0) <= R::ZERO)
+            .find_map(|(which, _)| tape.without_roots(which, constants, Negligible::Integrable))
+    }
+
+    /// As [`evaluate`](Self::evaluate), where roots of what is not positive are nothing.
+    pub(crate) fn evaluate_past_roots(
+        &mut self,
+        tape: &Tape,
+        constants: &[R],
+        (state, low): (&[R], &[R]),
+        values: &mut [R],
+    ) {
+        let mut without: Option<Tape> = None;
+        loop {
+            let tape = without.as_ref().unwrap_or(tape);
+            self.evaluate(tape, constants, state, low, values);
+            if values.iter().all(|value| value.is_finite()) {
+                return;
+            }
+            match self.past_a_root(tape, constants) {
+                Some(left) => without = Some(left),
+                None => return,
+            }
+        }
     }
 }
 

@@ -108,7 +108,7 @@ pub(crate) enum Swing {
 }
 
 impl Swing {
-    fn slot(self) -> usize {
+    pub(super) fn slot(self) -> usize {
         match self {
             Self::Exponential { argument }
             | Self::Hyperbolic { argument }
@@ -195,6 +195,20 @@ pub struct Tape {
 }
 
 impl Tape {
+    /// Makes an output a series, if it is a constant: a function whose jumps from one tape to another count.
+    pub(crate) fn as_series(&mut self, output: usize) {
+        if let Operand::Constant(offset) = self.outputs[output] {
+            self.ops.push(Op::Linear {
+                out: self.slots,
+                offset: Some(offset),
+                first: 0,
+                end: 0,
+            });
+            self.outputs[output] = Operand::Series(self.slots);
+            self.slots += 1;
+        }
+    }
+
     /// Integrates linear combinations that are the derivative of a state at once; the swings are known. What else reads one of them
     /// reads it as before: the state is the same to the bit whether anything does.
     pub(super) fn integrate_at_once(&mut self) {

@@ -257,7 +257,13 @@ impl Program {
         let graph = &mut mechanics.graph;
         let listed = guard_functions(graph, &contacts, (sections, limits), mode);
         let functions: Vec<Expr> = listed.iter().map(|&(.., function)| function).collect();
-        let tape = Tape::new(graph, dimension, field, &functions);
+        let mut tape = Tape::new(graph, dimension, field, &functions);
+        for (guard, (kind, ..)) in listed.iter().enumerate() {
+            // What is constant here may be another constant beyond a corner.
+            if matches!(kind, GuardKind::Section(_)) {
+                tape.as_series(guard);
+            }
+        }
         let vanishing = (tape.singular.iter())
             .map(|singular| {
                 let text = singular.expr.map(|expr| graph.to_text(expr, names));

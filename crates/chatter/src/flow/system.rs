@@ -55,6 +55,8 @@ pub struct System {
     modes: Arc<Modes>,
     dimension: usize,
     coordinates: usize,
+    /// Trajectories go on where a root is taken of what is negative, as if it were nothing.
+    past_roots: bool,
 }
 
 /// Number of the mode in which nothing is closed: every trajectory meets it first.
@@ -132,9 +134,21 @@ impl System {
             coordinates,
             directions,
             modes: Arc::default(),
+            past_roots: false,
         };
         system.meet(Grip::NONE, Sides::default());
         Ok(system)
+    }
+
+    /// The same where trajectories go past everything: on where a root is taken of what is negative, as if it were nothing.
+    #[must_use]
+    pub(crate) fn past_roots(mut self) -> Self {
+        self.past_roots = true;
+        self
+    }
+
+    pub(crate) fn goes_past_roots(&self) -> bool {
+        self.past_roots
     }
 
     /// Length of the state of a trajectory: the model's states, time included, and the columns.

@@ -2,7 +2,7 @@
 
 use super::looked_up::LookedUp;
 use super::variation::Direction;
-use crate::expressions::{Expansion, Expr, Graph, Node, Symbol, Tape};
+use crate::expressions::{Expansion, Expr, Graph, Negligible, Node, Symbol, Tape};
 use crate::model::Mechanics;
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::{Real, WithTerms};
@@ -332,22 +332,44 @@ impl<R: Real> Kernel for Evaluation<'_, R> {
         } = self;
         let (state, low) = self.start;
         let mut values = vec![WithTerms::exact(R::ZERO); tape.outputs.len()];
-        Expansion::new(&[tape]).evaluate(
-            tape,
-            &WithTerms::all(constants),
-            &WithTerms::all(state),
-            &WithTerms::remainders(low),
-            &mut values,
-        );
-        values
+        let mut expansion = Expansion::new(&[tape]);
+        let exact = WithTerms::all(constants);
+        let (state, low) = (WithTerms::all(state), WithTerms::remainders(low));
+        let mut without: Option<Tape> = None;
+        loop {
+            let tape = without.as_ref().unwrap_or(tape);
+            expansion.evaluate(tape, &exact, &state, &low, &mut values);
+            if values.iter().all(|value| value.value.is_finite()) {
+                return values;
+            }
+            // On the surface where what a root is taken of vanishes it may by rounding be negative.
+            let vanishes = |slot: usize| {
+                let value = expansion.series(slot)[0];
+                value.value <= value.level()
+            };
+            let left = (tape.singular.iter().enumerate())
+                .filter(|(_, singular)| vanishes(singular.slot))
+                .find_map(|(which, _)| tape.without_roots(which, constants, Negligible::Zero));
+            if left.is_none() {
+                return values;
+            }
+            without = left;
+        }
     }
 }
 
 impl<R: Real> Touch<R> {
-    /// Whether everything is a finite number.
+    /// Whether everything is a finite number, but for restitutions where nothing hits: a root of the incoming rate has no value
+    /// on the way out.
     pub(crate) fn is_finite(&self) -> bool {
-        let scalars = [&self.gap, &self.rate, &self.acceleration, &self.restitution];
+        let scalars = [&self.gap, &self.rate, &self.acceleration];
+        let hits = |contact: usize| {
+            let beyond = |of: &[WithTerms<R>]| of[contact].value > of[contact].level();
+            !beyond(&self.gap) && !beyond(&self.rate)
+        };
         (scalars.into_iter().flatten()).all(|value| value.value.is_finite())
+            && (self.restitution.iter().enumerate())
+                .all(|(contact, value)| value.value.is_finite() || !hits(contact))
             && (self.coupling.iter().chain(&self.jump).chain(&self.gradient))
                 .flatten()
                 .all(|value| value.is_finite())

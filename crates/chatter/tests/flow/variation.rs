@@ -162,3 +162,23 @@ fn columns_follow_friction_in_impacts() {
         assert!(check(&model, &state, 2.0, 1e-8).contains(&"impact"));
     }
 }
+
+/// Onto and off a Hertzian contact, and through the corner of a root, whose own derivative is infinite there.
+#[test]
+fn columns_follow_powers_from_where_they_begin() {
+    let hertz = |power: f64| {
+        read(&format!(
+            "[parameters]\nk = 5\nd = 0.3\n[flight]\nx = \"v\"\nv = \"0.5*cos(1.3*t) - 0.2*v - x - k*max(x - d, 0)^{power}\"\n\
+             [initial]\nx = 0.1\nv = 0\n"
+        ))
+    };
+    for power in [1.5, 1.25, 2.5, 10.0 / 9.0] {
+        let kinds = check(&hertz(power), &[0.1, 0.4, 0.0], 12.0, 1e-9);
+        assert!(kinds.contains(&"corner"), "{power}: {kinds:?}");
+    }
+    let root = read(
+        "[parameters]\nk = 0.7\n[flight]\nx = \"v\"\nv = \"-k*sign(x)*sqrt(abs(x)) - 0.1*v\"\n[initial]\nx = 1\nv = 0\n",
+    );
+    let kinds = check(&root, &[1.0, 0.1], 12.0, 1e-7);
+    assert!(kinds.contains(&"corner"), "{kinds:?}");
+}

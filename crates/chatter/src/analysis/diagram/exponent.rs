@@ -1,7 +1,7 @@
 //! The largest Lyapunov exponent of an orbit.
 
 use super::aperiodic::grows;
-use crate::analysis::map::{Map, Origin, Passage};
+use crate::analysis::map::{Map, Origin, Passage, Phase};
 
 /// Distance of the second orbit, relative to the point with its time, whose rounding makes as much of an error: a million
 /// times rounding error, and small against the windows of stability and the distance to the next graze, over which the map
@@ -86,7 +86,7 @@ impl Tangent {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trail {
     points: Vec<f64>,
-    phases: Vec<u128>,
+    phases: Vec<Phase>,
     dimension: usize,
 }
 

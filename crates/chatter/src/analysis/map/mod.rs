@@ -13,7 +13,7 @@ mod scope;
 
 pub use batch::Batch;
 pub use coordinate::{Carry, CoordinateKind, PhaseLost};
-pub use passage::{NoReturn, Passage};
+pub use passage::{NoReturn, Passage, Phase};
 pub use scope::Scope;
 
 use core::sync::atomic::AtomicBool;
@@ -119,7 +119,7 @@ pub enum Origin {
         /// The displaced point.
         point: Vec<f64>,
         /// [`Passage::phase`] where the undisplaced one was reached.
-        phase: u128,
+        phase: Phase,
     },
 }
 

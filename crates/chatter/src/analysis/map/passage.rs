@@ -14,8 +14,17 @@ pub struct Passage {
     pub return_time: f64,
     /// Length of the latest flight that was completed on the way; NaN if there was none, or for a map without flights.
     pub flight_time: f64,
-    /// In which phase the next point is (for a flow: which contacts are closed). Means nothing outside the map.
-    pub phase: u128,
+    /// In which phase the next point is.
+    pub phase: Phase,
+}
+
+/// In which phase a point is: for a flow, which contacts are closed, on which side of each surface it is, and which surfaces it has
+/// come to and is about to leave. Means nothing outside the map.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Phase {
+    pub(crate) closed: u128,
+    pub(crate) sides: [u64; 4],
+    pub(crate) left: u128,
 }
 
 impl Passage {

@@ -2,7 +2,7 @@
 
 use super::ReturnMap;
 use super::look::Look;
-use crate::analysis::map::{Arrival, Command, NoReturn, Origin, Passage, Start};
+use crate::analysis::map::{Arrival, Command, NoReturn, Origin, Passage, Phase, Start};
 use crate::analysis::simulate::EventKind;
 use crate::expressions::Formula;
 use crate::flow::{
@@ -167,7 +167,7 @@ impl<'m, 'v> Follower<'m, 'v> {
             // Stroboscopic points are displaced anywhere, so the phase follows from the state.
             Origin::Beside { phase, .. } if !matches!(self.map.look, Look::Stroboscopic { .. }) => {
                 trajectory
-                    .restart_beside(system, &mut self.work, Closed(*phase), time, &point)
+                    .restart_beside(system, &mut self.work, Closed(phase.closed), time, &point)
                     .map_err(NoReturn::Failed)?;
                 // After a jump across a section a point does not lie on it.
                 let beside = |surface: f64| surface.abs() <= BESIDE_SECTION * largest(&point);
@@ -187,6 +187,15 @@ impl<'m, 'v> Follower<'m, 'v> {
                     if value.abs() <= ON_SECTION * largest(&point) {
                         trajectory.leave(system, GuardKind::Section(0));
                     }
+                }
+            }
+        }
+        if let Origin::Beside { phase, .. } = origin {
+            // What happens at the instant of the point itself has happened already, or has not.
+            trajectory.restore_sides(phase.sides);
+            for section in 0..system.sections() {
+                if phase.left >> section & 1 == 1 {
+                    trajectory.leave(system, GuardKind::Section(section));
                 }
             }
         }
@@ -361,7 +370,11 @@ impl<'m, 'v> Follower<'m, 'v> {
         let time = trajectory.time();
         let passage = Passage {
             return_time: time - orbit.since,
-            phase: trajectory.closed().0,
+            phase: Phase {
+                closed: trajectory.closed().0,
+                sides: trajectory.known_sides(),
+                left: trajectory.sections_left(&self.map.system),
+            },
             ..orbit.passage
         };
         if let Clock::Patience(part) = &mut orbit.clock {

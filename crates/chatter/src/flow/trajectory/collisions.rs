@@ -12,6 +12,7 @@ use super::Trajectory;
 use super::cascade::Cascade;
 use super::corners::Earlier;
 use super::sequence::BURST;
+use crate::expressions::Tape;
 use crate::flow::error::FlowError;
 use crate::flow::flight;
 use crate::flow::occurrence::Occurrence;
@@ -529,11 +530,23 @@ impl<R: Real> Trajectory<R> {
             return Ok(());
         };
         let start = (&self.state[..], &self.low[..]);
-        work.expand_at(&program.tape, &constants.tape, start, R::ONE);
         let size = self.coordinates;
-        let field: Vec<R> = (0..size).map(|i| work.point.series(i)[1]).collect();
+        let mut without: Option<Tape> = None;
+        let found = loop {
+            let tape = without.as_ref().unwrap_or(&program.tape);
+            work.expand_at(tape, &constants.tape, start, R::ONE);
+            let field: Vec<R> = (0..size).map(|i| work.point.series(i)[1]).collect();
+            if field.iter().all(|f| f.is_finite()) {
+                break field;
+            }
+            // On the surface what a root is taken of is nothing, be it by rounding less.
+            match work.point.past_a_root(tape, &constants.tape) {
+                Some(left) => without = Some(left),
+                None => break field,
+            }
+        };
         for (column, &shift) in shifts.iter().enumerate() {
-            for (i, &f) in field.iter().enumerate() {
+            for (i, &f) in found.iter().enumerate() {
                 let at = size * (column + 1) + i;
                 self.state[at] = (f * sign).mul_add(shift, self.state[at]);
                 self.low[at] = R::ZERO;

@@ -674,7 +674,12 @@ impl<R: Real> Trajectory<R> {
                 // The surface of a side is touched, whatever rounding says; the ends of sliding or of a piece may be far.
                 let level = standing.level(orders);
                 let is_far = orders[0].value > level && (is_slid || !is_surface);
-                if !orders.iter().all(|order| order.value.is_finite()) {
+                // What follows the first that decides may be infinite, as the derivative of a root that begins here.
+                let moving = (orders.iter().enumerate().skip(1)).find(|(_, order)| {
+                    !order.value.is_finite() || order.value.abs() > order.level()
+                });
+                let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
+                if !decides.into_iter().all(|order| order.value.is_finite()) {
                     asked.singular = self.singular_here(system);
                     return Ok(None);
                 }
@@ -684,8 +689,6 @@ impl<R: Real> Trajectory<R> {
                 if (is_slid || !is_surface) && orders[0].value < -level {
                     return Ok(None);
                 }
-                let moving = (orders.iter().enumerate().skip(1))
-                    .find(|(_, order)| order.value.abs() > order.level());
                 match moving {
                     Some((_, order)) if order.value < R::ZERO => return Ok(None),
                     Some((order, _)) => verdict.roots.push((*kind, order as u8)),

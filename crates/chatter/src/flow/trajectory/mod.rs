@@ -10,6 +10,7 @@ mod collisions;
 mod contact;
 mod corners;
 mod grazing;
+mod off_root;
 mod ordinary;
 mod projection;
 mod redundant;
@@ -26,7 +27,7 @@ use super::guard::{GuardKind, Transition};
 use super::limits::Corner;
 use super::occurrence::Occurrence;
 use super::program::{Closed, Grip, Program, ProgramConstants, StandingTapes};
-use super::resolve::{Resolution, crossed_here, resolve};
+use super::resolve::{Resolution, Unsettled, crossed_here, resolve};
 use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
@@ -160,6 +161,13 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
+    /// The unit of time of the motion so far, where that is longer than one: its longest step was some of these long.
+    pub(crate) fn pace(&self) -> f64 {
+        const STEPS: f64 = 8.0;
+        const LONGEST: f64 = 1e12;
+        (self.longest_step.to_f64() / STEPS).clamp(1.0, LONGEST)
+    }
+
     /// The time at which the trajectory stops next.
     pub fn horizon(&self) -> R {
         self.horizon
@@ -168,6 +176,27 @@ impl<R: Real> Trajectory<R> {
     /// The guard whose zero ended the latest step, if one did.
     pub(crate) fn ended_by(&self) -> Option<GuardKind> {
         self.ended_by
+    }
+
+    /// On which side of each section it is known to be, as bits.
+    pub(crate) fn known_sides(&self) -> [u64; 4] {
+        self.sides.bits()
+    }
+
+    /// The sections that have just been crossed here, one bit each.
+    pub(crate) fn sections_left(&self, system: &System) -> u128 {
+        let guards = system
+            .program(self.mode)
+            .map_or(&[][..], |program| &program.guards);
+        (guards.iter().enumerate())
+            .filter(|(index, _)| self.touching.get(*index) > 0)
+            .filter_map(|(_, guard)| guard.section())
+            .fold(0, |left, section| left | 1 << section)
+    }
+
+    /// Takes sides for known that another trajectory was on.
+    pub(crate) fn restore_sides(&mut self, bits: [u64; 4]) {
+        self.sides = Sides::from_bits(bits);
     }
 
     /// The piece of each lookup.
@@ -299,14 +328,27 @@ impl<R: Real> Trajectory<R> {
         program: &Program,
     ) -> Result<StepResult<R>, FlowError> {
         let class = self.load(work);
-        let resolution =
-            resolve(work, program, class, (self.touching, self.left)).map_err(|unsettled| {
-                unsettled.into_error(
-                    (self.time, &self.state[..self.coordinates]),
-                    (system, program),
-                )
-            })?;
-        work.travel();
+        let resolution = match resolve(work, program, class, (self.touching, self.left)) {
+            Ok(resolution) => {
+                work.travel();
+                resolution
+            }
+            Err(unsettled) => {
+                let negative = |work: &Workspace<R>| {
+                    let value = |slot: usize| work.expansion.series(slot)[0];
+                    (program.tape.singular.iter()).position(|s| value(s.slot) <= R::ZERO)
+                };
+                let singular = match unsettled {
+                    Unsettled::Singular { which, .. } => Some(which),
+                    Unsettled::NotFinite => negative(work),
+                    Unsettled::Stuck(_) => None,
+                };
+                let off =
+                    singular.and_then(|which| self.step_off_root(system, work, (program, which)));
+                let start = (self.time, &self.state[..self.coordinates]);
+                off.ok_or_else(|| unsettled.into_error(start, (system, program)))?
+            }
+        };
         let crowd = self.crowd(work, program);
         if crowd == Closed::NONE {
             work.collide(program);
@@ -518,7 +560,7 @@ impl<R: Real> Trajectory<R> {
         match guard.transition {
             Transition::Reset { section } => {
                 self.flight_time = self.rest_of_flight(step);
-                self.reset(system, work, section).map(Some)
+                self.reset(system, work, (section, result.jumped)).map(Some)
             }
             Transition::Cross { section } => {
                 if !result.jumped {

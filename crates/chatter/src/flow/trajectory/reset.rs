@@ -18,12 +18,12 @@ const MOST_RESETS: usize = 1000;
 const NO_TIME: f64 = 1e-13;
 
 impl<R: Real> Trajectory<R> {
-    /// Changes the state as the event of a section says.
+    /// Changes the state as the event of a section says, on whose surface it lies or across which it has just jumped.
     pub(super) fn reset(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-        section: usize,
+        (section, jumped): (usize, bool),
     ) -> Result<Occurrence<R>, FlowError> {
         self.burst += 1;
         if self.burst > MOST_RESETS {
@@ -46,7 +46,9 @@ impl<R: Real> Trajectory<R> {
         self.shift_columns(system, work, &shifts, -R::ONE)?;
         // On which side of its own surface it has put the state is found anew: that is no crossing.
         self.sides.set(section, R::ZERO);
-        self.stay_on_surface(system, section, before)?;
+        if !jumped {
+            self.stay_on_surface(system, section, before)?;
+        }
         for contact in closed.contacts().filter(|&c| !self.closed.contains(c)) {
             self.pending.push_back(Occurrence::Release { contact });
         }

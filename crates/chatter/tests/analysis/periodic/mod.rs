@@ -1,6 +1,7 @@
 //! Periodic orbits, branches and exponents.
 
 mod branches;
+mod held;
 mod new_kinds;
 mod orbits;
 mod order_of_events;
@@ -11,6 +12,7 @@ mod resumed;
 mod surfaces;
 mod told_from;
 mod told_once;
+mod units;
 
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, Limits, Orbit, PeriodicError, Search, Spec, Special, SpecialKind,

@@ -2,4 +2,5 @@
 
 mod jumps;
 mod piecewise;
+mod roots;
 mod tables;

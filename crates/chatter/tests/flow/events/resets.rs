@@ -87,3 +87,82 @@ fn a_contact_that_an_event_opens_is_released() {
     assert_eq!(releases, [1.0]);
     assert!((run.state[0] - 1.5).abs() < 1e-14, "{:?}", run.state);
 }
+
+/// Times of the events of one name's section.
+fn resets(run: &Simulation<f64>, of: usize) -> Vec<f64> {
+    (run.events.iter())
+        .filter(|event| matches!(event.detail, Occurrence::Reset { section } if section == of))
+        .map(|event| event.time)
+        .collect()
+}
+
+fn assert_near(found: &[f64], expected: &[f64], what: &str) {
+    assert_eq!(found.len(), expected.len(), "{what}: {found:?}");
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() < 1e-12, "{what}: {found:?}");
+    }
+}
+
+/// A surface whose function jumps over zero is no zero of it afterwards, be it that a sawtooth, an impact or another event makes it jump.
+#[test]
+fn after_a_jump_over_its_surface_an_event_is_found_as_before() {
+    let clock = |direction: &str| {
+        format!(
+            "[flight]\nn = \"0\"\n[[event]]\nname = \"e\"\nsurface = \"mod(t, 1) - 0.5\"\ndirection = \"{direction}\"\n\
+             reset = {{ n = \"n + 1\" }}\n[section.s]\nsurface = \"sin(2*pi*(t - 0.2))\"\ndirection = \"rising\"\n[initial]\nn = 0\n"
+        )
+    };
+    assert_near(
+        &resets(&run(&clock("falling"), 4.1), 0),
+        &[1.0, 2.0, 3.0, 4.0],
+        "falling",
+    );
+    let both = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0];
+    assert_near(&resets(&run(&clock("either"), 4.1), 0), &both, "either");
+    // A ball's velocity jumps through 0.2 at impacts, and comes down through it in each flight.
+    let ball = "[flight]\ny = \"v\"\nv = \"-1\"\nn = \"0\"\n[[contact]]\nname = \"floor\"\ngap = \"y\"\nimpulse = { v = 1 }\n\
+                restitution = 0.5\n[[event]]\nname = \"e\"\nsurface = \"v - 0.2\"\ndirection = \"either\"\nreset = { n = \"n + 1\" }\n\
+                [initial]\ny = 1\nv = 0.3\nn = 0\n";
+    let fall = 0.3 + 2.09_f64.sqrt();
+    let (first, second) = (0.5 * (fall - 0.3), 0.25 * (fall - 0.3));
+    let expected = [
+        0.1,
+        fall,
+        fall + first - 0.2,
+        fall + 2.0 * first,
+        fall + 2.0 * first + second - 0.2,
+    ];
+    assert_near(&resets(&run(ball, 4.5), 0), &expected, "ball");
+    // s grows at the rate one, and A takes one off.
+    let pair = "[flight]\nx = \"1\"\ns = \"1\"\nn = \"0\"\n[[event]]\nname = \"A\"\nsurface = \"sin(2*pi*(x - 0.9))\"\ndirection = \"rising\"\n\
+                reset = { s = \"s - 1\" }\n[[event]]\nname = \"B\"\nsurface = \"s - 0.5\"\ndirection = \"either\"\nreset = { n = \"n + 1\" }\n\
+                [initial]\nx = 0\ns = 0\nn = 0\n";
+    assert_near(
+        &resets(&run(pair, 3.0), 1),
+        &[0.5, 0.9, 1.5, 1.9, 2.5, 2.9],
+        "pair",
+    );
+}
+
+/// What is constant on each side of a corner jumps there: from one constant to another, or from one to what is none.
+#[test]
+fn an_event_between_two_constants_is_found() {
+    for surface in [
+        "if(x < 1.3, 1, -1)",
+        "-sign(x - 1.3)",
+        "0.5 - step(x - 1.3)",
+        "if(x < 1.3, 1, x - 5)",
+        "1.3 - x",
+    ] {
+        let text = format!(
+            "[flight]\nx = \"1\"\nn = \"0\"\n[[event]]\nname = \"e\"\nsurface = \"{surface}\"\ndirection = \"falling\"\n\
+             reset = {{ n = \"n + 1\" }}\n[initial]\nx = 0.1\nn = 0\n"
+        );
+        assert_near(&resets(&run(&text, 4.0), 0), &[1.2], surface);
+    }
+    // Another event takes it to its other form.
+    let text = "[flight]\nx = \"1\"\ns = \"0\"\nn = \"0\"\n[[event]]\nname = \"A\"\nsurface = \"x - 1\"\ndirection = \"rising\"\n\
+                reset = { s = \"0\" }\n[[event]]\nname = \"B\"\nsurface = \"if(s < 0.5, x - 5, 1)\"\ndirection = \"falling\"\n\
+                reset = { n = \"n + 1\" }\n[initial]\nx = 0\ns = 1\nn = 0\n";
+    assert_near(&resets(&run(text, 3.0), 1), &[1.0], "by a reset");
+}

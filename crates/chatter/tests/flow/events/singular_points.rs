@@ -125,7 +125,14 @@ fn poles_and_corners_end_a_run_at_their_time() {
         1e-14,
     );
     assert_singular("start", &rate("1/(v - 1)^2", 1.0, 3.0), Division, 0.0, 0.0);
-    assert_singular("start", &rate("sqrt(t)", 1.0, 3.0), SquareRoot, 0.0, 0.0);
+    // From where a root begins there is a motion.
+    for (text, power) in [("sqrt(t)", 0.5), ("t^1.3", 1.3), ("t^(-1/3)", -1.0 / 3.0)] {
+        let end = rate(text, 1.0, 3.0);
+        assert_eq!(end.outcome, Outcome::Horizon, "{text}");
+        let expected = 1.0 + 3.0_f64.powf(power + 1.0) / (power + 1.0);
+        let off = (end.state[0] / expected - 1.0).abs();
+        assert!(off < 1e-12, "{text}: {off:e}");
+    }
 }
 
 /// A state without a finite value is no end that was asked for.

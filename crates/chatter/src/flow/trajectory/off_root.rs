@@ -1,0 +1,129 @@
+//! Steps from where what a root or a power is taken of vanishes: onto a Hertzian contact, into a flow that the root of a pressure
+//! drives.
+//!
+//! No series in time begins there, but the motion does (docs/piecewise.md). Without the root it is smooth, x(t); along it the root adds
+//! g(t) = c t^q (1 + O(t)) to the field, q > -1. After a short time d the state is
+//!
+//! ```text
+//! x(d) + d g(d)/(q + 1)        q = log2(g(d)/g(d/2))
+//! ```
+//!
+//! but for a part of what is added that is as small as d is against the motion's own time, and as rounding is against the base at d: both
+//! are least where d is the root of rounding. From there on series reach, at first not far.
+
+use super::Trajectory;
+use crate::expressions::Negligible;
+use crate::flow::program::Program;
+use crate::flow::resolve::{Resolution, resolve};
+use crate::flow::step::{NO_EVENT, Workspace};
+use crate::flow::system::System;
+use crate::numerics::polynomial::{horner, magnitude};
+use crate::numerics::roots::{Crossing, first_root};
+use crate::numerics::{Real, two_sum};
+
+/// The base has to be so many times as large after the step as it is before, and as its rounding.
+const GROWS: f64 = 1e3;
+/// The step is lengthened until it is, by this factor, so many times.
+const LONGER: f64 = 8.0;
+const LENGTHENED: usize = 6;
+/// What a power adds may grow with any exponent above -1; this far above it its integral is known.
+const LEAST_EXPONENT: f64 = -0.99;
+
+impl<R: Real> Trajectory<R> {
+    /// Moves the workspace off the point where one of the program's singular points vanishes, if that begins to grow there; on a leg
+    /// that goes past everything also on where it is negative, as if the root were nothing there.
+    pub(super) fn step_off_root(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        (program, which): (&Program, usize),
+    ) -> Option<Resolution> {
+        let constants = &self.constants[self.mode].as_ref()?.tape;
+        let plain = Program {
+            tape: (program.tape).without_roots(which, constants, Negligible::Integrable)?,
+            ..program.clone()
+        };
+        let class = self.load(work);
+        work.expand_only(&plain, class);
+        let base = work
+            .expansion
+            .series(program.tape.singular[which].slot)
+            .to_vec();
+        let (reach, tau) = (work.scaled_step, work.tau);
+        if !(reach > R::ZERO && base.iter().all(|c| c.is_finite())) {
+            return None;
+        }
+        let noise = R::splat(Workspace::<R>::NOISE);
+        let slot = program.tape.singular[which].slot;
+        let terms = work.expansion.size_of_terms(&plain.tape, constants, slot);
+        let least = base[0].abs().max(terms * noise) * R::splat(GROWS);
+        let mut s = reach * R::splat(R::ROUNDOFF).sqrt();
+        for _ in 0..LENGTHENED {
+            if horner(&base, s) >= least || s > reach {
+                break;
+            }
+            s *= R::splat(LONGER);
+        }
+        let grows = horner(&base, s) >= least && s <= reach;
+        let ends = match grows {
+            true => s,
+            false if system.goes_past_roots() => negative_until(&base, reach)?,
+            false => return None,
+        };
+        self.load(work);
+        work.horizon = work.horizon.min(ends * tau);
+        let resolution = resolve(work, &plain, class, (self.touching, self.left)).ok()?;
+        work.travel();
+        let undisturbed = work.event == R::splat(NO_EVENT) && resolution.touched.is_none();
+        if grows && undisturbed {
+            self.add_root(work, (program, &plain));
+        }
+        Some(resolution)
+    }
+
+    /// Adds what the root has added to the state by the end of the step that was made without it.
+    fn add_root(&self, work: &mut Workspace<R>, (program, plain): (&Program, &Program)) {
+        let Some(constants) = &self.constants[self.mode] else {
+            return;
+        };
+        let step = work.step;
+        let size = work.state.len();
+        let low = vec![R::ZERO; size];
+        let mut added = |fraction: f64| -> Vec<R> {
+            let state: Vec<R> = (0..size)
+                .map(|i| work.dense().state(i, R::splat(fraction)))
+                .collect();
+            let mut moved = |program: &Program| -> Vec<R> {
+                work.expand_at(&program.tape, &constants.tape, (&state, &low), step);
+                (0..size).map(|i| work.point.series(i)[1]).collect()
+            };
+            let (with, without) = (moved(program), moved(plain));
+            with.iter().zip(&without).map(|(&a, &b)| a - b).collect()
+        };
+        let (all, half) = (added(1.0), added(0.5));
+        for (i, (&all, &half)) in all.iter().zip(&half).enumerate() {
+            let exponent = libm::log2((all / half).to_f64());
+            if all == R::ZERO || !(exponent > LEAST_EXPONENT && exponent.is_finite()) {
+                continue;
+            }
+            let by = all / R::splat(exponent + 1.0);
+            (work.state[i], work.low[i]) = two_sum(work.state[i], work.low[i] + by);
+        }
+        // Series reach about as far as the base is from zero.
+        work.reach.iter_mut().for_each(|reach| *reach = step);
+    }
+}
+
+/// As far as a base that is negative, or becomes so at once, stays negative: at most to the end of the reach.
+fn negative_until<R: Real>(base: &[R], reach: R) -> Option<R> {
+    let below: Vec<R> = base.iter().map(|&c| -c).collect();
+    let noise = R::splat(Workspace::<R>::NOISE);
+    let level = magnitude(&below, reach) * noise;
+    let begins = usize::from(below[0] <= level);
+    let rest = &below[begins..];
+    if horner(rest, reach * R::splat(R::ROUNDOFF).sqrt()) <= R::ZERO {
+        return None;
+    }
+    let level = magnitude(rest, reach) * noise;
+    Some(first_root(rest, reach, Crossing::Falling, level).map_or(reach, |root| root.at))
+}

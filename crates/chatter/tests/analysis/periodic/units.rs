@@ -1,0 +1,102 @@
+//! Units of states and of time say nothing: numbers scale with them, and what has no unit stays.
+
+use super::{orbit, over, settles, value, with};
+use chatter::analysis::exponents::{Spec as Averages, exponents};
+use chatter::analysis::periodic::{PeriodicError, SpecialKind};
+use chatter::numerics::Real;
+use core::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// A resonator with a stop whose unit of time is 1/W.
+fn resonator(w: f64) -> String {
+    format!(
+        "[parameters]\nW = {w}\nq = 2\n[flight]\nx = \"v\"\nv = \"-0.1*W*v - W^2*x + W^2*cos(q*W*t)\"\n[[contact]]\n\
+         name = \"stop\"\ngap = \"x + 0.5\"\nimpulse = {{ v = 1 }}\nrestitution = 0.75\n[initial]\nx = 0\nv = 0\n"
+    )
+}
+
+#[test]
+fn multipliers_and_exponents_of_fast_motion_are_those_of_slow_motion() {
+    for w in [1e-6, 1.0, 1e7, 1e9, 1e12] {
+        let model = with(&resonator(w), &[("q", "0.9")]);
+        let found = orbit(&model);
+        let product: f64 = found.multipliers.iter().map(|m| m.modulus()).product();
+        let expected = 0.75 * 0.75 * (-0.1 * TAU / 0.9_f64).exp();
+        assert!(
+            (product - expected).abs() < 1e-9,
+            "{w}: {product} {expected}"
+        );
+        assert!(
+            (found.multipliers[0].re + 0.305_137_358_8).abs() < 1e-9,
+            "{w}"
+        );
+        let interval = TAU / 0.9 / w;
+        let spec = Averages {
+            interval,
+            transient: 100,
+            intervals: 100,
+        };
+        let averages = exponents(&model, &spec, &mut |_| ControlFlow::Continue(())).unwrap();
+        let sum: f64 = averages.values.iter().sum();
+        assert!(
+            (sum * interval - expected.ln()).abs() < 1e-9,
+            "{w}: {averages:?}"
+        );
+    }
+}
+
+#[test]
+fn special_points_of_fast_motion_are_those_of_slow_motion() {
+    let doublings = |w: f64| -> Vec<f64> {
+        let at_rest = resonator(w).replace("x + 0.5", "x").replace("0.75", "0.8");
+        over(&with(&at_rest, &[]), "q", (1.7, 3.2), (40, 0.02))
+            .iter()
+            .flat_map(|branch| &branch.special)
+            .filter(|special| special.kind == SpecialKind::PeriodDoubling)
+            .map(value)
+            .collect()
+    };
+    let slow = doublings(1.0);
+    assert!((slow[0] - 2.658_884_546_68).abs() < 1e-10, "{slow:?}");
+    let fast = doublings(1e8);
+    assert_eq!(slow.len(), fast.len(), "{slow:?} {fast:?}");
+    for (a, b) in slow.iter().zip(&fast) {
+        assert!((a - b).abs() < 1e-11, "{a} {b}");
+    }
+}
+
+/// Where forces of nanometres are what matters, or a load that changes in the course of months, the equations say their period all the
+/// same.
+#[test]
+fn a_period_is_known_however_small_its_load() {
+    let cubic = "[parameters]\nom = 0.9\n[flight]\nx = \"v\"\nv = \"-0.1*v - x - 1e16*x^3 + 1e-8*cos(om*t)\"\n\
+                 [initial]\nx = 0\nv = 0\n";
+    let slow = "[flight]\nx = \"1e-6*(cos(2e-7*t) - x)\"\n[initial]\nx = 0\n";
+    for (text, frequency) in [(cubic, 0.9), (slow, 2e-7)] {
+        let found = orbit(&with(text, &[]));
+        let off = found.period.to_f64() * frequency / TAU - 1.0;
+        assert!(off.abs() < 1e-13, "{off:e}");
+    }
+}
+
+/// A relaxation oscillator whose events are a million units of time apart, and motion that goes on without any.
+#[test]
+fn slow_motion_is_not_rest() {
+    let cycle = |s: f64| {
+        let text = format!(
+            "[flight]\nx = \"(1.5 - x)/{s}\"\n[[event]]\nname = \"fires\"\nsurface = \"x - 1\"\ndirection = \"rising\"\n\
+             reset = {{ x = 0 }}\n[initial]\nx = 0.2\n"
+        );
+        orbit(&with(&text, &[])).period.to_f64() / s
+    };
+    for s in [1.0, 1e4, 1e7, 1e9] {
+        let off = cycle(s) - 3.0_f64.ln();
+        assert!(off.abs() < 1e-13, "{s}: {off:e}");
+    }
+    let turns = "[flight]\nx = \"y\"\ny = \"-x\"\n[initial]\nx = 1\ny = 0\n";
+    let told = settles(&with(turns, &[])).unwrap_err();
+    assert!(
+        !matches!(told, PeriodicError::Equilibrium { .. }),
+        "{told:?}"
+    );
+}

@@ -1,0 +1,107 @@
+//! Forces that are roots and powers of how far a state is beyond a surface: Hertzian contacts, flow through an orifice. No series in time
+//! begins on the surface, nor does one reach it, and motion goes through.
+
+use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use chatter::flow::Occurrence;
+use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
+use core::f64::consts::PI;
+use std::ops::ControlFlow;
+
+fn run<R: Real>(text: &str, until: f64) -> Simulation<R> {
+    let model = Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"));
+    simulate(&model, &Spec::until(until), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .expect("a legal start")
+}
+
+fn switches<R: Real>(run: &Simulation<R>) -> Vec<f64> {
+    (run.events.iter())
+        .filter(|event| matches!(event.detail, Occurrence::Switch { .. }))
+        .map(|event| event.time.to_f64())
+        .collect()
+}
+
+/// Energy is conserved over many bounces, however the force is written, and flights between them are all as long.
+#[test]
+fn a_ball_on_hertzian_ground_keeps_its_energy() {
+    let forms = [
+        ("max(-x, 0)^1.5", 1.5),
+        ("if(x < 0, (-x)^1.5, 0)", 1.5),
+        ("max(-x, 0)*sqrt(max(-x, 0))", 1.5),
+        ("max(-x, 0)^1.25", 1.25),
+        ("max(-x, 0)^(10/9)", 10.0 / 9.0),
+        ("max(-x, 0)^2.5", 2.5),
+        ("max(-x, 0)^0.7", 0.7),
+    ];
+    for (force, power) in forms {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-9.81 + 1e4*{force}\"\n[initial]\nx = 0.1\nv = 0\n"
+        );
+        let run = run::<f64>(&text, 10.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{force}");
+        let (x, v) = (run.state[0], run.state[1]);
+        let pressed = 1e4 * (-x).max(0.0).powf(power + 1.0) / (power + 1.0);
+        let energy = 0.5 * v * v + 9.81 * x + pressed;
+        assert!((energy - 0.981).abs() < 1e-12, "{force}: {energy}");
+        let times = switches(&run);
+        assert!(times.len() > 40, "{force}: {}", times.len());
+        let flight = 2.0 * (0.2 / 9.81_f64).sqrt();
+        for pair in times[1..].chunks_exact(2) {
+            assert!(
+                (pair[1] - pair[0] - flight).abs() < 1e-12,
+                "{force}: {pair:?}"
+            );
+        }
+    }
+}
+
+/// x'' = -sign(x) sqrt|x| from x = A crosses zero after a quarter of 4 sqrt(3/4) A^(1/4) (2/3) B(2/3, 1/2), and each half of it later.
+#[test]
+fn an_oscillator_that_a_root_drives_crosses_zero_on_time() {
+    for amplitude in [1.0, 0.3, 7.0_f64] {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-sign(x)*sqrt(abs(x))\"\n[initial]\nx = {amplitude}\nv = 0\n"
+        );
+        let beta = libm::tgamma(2.0 / 3.0) * PI.sqrt() / libm::tgamma(7.0 / 6.0);
+        let period = 4.0 * 0.75_f64.sqrt() * amplitude.powf(0.25) * beta * 2.0 / 3.0;
+        let run = run::<f64>(&text, 10.0 * period);
+        let times = switches(&run);
+        assert_eq!(times.len(), 20);
+        for (n, time) in times.iter().enumerate() {
+            let expected = period * (0.25 + 0.5 * n as f64);
+            assert!(
+                (time - expected).abs() < 1e-12 * expected,
+                "{time} {expected}"
+            );
+        }
+    }
+}
+
+/// Twice the digits say the same of a forced oscillator with a Hertzian stop, and of a pressure that is let out by its root.
+#[test]
+fn doubles_agree_with_twice_their_digits() {
+    let stop = "[flight]\nx = \"v\"\nv = \"0.5*cos(1.3*t) - 0.2*v - x - 5*max(x - 0.3, 0)^1.5\"\n[initial]\nx = 0.1\nv = 0\n";
+    let orifice = "[flight]\np = \"0.3*cos(t) - sign(p)*sqrt(abs(p))\"\n[initial]\np = 0.2\n";
+    for text in [stop, orifice] {
+        let (short, long) = (run::<f64>(text, 60.0), run::<DoubleDouble>(text, 60.0));
+        assert_eq!(short.outcome, Outcome::Horizon);
+        assert_eq!(long.outcome, Outcome::Horizon);
+        assert!(switches(&short).len() > 10);
+        assert_eq!(switches(&short).len(), switches(&long).len());
+        for (a, b) in switches(&short).iter().zip(switches(&long)) {
+            assert!((a - b).abs() < 1e-12 * b, "{a} {b}");
+        }
+        for (a, b) in short.state.iter().zip(&long.state) {
+            assert!((a - b.to_f64()).abs() < 1e-12, "{a} {b:?}");
+        }
+    }
+}
+
+/// Where the argument of a root goes on below zero there is no motion, as before.
+#[test]
+fn what_becomes_negative_has_no_root() {
+    let run = run::<f64>("[flight]\nx = \"-1 - sqrt(x)\"\n[initial]\nx = 1\n", 10.0);
+    assert_eq!(run.outcome.name(), "singular", "{:?}", run.outcome);
+}
