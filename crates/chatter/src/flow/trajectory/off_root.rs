@@ -30,7 +30,8 @@ const LENGTHENED: usize = 6;
 const LEAST_EXPONENT: f64 = -0.99;
 
 impl<R: Real> Trajectory<R> {
-    /// Moves the workspace off the point where one of the program's singular points vanishes, if that begins to grow there; on a leg
+    /// Moves the workspace off the point where one of the program's singular points vanishes, if that begins to grow there: where the motion
+    /// begins or has just crossed a surface. On a leg
     /// that goes past everything also on where it is negative, as if the root were nothing there.
     pub(super) fn step_off_root(
         &self,
@@ -38,12 +39,21 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         (program, which): (&Program, usize),
     ) -> Option<Resolution> {
+        if !(system.goes_past_roots() || self.has_come_to_a_corner(program)) {
+            return None;
+        }
         let constants = &self.constants[self.mode].as_ref()?.tape;
         let plain = Program {
             tape: (program.tape).without_roots(which, constants, Negligible::Integrable)?,
             ..program.clone()
         };
-        let class = self.load(work);
+        // Towards the surface steps have shrunk: not so the motion's own time.
+        let load = |work: &mut Workspace<R>| {
+            let class = self.load(work);
+            work.tau = work.tau.max(self.longest_step);
+            class
+        };
+        let class = load(work);
         work.expand_only(&plain, class);
         let base = work
             .expansion
@@ -70,7 +80,7 @@ impl<R: Real> Trajectory<R> {
             false if system.goes_past_roots() => negative_until(&base, reach)?,
             false => return None,
         };
-        self.load(work);
+        load(work);
         work.horizon = work.horizon.min(ends * tau);
         let resolution = resolve(work, &plain, class, (self.touching, self.left)).ok()?;
         work.travel();
@@ -79,6 +89,17 @@ impl<R: Real> Trajectory<R> {
             self.add_root(work, (program, &plain));
         }
         Some(resolution)
+    }
+
+    /// Whether motion begins here, or a surface has just been crossed: what vanishes here has then not been come to by motion along it.
+    fn has_come_to_a_corner(&self, program: &Program) -> bool {
+        let touched = |index: usize| self.touching.get(index) > 0;
+        let mut guards = program.guards.iter().enumerate();
+        let impact = guards
+            .clone()
+            .any(|(index, guard)| touched(index) && guard.closing().is_some());
+        let corner = guards.any(|(index, guard)| touched(index) && guard.meets_corner());
+        !impact && (corner || self.started_at == self.time)
     }
 
     /// Adds what the root has added to the state by the end of the step that was made without it.
