@@ -178,6 +178,10 @@ pub fn simulate_into<R: Real>(
         steps += 1;
         let occurrence = match trajectory.advance(&system, &mut work, until) {
             Ok(occurrence) => occurrence,
+            // What a root is taken of may have been nothing but for rounding: only a step tells.
+            Err(error @ FlowError::LeftDomain { time, .. }) if time == start.to_f64() => {
+                return Err(SimulateError::Start(error));
+            }
             Err(error) => break Outcome::Failed(error),
         };
         if matches!(occurrence, None | Some(Occurrence::Horizon))
