@@ -1,8 +1,8 @@
 //! The corners of a set of expressions: surfaces whose sign chooses between pieces, and arguments that are looked up in
 //! curves or rounded down. Which piece holds is data; given that, expressions are smooth.
 
+use super::graph::piecewise::{CurveId, Edge, floor};
 use super::graph::{Expr, Graph, Node};
-use super::piecewise::{CurveId, Edge, floor};
 use crate::numerics::{DoubleDouble, Real};
 use rustc_hash::{FxBuildHasher, FxHashMap};
 use serde::{Deserialize, Serialize};

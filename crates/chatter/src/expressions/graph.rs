@@ -1,9 +1,21 @@
 //! The expression graph: every distinct subexpression is held once.
 
+pub(super) mod condition;
+mod derivative;
+pub(super) mod domain;
+pub(super) mod eval;
+pub(super) mod number;
+mod operand;
+pub(super) mod piecewise;
+mod product;
+mod substitute;
+mod sum;
+mod weighted;
+
+use self::domain::{Domain, Folding};
+use self::piecewise::{CurveId, Edge};
 use super::Number;
 use super::curve::Curve;
-use super::domain::{Domain, Folding};
-use super::piecewise::{CurveId, Edge};
 use crate::numerics::DoubleDouble;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;

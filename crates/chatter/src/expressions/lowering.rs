@@ -1,8 +1,8 @@
 //! From expressions to a tape: each subexpression once, constants apart, functions by the differential equations that they
 //! satisfy.
 
-use super::domain::Folding;
-use super::eval::LARGEST_MULTIPLIED_EXPONENT;
+use super::graph::domain::Folding;
+use super::graph::eval::LARGEST_MULTIPLIED_EXPONENT;
 use super::graph::{Expr, Function, Graph, Node, Symbol};
 use super::machine::Compiled;
 use super::singularity::{Singular, Singularity};

@@ -2,18 +2,22 @@
 //! be wrong whatever the values of the parameters.
 
 mod contacts;
+mod dependency;
 mod initial;
 mod naming;
+mod overrides;
+pub(super) mod scope;
 mod tables;
+mod undefined;
 
-use super::dependency::dependency_order;
-use super::draft::{Draft, Entry, Formula, Place};
+use self::dependency::dependency_order;
+use self::scope::{Purpose, Scope};
+use self::undefined::Written;
 use super::drawing::Shape;
 use super::error::{ModelError, ModelErrorKind, Role};
 use super::model::{Contact, Definition, Label, Model, Parameter, Section, State};
 use super::names::TIME;
-use super::scope::{Purpose, Scope};
-use super::undefined::Written;
+use super::source::draft::{Draft, Entry, Formula, Place};
 use crate::expressions::{Expr, Graph, Symbol, nearest};
 
 impl Draft {

@@ -1,11 +1,11 @@
 //! Models from Rust code, by the same rules as files.
 
-use super::draft::{
+use super::error::ModelErrors;
+use super::model::Label;
+use super::source::draft::{
     ContactDraft, Content, Draft, Entry, Formula, FrictionDraft, ImpulseDraft, LabelDraft, Name,
     Place, SectionDraft, TableDraft,
 };
-use super::error::ModelErrors;
-use super::model::Label;
 use super::{Direction, Model, Simultaneous, Table};
 use crate::numerics::DoubleDouble;
 

@@ -1,10 +1,13 @@
 //! What was derived from a model, as formulas, and what looks wrong about it.
 
+pub(super) mod corners;
+pub(super) mod warning;
+
+use self::warning::Warning;
 use super::Model;
-use super::identically_zero::is_identically_zero;
+use super::mechanics::identically_zero::is_identically_zero;
 use super::mechanics::{ContactMechanics, Mechanics, MechanicsError};
 use super::model::Contact;
-use super::warning::Warning;
 use crate::expressions::{Expr, Graph, Names, Symbol};
 use std::collections::BTreeSet;
 

@@ -1,8 +1,8 @@
 //! What a mechanism looks like: shapes at places that follow the state.
 
-use super::draft::{Formula, Name, Place, ShapeDraft};
 use super::error::ModelErrorKind;
-use super::table::{Item, TableReader};
+use super::source::draft::{Formula, Name, Place, ShapeDraft};
+use super::source::table::{Item, TableReader};
 use crate::expressions::Expr;
 use toml::Spanned;
 use toml::de::DeValue;

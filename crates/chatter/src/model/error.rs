@@ -1,7 +1,11 @@
 //! What can be wrong with a model.
 
-use super::data_file::DataFileError;
-use super::draft::{Place, SourceText};
+pub(super) mod diagnostic;
+mod message;
+pub(super) mod visible;
+
+use super::source::data_file::DataFileError;
+use super::source::draft::{Place, SourceText};
 use crate::expressions::{CurveError, ParseError};
 use core::fmt;
 use core::ops::Range;

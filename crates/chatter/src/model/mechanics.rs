@@ -1,8 +1,12 @@
 //! What follows from the equations of an impacting system: rates, impact map, sticking field (MATH.md 1).
 
+pub(super) mod identically_zero;
+mod reset;
+mod size;
+
+use self::identically_zero::is_identically_zero;
+use self::size::check_size;
 use super::Model;
-use super::identically_zero::is_identically_zero;
-use super::size::check_size;
 use crate::expressions::{Expr, Folding, Graph};
 use core::fmt;
 

@@ -8,46 +8,28 @@
 mod assemble;
 mod builder;
 mod check;
-mod corners;
-mod curve_table;
-mod data_file;
-mod dependency;
-mod diagnostic;
 mod direction;
-mod draft;
 mod drawing;
 mod error;
-mod file;
-mod identically_zero;
 mod mechanics;
-mod message;
 #[expect(
     clippy::module_inception,
     reason = "the floor is named after what it holds"
 )]
 mod model;
 mod names;
-mod overrides;
 mod phase;
-mod reset;
-mod scope;
-mod sensitivity;
 mod simultaneous;
-mod size;
-mod syntax;
-mod table;
-mod tabulated;
-mod undefined;
-mod visible;
-mod warning;
+mod source;
 
 pub use builder::{ModelBuilder, Value};
+pub use check::corners::CornerKind;
+pub use check::warning::Warning;
 pub use check::{Check, ContactFormulas, NamedFormula, check};
-pub use corners::CornerKind;
-pub use data_file::{DataFileError, Loader};
-pub use diagnostic::Palette;
 pub use direction::Direction;
 pub use drawing::{Shape, ShapeKind};
+pub use error::diagnostic::Palette;
+pub use error::visible::visible;
 pub use error::{ModelError, ModelErrorKind, ModelErrors, Role};
 pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};
 pub(crate) use mechanics::{OnSides, Rubbing};
@@ -55,6 +37,5 @@ pub use model::{Contact, Definition, Friction, Label, Model, Parameter, Section,
 pub use phase::Phase;
 pub(crate) use phase::greatest_common_divisor;
 pub use simultaneous::Simultaneous;
-pub use tabulated::Table;
-pub use visible::visible;
-pub use warning::Warning;
+pub use source::data_file::{DataFileError, Loader};
+pub use source::tabulated::Table;

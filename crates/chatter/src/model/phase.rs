@@ -1,5 +1,7 @@
 //! States that the equations know only up to whole periods: the time of a periodic forcing, the angle of a cam.
 
+mod sensitivity;
+
 use super::Model;
 use crate::expressions::{Expr, Folding, Function, Graph, Node, Symbol};
 use crate::numerics::{DoubleDouble, Real};

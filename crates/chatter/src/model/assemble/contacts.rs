@@ -2,11 +2,13 @@
 
 use super::Assembly;
 use crate::expressions::Expr;
-use crate::model::draft::{ContactDraft, Draft, Entry, FrictionDraft, ImpulseDraft, SectionDraft};
+use crate::model::assemble::scope::Scope;
 use crate::model::error::ModelErrorKind;
 use crate::model::model::{Contact, Friction, Section};
 use crate::model::names::TIME;
-use crate::model::scope::Scope;
+use crate::model::source::draft::{
+    ContactDraft, Draft, Entry, FrictionDraft, ImpulseDraft, SectionDraft,
+};
 
 impl Assembly<'_> {
     pub(super) fn contact(

@@ -2,10 +2,10 @@
 
 use super::Assembly;
 use crate::expressions::Expr;
-use crate::model::draft::{Entry, Name, Place};
+use crate::model::assemble::scope::{Purpose, Scope};
 use crate::model::error::{ModelErrorKind, Role};
 use crate::model::names::TIME;
-use crate::model::scope::{Purpose, Scope};
+use crate::model::source::draft::{Entry, Name, Place};
 
 impl<'a> Assembly<'a> {
     /// Names for initial values: parameters, and definitions that do not change.

@@ -1,9 +1,9 @@
 //! Every name is a name, not reserved, and stands for one thing.
 
 use super::Assembly;
-use crate::model::draft::{Draft, Entry, Name};
 use crate::model::error::{ModelError, ModelErrorKind, Role};
 use crate::model::names::{TIME, is_name_of, reserved_meaning};
+use crate::model::source::draft::{Draft, Entry, Name};
 use std::collections::HashMap;
 
 impl<'a> Assembly<'a> {

@@ -2,9 +2,9 @@
 
 use super::Assembly;
 use crate::expressions::{Axis, Curve, CurveError, CurveKind};
-use crate::model::curve_table::read_for;
-use crate::model::draft::{Draft, KnotsDraft, Place, TableDraft};
 use crate::model::error::{ModelError, ModelErrorKind};
+use crate::model::source::curve_table::read_for;
+use crate::model::source::draft::{Draft, KnotsDraft, Place, TableDraft};
 use crate::numerics::DoubleDouble;
 use std::sync::Arc;
 

@@ -1,0 +1,158 @@
+//! The corners of a model: every surface where an expression of it changes its form.
+
+use crate::expressions::{Corners, Expr, LOOKUP_SLOTS, Names, Side, Symbol};
+use crate::model::mechanics::identically_zero::generic;
+use crate::model::{Model, Rubbing};
+
+impl Model {
+    /// The corners of all expressions, and the surfaces among them that are rates of sliding in contacts.
+    pub(crate) fn corners(&self) -> (Corners, Vec<Rubbing>) {
+        let mut roots: Vec<Expr> = self.field();
+        let mut rates = Vec::new();
+        for (index, contact) in self.contacts.iter().enumerate() {
+            roots.extend([contact.gap, contact.restitution]);
+            roots.extend(&contact.impulse);
+            roots.extend(contact.reset.iter().flatten());
+            if let Some(friction) = &contact.friction {
+                roots.extend([friction.coefficient, friction.rate]);
+                roots.extend(&friction.along);
+                rates.push((index, friction.rate));
+            }
+        }
+        for section in &self.sections {
+            roots.push(section.surface);
+            roots.extend(section.reset.iter().flatten());
+        }
+        let mut corners = Corners::of(&self.graph, &roots, self.parameters.len());
+        let rubbing = (rates.into_iter())
+            .map(|(contact, rate)| Rubbing {
+                contact,
+                surface: corners.add(rate),
+            })
+            .collect();
+        (corners, rubbing)
+    }
+
+    /// Names of the surfaces of [`corners`](Self::corners): their formulas.
+    pub(in crate::model) fn surface_names(&self) -> Vec<String> {
+        let (corners, _) = self.corners();
+        (corners.surfaces.iter())
+            .map(|&surface| self.formula(surface))
+            .collect()
+    }
+
+    /// An expression as text, with the model's names.
+    pub fn formula(&self, expr: Expr) -> String {
+        let own = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect::<Vec<_>>();
+        let (states, parameters) = (own(self.state_names()), own(self.parameter_names()));
+        let names = Names {
+            states: &states,
+            parameters: &parameters,
+        };
+        self.graph.to_text(expr, names)
+    }
+}
+
+/// A surface where expressions change their form, and what that does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CornerKind {
+    /// The formula that vanishes there.
+    pub surface: String,
+    /// Whether the vector field jumps.
+    pub jumps: bool,
+    /// Whether the fields on both sides can point towards it, so that the motion slides along.
+    pub can_slide: bool,
+    /// The contact whose rate of sliding it is.
+    pub contact: Option<usize>,
+}
+
+/// Points of a surface that are looked at, and steps of Newton's method onto it.
+const PROBES: usize = 64;
+const NEWTON_STEPS: usize = 40;
+
+/// A field jumps by more than this part of its size.
+const JUMP: f64 = 1e-9;
+
+impl Model {
+    /// What the field does at each corner, found at points of it at the model's parameter values: the field above and below,
+    /// all else being equal.
+    pub fn corner_kinds(&self) -> Vec<CornerKind> {
+        let (corners, rubbing) = self.corners();
+        let parameters = self.parameter_values::<f64>(&[]);
+        let start = self.initial_state(&parameters);
+        (0..corners.surfaces.len())
+            .map(|index| {
+                let contact = rubbing
+                    .iter()
+                    .find(|r| r.surface == index)
+                    .map(|r| r.contact);
+                let mut kind = CornerKind {
+                    surface: self.surfaces[index].clone(),
+                    jumps: contact.is_some(),
+                    can_slide: contact.is_some(),
+                    contact,
+                };
+                if contact.is_none() {
+                    self.probe(&corners, index, (&start, &parameters), &mut kind);
+                }
+                kind
+            })
+            .collect()
+    }
+
+    fn probe(
+        &self,
+        corners: &Corners,
+        index: usize,
+        (start, parameters): (&[f64], &[f64]),
+        kind: &mut CornerKind,
+    ) {
+        let n = self.states.len();
+        let mut graph = self.graph.clone();
+        let surface = corners.surfaces[index];
+        let slopes: Vec<Expr> = (0..n)
+            .map(|i| graph.derivative(surface, Symbol::State(i)))
+            .collect();
+        for probe in 0..PROBES {
+            let spread = |i: usize| 2.0 * generic(probe * n + i) - 2.0;
+            let mut x: Vec<f64> = (0..n)
+                .map(|i| start[i] + spread(i) * (1.0 + start[i].abs()))
+                .collect();
+            for _ in 0..NEWTON_STEPS {
+                let value = graph.evaluate(surface, &x, parameters);
+                let slope = graph.evaluate_all(&slopes, &x, parameters);
+                let square: f64 = slope.iter().map(|s| s * s).sum();
+                if value == 0.0 || square <= 0.0 || !square.is_finite() {
+                    break;
+                }
+                for (x, s) in x.iter_mut().zip(&slope) {
+                    *x -= value * s / square;
+                }
+            }
+            let slope = graph.evaluate_all(&slopes, &x, parameters);
+            let (sides, pieces) = corners.at(&graph, &x, parameters);
+            let mut values = parameters.to_vec();
+            for (lookup, &piece) in pieces.iter().enumerate() {
+                let slots = corners.slots_of::<f64>(&graph, lookup, piece);
+                values.extend(slots.unwrap_or_else(|| vec![f64::NAN; LOOKUP_SLOTS]));
+            }
+            let mut field = |side: Side| {
+                let smooth = corners.smooth(&mut graph, sides.with(index, side), &self.field());
+                graph.evaluate_all(&smooth.exprs, &x, &values)
+            };
+            let (above, below) = (field(Side::Above), field(Side::Below));
+            let along = |field: &[f64]| field.iter().zip(&slope).map(|(f, s)| f * s).sum::<f64>();
+            let size = above
+                .iter()
+                .chain(&below)
+                .fold(0.0_f64, |most, f| most.max(f.abs()));
+            if !size.is_finite() || !slope.iter().all(|s| s.is_finite()) {
+                continue;
+            }
+            let jumps = (above.iter().zip(&below)).any(|(a, b)| (a - b).abs() > JUMP * size);
+            kind.jumps |= jumps;
+            let (up, down) = (along(&above), along(&below));
+            kind.can_slide |= jumps && up < down - JUMP * (up.abs() + down.abs());
+        }
+    }
+}

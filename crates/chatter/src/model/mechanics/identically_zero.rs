@@ -1,0 +1,52 @@
+//! Whether an expression vanishes everywhere, beyond what simplification sees.
+
+use crate::expressions::{Expr, Graph};
+use crate::numerics::DoubleDouble;
+
+/// Points where an expression is probed. A function that is not zero vanishes at one generic point with probability
+/// zero; several are taken because some may lie outside its domain.
+const PROBES: usize = 8;
+
+/// How far below the rounding error of `f64` the double-double value of an identically vanishing expression lies:
+/// 2^-53 apart in theory, half of that asked for, since elementary functions lose a few bits.
+const VANISHED: f64 = 1.0 / (1_u64 << 27) as f64;
+
+/// Whether `expr` is zero for all states and parameters.
+///
+/// Decided by simplification, else by probing: what is identically zero evaluates to rounding error, which shrinks by
+/// 2^53 in double-double, whereas any other value stays. The largest of each over all probes are compared, since either
+/// may be zero by luck at one. Probes without a finite value say nothing; an expression without any is taken not to
+/// vanish.
+pub(in crate::model) fn is_identically_zero(
+    graph: &Graph,
+    expr: Expr,
+    states: usize,
+    parameters: usize,
+) -> bool {
+    if let Some(value) = graph.as_number(expr) {
+        return value.high() == 0.0;
+    }
+    let count = states + parameters;
+    let (mut value, mut rounding) = (f64::NAN, 0.0_f64);
+    for probe in 0..PROBES {
+        let point: Vec<f64> = (0..count)
+            .map(|axis| generic(probe * count + axis))
+            .collect();
+        let exact: Vec<DoubleDouble> = point.iter().map(|&x| DoubleDouble::from(x)).collect();
+        let rough: f64 = graph.evaluate(expr, &point[..states], &point[states..]);
+        let fine: DoubleDouble = graph.evaluate(expr, &exact[..states], &exact[states..]);
+        let fine = fine.high();
+        if rough.is_finite() && fine.is_finite() {
+            value = value.max(fine.abs());
+            rounding = rounding.max((rough - fine).abs());
+        }
+    }
+    value <= VANISHED * rounding
+}
+
+/// The `index`-th number of a sequence without structure in (0.25, 1.75): multiples of the golden ratio, modulo one.
+pub(in crate::model) fn generic(index: usize) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let turns = (index as f64 + 1.0) * GOLDEN;
+    0.25 + 1.5 * (turns - libm::floor(turns))
+}
