@@ -1,0 +1,424 @@
+//! Which sides and pieces follow at corners that the state lies on: all that could are asked whether they hold.
+
+use super::{Candidate, Standing};
+use crate::expressions::{Side, Sides};
+use crate::flow::error::FlowError;
+use crate::flow::guard::GuardKind;
+use crate::flow::limits::Corner;
+use crate::flow::system::System;
+use crate::flow::touch::with_terms;
+use crate::flow::touching::Touching;
+use crate::flow::trajectory::Trajectory;
+use crate::numerics::{Real, WithTerms};
+
+/// So many modes are asked at a corner of several surfaces, not more.
+const MOST_CANDIDATES: usize = 81;
+
+/// What may become of one corner.
+#[derive(Clone, Copy, Debug)]
+enum Choice {
+    /// The side of a surface.
+    Side(usize, Side),
+    /// The piece of a lookup.
+    Piece(usize, i64),
+}
+
+impl Choice {
+    fn made(self, base: &Candidate) -> Candidate {
+        let mut candidate = base.clone();
+        match self {
+            Self::Side(index, side) => candidate.sides = candidate.sides.with(index, side),
+            Self::Piece(index, piece) => candidate.pieces[index] = piece,
+        }
+        candidate
+    }
+}
+
+/// What asking modes has shown beside their verdicts.
+#[derive(Debug, Default)]
+struct Asked {
+    /// Some would leave a table.
+    outside: Option<FlowError>,
+    /// The equations of some are singular here.
+    singular: Option<FlowError>,
+}
+
+/// What a candidate says of the corners that are touched.
+struct Verdict<R> {
+    candidate: Candidate,
+    /// Roots of its guards at the present state.
+    roots: Vec<(GuardKind, u8)>,
+    /// Nothing moves it off a corner.
+    is_balanced: bool,
+    /// Contacts that are closed stay so at least at first.
+    contacts_stay: bool,
+    /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them; and they stick, if they can.
+    opens_there: bool,
+    /// On corners that nothing moves it off it is where plain evaluation says.
+    is_plain: bool,
+    field: Vec<WithTerms<R>>,
+}
+
+impl<R: Real> Trajectory<R> {
+    /// Chooses sides at corners that the state lies on.
+    pub(super) fn choose_sides(
+        &mut self,
+        system: &System,
+        (touched, met): (&[Corner], Option<Corner>),
+    ) -> Result<(), FlowError> {
+        let now = self.standing_sides();
+        let mut asked = Asked::default();
+        // A corner that is touched only in some of the modes has its own options there.
+        let mut touched = touched.to_vec();
+        let verdicts = loop {
+            touched.sort_by_key(|&corner| system.corner_expr(corner));
+            let candidates = self.candidates(system, (&touched, met), &now, &mut asked)?;
+            let mut verdicts: Vec<Verdict<R>> = Vec::new();
+            let mut more = None;
+            for candidate in candidates {
+                if !self.ask(system, &candidate, &mut asked)?
+                    || !self.pass_others(system, &touched, &mut asked)?
+                {
+                    continue;
+                }
+                let standings = self.standings(system)?;
+                more = (standings.iter())
+                    .find(|s| !touched.contains(&s.corner) && self.is_touched(s))
+                    .map(|standing| standing.corner)
+                    .or(more);
+                let candidate = self.standing_sides();
+                verdicts.extend(self.verdict(system, candidate, (&touched, &mut asked))?);
+            }
+            let Some(more) = more else { break verdicts };
+            touched.push(more);
+        };
+        self.take_verdict(system, verdicts, (&now, &touched), asked)
+    }
+
+    /// Enters the one mode that says of itself that it holds.
+    fn take_verdict(
+        &mut self,
+        system: &System,
+        mut verdicts: Vec<Verdict<R>>,
+        (now, touched): (&Candidate, &[Corner]),
+        asked: Asked,
+    ) -> Result<(), FlowError> {
+        if verdicts.iter().any(|verdict| verdict.contacts_stay) {
+            verdicts.retain(|verdict| verdict.contacts_stay);
+        }
+        if verdicts.iter().any(|verdict| verdict.opens_there) {
+            verdicts.retain(|verdict| verdict.opens_there);
+        }
+        let place = match verdicts.len() {
+            0 => {
+                self.try_sides(system, now)?;
+                return Err(asked
+                    .outside
+                    .or(asked.singular)
+                    .unwrap_or_else(|| self.no_mode(system, touched)));
+            }
+            1 => 0,
+            _ => {
+                let current = verdicts.iter().position(|v| v.candidate == *now);
+                let agree = (verdicts.iter()).all(|v| same_field(&v.field, &verdicts[0].field));
+                let mut plain = (0..verdicts.len()).filter(|&place| verdicts[place].is_plain);
+                match (current, plain.next(), plain.next()) {
+                    (Some(place), ..) if agree || verdicts[place].is_balanced => place,
+                    _ if agree => 0,
+                    (_, Some(place), None) => place,
+                    _ => {
+                        self.try_sides(system, now)?;
+                        return Err(FlowError::NotUnique {
+                            time: self.time.to_f64(),
+                            surfaces: names(system, touched),
+                        });
+                    }
+                }
+            }
+        };
+        let verdict = verdicts.swap_remove(place);
+        self.try_sides(system, &verdict.candidate)?;
+        for (kind, roots) in verdict.roots {
+            self.touch(system, kind, roots);
+        }
+        // A rounding error beside what is slid along from here on would be a side.
+        self.stay_on_surfaces(system)
+    }
+
+    /// All combinations of what may become of corners that are touched, those within others first: what a corner is a
+    /// function of may jump at them.
+    fn candidates(
+        &mut self,
+        system: &System,
+        (touched, met): (&[Corner], Option<Corner>),
+        now: &Candidate,
+        asked: &mut Asked,
+    ) -> Result<Vec<Candidate>, FlowError> {
+        let mut candidates = vec![now.clone()];
+        for &corner in touched {
+            let mut wider: Vec<Candidate> = Vec::new();
+            for base in &candidates {
+                let options = self.options(system, (corner, met), base, asked)?;
+                wider.extend(options.into_iter().map(|option| option.made(base)));
+            }
+            if wider.len() > MOST_CANDIDATES {
+                return Err(self.no_mode(system, touched));
+            }
+            candidates = wider;
+        }
+        candidates.retain(|candidate| self.slide_alike(system, candidate.sides));
+        Ok(candidates)
+    }
+
+    /// Whether contacts that carry and rub by one rate slide one way, or stick all.
+    fn slide_alike(&self, system: &System, sides: Sides) -> bool {
+        let carrying = self.grip().carrying();
+        let rubbing = (system.rubbing().iter()).filter(|rubs| carrying.contains(rubs.contact));
+        let rate = |surface: usize| system.corner_expr(Corner::Surface(surface));
+        rubbing.clone().all(|one| {
+            rubbing.clone().all(|other| {
+                rate(one.surface) != rate(other.surface)
+                    || sides.get(one.surface) == sides.get(other.surface)
+            })
+        })
+    }
+
+    /// As [`try_sides`](Self::try_sides); a piece beyond the end of a table is none, and noted.
+    fn ask(
+        &mut self,
+        system: &System,
+        candidate: &Candidate,
+        asked: &mut Asked,
+    ) -> Result<bool, FlowError> {
+        match self.try_sides(system, candidate) {
+            Err(outside @ FlowError::OutsideTable { .. }) => {
+                asked.outside = Some(outside);
+                Ok(false)
+            }
+            tried => tried,
+        }
+    }
+
+    /// Puts the present candidate right where it says that other corners are clearly passed. Whether that is possible.
+    fn pass_others(
+        &mut self,
+        system: &System,
+        touched: &[Corner],
+        asked: &mut Asked,
+    ) -> Result<bool, FlowError> {
+        let count = system.corners().surfaces.len() + system.corners().lookups.len();
+        for _ in 0..count {
+            let standings = self.standings(system)?;
+            let others = (standings.iter()).filter(|s| !touched.contains(&s.corner));
+            let Some(further) = others.filter_map(|s| self.beyond(system, s)).next() else {
+                break;
+            };
+            if !self.ask(system, &further, asked)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Whether the field differs on the two sides of a surface, so that it may be slid along; all else as in `base`.
+    fn jumps(
+        &mut self,
+        system: &System,
+        index: usize,
+        (base, asked): (&Candidate, &mut Asked),
+    ) -> Result<bool, FlowError> {
+        if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
+            return Ok(self.grip().carrying().contains(rubs.contact));
+        }
+        let mut fields = Vec::with_capacity(2);
+        for side in [Side::Above, Side::Below] {
+            let mut candidate = base.clone();
+            candidate.sides = base.sides.with(index, side);
+            if self.ask(system, &candidate, asked)? {
+                fields.push(self.field_here(system)?);
+            }
+        }
+        Ok(match &fields[..] {
+            [above, below] => !same_field(above, below),
+            _ => true,
+        })
+    }
+
+    /// The field of the present mode at the state.
+    fn field_here(&self, system: &System) -> Result<Vec<WithTerms<R>>, FlowError> {
+        let program = self.program(system)?;
+        let Some(constants) = &self.constants[self.mode] else {
+            return Ok(Vec::new());
+        };
+        let start = (&self.state[..], &self.low[..]);
+        Ok(with_terms(&program.field, &constants.field, start))
+    }
+
+    /// What may become of one corner beside what `base` has chosen, the sides first.
+    fn options(
+        &mut self,
+        system: &System,
+        (corner, met): (Corner, Option<Corner>),
+        base: &Candidate,
+        asked: &mut Asked,
+    ) -> Result<Vec<Choice>, FlowError> {
+        match corner {
+            Corner::Surface(index) => {
+                let jumps = self.jumps(system, index, (base, asked))?;
+                let sides = [Side::Above, Side::Below, Side::Sliding];
+                let possible = &sides[..if jumps { 3 } else { 2 }];
+                Ok((possible.iter())
+                    .map(|&side| Choice::Side(index, side))
+                    .collect())
+            }
+            Corner::Lookup(index) => {
+                let stays = vec![Choice::Piece(index, base.pieces[index])];
+                if !self.ask(system, base, asked)? {
+                    return Ok(stays);
+                }
+                let standings = self.standings(system)?;
+                let Some(own) = standings.iter().find(|s| s.corner == corner) else {
+                    return Ok(stays);
+                };
+                // A knot that cannot be told from the argument is as large as that.
+                let level = own.surface_level() * R::splat(2.0);
+                let level = level.max(R::splat(f64::MIN_POSITIVE));
+                let (graph, corners) = (&system.model().graph, system.corners());
+                let at = |value: R| corners.piece_at(graph, index, value.to_double_double());
+                let value = own.surface.value;
+                let mut near = vec![base.pieces[index]];
+                near.retain(|&piece| at(value - level) <= piece && piece <= at(value + level));
+                near.extend([at(value - level), at(value), at(value + level)]);
+                if met == Some(corner) && near.iter().all(|&piece| piece == base.pieces[index]) {
+                    // The end that is nearer, where rounding says that neither is reached.
+                    let gaps = own
+                        .guards
+                        .iter()
+                        .map(|(_, orders)| orders[0].value.to_f64());
+                    let gaps: Vec<f64> = gaps.collect();
+                    let by = if gaps.first() < gaps.get(1) { -1 } else { 1 };
+                    near.push(base.pieces[index] + by);
+                }
+                let mut options: Vec<Choice> = Vec::new();
+                for (place, &piece) in near.iter().enumerate() {
+                    if !near[..place].contains(&piece) {
+                        options.push(Choice::Piece(index, piece));
+                    }
+                }
+                Ok(options)
+            }
+        }
+    }
+
+    /// What the present mode says of itself; none where it does not hold.
+    fn verdict(
+        &self,
+        system: &System,
+        candidate: Candidate,
+        (touched, asked): (&[Corner], &mut Asked),
+    ) -> Result<Option<Verdict<R>>, FlowError> {
+        let field = self.field_here(system)?;
+        if !field.iter().all(|f| f.value.is_finite()) {
+            asked.singular = self.singular_here(system);
+            return Ok(None);
+        }
+        let mut verdict = Verdict {
+            candidate,
+            roots: Vec::new(),
+            is_balanced: false,
+            contacts_stay: true,
+            opens_there: true,
+            is_plain: true,
+            field,
+        };
+        for standing in self.standings(system)? {
+            if !touched.contains(&standing.corner) {
+                continue;
+            }
+            let is_slid = matches!(standing.corner, Corner::Surface(k)
+                if verdict.candidate.sides.get(k) == Side::Sliding);
+            let is_surface = standing.corner.is_surface();
+            if is_slid && standing.guards.is_empty() {
+                return Ok(None);
+            }
+            for (kind, orders) in &standing.guards {
+                // The surface of a side is touched, whatever rounding says; the ends of sliding or of a piece may be far.
+                let level = standing.level(orders);
+                let is_far = orders[0].value > level && (is_slid || !is_surface);
+                // What follows the first that decides may be infinite, as the derivative of a root that begins here.
+                let moving = (orders.iter().enumerate().skip(1)).find(|(_, order)| {
+                    !order.value.is_finite() || order.value.abs() > order.level()
+                });
+                let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
+                if !decides.into_iter().all(|order| order.value.is_finite()) {
+                    asked.singular = self.singular_here(system);
+                    return Ok(None);
+                }
+                if is_far {
+                    continue;
+                }
+                if (is_slid || !is_surface) && orders[0].value < -level {
+                    return Ok(None);
+                }
+                match moving {
+                    Some((_, order)) if order.value < R::ZERO => return Ok(None),
+                    Some((order, _)) => verdict.roots.push((*kind, order as u8)),
+                    None => {
+                        verdict.is_balanced = true;
+                        verdict.opens_there &=
+                            is_slid || self.opens_there(system, standing.corner)?;
+                        verdict.is_plain &= is_slid || self.is_plain(system, &standing);
+                        verdict.roots.push((*kind, Touching::BALANCED));
+                    }
+                }
+            }
+        }
+        verdict.contacts_stay = self.contacts_stay(system);
+        Ok(Some(verdict))
+    }
+
+    /// That what must not vanish in the present mode does so.
+    fn singular_here(&self, system: &System) -> Option<FlowError> {
+        let state = &self.state[..self.coordinates];
+        let (kind, expression) = system.singular_at(self.mode, state, &self.parameters)?;
+        Some(FlowError::Singular {
+            time: self.time.to_f64(),
+            kind,
+            expression,
+        })
+    }
+
+    /// Whether plain evaluation takes the piece of a corner that the state is on.
+    fn is_plain(&self, system: &System, standing: &Standing<R>) -> bool {
+        let value = standing.surface.value;
+        match standing.corner {
+            Corner::Surface(index) => {
+                self.regime.get(index) == system.corners().side_at(index, value)
+            }
+            Corner::Lookup(index) => {
+                let graph = &system.model().graph;
+                let wide = value.to_double_double();
+                self.pieces[index] == system.corners().piece_at(graph, index, wide)
+            }
+        }
+    }
+
+    fn no_mode(&self, system: &System, touched: &[Corner]) -> FlowError {
+        FlowError::NoMode {
+            time: self.time.to_f64(),
+            surfaces: names(system, touched),
+        }
+    }
+}
+
+/// Whether two fields move the state alike.
+fn same_field<R: Real>(a: &[WithTerms<R>], b: &[WithTerms<R>]) -> bool {
+    (a.iter().zip(b)).all(|(a, b)| (a.value - b.value).abs() <= a.level() + b.level())
+}
+
+fn names(system: &System, corners: &[Corner]) -> Vec<String> {
+    corners
+        .iter()
+        .map(|&corner| system.corner_name(corner))
+        .collect()
+}

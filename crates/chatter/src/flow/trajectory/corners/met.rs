@@ -1,0 +1,163 @@
+//! What a corner changes that the motion has met: sides, columns of derivatives, contacts that are closed.
+
+use crate::flow::error::FlowError;
+use crate::flow::limits::Corner;
+use crate::flow::occurrence::Occurrence;
+use crate::flow::program::Closed;
+use crate::flow::step::{FOREVER, Workspace};
+use crate::flow::system::System;
+use crate::flow::touch::with_terms;
+use crate::flow::trajectory::Trajectory;
+use crate::flow::trajectory::start::{is_inside, slack};
+use crate::numerics::{Real, WithTerms};
+
+/// Switches without a flight longer than rounding between them: more than so many do not come to an end.
+const MOST_SWITCHES: usize = 256;
+
+impl<R: Real> Trajectory<R> {
+    /// A corner was met by the motion itself; `jumps` where the field does there, which it does not where sliding ends.
+    pub(in crate::flow::trajectory) fn meet_corner(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        (corner, jumps): (Corner, bool),
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        if !(jumps && self.is_top(system, corner)?) {
+            self.tracker.interrupt();
+            self.tops.interrupt();
+        }
+        self.flight_time = R::splat(FOREVER);
+        self.burst += 1;
+        if self.burst > MOST_SWITCHES {
+            return Err(FlowError::SwitchesWithoutEnd {
+                time: self.time.to_f64(),
+                count: self.burst,
+            });
+        }
+        // Sliding ends where its field is that of the side it ends to: columns go on as they are.
+        let shifts = if jumps {
+            self.corner_shifts(system, corner)?
+        } else {
+            Vec::new()
+        };
+        self.shift_columns(system, work, &shifts, R::ONE)?;
+        self.met = Some(corner);
+        let before = match system.gaps_have_corners() {
+            true => Some(self.touch_values(system)?.gap),
+            false => None,
+        };
+        self.settle_corners(system, Some(corner))?;
+        self.shift_columns(system, work, &shifts, -R::ONE)?;
+        if let Some(before) = before {
+            self.follow_gaps(system, &before)?;
+        }
+        self.keep_contacts(system, work)?;
+        Ok(self.pending.pop_front())
+    }
+
+    /// The shifts of the time of a crossing, one a column of derivatives.
+    fn corner_shifts(&self, system: &System, corner: Corner) -> Result<Vec<R>, FlowError> {
+        if self.state.len() == self.coordinates {
+            return Ok(Vec::new());
+        }
+        let program = self.program(system)?;
+        let found = (program.standings.iter()).position(|tapes| tapes.corner == corner);
+        let (Some(place), Some(constants)) = (found, &self.constants[self.mode]) else {
+            return Ok(Vec::new());
+        };
+        let start = (&self.state[..], &self.low[..]);
+        let tapes = &program.standings[place];
+        let slopes = with_terms(&tapes.slopes, &constants.standings[place][1], start);
+        let values = with_terms(&tapes.values, &constants.standings[place][0], start);
+        // The surface's own rate, whatever the sign of the guard.
+        let sign = match (corner, tapes.guards.first()) {
+            (Corner::Surface(index), _) => R::splat(self.regime.get(index).sign()),
+            (Corner::Lookup(_), _) => R::ONE,
+        };
+        let rate = values[2].value * sign;
+        Ok(slopes.iter().map(|slope| -(slope.value / rate)).collect())
+    }
+
+    /// A gap may have jumped: the contact is open then, or the state inside an obstacle.
+    fn follow_gaps(&mut self, system: &System, before: &[WithTerms<R>]) -> Result<(), FlowError> {
+        let touch = self.touch_values(system)?;
+        for (contact, (gap, before)) in touch.gap.iter().zip(before).enumerate() {
+            // What a gap has left of terms that are gone is no jump.
+            let jump = (gap.value - before.value).abs();
+            if jump <= slack(gap).max(slack(before)) {
+                continue;
+            }
+            if is_inside(gap) {
+                return Err(FlowError::JumpsInside {
+                    time: self.time.to_f64(),
+                    contact,
+                    gap: gap.value.to_f64(),
+                });
+            }
+            if self.closed.contains(contact) && gap.value > slack(gap) {
+                self.open(system, contact, 0)?;
+                self.pending.push_back(Occurrence::Release { contact });
+            }
+        }
+        Ok(())
+    }
+
+    /// Contacts that are closed after a corner of their gap, or of the field, has been passed: a rate that has jumped away
+    /// from zero opens them or is an impact.
+    pub(in crate::flow::trajectory) fn keep_contacts(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<(), FlowError> {
+        if self.closed == Closed::NONE {
+            return Ok(());
+        }
+        let touch = self.touch_values(system)?;
+        let moves = |contact: usize| {
+            let rate = &touch.rate[contact];
+            rate.value.abs() > rate.level()
+        };
+        if !self.closed.contacts().any(moves) {
+            // The force that holds a contact may have jumped, too.
+            let pressed = |contact: usize| {
+                let free = &touch.acceleration[contact];
+                free.value < -free.level()
+            };
+            let mut members = self.closed.contacts();
+            if let (Some(contact), None) = (members.next(), members.next())
+                && pressed(contact)
+            {
+                return Ok(());
+            }
+            return self.rest_again(system, work);
+        }
+        let fastest = (self.closed.contacts()).min_by(|&a, &b| {
+            let (a, b) = (touch.rate[a].value, touch.rate[b].value);
+            a.partial_cmp(&b).unwrap_or(core::cmp::Ordering::Equal)
+        });
+        let Some(fastest) = fastest else {
+            return Ok(());
+        };
+        if touch.rate[fastest].value < -touch.rate[fastest].level() {
+            let told = self.collide(system, work, fastest, self.closed)?;
+            self.pending.extend(told);
+            return Ok(());
+        }
+        let leaving: Vec<usize> = self.closed.contacts().filter(|&c| moves(c)).collect();
+        for contact in leaving {
+            self.open(system, contact, 1)?;
+            self.pending.push_back(Occurrence::Release { contact });
+        }
+        Ok(())
+    }
+
+    /// Decides anew which of the closed contacts stay closed; tells of those that open.
+    fn rest_again(&mut self, system: &System, work: &mut Workspace<R>) -> Result<(), FlowError> {
+        let before = self.closed;
+        self.bring_to_rest(system, work, Closed::NONE)?;
+        for contact in before.contacts().filter(|&c| !self.closed.contains(c)) {
+            self.pending.push_back(Occurrence::Release { contact });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,107 @@
+//! Surfaces that contacts at rest keep the state on, as friction along a gap does: the side that they leave to as these open.
+
+use crate::expressions::Side;
+use crate::flow::error::FlowError;
+use crate::flow::limits::Corner;
+use crate::flow::program::Closed;
+use crate::flow::system::System;
+use crate::flow::touch::with_terms;
+use crate::flow::trajectory::Trajectory;
+use crate::numerics::Real;
+use crate::numerics::linear::solve;
+
+impl<R: Real> Trajectory<R> {
+    /// What contacts at rest do to a surface as one of `opening` opens while the others stay closed: the side that it leaves
+    /// to; none where they do nothing.
+    fn side_of_opening(
+        &self,
+        system: &System,
+        corner: Corner,
+        (resting, opening): (Closed, Closed),
+    ) -> Result<Option<Side>, FlowError> {
+        let program = self.program(system)?;
+        let found = (program.standings.iter()).position(|tapes| tapes.corner == corner);
+        let (Some(place), Some(constants)) = (found, &self.constants[self.mode]) else {
+            return Ok(None);
+        };
+        let start = (&self.state[..], &self.low[..]);
+        let tape = &program.standings[place].lifts;
+        let lifts = with_terms(tape, &constants.standings[place][2], start);
+        let contacts: Vec<usize> = resting.contacts().collect();
+        let level =
+            (contacts.iter()).fold(R::ZERO, |level, &contact| level.max(lifts[contact].level()));
+        let by_jump: Vec<R> = contacts.iter().map(|&k| lifts[k].value).collect();
+        // A jump at one contact changes the rates of others, too: what makes one rate larger and leaves the others.
+        let coupling = self.coupling(system, &contacts)?;
+        let column = |k: usize| coupling.iter().map(|row| row[k]).collect();
+        let columns: Vec<Vec<R>> = (0..contacts.len()).map(column).collect();
+        let by_rate = solve(&columns, &by_jump).unwrap_or(by_jump);
+        let mut moved = (contacts.iter().zip(by_rate))
+            .filter(|&(&contact, _)| opening.contains(contact))
+            .map(|(_, lift)| lift);
+        let clear = moved.find(|lift| lift.abs() > level);
+        Ok(clear.map(|lift| {
+            if lift > R::ZERO {
+                Side::Above
+            } else {
+                Side::Below
+            }
+        }))
+    }
+
+    /// Whether a surface that closed contacts keep the state on, as friction along the gap does at rest, is on the side that it
+    /// leaves to when they open. Until then its force and theirs are not told apart.
+    pub(super) fn opens_there(&self, system: &System, corner: Corner) -> Result<bool, FlowError> {
+        let Corner::Surface(index) = corner else {
+            return Ok(true);
+        };
+        if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
+            // What does not slide, held by another contact, sticks as well.
+            return Ok(!self.grip().carrying().contains(rubs.contact));
+        }
+        let side = self.side_of_opening(system, corner, (self.closed, self.closed))?;
+        Ok(side.is_none_or(|side| self.regime.get(index) == side))
+    }
+
+    /// Takes each surface that the state lies on to the side that it leaves to where contacts at rest open: dry friction
+    /// resists that.
+    pub(in crate::flow::trajectory) fn resist_opening(
+        &mut self,
+        system: &System,
+        resting: Closed,
+    ) -> Result<(), FlowError> {
+        let mut candidate = self.standing_sides();
+        for standing in self.standings(system)? {
+            let Corner::Surface(index) = standing.corner else {
+                continue;
+            };
+            let is_rub = system.rubbing().iter().any(|rubs| rubs.surface == index);
+            if is_rub || standing.surface.value.abs() > standing.surface_level() {
+                continue;
+            }
+            let side = self.side_of_opening(system, standing.corner, (resting, resting))?;
+            if let Some(side) = side {
+                candidate.sides = candidate.sides.with(index, side);
+            }
+        }
+        self.try_sides(system, &candidate)?;
+        Ok(())
+    }
+
+    /// Takes what holds contacts at rest by sliding on surfaces to the side that these would leave to, the others at rest
+    /// staying closed: contacts hold it from now on. Whether there was any.
+    pub(in crate::flow::trajectory) fn hold_by_contacts(
+        &mut self,
+        system: &System,
+        (resting, held): (Closed, Closed),
+    ) -> Result<bool, FlowError> {
+        let mut candidate = self.standing_sides();
+        for surface in self.held(system).surfaces {
+            let side = self.side_of_opening(system, Corner::Surface(surface), (resting, held))?;
+            if let Some(side) = side {
+                candidate.sides = candidate.sides.with(surface, side);
+            }
+        }
+        Ok(candidate != self.standing_sides() && self.try_sides(system, &candidate)?)
+    }
+}
