@@ -1,7 +1,7 @@
 //! Which rows settled to the same orbit: attractors that coexist, told apart and numbered.
 
-use super::row::Row;
-use super::same_orbit::{Cycle, Units};
+use super::column::same_orbit::{Cycle, Units};
+use super::run::row::Row;
 use super::sweep::Sweep;
 use crate::analysis::map::{CoordinateKind, Map};
 use std::collections::BTreeMap;

@@ -1,14 +1,21 @@
 //! One orbit of a diagram while it is followed.
 
-use super::aperiodic::{Evidence, evidence};
-use super::classify::Settled;
-use super::embedding::Embedding;
-use super::exponent::{Companion, Growth, Tangent, Trail};
-use super::observable::Scratch;
-use super::row::{Outcome, Row, Started};
+mod aperiodic;
+mod classify;
+mod embedding;
+mod exponent;
+pub(super) mod same_orbit;
+mod tail;
+
+use self::aperiodic::{Evidence, evidence};
+use self::classify::Settled;
+use self::embedding::Embedding;
+use self::exponent::{Companion, Growth, Tangent, Trail};
+use self::tail::Tail;
+use super::run::row::{Outcome, Row, Started};
+use super::spec::observable::Scratch;
 use super::spec::{Exponent, Spec};
 use super::sweep::Sweep;
-use super::tail::Tail;
 use crate::analysis::map::{Arrival, CoordinateKind, Map, NoReturn, Origin, Passage};
 
 /// Counts returns, keeps samples, and draws the conclusions.

@@ -1,6 +1,6 @@
 //! What can be wrong with the specification of a diagram.
 
-use super::range::Range;
+use super::spec::range::Range;
 use crate::analysis::map::PhaseLost;
 use crate::expressions::{ParseError, nearest};
 use core::fmt;

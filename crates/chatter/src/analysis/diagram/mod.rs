@@ -13,41 +13,27 @@
 //! Rows come in any order; each is the same to the bit whatever the number of threads, the width of the lanes or the
 //! company in which it was computed. So a diagram can be broken off and resumed, and its pieces can be computed anywhere.
 
-mod aperiodic;
 mod attractors;
-mod check;
-mod classify;
 mod column;
-mod embedding;
 mod error;
-mod executor;
-mod exponent;
-mod observable;
-mod random;
-mod range;
-mod row;
 mod run;
-mod same_orbit;
-mod share;
 mod spec;
-mod standing;
 mod sweep;
-mod tail;
 
 #[cfg(test)]
 mod tests;
 
 pub use attractors::{Attractors, Collector};
 pub use error::DiagramError;
-pub use executor::{Executor, Threads};
-pub use observable::Observable;
-pub(crate) use random::Generator;
-pub use range::{Range, Spacing, Swept, initial_name};
-pub use row::{Outcome, Row, RowError, Started};
+pub use run::executor::{Executor, Threads};
+pub use run::row::{Outcome, Row, RowError, Started};
+pub use run::share::Share;
+pub use run::standing::Standing;
 pub use run::{Ending, run, run_share};
-pub use share::Share;
+pub use spec::observable::Observable;
+pub(crate) use spec::random::Generator;
+pub use spec::range::{Range, Spacing, Swept, initial_name};
 pub use spec::{Bounds, Exponent, Observed, Record, Spec, Start};
-pub use standing::Standing;
 pub use sweep::Sweep;
 
 use super::map::Map;

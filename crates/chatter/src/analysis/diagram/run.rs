@@ -1,11 +1,16 @@
 //! Workers that take the pieces of a sweep.
 
+pub(super) mod executor;
+pub(super) mod row;
+pub(super) mod share;
+pub(super) mod standing;
+
+use self::executor::Executor;
+use self::row::{Row, Started};
+use self::share::Share;
+use self::standing::{Begun, Carried, Standing};
 use super::column::{Column, Need};
-use super::executor::Executor;
-use super::observable::Scratch;
-use super::row::{Row, Started};
-use super::share::Share;
-use super::standing::{Begun, Carried, Standing};
+use super::spec::observable::Scratch;
 use super::sweep::Sweep;
 use crate::analysis::map::{Arrival, Carry, Command, Map, NoReturn, Origin, Start};
 use crate::flow::FlowError;

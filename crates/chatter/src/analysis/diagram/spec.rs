@@ -1,6 +1,11 @@
 //! What diagram is wanted, in a form that can be stored.
 
-use super::range::Range;
+pub(super) mod check;
+pub(super) mod observable;
+pub(super) mod random;
+pub(super) mod range;
+
+use self::range::Range;
 use serde::{Deserialize, Serialize};
 
 /// An orbit diagram of a map. Parameters that are not swept are those of the map.

@@ -1,10 +1,10 @@
 //! A specification checked against a map: rows, pieces and what is needed to compute them.
 
-use super::check::{self, Places};
 use super::error::DiagramError;
-use super::observable::Observable;
-use super::random::Generator;
-use super::range::Swept;
+use super::spec::check::{self, Places};
+use super::spec::observable::Observable;
+use super::spec::random::Generator;
+use super::spec::range::Swept;
 use super::spec::{Record, Spec, Start};
 use crate::analysis::map::Map;
 

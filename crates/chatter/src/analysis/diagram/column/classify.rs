@@ -4,7 +4,7 @@ use super::tail::{Tail, between_phases};
 use crate::analysis::map::CoordinateKind;
 
 /// The kept samples of an orbit, and how it came from one to the next.
-pub(super) struct Settled<'a> {
+pub(in crate::analysis::diagram) struct Settled<'a> {
     /// Whole points at the latest samples.
     pub points: &'a Tail,
     /// What their coordinates are.

@@ -4,7 +4,7 @@ use crate::analysis::map::CoordinateKind;
 
 /// Whole points at samples, as many of the latest as are wanted or more.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tail {
+pub(in crate::analysis::diagram) struct Tail {
     points: Vec<f64>,
     dimension: usize,
     wanted: usize,
@@ -77,7 +77,7 @@ impl Tail {
 }
 
 /// Distance of two phases.
-pub(super) fn between_phases(a: f64, b: f64, period: f64) -> f64 {
+pub(in crate::analysis::diagram) fn between_phases(a: f64, b: f64, period: f64) -> f64 {
     let turns = (a - b) / period;
     (turns - turns.round()).abs() * period
 }

@@ -10,7 +10,7 @@ const ROUNDING: f64 = 1e-12;
 /// Points whose coordinates vary by one: numbers in units of their extent, phases as points of a circle. Coordinates that
 /// do not vary, as across a section, or on which nothing depends are left out.
 #[derive(Clone, Debug)]
-pub(super) struct Embedding {
+pub(in crate::analysis::diagram) struct Embedding {
     vectors: Vec<f64>,
     dimension: usize,
 }

@@ -4,7 +4,7 @@ use super::embedding::Embedding;
 
 /// What is evident.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Evidence {
+pub(in crate::analysis::diagram) enum Evidence {
     /// Neighbouring points move apart.
     Chaotic,
     /// Near returns take points on by small steps that add up, neighbours stay neighbours, and averages converge as they
@@ -52,7 +52,7 @@ const COHERENT: f64 = 0.5;
 const SAME_POINT: f64 = 1e-4;
 
 /// Whether distances grow, from logarithms of their growth.
-pub(super) fn grows(logarithms: &[f64]) -> bool {
+pub(in crate::analysis::diagram) fn grows(logarithms: &[f64]) -> bool {
     let count = logarithms.len() as f64;
     let mean = logarithms.iter().sum::<f64>() / count;
     let squares = logarithms.iter().map(|x| (x - mean) * (x - mean));
@@ -61,7 +61,7 @@ pub(super) fn grows(logarithms: &[f64]) -> bool {
 }
 
 /// What the points of an orbit without a period are evidence of.
-pub(super) fn evidence(points: &Embedding) -> Evidence {
+pub(in crate::analysis::diagram) fn evidence(points: &Embedding) -> Evidence {
     if points.dimension() == 0 {
         return Evidence::None;
     }

@@ -2,12 +2,12 @@
 
 use super::row::Row;
 use super::share::Share;
-use super::sweep::Sweep;
+use crate::analysis::diagram::sweep::Sweep;
 use std::collections::BTreeMap;
 
 /// Where a row leaves off: the next one of its piece goes on from there.
 #[derive(Clone, Debug)]
-pub(super) struct Carried {
+pub(in crate::analysis::diagram) struct Carried {
     pub row: u64,
     pub origin: Vec<f64>,
     /// Empty where there is nothing to go on from.
@@ -26,7 +26,7 @@ impl Carried {
 
 /// A piece that has been begun.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Begun {
+pub(in crate::analysis::diagram) struct Begun {
     /// How many of its rows are done.
     pub done: u64,
     /// The latest of them, while there are more to come.
@@ -60,7 +60,7 @@ impl Standing {
     }
 
     /// A piece, as far as it is done.
-    pub(super) fn begun(&self, piece: u64) -> Begun {
+    pub(in crate::analysis::diagram) fn begun(&self, piece: u64) -> Begun {
         self.begun.get(&piece).cloned().unwrap_or_default()
     }
 
@@ -70,7 +70,7 @@ impl Standing {
     }
 
     /// How many pieces of a share are done.
-    pub(super) fn finished(&self, sweep: &Sweep, share: Share) -> u64 {
+    pub(in crate::analysis::diagram) fn finished(&self, sweep: &Sweep, share: Share) -> u64 {
         let done = |piece: &u64| self.begun(*piece).done >= sweep.piece_rows(*piece);
         share.pieces(sweep.pieces()).filter(done).count() as u64
     }

@@ -43,7 +43,7 @@ impl Share {
     }
 
     /// Its `index`-th piece, if all pieces are so many.
-    pub(super) fn piece(self, index: u64, count: u64) -> Option<u64> {
+    pub(in crate::analysis::diagram) fn piece(self, index: u64, count: u64) -> Option<u64> {
         let piece = index
             .checked_mul(self.of)
             .and_then(|piece| piece.checked_add(self.number - 1));

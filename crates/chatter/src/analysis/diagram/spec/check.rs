@@ -1,23 +1,26 @@
 //! What can be wrong with a specification, looked for before anything is computed.
 
-use super::error::DiagramError;
 use super::observable::Observable;
 use super::range::{Range, Spacing, Swept, initial_name};
-use super::spec::{Bounds, Spec, Start};
-use super::sweep::Sweep;
+use crate::analysis::diagram::error::DiagramError;
+use crate::analysis::diagram::sweep::Sweep;
+use crate::analysis::diagram::{Bounds, Spec, Start};
 use crate::analysis::map::Map;
 
 /// More samples of one orbit than this are a slip of the keyboard: they would fill the memory.
-pub(super) const MOST_KEPT: u64 = 100_000_000;
+pub(in crate::analysis::diagram) const MOST_KEPT: u64 = 100_000_000;
 
 /// Where the ranges of a sweep are found in a map: positions of parameters and of coordinates.
-pub(super) struct Places {
+pub(in crate::analysis::diagram) struct Places {
     pub parameters: Vec<usize>,
     pub initial: Vec<usize>,
 }
 
 /// The ranges' places.
-pub(super) fn places(map: &dyn Map, spec: &Spec) -> Result<Places, DiagramError> {
+pub(in crate::analysis::diagram) fn places(
+    map: &dyn Map,
+    spec: &Spec,
+) -> Result<Places, DiagramError> {
     if !(1..=2).contains(&spec.sweeps.len()) {
         return Err(DiagramError::SweepCount {
             count: spec.sweeps.len(),
@@ -74,7 +77,7 @@ fn check_range(
 }
 
 /// The numbers of a specification.
-pub(super) fn numbers(spec: &Spec) -> Result<(), DiagramError> {
+pub(in crate::analysis::diagram) fn numbers(spec: &Spec) -> Result<(), DiagramError> {
     if spec.keep == 0 {
         return Err(DiagramError::KeepsNothing);
     }
@@ -97,7 +100,10 @@ pub(super) fn numbers(spec: &Spec) -> Result<(), DiagramError> {
 }
 
 /// What is observed, made ready.
-pub(super) fn observed(map: &dyn Map, spec: &Spec) -> Result<Vec<Observable>, DiagramError> {
+pub(in crate::analysis::diagram) fn observed(
+    map: &dyn Map,
+    spec: &Spec,
+) -> Result<Vec<Observable>, DiagramError> {
     if spec.observe.is_empty() {
         return Err(DiagramError::NothingObserved);
     }
@@ -124,7 +130,7 @@ pub(super) fn observed(map: &dyn Map, spec: &Spec) -> Result<Vec<Observable>, Di
 }
 
 /// Positions of the coordinates that are drawn at random.
-pub(super) fn drawn(
+pub(in crate::analysis::diagram) fn drawn(
     map: &dyn Map,
     bounds: &[Bounds],
     swept: &[usize],
@@ -152,7 +158,11 @@ pub(super) fn drawn(
 }
 
 /// Whether states can be carried along the sweep.
-pub(super) fn carry(map: &dyn Map, spec: &Spec, places: &Places) -> Result<(), DiagramError> {
+pub(in crate::analysis::diagram) fn carry(
+    map: &dyn Map,
+    spec: &Spec,
+    places: &Places,
+) -> Result<(), DiagramError> {
     let carries = matches!(
         spec.start,
         Start::CarryUp | Start::CarryDown | Start::CarryBoth

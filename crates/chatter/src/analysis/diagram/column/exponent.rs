@@ -17,7 +17,7 @@ const TURNING: f64 = 0.1;
 
 /// Logarithms of growth, step by step.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Growth(Vec<f64>);
+pub(in crate::analysis::diagram) struct Growth(Vec<f64>);
 
 impl Growth {
     fn counted(&self) -> &[f64] {
@@ -26,20 +26,20 @@ impl Growth {
     }
 
     /// The exponent.
-    pub(super) fn mean(&self) -> f64 {
+    pub(in crate::analysis::diagram) fn mean(&self) -> f64 {
         let counted = self.counted();
         counted.iter().sum::<f64>() / counted.len() as f64
     }
 
     /// Whether it is positive beyond chance.
-    pub(super) fn is_chaotic(&self) -> bool {
+    pub(in crate::analysis::diagram) fn is_chaotic(&self) -> bool {
         grows(self.counted())
     }
 }
 
 /// A displacement that a map's Jacobian carries along.
 #[derive(Clone, Debug)]
-pub(super) struct Tangent {
+pub(in crate::analysis::diagram) struct Tangent {
     direction: Vec<f64>,
     growth: Growth,
     /// Of the present step, if a sample has several returns.
@@ -47,7 +47,7 @@ pub(super) struct Tangent {
 }
 
 impl Tangent {
-    pub(super) fn new(dimension: usize) -> Self {
+    pub(in crate::analysis::diagram) fn new(dimension: usize) -> Self {
         Self {
             direction: even(&(0..dimension).collect::<Vec<_>>(), dimension),
             growth: Growth::default(),
@@ -56,7 +56,12 @@ impl Tangent {
     }
 
     /// Takes the displacement over the map's next step from `point`. Says whether the map knows its Jacobian there.
-    pub(super) fn step(&mut self, map: &dyn Map, parameters: &[f64], point: &[f64]) -> bool {
+    pub(in crate::analysis::diagram) fn step(
+        &mut self,
+        map: &dyn Map,
+        parameters: &[f64],
+        point: &[f64],
+    ) -> bool {
         let Some(jacobian) = map.jacobian(parameters, point) else {
             return false;
         };
@@ -72,32 +77,32 @@ impl Tangent {
     }
 
     /// A sample is complete.
-    pub(super) fn sampled(&mut self) {
+    pub(in crate::analysis::diagram) fn sampled(&mut self) {
         self.growth.0.push(self.pending);
         self.pending = 0.0;
     }
 
-    pub(super) fn growth(&self) -> &Growth {
+    pub(in crate::analysis::diagram) fn growth(&self) -> &Growth {
         &self.growth
     }
 }
 
 /// The samples of an orbit as points, for a second orbit to be compared with.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Trail {
+pub(in crate::analysis::diagram) struct Trail {
     points: Vec<f64>,
     phases: Vec<Phase>,
     dimension: usize,
 }
 
 impl Trail {
-    pub(super) fn push(&mut self, point: &[f64], passage: &Passage) {
+    pub(in crate::analysis::diagram) fn push(&mut self, point: &[f64], passage: &Passage) {
         self.dimension = point.len();
         self.points.extend_from_slice(point);
         self.phases.push(passage.phase);
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(in crate::analysis::diagram) fn clear(&mut self) {
         self.points.clear();
         self.phases.clear();
     }
@@ -109,7 +114,7 @@ impl Trail {
 
 /// A second orbit that is brought near the first again after each sample.
 #[derive(Clone, Debug)]
-pub(super) struct Companion {
+pub(in crate::analysis::diagram) struct Companion {
     /// The coordinates in which it differs.
     directions: Vec<usize>,
     direction: Vec<f64>,
@@ -120,7 +125,7 @@ pub(super) struct Companion {
 }
 
 impl Companion {
-    pub(super) fn new(directions: Vec<usize>, dimension: usize) -> Self {
+    pub(in crate::analysis::diagram) fn new(directions: Vec<usize>, dimension: usize) -> Self {
         Self {
             direction: even(&directions, dimension),
             directions,
@@ -131,7 +136,7 @@ impl Companion {
     }
 
     /// Where the second orbit starts next; none if the first one has no further sample.
-    pub(super) fn origin(&mut self, trail: &Trail) -> Option<Origin> {
+    pub(in crate::analysis::diagram) fn origin(&mut self, trail: &Trail) -> Option<Origin> {
         if self.from + 1 >= trail.phases.len() {
             return None;
         }
@@ -152,7 +157,7 @@ impl Companion {
     }
 
     /// The second orbit has come to a sample.
-    pub(super) fn arrive(&mut self, trail: &Trail, point: &[f64]) {
+    pub(in crate::analysis::diagram) fn arrive(&mut self, trail: &Trail, point: &[f64]) {
         self.from += 1;
         let reached = trail.point(self.from);
         let mut distance = vec![0.0; point.len()];
@@ -169,13 +174,13 @@ impl Companion {
     }
 
     /// The second orbit cannot start, or has no next point: tries the other side, once.
-    pub(super) fn other_side(&mut self) -> bool {
+    pub(in crate::analysis::diagram) fn other_side(&mut self) -> bool {
         let first_try = self.size > 0.0;
         self.size = -1.0;
         first_try
     }
 
-    pub(super) fn growth(&self) -> &Growth {
+    pub(in crate::analysis::diagram) fn growth(&self) -> &Growth {
         &self.growth
     }
 }

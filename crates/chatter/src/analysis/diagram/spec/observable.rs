@@ -16,7 +16,11 @@ enum Kind {
 impl Observable {
     /// Reads an expression. `dimension` is the number of coordinates of a point; names of the scope hide those of
     /// [`Passage::NAMES`].
-    pub(super) fn new(scope: &Scope, dimension: usize, text: &str) -> Result<Self, ParseError> {
+    pub(in crate::analysis::diagram) fn new(
+        scope: &Scope,
+        dimension: usize,
+        text: &str,
+    ) -> Result<Self, ParseError> {
         let mut scope = scope.clone();
         for (place, name) in Passage::NAMES.iter().enumerate() {
             let quantity = scope.graph.state(dimension + place);
@@ -31,7 +35,7 @@ impl Observable {
 
     /// Its value.
     #[inline]
-    pub(super) fn value(
+    pub(in crate::analysis::diagram) fn value(
         &self,
         point: &[f64],
         passage: &Passage,
@@ -52,7 +56,7 @@ impl Observable {
 
 /// Space for the evaluation of observables.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Scratch {
+pub(in crate::analysis::diagram) struct Scratch {
     inputs: Vec<f64>,
     values: Vec<f64>,
 }

@@ -5,7 +5,7 @@ use crate::analysis::map::CoordinateKind;
 
 /// What an orbit settled to: the whole points of its period in order, or points of it where it has none.
 #[derive(Clone, Debug)]
-pub(super) struct Cycle {
+pub(in crate::analysis::diagram) struct Cycle {
     /// Samples after which it repeats; zero for none.
     pub period: u64,
     /// The points, one after the other.
@@ -140,7 +140,7 @@ fn nearest<'a>(point: &[f64], others: impl Iterator<Item = &'a Vec<f64>>) -> f64
 }
 
 /// Common units of orbits: the extent of each coordinate over all of them; phases as points of a circle.
-pub(super) struct Units<'a> {
+pub(in crate::analysis::diagram) struct Units<'a> {
     kinds: &'a [CoordinateKind],
     /// Zero for coordinates that do not vary.
     extents: Vec<f64>,
