@@ -21,6 +21,7 @@ use super::variation::{Column, Direction as Along, with_identity};
 use super::{Closed, Occurrence};
 use crate::expressions::{Expansion, Expr, Graph, Side, Symbol, Tape};
 use crate::model::{Direction, Model, Section};
+use crate::numerics::linear::solve_consistent;
 use crate::numerics::{Matrix, Real, dot, two_sum};
 use serde::{Deserialize, Serialize};
 
@@ -571,6 +572,50 @@ impl Leg {
         Err(left_domain(clock, x))
     }
 
+    /// The same for a time that is next to nothing, of either sign.
+    ///
+    /// # Errors
+    /// The equations leave their domain.
+    pub(crate) fn fly_a_moment<R: Real>(
+        &self,
+        flyer: &mut Flyer<R>,
+        parameters: &[R],
+        x: &[R],
+        duration: R,
+    ) -> Result<Landing<R>, FlowError> {
+        let start = with_identity(x, self.edge.columns);
+        let clock = self.time.map_or(R::ZERO, |index| x[index]);
+        let system = &self.flow;
+        let kept = (&mut flyer.trajectory, &mut flyer.work);
+        place(system, kept, parameters, clock, &start)?;
+        let Some((_, trajectory)) = &flyer.trajectory else {
+            return Err(left_domain(clock, x));
+        };
+        let end = trajectory.a_moment_later(system, &mut flyer.work, duration)?;
+        if !end.iter().all(|x| x.is_finite()) {
+            return Err(left_domain(clock, x));
+        }
+        let scratch = (&mut flyer.expansion, &mut flyer.at_edge);
+        Ok(self.edge.landing(scratch, parameters, duration, &end))
+    }
+
+    /// The event at its end without a flight before it: at the instant of another event, at a surface that is met already.
+    pub(crate) fn at_once<R: Real>(
+        &self,
+        flyer: &mut Flyer<R>,
+        parameters: &[R],
+        x: &[R],
+    ) -> Landing<R> {
+        let end = with_identity(x, self.edge.columns);
+        let scratch = (&mut flyer.expansion, &mut flyer.at_edge);
+        let landing = self.edge.landing(scratch, parameters, R::ZERO, &end);
+        // The columns are those of the event before, its time taken with them: this one has none of its own.
+        Landing {
+            image_rate: vec![R::ZERO; x.len()],
+            ..landing
+        }
+    }
+
     /// The inner least values of all guards on the way, in order of time, and the values at the end of those that do not
     /// end the leg; also those of any that is negative where it begins, and of what ends what is held, as though they were at its
     /// end.
@@ -702,9 +747,9 @@ pub(crate) struct Stretch {
     /// The guard that ends it, and how many chatter sequences come to their end before.
     ends_at: Option<GuardKind>,
     accumulations: usize,
-    /// Contacts that are closed where it starts, and the gap to start on, if any.
+    /// Contacts that are closed where it starts, and the gaps to start on.
     closed: Closed,
-    gap: Option<Expr>,
+    gaps: Vec<Expr>,
     time: Option<usize>,
 }
 
@@ -713,8 +758,8 @@ pub(crate) struct Stretch {
 pub(crate) struct StretchKind {
     /// Contacts that are closed at the start.
     pub closed: Closed,
-    /// The contact that an impact has just happened at.
-    pub on: Option<usize>,
+    /// Contacts at which there were impacts just before, and that are open.
+    pub on: Closed,
     /// Chatter sequences that end on the way.
     pub accumulations: usize,
     /// Impacts on the way, where none do.
@@ -741,7 +786,10 @@ impl System {
             ends_at: kind.last.ends_at,
             accumulations: kind.accumulations,
             closed: kind.closed,
-            gap: kind.on.map(|contact| self.model().contacts[contact].gap),
+            gaps: Closed(kind.closed.0 | kind.on.0)
+                .contacts()
+                .map(|contact| self.model().contacts[contact].gap)
+                .collect(),
             time: self.model().time,
         })
     }
@@ -859,13 +907,12 @@ impl Stretch {
         Err(astray)
     }
 
-    /// Takes a state that an impact has just left to where the gap is zero: off it by what the solution of the
-    /// orbit's equations has yet to close.
+    /// Takes a state that impacts have just left, or that contacts hold, to where their gaps are zero: off it by what the solution
+    /// of the orbit's equations has yet to close.
     pub(crate) fn onto_contact<R: Real>(&self, parameters: &[R], x: &[R]) -> Vec<R> {
         let mut x = x.to_vec();
-        if let Some(gap) = self.gap {
-            onto_gap(self.system.model(), (gap, CORRECTIONS), parameters, &mut x);
-        }
+        let gaps = (&*self.gaps, CORRECTIONS);
+        onto_gaps(self.system.model(), gaps, parameters, &mut x);
         x
     }
 }
@@ -873,34 +920,45 @@ impl Stretch {
 /// A gap that is nearly zero is after so many.
 const CORRECTIONS: usize = 3;
 
-/// Takes a state to where a gap is zero at the same time, by the least displacement: by so many steps of Newton's method.
-pub(crate) fn onto_gap<R: Real>(
+/// Takes a state to where gaps are zero at the same time, by the least displacement: by so many steps of Newton's method.
+pub(crate) fn onto_gaps<R: Real>(
     model: &Model,
-    (gap, steps): (Expr, usize),
+    (gaps, steps): (&[Expr], usize),
     parameters: &[R],
     x: &mut [R],
 ) {
     let graph = &mut model.graph.clone();
-    let slopes: Vec<Expr> = (0..model.states.len())
-        .map(|i| graph.derivative(gap, Symbol::State(i)))
+    let slopes: Vec<Vec<Expr>> = (gaps.iter())
+        .map(|&gap| {
+            (0..model.states.len())
+                .map(|i| graph.derivative(gap, Symbol::State(i)))
+                .collect()
+        })
         .collect();
     for _ in 0..steps {
-        let value = graph.evaluate(gap, x, parameters);
-        let gradient: Vec<R> = (slopes.iter().enumerate())
-            .map(|(i, &slope)| {
-                if Some(i) == model.time {
-                    R::ZERO
-                } else {
-                    graph.evaluate(slope, x, parameters)
-                }
-            })
+        let values: Vec<R> = (gaps.iter())
+            .map(|&gap| graph.evaluate(gap, x, parameters))
             .collect();
-        let square = dot(&gradient, &gradient);
-        if value == R::ZERO || square == R::ZERO {
+        let slope = |(i, &slope): (usize, &Expr)| match model.time {
+            Some(time) if time == i => R::ZERO,
+            _ => graph.evaluate(slope, x, parameters),
+        };
+        let gradients: Vec<Vec<R>> = (slopes.iter())
+            .map(|of_gap| of_gap.iter().enumerate().map(slope).collect())
+            .collect();
+        let squares: Vec<Vec<R>> = (gradients.iter())
+            .map(|a| gradients.iter().map(|b| dot(a, b)).collect())
+            .collect();
+        if values.iter().all(|value| *value == R::ZERO) {
             break;
         }
-        for (x, &slope) in x.iter_mut().zip(&gradient) {
-            *x -= value * slope / square;
+        let Some(parts) = solve_consistent(&squares, &values) else {
+            break;
+        };
+        for (gradient, &part) in gradients.iter().zip(&parts) {
+            for (x, &slope) in x.iter_mut().zip(gradient) {
+                *x -= part * slope;
+            }
         }
     }
 }

@@ -370,6 +370,17 @@ impl System {
         &self.model
     }
 
+    /// The model's parameters followed by those of the pieces that lookups are in.
+    pub(crate) fn with_pieces<R: Real>(&self, parameters: &[R], pieces: &[i64]) -> Vec<R> {
+        let mut all = parameters.to_vec();
+        let graph = &self.model().graph;
+        for (index, &piece) in pieces.iter().enumerate() {
+            let slots = self.corners().slots_of::<R>(graph, index, piece);
+            all.extend(slots.unwrap_or_default());
+        }
+        all
+    }
+
     /// The corners of the model's expressions.
     #[inline(always)]
     pub(crate) fn corners(&self) -> &Corners {

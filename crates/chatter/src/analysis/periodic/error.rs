@@ -73,6 +73,12 @@ pub enum PeriodicError {
         /// What it is.
         what: String,
     },
+    /// Contacts close at one instant, which of them goes first is a matter of how motion beside the orbit is displaced, and derivatives
+    /// depend on it.
+    OrderMatters {
+        /// One of them.
+        contact: String,
+    },
     /// The observer broke off.
     Interrupted,
 }
@@ -138,6 +144,11 @@ impl fmt::Display for PeriodicError {
             Self::Unfollowed { what } => write!(
                 out,
                 "the orbit goes through {what}, which is not followed yet"
+            ),
+            Self::OrderMatters { contact } => write!(
+                out,
+                "several contacts close at one instant, `{contact}` among them, and beside the orbit which of them goes first depends on the \
+                 direction of the displacement: there is no one derivative"
             ),
             Self::Interrupted => write!(out, "broken off"),
         }

@@ -172,13 +172,12 @@ const AT_BORDER: f64 = 1e-3;
 
 /// Whether equations that Newton's method leaves near a solution are left at a chatter border.
 pub(super) fn leaves_at_border(shooting: &Shooting<f64>, at: &[f64], error: &NewtonError) -> bool {
-    shooting.steps.iter().any(Step::is_stretch)
-        && matches!(error, NewtonError::Left(_))
-        && is_at_border(shooting, at)
+    let is_left = matches!(error, NewtonError::Left(_));
+    shooting.steps.iter().any(Step::is_stretch) && is_at_border(shooting, at, is_left)
 }
 
-/// Whether an orbit is released as its complete chatter ends, as far as numbers can tell.
-fn is_at_border(shooting: &Shooting<f64>, at: &[f64]) -> bool {
+/// Whether an orbit is released as its complete chatter ends, as far as numbers can tell; whether its equations are left there.
+fn is_at_border(shooting: &Shooting<f64>, at: &[f64], is_left: bool) -> bool {
     let shortest = (0..shooting.steps.len()).flat_map(|index| {
         let (_, instants) = shooting.instants_within(index, at);
         let contact_lasts = |(place, instant): (usize, &Instant)| {
@@ -194,7 +193,8 @@ fn is_at_border(shooting: &Shooting<f64>, at: &[f64]) -> bool {
     });
     let shortest = shortest.fold(f64::INFINITY, f64::min);
     // Beside rounding chatter may seem incomplete, and nothing be released after it.
-    let released_at_once = shortest.is_infinite() || shortest <= AT_BORDER * shooting.period();
+    let released_at_once =
+        (is_left && shortest.is_infinite()) || shortest <= AT_BORDER * shooting.period();
     released_at_once
         || borders(shooting, at)
             .iter()
@@ -260,15 +260,7 @@ fn sequence(
         if grip.closed != Closed::NONE {
             break;
         }
-        let mut known = parameters.to_vec();
-        let graph = &workshop.system.model().graph;
-        for (index, &piece) in instant.pieces.iter().enumerate() {
-            let slots = workshop
-                .system
-                .corners()
-                .slots_of::<f64>(graph, index, piece);
-            known.extend(slots.unwrap_or_default());
-        }
+        let known = workshop.system.with_pieces(parameters, &instant.pieces);
         let mechanics = &on.mechanics.contacts[contact];
         let of = |expr| on.mechanics.graph.evaluate(expr, &instant.state, &known);
         let (rate, acceleration, jerk) = (

@@ -5,10 +5,10 @@ use super::cycle::settle::{Cycle, Patience, settle};
 use super::error::PeriodicError;
 use super::margins::{Margin, margins};
 use super::multipliers::is_stable;
-use super::shooting::{Shooting, Workshop};
+use super::shooting::{Shooting, Workshop, struck};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
-use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, LegKind};
+use crate::flow::leg::{Jump, LegKind, onto_gaps};
+use crate::flow::{Closed, GuardKind};
 use crate::model::greatest_common_divisor;
 use crate::numerics::{Complex, DoubleDouble, Real, Scalar};
 use core::ops::ControlFlow;
@@ -105,6 +105,15 @@ pub(crate) fn close(
         Ok(found) if is_at_rest(&shooting, &found.at) => PeriodicError::AtRest,
         Ok(found) => {
             shooting.adopt(&found.at);
+            if let Some(index) = shooting.passed(&found.at) {
+                let (shooting, at) = shooting.exchanged_and_solved(&found.at, index)?;
+                return match shooting.passed(&at) {
+                    Some(_) => Err(PeriodicError::NoConvergence {
+                        how: format!("events {index} and {} change places", index + 1),
+                    }),
+                    None => finish(shooting, at),
+                };
+            }
             return match shorter(&shooting, &found.at)? {
                 Some(cycle) => close(workshop, cycle, free),
                 None => finish(shooting, found.at),
@@ -253,12 +262,21 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     if multipliers.iter().any(|m| !m.modulus().is_finite()) {
         return Err(PeriodicError::Boundless);
     }
+    shooting
+        .evaluate(&at)
+        .map_err(|left| failed(&NewtonError::Left(left)))?;
+    let order =
+        (shooting.depends_on_order(&at)).map_err(|left| failed(&NewtonError::Left(left)))?;
+    if let Some(contact) = shooting.tie().or(order) {
+        let contact = workshop.model.contacts[contact].name.clone();
+        return Err(PeriodicError::OrderMatters { contact });
+    }
     let margins = margins(&mut shooting, &at)?;
     let parameters = workshop.parameters(&at[at.len() - free..]);
     let turns = workshop.closure.turns::<f64>(&parameters)?;
     Ok(Orbit {
         period: fine.period(),
-        start: cleaned(fine.node(&found.at, 0), &shooting.state_sizes()),
+        start: cleaned(&told_start(&fine, &found.at), &shooting.state_sizes()),
         section: match shooting.steps.last().map(|step| step.passage) {
             Some(Passage::Leg(LegKind {
                 ends_at: Some(GuardKind::Section(section)),
@@ -280,6 +298,20 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
         shooting,
         at,
     })
+}
+
+/// The state that an orbit is told from, on the contacts that hold it or that impacts have just struck.
+fn told_start<R: Real>(shooting: &Shooting<R>, at: &[R]) -> Vec<R> {
+    let workshop = &shooting.workshop;
+    let touching =
+        Closed(shooting.closed_before(0).0 | struck(&shooting.steps, shooting.steps.len() - 1).0);
+    let gaps: Vec<_> = (touching.contacts())
+        .map(|contact| workshop.model.contacts[contact].gap)
+        .collect();
+    let mut start = shooting.node(at, 0).to_vec();
+    let parameters = workshop.parameters(shooting.free(at));
+    onto_gaps(&workshop.model, (&gaps, 1), &parameters, &mut start);
+    start
 }
 
 /// What is nothing but rounding of a state's size is nothing: a state on a contact at zero is told as zero. In doubles it is what

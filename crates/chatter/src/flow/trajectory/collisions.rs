@@ -515,6 +515,25 @@ impl<R: Real> Trajectory<R> {
         Ok(shifts)
     }
 
+    /// The state after a time that is next to nothing, of either sign, in the present mode.
+    pub(crate) fn a_moment_later(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        by: R,
+    ) -> Result<Vec<R>, FlowError> {
+        let program = self.program(system)?;
+        let constants = self.constants[self.mode].as_ref();
+        let constants = constants.ok_or_else(|| self.left_domain())?;
+        let start = (&self.state[..], &self.low[..]);
+        work.expand_at(&program.tape, &constants.tape, start, by);
+        let sum = |i: usize| {
+            let terms = work.point.series(i);
+            terms.iter().rev().fold(R::ZERO, |sum, &term| sum + term)
+        };
+        Ok((0..self.state.len()).map(sum).collect())
+    }
+
     pub(super) fn shift_columns(
         &mut self,
         system: &System,

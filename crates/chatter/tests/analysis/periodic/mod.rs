@@ -10,6 +10,7 @@ mod plane;
 mod reference;
 mod resumed;
 mod surfaces;
+mod together;
 mod told_from;
 mod told_once;
 mod units;

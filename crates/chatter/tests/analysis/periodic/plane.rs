@@ -221,3 +221,50 @@ fn a_graze_between_two_walls_is_found_again() {
     }
     assert!(gone_on > 1, "{gone_on}");
 }
+
+/// An impact that passes a knot of the table which drives it is nothing that happens to the orbit, on curves in two parameters as on branches.
+#[test]
+fn impacts_pass_the_knots_of_a_table() {
+    let text = r#"
+[parameters]
+d = 0.3
+r = 0.6
+T = 4.0
+[table.push]
+x = [0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4]
+y = [0, 0.8, 1, 0.5, -0.3, -0.9, -1, -0.4, 0]
+kind = "periodic-cubic"
+[flight]
+x = "v"
+v = "-x - 0.1*v + push(4*t/T)"
+[[contact]]
+name = "wall"
+gap = "d - x"
+impulse = { v = -1 }
+restitution = "r"
+[initial]
+x = 0
+v = 0
+"#;
+    let driven = with(text, &[]);
+    let found = over(&driven, "T", (2.0, 8.0), (40, 0.02));
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+    for (near, range) in [(3.175, (0.1, 0.6)), (7.02, (0.1, 0.6))] {
+        let fold = nearest(&found, &[SpecialKind::Fold], near);
+        let folds = curve(&driven, ["T", "d"], &fold, (range, 0.02));
+        assert_eq!(folds.ends[1], End::Range, "{:?}", folds.ends);
+        let [at, distance] = folds.points[folds.points.len() - 1].parameters[..] else {
+            panic!();
+        };
+        assert!((distance - 0.6).abs() < 1e-12);
+        // The same from the branch at that distance of the wall.
+        let there = over(
+            &with(text, &[("d", "0.6")]),
+            "T",
+            (at - 0.5, at + 0.5),
+            (40, 0.02),
+        );
+        let fold = nearest(&there, &[SpecialKind::Fold], at);
+        assert!((value(&fold) - at).abs() < 1e-9, "{} {at}", value(&fold));
+    }
+}

@@ -4,7 +4,7 @@ use super::touch::opposite;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::shooting::{Shooting, struck};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind, StretchKind};
 
@@ -63,6 +63,9 @@ impl Shooting<f64> {
             Passage::Stretch(_) => {
                 return Err(unfollowed("a graze within what is followed as a whole"));
             }
+            Passage::AtOnce(_) | Passage::Together(_) => {
+                return Err(unfollowed("a graze at the instant of an impact"));
+            }
         };
         let (shooting, at) = self.like(steps, at)?;
         Ok((shooting, at, index))
@@ -76,6 +79,18 @@ impl Shooting<f64> {
         index: usize,
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let mut steps = self.current_steps(at);
+        // What shares the instant goes with it.
+        let chain = steps[index + 1..]
+            .iter()
+            .take_while(|step| step.is_at_once());
+        let others = index + 1..index + 1 + chain.count();
+        if steps[others.clone()]
+            .iter()
+            .any(|step| matches!(step.passage, Passage::AtOnce(_)))
+        {
+            return Err(unfollowed("the loss of collisions that share an instant"));
+        }
+        steps.drain(others);
         let count = steps.len();
         let is_section = matches!(steps[index].ends_at(), Some(GuardKind::Section(_)));
         let kind = match steps[index].passage {
@@ -123,7 +138,7 @@ impl Shooting<f64> {
             (Passage::Leg(_), Passage::Stretch(whole)) if is_section => {
                 Passage::Stretch(StretchKind {
                     closed: steps[before].closed,
-                    on: steps[before].impact(),
+                    on: struck(&steps, before),
                     ..whole
                 })
             }

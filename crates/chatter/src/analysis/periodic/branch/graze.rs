@@ -6,7 +6,7 @@ use super::touch::{Touched, opposite};
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Held, Problem, Station, newton, tangent};
-use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::shooting::{Shooting, station_after};
 use crate::expressions::Symbol;
 use crate::flow::GuardKind;
 
@@ -37,6 +37,9 @@ impl Walker {
             let end = End::Lost("the sequence of events changes".to_owned());
             return Stop::Broken(end, Box::new(from));
         };
+        if let Broken::Passed(index) = broken {
+            return self.exchange((curve, step, reached), (station, index), here);
+        }
         self.settle(&station);
         // Special points before it.
         let there = Point::new(&mut self.shooting, &station);
@@ -72,17 +75,13 @@ impl Walker {
             {
                 self.lose(&station, index, &there)
             }
-            Broken::Beyond(index, guard) => {
+            Broken::Beyond(..) => {
                 self.begins_at_its_end((&from, &station), &broken, &there);
-                Err(format!(
-                    "event {index} of the orbit would come where what it ends begins: {}",
-                    self.shooting.workshop.named(guard)
-                ))
+                Err(broken.told(&self.shooting))
             }
-            Broken::Early(index, guard) => Err(format!(
-                "before event {index} of the orbit comes {}",
-                self.shooting.workshop.named(guard)
-            )),
+            Broken::Passed(_) | Broken::Order(_) | Broken::Early(..) => {
+                Err(broken.told(&self.shooting))
+            }
         };
         if let (Broken::Inner(_, GuardKind::Reaction(_)), Err(why)) = (&broken, &outcome) {
             return Stop::Over(End::Lost(why.clone()));
@@ -96,6 +95,41 @@ impl Walker {
         match self.goes_on(outcome, (curve, forward), here) {
             Stop::End(end @ End::Lost(_)) => Stop::Broken(end, Box::new(station)),
             other => other,
+        }
+    }
+
+    /// On with two events in another order, which is nothing that happens to the orbit.
+    fn exchange(
+        &mut self,
+        (curve, step, reached): (&mut Curve, f64, f64),
+        (station, index): (Station, usize),
+        here: &mut Point,
+    ) -> Stop {
+        self.settle(&station);
+        let there = Point::new(&mut self.shooting, &station);
+        if let Some(end) = self.between(&curve.station, &station, reached, (here, &there)) {
+            return Stop::End(end);
+        }
+        self.settle(&station);
+        let exchanged = self.shooting.exchanged(&station.at, index);
+        let next = exchanged
+            .map_err(|error| error.to_string())
+            .and_then(|mut exchanged| {
+                let direction = exchanged.direction(&station.tangent);
+                let guess = (&*exchanged.guess, &*direction);
+                let next = station_after(&mut exchanged.shooting, guess);
+                let next = next.map_err(|error| error.to_string())?;
+                self.shooting = exchanged.shooting;
+                Ok(next)
+            });
+        match next {
+            Ok(next) => {
+                self.settle(&next);
+                self.shooting.adopt(&next.at);
+                self.begins_anew((next, step), curve, here);
+                Stop::On
+            }
+            Err(why) => Stop::Broken(End::Lost(why), Box::new(station)),
         }
     }
 

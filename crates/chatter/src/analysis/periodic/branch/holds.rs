@@ -1,7 +1,7 @@
 //! Whether the sequence of events still holds along a solution of its equations.
 
 use crate::analysis::continuation::{Left, Problem, Station, locate};
-use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::shooting::{Shooting, struck};
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
 
@@ -16,9 +16,39 @@ pub(crate) enum Broken {
     Early(usize, GuardKind),
     /// This step begins beyond the guard that ends it: a contact that cannot stay closed, a stick that would slip at once.
     Beyond(usize, GuardKind),
+    /// The event at the end of this step has passed the one before, and nothing else is to happen.
+    Passed(usize),
+    /// Of the collisions of one instant another would come before that of this step.
+    Order(usize),
 }
 
 impl Broken {
+    /// In words.
+    pub(crate) fn told(&self, shooting: &Shooting<f64>) -> String {
+        let named = |guard| shooting.workshop.named(guard);
+        match *self {
+            Self::Event(index) => format!("event {index} of the orbit is met from the wrong side"),
+            Self::Inner(index, guard) => format!(
+                "on the way to event {index} of the orbit there is {}",
+                named(guard)
+            ),
+            Self::Early(index, guard) => {
+                format!("before event {index} of the orbit comes {}", named(guard))
+            }
+            Self::Beyond(index, guard) => format!(
+                "event {index} of the orbit would come where what it ends begins: {}",
+                named(guard)
+            ),
+            Self::Passed(index) => {
+                let before = index.checked_sub(1).unwrap_or(shooting.steps.len() - 1);
+                format!("events {before} and {index} of the orbit change places")
+            }
+            Self::Order(index) => format!(
+                "collisions that share an instant come in another order: that of event {index} of the orbit is no longer the fastest"
+            ),
+        }
+    }
+
     /// Positive while the sequence holds.
     pub(super) fn value(&self, shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Option<f64> {
         let smallest = |step: usize, guard: GuardKind, at_end: bool| {
@@ -31,6 +61,8 @@ impl Broken {
             Self::Event(step) => Some(-shooting.latest.get(step)?.surface_rate),
             Self::Inner(step, guard) => smallest(step, guard, false),
             Self::Early(step, guard) | Self::Beyond(step, guard) => smallest(step, guard, true),
+            Self::Passed(step) => Some(shooting.latest.get(step)?.duration),
+            Self::Order(step) => Some(shooting.precedence(step)?.0),
         }
     }
 }
@@ -59,6 +91,17 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
         let Some(landing) = shooting.latest.get(index) else {
             continue;
         };
+        if step.is_at_once() {
+            let follows = found.contains(&Broken::Event(index.saturating_sub(1)));
+            if !follows && (shooting.precedence(index)).is_some_and(|(first, _)| first < 0.0) {
+                found.push(Broken::Order(index));
+            }
+            continue;
+        }
+        if landing.duration < 0.0 {
+            found.push(Broken::Passed(index));
+            continue;
+        }
         if let Some(guard) = step.ends_at()
             && !step.is_stretch()
             && !matches!(guard, GuardKind::Section(_))
@@ -67,7 +110,9 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             found.push(Broken::Event(index));
         }
         for least in least.get(index).into_iter().flatten() {
-            if least.value >= 0.0 {
+            // Where a leg begins on a contact the gap is zero by the equations, however small what follows.
+            let begins = least.at_end && least.time == 0.0;
+            if least.value >= 0.0 || (begins && begins_on(shooting, index, least.guard)) {
                 continue;
             }
             // What vanishes with the event itself is left to the next step.
@@ -82,6 +127,43 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
                 found.push(known);
             }
         }
+    }
+    without_passed(shooting, found)
+}
+
+/// Whether a step begins on a contact: after an impact there, or where it is held or just released.
+fn begins_on(shooting: &Shooting<f64>, index: usize, guard: GuardKind) -> bool {
+    let GuardKind::Gap(contact) = guard else {
+        return false;
+    };
+    let before = (index + shooting.steps.len() - 1) % shooting.steps.len();
+    struck(&shooting.steps, before).contains(contact)
+        || shooting.closed_before(index).contains(contact)
+        || shooting.steps[before].ends_at() == Some(GuardKind::Reaction(contact))
+}
+
+/// Less what breaks because two events have passed each other.
+fn without_passed(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Broken> {
+    let steps = &shooting.steps;
+    let count = steps.len();
+    let passed: Vec<usize> = (found.iter())
+        .filter_map(|broken| match broken {
+            Broken::Passed(index) => Some(*index),
+            _ => None,
+        })
+        .collect();
+    for index in passed {
+        let before = (index + count - 1) % count;
+        let beside = [before, index, (index + 1) % count];
+        let guards = [steps[before].ends_at(), steps[index].ends_at()];
+        found.retain(|broken| match broken {
+            Broken::Inner(step, guard)
+            | Broken::Early(step, guard)
+            | Broken::Beyond(step, guard) => {
+                !(beside.contains(step) && guards.contains(&Some(*guard)))
+            }
+            _ => true,
+        });
     }
     found
 }

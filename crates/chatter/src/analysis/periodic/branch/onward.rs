@@ -4,12 +4,13 @@ use super::Point;
 use super::touch::Touched;
 use super::walker::Walker;
 use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
+use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::orbit::{Orbit, close};
 use crate::analysis::periodic::shooting::Workshop;
-use crate::flow::GuardKind;
-use crate::flow::leg::{Least, onto_gap};
+use crate::flow::leg::{Least, onto_gaps};
+use crate::flow::{Closed, GuardKind, Settings as FlowSettings, Trajectory};
 
 /// So far beyond a place where the sequence of events changes orbits are looked for, in parts of the longest step; and where what is
 /// expected there is so near to closed, they are of the same branch.
@@ -116,7 +117,30 @@ impl Walker {
     pub(super) fn stays_closed(&mut self, curve: &mut Curve, here: &mut Point) -> bool {
         let before = self.shooting.clone();
         let another = |orbit: &Orbit| orbit.impacts != here.impacts;
-        let Some(next) = self.beyond(&curve.station, &BEYOND, another) else {
+        // From where the contact is released, and beyond is not.
+        let releases = self.shooting.steps.iter().enumerate();
+        let released = releases.filter_map(|(index, step)| match step.ends_at() {
+            Some(GuardKind::Reaction(contact)) => Some((index, contact)),
+            _ => None,
+        });
+        let released: Vec<(usize, usize)> = released.collect();
+        let count = self.shooting.steps.len();
+        let resting = released.iter().find_map(|&(index, contact)| {
+            let closed = self.shooting.steps[index].closed.with(contact);
+            let begin = ((index + 1) % count, closed);
+            // States change ever faster as chatter shrinks to nothing, and then no more: over the parameter alone.
+            let mut over = Station {
+                tangent: vec![0.0; curve.station.at.len()],
+                ..curve.station.clone()
+            };
+            if let (Some(by), Some(scale)) =
+                (over.tangent.last_mut(), self.shooting.scales().last())
+            {
+                *by = scale.copysign(curve.station.parameter_slope());
+            }
+            self.beyond_from(&over, &BEYOND, begin, another)
+        });
+        let Some(next) = resting.or_else(|| self.beyond(&curve.station, &BEYOND, another)) else {
             return false;
         };
         let between = [curve.station.parameter(), next.parameter()];
@@ -154,8 +178,6 @@ impl Walker {
         parts: &[f64],
         is_wanted: impl Fn(&Orbit) -> bool,
     ) -> Option<Station> {
-        let workshop = self.shooting.workshop.clone();
-        let last = from.at.len() - 1;
         self.settle(from);
         // From just after the fastest impact: at a release the motion would have to decide anew.
         let count = self.shooting.steps.len();
@@ -165,16 +187,35 @@ impl Walker {
             let landing = self.shooting.latest.get(before).filter(|_| hits);
             landing.map_or(0.0, |landing| landing.surface_rate.abs())
         };
-        let robust = (0..count).max_by(|&a, &b| rate(a).total_cmp(&rate(b)));
+        let robust = (0..count).filter(|&index| !self.shooting.steps[index].is_at_once());
+        let robust = robust.max_by(|&a, &b| rate(a).total_cmp(&rate(b)));
         let robust = robust.unwrap_or(0);
+        let closed = self.shooting.closed_before(robust);
+        self.beyond_from(from, parts, (robust, closed), is_wanted)
+    }
+
+    /// The same from one of its nodes, where these contacts are closed.
+    fn beyond_from(
+        &mut self,
+        from: &Station,
+        parts: &[f64],
+        (node, closed): (usize, Closed),
+        is_wanted: impl Fn(&Orbit) -> bool,
+    ) -> Option<Station> {
+        let workshop = self.shooting.workshop.clone();
+        let last = from.at.len() - 1;
         parts.iter().find_map(|part| {
             let ahead = part * self.limits.longest_step;
             let guess = from.at.iter().zip(&from.tangent);
             let guess: Vec<f64> = guess.map(|(x, by)| x + by * ahead).collect();
             let free = self.shooting.free(&guess).to_vec();
-            let mut start = self.shooting.node(&guess, robust).to_vec();
-            out_of_walls(&workshop, &free, &mut start);
-            let told = (&start, self.shooting.period());
+            let start = self.shooting.node(&guess, node);
+            let start = legal(&workshop, &free, (closed, start))?;
+            // The period of a forcing changes with the parameter.
+            let turns = workshop.closure.turns(&workshop.parameters(&free)).ok()?;
+            let lap = Closure::time_of(&turns, &self.shooting.counts);
+            let period = lap.map_or_else(|| self.shooting.period(), |lap| lap.time);
+            let told = (&start, period);
             let cycle = reread(&workshop, &free, told).ok()?;
             if cycle.distance > SAME_BEYOND {
                 return None;
@@ -194,14 +235,23 @@ impl Walker {
     }
 }
 
-/// Takes a state that was only guessed out of the contacts that it penetrates.
-fn out_of_walls(workshop: &Workshop, free: &[f64], state: &mut [f64]) {
-    let model = &workshop.model;
+/// A state that was only guessed: out of the contacts that it penetrates, and at rest on those that are closed.
+fn legal(workshop: &Workshop, free: &[f64], (closed, state): (Closed, &[f64])) -> Option<Vec<f64>> {
+    let (model, system) = (&workshop.model, &workshop.system);
     let parameters = workshop.parameters(free);
+    let mut state = state.to_vec();
     for contact in &model.contacts {
-        let gap = model.graph.evaluate(contact.gap, state, &parameters);
+        let gap = model.graph.evaluate(contact.gap, &state, &parameters);
         if gap < 0.0 {
-            onto_gap(model, (contact.gap, 1), &parameters, state);
+            onto_gaps(model, (&[contact.gap], 1), &parameters, &mut state);
         }
     }
+    if closed == Closed::NONE {
+        return Some(state);
+    }
+    let clock = model.time.map_or(0.0, |index| state[index]);
+    let mut work = system.workspace(&FlowSettings::default());
+    let mut held = Trajectory::start(system, &mut work, &parameters, clock, &state).ok()?;
+    (held.restart_beside(system, &mut work, closed, clock, &state)).ok()?;
+    Some(held.state().to_vec())
 }

@@ -185,6 +185,10 @@ impl Walker {
                     Stop::Broken(end, station) => {
                         let known = self.special.len();
                         if !self.hop(&mut curve, &mut here, (walked.hops, Some(&station))) {
+                            if self.stays_closed(&mut curve, &mut here) {
+                                at_graze = true;
+                                continue;
+                            }
                             break end;
                         }
                         if known > told

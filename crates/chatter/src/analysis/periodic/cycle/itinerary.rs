@@ -4,7 +4,8 @@ use super::trace::Instant;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::Side;
 use crate::flow::leg::{Jump, LegKind, StretchKind};
-use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory};
+use crate::flow::{Closed, Grip, GuardKind, Occurrence, System, Trajectory};
+use crate::model::Simultaneous;
 use crate::numerics::stored::{list, number};
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +34,10 @@ pub(crate) enum Passage {
     Leg(LegKind),
     /// The same for a time that is given: whole periods of the forcing.
     Timed(LegKind),
+    /// In no time: an impact of a contact that touches already, at the instant of the event before.
+    AtOnce(LegKind),
+    /// As a leg, in a time that is zero for reasons of symmetry: an impact that happens to share the instant of the event before.
+    Together(LegKind),
     /// By following the flow through whatever happens.
     Stretch(StretchKind),
 }
@@ -60,6 +65,14 @@ impl Step {
             Passage::Leg(LegKind {
                 jump: Jump::Impact(contact),
                 ..
+            })
+            | Passage::AtOnce(LegKind {
+                jump: Jump::Impact(contact),
+                ..
+            })
+            | Passage::Together(LegKind {
+                jump: Jump::Impact(contact),
+                ..
             }) => Some(contact),
             _ => None,
         }
@@ -69,10 +82,20 @@ impl Step {
         matches!(self.passage, Passage::Stretch(_))
     }
 
+    /// Whether its event shares the instant of the one before.
+    pub(crate) fn is_at_once(&self) -> bool {
+        matches!(self.passage, Passage::AtOnce(_) | Passage::Together(_))
+    }
+
+    /// Whether its time is an unknown.
+    pub(crate) fn has_own_time(&self) -> bool {
+        matches!(self.passage, Passage::Leg(_) | Passage::Together(_))
+    }
+
     /// The guard that ends it; none where a time does.
     pub(crate) fn ends_at(&self) -> Option<GuardKind> {
         match self.passage {
-            Passage::Leg(kind) => kind.ends_at,
+            Passage::Leg(kind) | Passage::AtOnce(kind) | Passage::Together(kind) => kind.ends_at,
             Passage::Stretch(kind) => kind.last.ends_at,
             Passage::Timed(_) => None,
         }
@@ -81,7 +104,10 @@ impl Step {
     /// The mode that it ends in.
     pub(crate) fn mode(&self) -> usize {
         match self.passage {
-            Passage::Leg(kind) | Passage::Timed(kind) => kind.mode,
+            Passage::Leg(kind)
+            | Passage::Timed(kind)
+            | Passage::AtOnce(kind)
+            | Passage::Together(kind) => kind.mode,
             Passage::Stretch(kind) => kind.last.mode,
         }
     }
@@ -95,8 +121,14 @@ pub(super) fn single(instant: &Instant) -> Option<LegKind> {
     let guard = instant.guard?;
     let mut jump = Jump::None;
     let mut events = 0;
+    // Contacts that open without a force change nothing, whichever is first; those that go on together touch all the while.
+    let releases = |told: &Occurrence<f64>| {
+        matches!(told, Occurrence::Release { .. } | Occurrence::Graze { .. })
+    };
+    let only_releases = instant.is_release() && instant.told.iter().all(releases);
     for told in &instant.told {
         match *told {
+            _ if only_releases => events = 1,
             Occurrence::Impact { contact, .. } => {
                 jump = Jump::Impact(contact);
                 events += 1;
@@ -140,8 +172,132 @@ pub(super) fn single(instant: &Instant) -> Option<LegKind> {
     })
 }
 
+/// The events of an instant: the one that ends the way to it, and what shares its time.
+struct Events {
+    first: LegKind,
+    then: Vec<Passage>,
+}
+
+/// Contacts whose flights end at one instant, at most, for whose collisions all orders are compared.
+const MOST_TOGETHER: usize = 3;
+
+impl Events {
+    /// None where the instant is more than can be told apart.
+    fn of(system: &System, instant: &Instant) -> Option<Self> {
+        let alone = single(instant).map(|first| Self {
+            first,
+            then: Vec::new(),
+        });
+        alone.or_else(|| Self::collisions(system, instant))
+    }
+
+    /// Collisions as they came. None where the law of those that share an instant is not one of two bodies at a time.
+    fn collisions(system: &System, instant: &Instant) -> Option<Self> {
+        let (grip, sides, on_sides) = system.origin_of(instant.mode)?;
+        let (_, sides_after, _) = system.origin_of(instant.mode_after)?;
+        let mut active = on_sides.active.members();
+        let slides = active.any(|k| sides.get(k) == Side::Sliding);
+        let is_met = matches!(instant.guard, Some(GuardKind::Gap(_)));
+        let by_two = system.simultaneous() == Simultaneous::Binary && system.rubbing().is_empty();
+        if !by_two || sides != sides_after || slides || !is_met {
+            return None;
+        }
+        let flight = system.meet(Grip::NONE, sides);
+        let (mut touching, mut flights) = (grip.closed, 0);
+        let mut found: Option<Self> = None;
+        for told in &instant.told {
+            let contact = match *told {
+                Occurrence::Impact { contact, .. } => contact,
+                Occurrence::Capture { .. } => continue,
+                _ => return None,
+            };
+            let is_struck = touching.contains(contact);
+            let kind = LegKind {
+                mode: if is_struck { flight } else { instant.mode },
+                ends_at: Some(GuardKind::Gap(contact)),
+                jump: Jump::Impact(contact),
+            };
+            match &mut found {
+                None if is_struck => return None,
+                None => {
+                    found = Some(Self {
+                        first: kind,
+                        then: Vec::new(),
+                    });
+                }
+                Some(known) if is_struck => known.then.push(Passage::AtOnce(kind)),
+                Some(known) => known.then.push(Passage::Together(kind)),
+            }
+            flights += usize::from(!is_struck);
+            touching = touching.with(contact);
+        }
+        found.filter(|_| flights <= MOST_TOGETHER)
+    }
+
+    /// What is told of the first of them.
+    fn told<'i>(&self, instant: &'i Instant) -> &'i [Occurrence<f64>] {
+        let count = if self.then.is_empty() {
+            instant.told.len()
+        } else {
+            1
+        };
+        &instant.told[..count]
+    }
+
+    /// The steps of a way that ends with them: nodes are told from the state after all, by what each did to its rate.
+    fn steps(
+        &self,
+        (system, parameters): (&System, &[f64]),
+        (way, instant): (Step, &Instant),
+    ) -> Vec<Step> {
+        let known = system.with_pieces(parameters, &instant.pieces);
+        let mut state = instant.state.clone();
+        let mut closed = way.closed;
+        let impacts: Vec<_> = (instant.told.iter())
+            .filter_map(|told| match *told {
+                Occurrence::Impact {
+                    contact,
+                    rate_before,
+                    rate_after,
+                    ..
+                } => Some((told, contact, rate_after - rate_before)),
+                _ => None,
+            })
+            .skip(1)
+            .collect();
+        let mut found: Vec<Step> = Vec::new();
+        for (&passage, &(told, contact, change)) in self.then.iter().zip(&impacts).rev() {
+            let mut step = Step {
+                passage,
+                pieces: instant.pieces.clone(),
+                told: vec![*told],
+                closed,
+                start: Vec::new(),
+                duration: 0.0,
+            };
+            closed = Closed::NONE;
+            if let Some((_, _, on)) = system.origin_of(step.mode()) {
+                let graph = &on.mechanics.graph;
+                let jump = &on.mechanics.contacts[contact].jump;
+                let by: Vec<f64> = (jump.iter())
+                    .map(|&along| change * graph.evaluate(along, &state, &known))
+                    .collect();
+                state.iter_mut().zip(by).for_each(|(x, by)| *x -= by);
+            }
+            step.start.clone_from(&state);
+            found.push(step);
+        }
+        found.push(Step { closed, ..way });
+        found.reverse();
+        found
+    }
+}
+
 /// The steps from just after `instants[0]` to just after the last of them.
-pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
+pub(crate) fn read(
+    (system, parameters): (&System, &[f64]),
+    instants: &[Instant],
+) -> Result<Vec<Step>, PeriodicError> {
     let mut steps: Vec<Step> = Vec::new();
     let span = match instants {
         [first, .., last] => last.time - first.time,
@@ -153,40 +309,49 @@ pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
         if instant.only_touches() {
             continue;
         }
-        let kind = single(instant);
+        let events = Events::of(system, instant);
         if let Some((begin, accumulations, mut told)) = open.take() {
-            told.extend(&instant.told);
-            let Some(last) = kind else {
+            let Some(events) = events else {
+                told.extend(&instant.told);
                 let more = usize::from(instant.accumulated().is_some());
                 open = Some((begin, accumulations + more, told));
                 continue;
             };
-            steps.push(stretch(
-                &instants[begin],
-                instant,
-                (accumulations, last, told),
-            ));
+            told.extend(events.told(instant));
+            let last = events.first;
+            let whole = stretch(&instants[begin], instant, (accumulations, last, told));
+            steps.extend(events.steps((system, parameters), (whole, instant)));
             from = index;
             continue;
         }
-        if let Some(kind) = kind {
+        if let Some(events) = events {
+            let kind = events.first;
             let before = &instants[from];
             let duration = instant.time - before.time;
-            if duration <= SAME_INSTANT * instant.time.abs().max(span)
-                && (kind.jump == Jump::None || gives_jump(&mut steps, kind.jump))
+            let at_once = duration <= SAME_INSTANT * instant.time.abs().max(span);
+            let is_alone = events.then.is_empty();
+            if at_once && is_alone && (kind.jump == Jump::None || gives_jump(&mut steps, kind.jump))
             {
                 // Two names for one event, as where a surface is met and held: no motion lies between them.
                 from = index;
                 continue;
             }
-            steps.push(Step {
-                passage: Passage::Leg(kind),
+            // Another impact within rounding of the time.
+            let with_another = at_once
+                && matches!((kind.jump, steps.last().and_then(Step::impact)),
+                    (Jump::Impact(contact), Some(before)) if contact != before);
+            let leg = Step {
+                passage: match with_another {
+                    true => Passage::Together(kind),
+                    false => Passage::Leg(kind),
+                },
                 pieces: instant.pieces.clone(),
-                told: instant.told.clone(),
+                told: events.told(instant).to_vec(),
                 closed: instant.closed,
                 start: before.state.clone(),
                 duration,
-            });
+            };
+            steps.extend(events.steps((system, parameters), (leg, instant)));
             from = index;
             continue;
         }
@@ -197,7 +362,7 @@ pub(crate) fn read(instants: &[Instant]) -> Result<Vec<Step>, PeriodicError> {
         let mut told = instant.told.clone();
         for _ in 1..impacts {
             match steps.pop() {
-                Some(step) if step.impact().is_some() => {
+                Some(step) if step.impact().is_some() && !step.is_at_once() => {
                     told.splice(0..0, step.told);
                     begin -= 1;
                 }
@@ -250,7 +415,7 @@ fn stretch(
     Step {
         passage: Passage::Stretch(StretchKind {
             closed: begin.closed,
-            on: begin.impact().map(|(contact, _)| contact),
+            on: begin.struck(),
             accumulations,
             impacts,
             last,

@@ -63,7 +63,7 @@ pub(crate) fn reread(
         }
     }
     let difference = (workshop.closure).difference(&turns, (&ends.0, &ends.1), &sizes);
-    let mut steps = read(&instants)?;
+    let mut steps = read((&workshop.system, &parameters), &instants)?;
     if steps.is_empty() {
         steps.push(Step::timed(&tracer.trajectory, state.clone(), period));
     }

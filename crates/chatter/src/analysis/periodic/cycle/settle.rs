@@ -263,12 +263,12 @@ fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &mut f64)
 
 /// The cycle between two instants, where states have these sizes.
 fn cycle(
-    workshop: &Workshop,
+    (workshop, parameters): (&Workshop, &[f64]),
     turns: &[Turn<f64>],
     instants: &[Instant],
     sizes: &[f64],
 ) -> Result<Cycle, PeriodicError> {
-    let mut steps = read(instants)?;
+    let mut steps = read((&workshop.system, parameters), instants)?;
     let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
     let difference = workshop.closure.difference(turns, (first, last), sizes);
     from_first_turn(&mut steps, turns, &difference.turns);
@@ -282,12 +282,12 @@ fn cycle(
 
 /// The cycle between two instants, where only it says what sizes states have.
 fn alone(
-    workshop: &Workshop,
+    (workshop, parameters): (&Workshop, &[f64]),
     turns: &[Turn<f64>],
     instants: &[Instant],
 ) -> Result<Cycle, PeriodicError> {
     let sizes = sizes(states(instants), turns);
-    cycle(workshop, turns, instants, &sizes)
+    cycle((workshop, parameters), turns, instants, &sizes)
 }
 
 /// What the trajectory from a state settles to; crossings of a section count as events.
@@ -305,7 +305,12 @@ pub(crate) fn settle(
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, section)?;
     let returned = |instants: &[Instant], (first, last): (usize, usize)| {
         let sizes = sizes(states(instants), &turns);
-        let found = cycle(workshop, &turns, &instants[first..=last], &sizes)?;
+        let found = cycle(
+            (workshop, &parameters),
+            &turns,
+            &instants[first..=last],
+            &sizes,
+        )?;
         Ok(from_early_on(workshop, free, &turns, found))
     };
     let mut instants: Vec<Instant> = Vec::new();
@@ -457,7 +462,8 @@ pub(crate) fn loops(
             for count in 1..=periods {
                 let ends = (begin, begin + period * count as f64, period);
                 if let Some((first, last)) = lap(&instants, workshop.section, ends) {
-                    let mut cycle = alone(workshop, &turns, &instants[first..=last])?;
+                    let mut cycle =
+                        alone((workshop, &parameters), &turns, &instants[first..=last])?;
                     for (turns, turn) in cycle.counts.iter_mut().zip(&turns) {
                         if Some(turn.state) == workshop.closure.time {
                             *turns = count as i64;
@@ -477,7 +483,11 @@ pub(crate) fn loops(
                 if let (Some(&first), Some(&last)) =
                     (crossings.get(passed), crossings.get(passed + count))
                 {
-                    found.push(alone(workshop, &turns, &instants[first..=last])?);
+                    found.push(alone(
+                        (workshop, &parameters),
+                        &turns,
+                        &instants[first..=last],
+                    )?);
                 }
             }
         }
@@ -486,7 +496,11 @@ pub(crate) fn loops(
             let time = start + LOOSE_TIME * (passed + 1) as f64;
             tracer.follow((time, CHUNK), &mut instants, &mut quiet)?;
             for (first, last) in near_returns(workshop, &turns, &instants, periods) {
-                found.push(alone(workshop, &turns, &instants[first..=last])?);
+                found.push(alone(
+                    (workshop, &parameters),
+                    &turns,
+                    &instants[first..=last],
+                )?);
             }
         }
     }

@@ -34,6 +34,16 @@ impl Instant {
         })
     }
 
+    /// Contacts at which there were impacts, and that are open after them.
+    pub(crate) fn struck(&self) -> Closed {
+        let impacts = self.told.iter().filter_map(|told| match *told {
+            Occurrence::Impact { contact, .. } => Some(contact),
+            _ => None,
+        });
+        (impacts.filter(|&contact| !self.closed.contains(contact)))
+            .fold(Closed::NONE, |all, contact| all.with(contact))
+    }
+
     /// Whether a flight touches a contact here and goes on.
     pub(crate) fn only_touches(&self) -> bool {
         let touches = |told: &Occurrence<f64>| matches!(told, Occurrence::Graze { .. });

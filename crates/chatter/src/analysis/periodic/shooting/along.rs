@@ -44,6 +44,10 @@ impl Shooting<f64> {
             let all = self.parameters_of(&parameters, &self.steps[index]);
             let place = self.places[index];
             let x = &at[place..place + n];
+            if self.steps[index].is_at_once() {
+                found.push(Vec::new());
+                continue;
+            }
             let Flown::Leg(leg, flyer) = &self.flown[index] else {
                 found.push(self.crossings_within(index, at));
                 continue;
@@ -55,6 +59,10 @@ impl Shooting<f64> {
                     .get(index)
                     .map_or(self.steps[index].duration, |l| l.duration),
             };
+            if duration <= 0.0 {
+                found.push(Vec::new());
+                continue;
+            }
             let flyer = &mut self.flyers[*flyer].1;
             found.push(leg.least(flyer, &all, x, duration).map_err(Left::because)?);
         }

@@ -70,7 +70,8 @@ impl<R: Real> Problem<R> for Shooting<R> {
             let next = self.places[(index + 1) % count];
             let is_last = index + 1 == count;
             let timed = matches!(self.steps[index].passage, Passage::Timed(_));
-            let is_leg = matches!(self.steps[index].passage, Passage::Leg(_));
+            let is_stretch = self.steps[index].is_stretch();
+            let is_leg = self.steps[index].has_own_time();
             if is_leg {
                 residual[row] = landing.surface;
                 for k in 0..n {
@@ -92,7 +93,7 @@ impl<R: Real> Problem<R> for Shooting<R> {
                         unknowns - free + k - n
                     };
                     let mut slope = landing.image_slopes[(i, k)];
-                    if !is_leg && !timed {
+                    if is_stretch {
                         let late = landing.surface_slopes[k] / landing.surface_rate;
                         slope -= landing.image_rate[i] * late;
                     }

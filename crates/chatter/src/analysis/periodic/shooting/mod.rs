@@ -13,13 +13,19 @@
 //! equations   residual and Jacobian
 //! monodromy   the derivative of one period, and its eigenvalues
 //! along       what there is to see on the way of an orbit
+//! collisions  whether those of one instant could come in another order
+//! exchange    events that change places with the knot of a table
 //! ```
 
 mod along;
+mod collisions;
 mod equations;
+mod exchange;
 mod monodromy;
 mod workshop;
 
+pub(crate) use collisions::struck;
+pub(crate) use exchange::station_after;
 pub(crate) use workshop::Workshop;
 
 use super::closure::{Closure, Lap, Turn};
@@ -67,6 +73,8 @@ pub(crate) struct Shooting<R: Real> {
     watching: Option<Vec<R>>,
     /// The least values that were looked at last, and where.
     seen: Option<(Vec<R>, Vec<Vec<Least>>)>,
+    /// Whether the event at the end of each step may change places with the one before.
+    exchanges: Vec<bool>,
     /// The state that was told last: of several crossings of the section the nearest is told next.
     pub told: Option<Vec<f64>>,
 }
@@ -75,6 +83,8 @@ pub(crate) struct Shooting<R: Real> {
 const NEXT_TO_NOTHING: f64 = 1e-6;
 /// A state is zero at nodes alone if all that is seen of it there is less than this part of how far others may move it.
 const AT_NODES_ALONE: f64 = 1e-9;
+/// Impacts that are to share an instant are no farther apart than this part of the period.
+const NEARLY_TOGETHER: f64 = 1e-3;
 /// A leg that would take this many times as long as its guess is given up.
 const LONGEST: f64 = 4.0;
 
@@ -102,14 +112,17 @@ impl<R: Real> Shooting<R> {
             places.push(unknowns);
             unknowns += n;
             match step.passage {
-                Passage::Leg(kind) | Passage::Timed(kind) => {
+                Passage::Leg(kind)
+                | Passage::Timed(kind)
+                | Passage::AtOnce(kind)
+                | Passage::Together(kind) => {
                     let leg = workshop.leg(kind).ok_or_else(unfollowed)?;
                     let place = flyers.iter().position(|(of, _)| *of == kind);
                     let place = place.unwrap_or_else(|| {
                         flyers.push((kind, leg.flyer(&settings)));
                         flyers.len() - 1
                     });
-                    unknowns += usize::from(matches!(step.passage, Passage::Leg(_)));
+                    unknowns += usize::from(step.has_own_time());
                     flown.push(Flown::Leg(leg, place));
                 }
                 Passage::Stretch(kind) => {
@@ -131,8 +144,11 @@ impl<R: Real> Shooting<R> {
             latest: Vec::new(),
             watching: None,
             seen: None,
+            exchanges: Vec::new(),
             told: None,
         };
+        let exchanges = (0..shooting.steps.len()).map(|index| shooting.may_exchange(index));
+        shooting.exchanges = exchanges.collect();
         shooting.rescale();
         Ok(shooting)
     }
@@ -189,7 +205,7 @@ impl<R: Real> Shooting<R> {
         let mut scales = Vec::new();
         for step in &self.steps {
             scales.extend(&sizes);
-            if matches!(step.passage, Passage::Leg(_)) {
+            if step.has_own_time() {
                 scales.push(period);
             }
         }
@@ -240,7 +256,7 @@ impl<R: Real> Shooting<R> {
         let mut at = Vec::with_capacity(self.scales.len());
         for step in &self.steps {
             at.extend(step.start.iter().map(|&x| R::splat(x)));
-            if matches!(step.passage, Passage::Leg(_)) {
+            if step.has_own_time() {
                 at.push(R::splat(step.duration));
             }
         }
@@ -291,7 +307,7 @@ impl<R: Real> Shooting<R> {
     /// Place of the duration of a step among the unknowns.
     pub(crate) fn duration_place(&self, index: usize) -> Option<usize> {
         let n = self.workshop.model.states.len();
-        matches!(self.steps[index].passage, Passage::Leg(_)).then(|| self.places[index] + n)
+        (self.steps[index].has_own_time()).then(|| self.places[index] + n)
     }
 
     pub(crate) fn free<'a>(&self, at: &'a [R]) -> &'a [R] {
@@ -300,18 +316,7 @@ impl<R: Real> Shooting<R> {
 
     /// The model's parameters followed by those of a step's pieces.
     fn parameters_of(&self, parameters: &[R], step: &Step) -> Vec<R> {
-        let mut all = parameters.to_vec();
-        let system = &self.workshop.system;
-        let graph = &system.model().graph;
-        for (index, &piece) in step.pieces.iter().enumerate() {
-            all.extend(
-                system
-                    .corners()
-                    .slots_of::<R>(graph, index, piece)
-                    .unwrap_or_default(),
-            );
-        }
-        all
+        self.workshop.system.with_pieces(parameters, &step.pieces)
     }
 
     /// How long a leg without an event lasts: its part of the time that the phases take for their turns.
@@ -340,19 +345,42 @@ impl<R: Real> Shooting<R> {
             let x = &at[place..place + n];
             let step = &self.steps[index];
             let landing = match &mut self.flown[index] {
+                Flown::Leg(leg, flyer) if step.is_at_once() => {
+                    let flyer = &mut self.flyers[*flyer].1;
+                    match step.passage {
+                        Passage::Together(_) => {
+                            let duration = at[place + n];
+                            if duration.to_f64().abs() > NEARLY_TOGETHER * self.scales[place + n] {
+                                return Err(Left::because(format_args!(
+                                    "events {index} and {} no longer share their instant",
+                                    index + 1
+                                )));
+                            }
+                            (leg.fly_a_moment(flyer, &all, x, duration)).map_err(Left::because)?
+                        }
+                        _ => leg.at_once(flyer, &all, x),
+                    }
+                }
                 Flown::Leg(leg, flyer) => {
                     let duration = match step.passage {
                         Passage::Leg(_) => at[place + n],
                         _ => timed.as_ref().map_or(R::ZERO, |lap| lap.time),
                     };
+                    let flyer = &mut self.flyers[*flyer].1;
+                    let apart = duration.to_f64().abs();
+                    let passes = self.exchanges[index] && duration <= R::ZERO;
+                    if passes && apart <= NEARLY_TOGETHER * self.scales[place + n] {
+                        let landing = leg.fly_a_moment(flyer, &all, x, duration);
+                        landings.push(landing.map_err(Left::because)?);
+                        continue;
+                    }
                     if duration <= R::ZERO || !duration.is_finite() {
                         return Err(Left::because(format_args!(
                             "the time between events {index} and {} vanishes",
                             index + 1
                         )));
                     }
-                    leg.fly(&mut self.flyers[*flyer].1, &all, x, duration)
-                        .map_err(Left::because)?
+                    leg.fly(flyer, &all, x, duration).map_err(Left::because)?
                 }
                 Flown::Stretch(stretch, follower) => {
                     let longest = R::splat(LONGEST * step.duration);

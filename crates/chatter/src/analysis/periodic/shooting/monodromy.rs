@@ -112,7 +112,7 @@ impl<R: Real> Shooting<R> {
     /// The rates with which such legs end, and what accelerations there make in their time.
     fn rates(&self, which: impl Fn(&Step) -> bool) -> Vec<(f64, f64)> {
         let legs = (self.steps.iter().zip(&self.latest))
-            .filter(|(step, _)| matches!(step.passage, Passage::Leg(_)) && which(step));
+            .filter(|(step, _)| step.has_own_time() && which(step));
         let rate = |landing: &Landing<R>| {
             let gained = landing.surface_acceleration.abs() * landing.duration;
             (landing.surface_rate.abs().to_f64(), gained.to_f64())
@@ -171,7 +171,7 @@ impl<R: Real> Shooting<R> {
 }
 
 /// The derivative of a leg's image by its start, the event's time taken with it.
-fn transfer<R: Real>(landing: &Landing<R>, n: usize) -> Matrix<R> {
+pub(super) fn transfer<R: Real>(landing: &Landing<R>, n: usize) -> Matrix<R> {
     let mut transfer = Matrix::zeros(n, n);
     let timed = landing.surface_rate == R::ZERO;
     for i in 0..n {

@@ -10,7 +10,7 @@ use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::leaves_at_border;
-use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::shooting::{Shooting, station_after};
 use crate::numerics::Complex;
 
 /// One side of a curve.
@@ -36,6 +36,8 @@ const VANISHES: f64 = 1e-4;
 enum Stop {
     /// It did not.
     On,
+    /// Events have changed places: with borders of the equations as they are now.
+    Anew(Bordered),
     End(End),
 }
 
@@ -120,6 +122,7 @@ impl Follower {
             steps += 1;
             match self.step(&mut curve, &bordered) {
                 Stop::On => {}
+                Stop::Anew(anew) => bordered = anew,
                 Stop::End(end) => break end,
             }
             let Some(point) = self.points.last().cloned() else {
@@ -169,7 +172,21 @@ impl Follower {
             Err(left) => return Stop::End(End::Lost(left.to_string())),
         };
         if !broken.is_empty() {
-            return Stop::End(self.breaks(&from, step, (broken, bordered)));
+            let mut reader = self.shooting.clone();
+            let mut held = bordered.of(&mut self.shooting);
+            let first = first_break(&mut held, &mut reader, (&from, step), broken);
+            return match first {
+                Some((Broken::Passed(index), station, ahead)) => {
+                    match self.exchange(curve, (index, &station, ahead), bordered) {
+                        Ok(anew) => Stop::Anew(anew),
+                        Err(end) => Stop::End(end),
+                    }
+                }
+                Some((broken, station, ahead)) => {
+                    Stop::End(self.breaks(&from, (&broken, &station, ahead), bordered))
+                }
+                None => Stop::End(End::Lost("the sequence of events changes".to_owned())),
+            };
         }
         let edge = self.limits.beyond(next.parameter());
         if let Some(edge) = edge {
@@ -282,25 +299,60 @@ impl Follower {
         });
     }
 
-    /// The sequence of events changes: where the first of these breaks.
+    /// On with two events in another order, which is nothing that happens to the orbit.
+    fn exchange(
+        &mut self,
+        curve: &mut Curve,
+        (index, station, ahead): (usize, &Station, f64),
+        bordered: &Bordered,
+    ) -> Result<Bordered, End> {
+        let from = curve.station.clone();
+        if let Some(end) = self.between(&from, (station, ahead), bordered) {
+            return Err(end);
+        }
+        let lost = |error: &dyn core::fmt::Display| End::Lost(error.to_string());
+        self.shooting
+            .evaluate(&station.at)
+            .map_err(|left| lost(&left))?;
+        let exchanged = self.shooting.exchanged(&station.at, index);
+        let mut exchanged = exchanged.map_err(|error| lost(&error))?;
+        let number = |index: usize| exchanged.numbers.get(index).copied().unwrap_or(index);
+        let condition = match self.condition {
+            Condition::Monitor(index) => Condition::Monitor(number(index)),
+            singular @ Condition::Singular(_) => singular,
+        };
+        let grazing = self.grazing.map(number);
+        let direction = exchanged.direction(&station.tangent);
+        let shooting = &mut exchanged.shooting;
+        let anew = condition.near(shooting, &exchanged.guess, None);
+        let anew = anew.map_err(|left| lost(&left))?;
+        let guess = (&*exchanged.guess, &*direction);
+        let next = station_after(&mut anew.of(shooting), guess).map_err(|error| lost(&error))?;
+        self.shooting = exchanged.shooting;
+        (self.condition, self.grazing) = (condition, grazing);
+        self.shooting
+            .evaluate(&next.at)
+            .map_err(|left| lost(&left))?;
+        let told = self.told(&next);
+        self.points.push(told);
+        curve.moves(next);
+        self.shooting.adopt(&curve.station.at);
+        Ok(anew)
+    }
+
+    /// The sequence of events changes: what breaks, where, and how far ahead.
     fn breaks(
         &mut self,
         from: &Station,
-        step: f64,
-        (broken, bordered): (Vec<Broken>, &Bordered),
+        (broken, station, ahead): (&Broken, &Station, f64),
+        bordered: &Bordered,
     ) -> End {
-        let lost = || End::Lost("the sequence of events changes".to_owned());
-        let mut reader = self.shooting.clone();
-        let mut held = bordered.of(&mut self.shooting);
-        let first = first_break(&mut held, &mut reader, (from, step), broken);
-        let Some((broken, station, ahead)) = first else {
-            return lost();
-        };
-        self.between(from, (&station, ahead), bordered);
-        let is_graze = match broken {
+        self.between(from, (station, ahead), bordered);
+        let lost = || End::Lost(broken.told(&self.shooting));
+        let is_graze = match *broken {
             Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
             Broken::Inner(_, guard) => matches!(guard, crate::flow::GuardKind::Gap(_)),
-            Broken::Early(..) | Broken::Beyond(..) => false,
+            Broken::Early(..) | Broken::Beyond(..) | Broken::Passed(_) | Broken::Order(_) => false,
         };
         if !is_graze {
             return lost();
@@ -314,10 +366,10 @@ impl Follower {
         };
         // Told without the impact that loses its rate, as on curves of grazes.
         let known = self.grazing;
-        if let Broken::Event(index) = broken {
+        if let Broken::Event(index) = *broken {
             self.grazing = known.or(Some(index));
         }
-        self.note(kind, &station, station.residual);
+        self.note(kind, station, station.residual);
         self.grazing = known;
         End::At(kind)
     }

@@ -25,7 +25,7 @@ pub struct Record {
 
 impl Record {
     /// In which form records are kept.
-    pub const FORMAT: u32 = 3;
+    pub const FORMAT: u32 = 4;
 
     /// How many orbits it adds.
     pub fn orbits(&self) -> usize {
@@ -140,7 +140,10 @@ pub(in crate::analysis::periodic) fn damaged() -> PeriodicError {
 /// The mode of a passage.
 fn mode(passage: &mut Passage) -> &mut usize {
     match passage {
-        Passage::Leg(kind) | Passage::Timed(kind) => &mut kind.mode,
+        Passage::Leg(kind)
+        | Passage::Timed(kind)
+        | Passage::AtOnce(kind)
+        | Passage::Together(kind) => &mut kind.mode,
         Passage::Stretch(kind) => &mut kind.last.mode,
     }
 }

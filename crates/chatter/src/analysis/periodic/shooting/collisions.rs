@@ -1,0 +1,247 @@
+//! Collisions that share an instant: of the contacts that touch the one that closes fastest goes first, and while that does not change
+//! their map is smooth. Where flights of several contacts end at one instant it is if all orders have one derivative.
+
+use super::Shooting;
+use super::monodromy::transfer;
+use crate::analysis::continuation::{Left, Problem};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::flow::Closed;
+use crate::flow::leg::{LegKind, StretchKind};
+use crate::numerics::Matrix;
+use core::ops::Range;
+
+/// A collision that changes another contact's rate by less than this part of its own leaves it as it is.
+const UNFELT: f64 = 1e-12;
+/// Two that close at rates nearer to each other than this, in parts of them, close at one.
+const SAME_RATE: f64 = 1e-9;
+
+/// Contacts that the collisions up to the end of a step have struck at one instant, and that are open after it.
+pub(crate) fn struck(steps: &[Step], last: usize) -> Closed {
+    let first = (0..=last).rev().find(|&index| !steps[index].is_at_once());
+    let chain = &steps[first.unwrap_or(0)..=last];
+    (chain.iter().filter_map(Step::impact))
+        .filter(|&contact| !steps[last].closed.contains(contact))
+        .fold(Closed::NONE, |all, contact| all.with(contact))
+}
+
+/// Impacts that are farther apart than this part of the period do not share an instant.
+const APART: f64 = 1e-9;
+
+impl Shooting<f64> {
+    /// By how much the collision of a step that takes no time, at a point that was evaluated last, comes before any other that would have
+    /// another outcome: how much faster it closes; and how fast it does. None of other steps.
+    pub(crate) fn precedence(&self, index: usize) -> Option<(f64, f64)> {
+        let step = self.steps.get(index).filter(|step| step.is_at_once())?;
+        let contact = step.impact()?;
+        let at = self.watching.as_ref()?;
+        let count = self.steps.len();
+        let parameters = self.workshop.parameters(self.free(at));
+        let known = self.parameters_of(&parameters, step);
+        let system = &self.workshop.system;
+        let (_, _, on) = system.origin_of(step.mode())?;
+        let rates = |node: usize| -> Vec<f64> {
+            let state = self.node(at, node);
+            (on.mechanics.contacts.iter())
+                .map(|contact| on.mechanics.graph.evaluate(contact.rate, state, &known))
+                .collect()
+        };
+        let (before, after) = (rates(index), rates((index + 1) % count));
+        let own = -before[contact];
+        let touching = self.touching(index)?;
+        let others = (touching.contacts())
+            .filter(|&other| other != contact)
+            .filter(|&other| (after[other] - before[other]).abs() > UNFELT * own.abs());
+        let first = others.fold(own, |least, other| least.min(own + before[other].min(0.0)));
+        // What is to share its instant with the event before does so but for rounding.
+        let place = self.duration_place(index);
+        let apart = place.map_or(0.0, |place| at[place].abs() / self.scales[place]);
+        Some((first.min(own * (1.0 - apart / APART)), own))
+    }
+
+    /// Contacts that touch at the instant of a step that takes no time: those that were closed before, and those that are struck.
+    fn touching(&self, index: usize) -> Option<Closed> {
+        let count = self.steps.len();
+        let back =
+            (0..count).find(|back| !self.steps[(index + count - back) % count].is_at_once())?;
+        let first = (index + count - back) % count;
+        let (grip, ..) = self.workshop.system.origin_of(self.steps[first].mode())?;
+        let on = (1..count).take_while(|on| self.steps[(first + on) % count].is_at_once());
+        let chain = core::iter::once(first).chain(on.map(|on| (first + on) % count));
+        let all = chain.filter_map(|step| self.steps[step].impact());
+        Some(all.fold(grip.closed, |all, contact| all.with(contact)))
+    }
+
+    /// The collision that another one could precede as well, if there is one, with another derivative: after an evaluation.
+    pub(crate) fn tie(&self) -> Option<usize> {
+        let ties = |&index: &usize| {
+            (self.precedence(index)).is_some_and(|(first, own)| first <= SAME_RATE * own)
+        };
+        let found = (0..self.steps.len()).find(ties)?;
+        self.steps[found].impact()
+    }
+}
+
+/// Derivatives of collisions in two orders that differ by less than this part of their largest entry are one.
+const SAME_DERIVATIVE: f64 = 1e-8;
+
+impl Shooting<f64> {
+    /// A contact whose flight ends at the instant of another's, where the derivative depends on which of them is met first: at a point.
+    pub(crate) fn depends_on_order(&mut self, at: &[f64]) -> Result<Option<usize>, Left> {
+        let count = self.steps.len();
+        let mut first = 0;
+        while first < count {
+            let after = (first + 1..count).find(|&index| !self.steps[index].is_at_once());
+            let chain = first..after.unwrap_or(count);
+            first = chain.end;
+            let is_together =
+                |index: usize| matches!(self.steps[index].passage, Passage::Together(_));
+            if let Some(index) = chain.clone().find(|&index| is_together(index))
+                && self.order_matters(at, chain)?
+            {
+                return Ok(self.steps[index].impact());
+            }
+        }
+        Ok(None)
+    }
+
+    /// The same of one chain of collisions.
+    fn order_matters(&mut self, at: &[f64], chain: Range<usize>) -> Result<bool, Left> {
+        let steps = self.current_steps(at);
+        let mut groups: Vec<Vec<Step>> = Vec::new();
+        for step in &steps[chain.clone()] {
+            match (groups.last_mut(), step.passage) {
+                (Some(group), Passage::AtOnce(_)) => group.push(step.clone()),
+                _ => groups.push(vec![step.clone()]),
+            }
+        }
+        let contacts = |group: &[Step]| {
+            let all = group.iter().filter_map(Step::impact);
+            all.fold(Closed::NONE, |all, contact| all.with(contact))
+        };
+        let mut seen = Closed::NONE;
+        for group in &groups {
+            let own = contacts(group);
+            if seen.0 & own.0 != 0 {
+                return Ok(true);
+            }
+            seen = Closed(seen.0 | own.0);
+        }
+        let own = self.derivative(at, chain.clone())?;
+        let largest = (0..own.rows())
+            .flat_map(|row| own.row(row))
+            .fold(0.0_f64, |most, x| most.max(x.abs()));
+        for order in orders(groups.len()) {
+            let sorted = order.iter().map(|&group| &groups[group]);
+            let chosen = sorted.enumerate().flat_map(|(place, group)| {
+                let way = &steps[chain.start];
+                group
+                    .iter()
+                    .enumerate()
+                    .map(move |(within, step)| match (place, within) {
+                        (0, 0) => Step {
+                            passage: ending(way.passage, step.passage),
+                            ..way.clone()
+                        },
+                        (_, 0) => Step {
+                            passage: together(step.passage),
+                            duration: 0.0,
+                            ..step.clone()
+                        },
+                        _ => step.clone(),
+                    })
+            });
+            let mut all = steps.clone();
+            all.splice(chain.clone(), chosen);
+            let mut other =
+                Self::new(&self.workshop, all, self.counts.clone()).map_err(Left::because)?;
+            let found = other.derivative(at, chain.clone())?;
+            let off = (0..own.rows()).flat_map(|row| own.row(row).iter().zip(found.row(row)));
+            if off
+                .into_iter()
+                .any(|(a, b)| (a - b).abs() > SAME_DERIVATIVE * largest)
+            {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// The derivative of a chain of collisions, the way to it included, from where that begins at a point: of the state after it at
+    /// a given time, whichever event was the last.
+    fn derivative(&mut self, at: &[f64], chain: Range<usize>) -> Result<Matrix<f64>, Left> {
+        let n = self.workshop.model.states.len();
+        let mut here = self.guess(self.free(at));
+        for index in chain.clone() {
+            self.evaluate(&here)?;
+            let image = self.latest[index].image.clone();
+            if index + 1 < chain.end {
+                let place = self.places[index + 1];
+                here[place..place + n].copy_from_slice(&image);
+            }
+        }
+        let mut product = Matrix::identity(n);
+        let mut late = vec![0.0; n];
+        for index in chain.clone() {
+            let landing = &self.latest[index];
+            if !matches!(self.steps[index].passage, Passage::AtOnce(_)) {
+                let slopes = product.apply_transposed(&landing.surface_slopes[..n]);
+                for (late, slope) in late.iter_mut().zip(slopes) {
+                    *late -= slope / landing.surface_rate;
+                }
+            }
+            product = transfer(landing, n).times(&product);
+        }
+        let parameters = self.workshop.parameters(self.free(at));
+        let model = &self.workshop.model;
+        let image = &self.latest[chain.end - 1].image;
+        for (i, state) in model.states.iter().enumerate() {
+            let rate = model.graph.evaluate(state.derivative, image, &parameters);
+            for (entry, late) in product.row_mut(i).iter_mut().zip(&late) {
+                *entry -= rate * late;
+            }
+        }
+        Ok(product)
+    }
+}
+
+/// Orders of so many, but for their own.
+fn orders(count: usize) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
+    for next in 0..count {
+        let insert = |order: &Vec<usize>| -> Vec<Vec<usize>> {
+            let at = |place: usize| {
+                let mut longer = order.clone();
+                longer.insert(place, next);
+                longer
+            };
+            (0..=order.len()).map(at).collect()
+        };
+        all = all.iter().flat_map(insert).collect();
+    }
+    let own: Vec<usize> = (0..count).collect();
+    all.retain(|order| *order != own);
+    all
+}
+
+/// The event of a step that is an impact.
+fn event(passage: Passage) -> Option<LegKind> {
+    match passage {
+        Passage::Leg(kind) | Passage::AtOnce(kind) | Passage::Together(kind) => Some(kind),
+        Passage::Stretch(kind) => Some(kind.last),
+        Passage::Timed(_) => None,
+    }
+}
+
+/// A way that ends with the event of another step.
+fn ending(way: Passage, other: Passage) -> Passage {
+    match (way, event(other)) {
+        (Passage::Stretch(whole), Some(last)) => Passage::Stretch(StretchKind { last, ..whole }),
+        (_, Some(kind)) => Passage::Leg(kind),
+        (way, None) => way,
+    }
+}
+
+/// An event at the instant of another.
+fn together(passage: Passage) -> Passage {
+    event(passage).map_or(passage, Passage::Together)
+}

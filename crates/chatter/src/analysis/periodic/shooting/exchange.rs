@@ -1,0 +1,264 @@
+//! Events that change places with the knot of a table: functions go on smoothly at a knot, and nothing happens to an orbit whose impact
+//! comes before it and not after it any more. Beside that place the time between both is an unknown like others, of either sign.
+
+use super::Shooting;
+use crate::analysis::continuation::{
+    Condition, Left, NewtonError, Problem, Station, newton, tangent,
+};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::rotate::rotate;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::expressions::{LookedUpIn, Side};
+use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, LegKind};
+use crate::numerics::{Real, dot};
+
+/// An event of an orbit after the exchange is where it was before, to this part of the states' sizes: where it is not, the knot was one at
+/// which something jumps.
+const SMOOTH: f64 = 1e-6;
+
+/// The legs of two events that may change places, the first of them first, and those of the same as they are afterwards.
+struct Exchange {
+    first: Step,
+    second: Step,
+}
+
+/// The lookup and the step to the next piece, where a leg ends at a knot of a table.
+fn knot<R: Real>(shooting: &Shooting<R>, kind: LegKind) -> Option<(usize, i64)> {
+    let Some(GuardKind::Piece(lookup, side)) = kind.ends_at else {
+        return None;
+    };
+    let lookups = &shooting.workshop.system.corners().lookups;
+    let is_table = matches!(lookups.get(lookup)?.within, LookedUpIn::Curve(_));
+    let by = match side {
+        Side::Above => 1,
+        Side::Below => -1,
+        Side::Sliding => return None,
+    };
+    (is_table && kind.jump == Jump::None).then_some((lookup, by))
+}
+
+impl<R: Real> Shooting<R> {
+    /// Whether the event at the end of a step may change places with the one before.
+    pub(super) fn may_exchange(&self, index: usize) -> bool {
+        self.exchange(index).is_some()
+    }
+
+    fn exchange(&self, index: usize) -> Option<Exchange> {
+        let count = self.steps.len();
+        if count < 3 {
+            return None;
+        }
+        let (before, after) = ((index + count - 1) % count, (index + 1) % count);
+        let [first, second, next] = [before, index, after].map(|k| &self.steps[k]);
+        let (Passage::Leg(one), Passage::Leg(other), Passage::Leg(_)) =
+            (first.passage, second.passage, next.passage)
+        else {
+            return None;
+        };
+        let moved = |pieces: &[i64], (lookup, by): (usize, i64)| {
+            let mut pieces = pieces.to_vec();
+            pieces[lookup] += by;
+            pieces
+        };
+        // Across the end of a cycle pieces are numbered a turn on.
+        let wraps = index == 0;
+        match (knot(self, one), knot(self, other)) {
+            // The event, then the knot.
+            (None, Some(by)) if next.mode() == second.mode() => {
+                let passes = wraps || first.pieces == second.pieces;
+                passes.then(|| Exchange {
+                    first: Step {
+                        passage: Passage::Leg(LegKind {
+                            mode: one.mode,
+                            ..other
+                        }),
+                        closed: self.closed_before(before),
+                        told: Vec::new(),
+                        ..first.clone()
+                    },
+                    second: Step {
+                        passage: Passage::Leg(one),
+                        pieces: moved(&first.pieces, by),
+                        closed: first.closed,
+                        told: first.told.clone(),
+                        ..second.clone()
+                    },
+                })
+            }
+            // The knot, then the event.
+            (Some(by), None) if first.mode() == second.mode() => {
+                let passes = wraps || moved(&first.pieces, by) == second.pieces;
+                passes.then(|| Exchange {
+                    first: Step {
+                        passage: Passage::Leg(other),
+                        closed: second.closed,
+                        told: second.told.clone(),
+                        ..first.clone()
+                    },
+                    second: Step {
+                        passage: Passage::Leg(LegKind {
+                            mode: next.mode(),
+                            ..one
+                        }),
+                        pieces: first.pieces.clone(),
+                        closed: second.closed,
+                        told: Vec::new(),
+                        ..second.clone()
+                    },
+                })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Equations after an exchange, with a guess of their solution and the new number of each event.
+pub(crate) struct Exchanged {
+    pub shooting: Shooting<f64>,
+    pub guess: Vec<f64>,
+    pub numbers: Vec<usize>,
+    /// Where the last step stood among the unknowns, if it is the first one now.
+    last: Option<usize>,
+}
+
+impl Exchanged {
+    /// A direction of the unknowns as they were, in the order that they have now.
+    pub(crate) fn direction(&self, before: &[f64]) -> Vec<f64> {
+        let Some(last) = self.last else {
+            return before.to_vec();
+        };
+        let (nodes, free) = before.split_at(before.len() - self.shooting.parameters());
+        [&nodes[last..], &nodes[..last], free].concat()
+    }
+}
+
+impl Shooting<f64> {
+    /// The step whose event has passed the one before, which it may, at a point.
+    pub(crate) fn passed(&self, at: &[f64]) -> Option<usize> {
+        (0..self.steps.len()).find(|&index| {
+            let duration = self.duration_place(index).map_or(0.0, |place| at[place]);
+            duration < 0.0 && self.may_exchange(index)
+        })
+    }
+
+    /// The equations with the event at the end of a step before the one that it has passed.
+    pub(crate) fn exchanged(&self, at: &[f64], index: usize) -> Result<Exchanged, PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let count = steps.len();
+        let mut numbers: Vec<usize> = (0..count).collect();
+        let (mut whole, mut index) = (self.clone(), index);
+        let last = (index == 0).then(|| self.places[count - 1]);
+        if index == 0 {
+            // Functions of the user's are told at the first node.
+            if !self.workshop.monitors.is_empty() {
+                return Err(unfollowed());
+            }
+            let parameters = self.workshop.parameters(self.free(at));
+            let cycle = (&mut *steps, &*self.counts);
+            rotate(&self.workshop, &parameters, cycle, count - 1)?;
+            numbers
+                .iter_mut()
+                .for_each(|number| *number = (*number + 1) % count);
+            index = 1;
+            whole.steps.clone_from(&steps);
+        }
+        let Exchange { first, second } = whole.exchange(index).ok_or_else(unfollowed)?;
+        let (early, next) = (steps[index].duration, (index + 1) % count);
+        steps[index - 1].duration += early;
+        steps[next].duration += early;
+        let (before, own) = (steps[index - 1].duration, -early);
+        steps[index - 1] = Step {
+            duration: before,
+            start: steps[index - 1].start.clone(),
+            ..first
+        };
+        steps[index] = Step {
+            duration: own,
+            start: steps[index].start.clone(),
+            ..second
+        };
+        numbers.iter_mut().for_each(|number| {
+            *number = match *number {
+                same if same == index => index - 1,
+                same if same + 1 == index => index,
+                other => other,
+            }
+        });
+        let mut shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
+        shooting.keep_sizes(&self.state_sizes());
+        shooting.told.clone_from(&self.told);
+        let mut guess = shooting.guess(self.free(at));
+        // The state between both is another one now.
+        let left = |left: Left| PeriodicError::NoConvergence {
+            how: left.to_string(),
+        };
+        shooting.evaluate(&guess).map_err(left)?;
+        let image = shooting.latest[index - 1].image.clone();
+        let place = shooting.places[index];
+        guess[place..place + image.len()].copy_from_slice(&image);
+        Ok(Exchanged {
+            shooting,
+            guess,
+            numbers,
+            last,
+        })
+    }
+
+    /// The same, solved at these free parameters.
+    pub(crate) fn exchanged_and_solved(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>), PeriodicError> {
+        let Exchanged {
+            mut shooting,
+            guess,
+            ..
+        } = self.exchanged(at, index)?;
+        let rows = Condition::held(&guess, guess.len() - shooting.parameters()..guess.len());
+        let failed = |error: NewtonError| PeriodicError::NoConvergence {
+            how: error.to_string(),
+        };
+        let found = newton(&mut shooting, &guess, &rows).map_err(failed)?;
+        shooting.adopt(&found.at);
+        Ok((shooting, found.at))
+    }
+}
+
+/// A station of equations after an exchange, near a guess: the curve goes on in this direction.
+pub(crate) fn station_after(
+    problem: &mut dyn Problem<f64>,
+    (guess, direction): (&[f64], &[f64]),
+) -> Result<Station, NewtonError> {
+    let scales = problem.scales().to_vec();
+    let row: Vec<f64> = (direction.iter().zip(&scales))
+        .map(|(x, scale)| x / (scale * scale))
+        .collect();
+    let value = dot(&row, guess);
+    let held = Condition {
+        row: row.clone(),
+        value,
+    };
+    let found = newton(problem, guess, &[held])?;
+    let far = (found.at.iter().zip(guess).zip(&scales))
+        .any(|((x, guess), scale)| (x - guess).abs() > SMOOTH * scale);
+    if far {
+        return Err(NewtonError::Left(Left::because(
+            "an event passes the knot of a table at which something jumps",
+        )));
+    }
+    Ok(Station {
+        tangent: tangent(problem, &found.at, &row)?,
+        at: found.at,
+        residual: found.residual,
+        correction: found.correction,
+        orientation: 0.0,
+    })
+}
+
+fn unfollowed() -> PeriodicError {
+    PeriodicError::Unfollowed {
+        what: "two events that may not change places".to_owned(),
+    }
+}
