@@ -16,6 +16,7 @@ use super::limits::Limits;
 use super::program::{ModeExprs, guard_functions};
 use super::step::Workspace;
 use super::system::{Settings, System};
+use super::touch::stop;
 use super::trajectory::Trajectory;
 use super::variation::{Column, Direction as Along, with_identity};
 use super::{Closed, Occurrence};
@@ -32,8 +33,20 @@ pub(crate) enum Jump {
     None,
     /// An impact at this contact.
     Impact(usize),
+    /// An impact at this contact whose friction stops the sliding.
+    Stop(usize),
     /// The event of this section.
     Reset(usize),
+}
+
+impl Jump {
+    /// The contact that is hit.
+    pub(crate) fn impact(self) -> Option<usize> {
+        match self {
+            Self::Impact(contact) | Self::Stop(contact) => Some(contact),
+            Self::None | Self::Reset(_) => None,
+        }
+    }
 }
 
 /// A mode, what ends it, and what happens there.
@@ -250,6 +263,10 @@ impl System {
             &exprs,
         );
         let contacts = mechanics.contacts.clone();
+        let stop = match kind.jump {
+            Jump::Stop(contact) => Some(stop(&mut mechanics, contact)?.1),
+            _ => None,
+        };
         let mut graph = mechanics.graph;
         let sections = &on_sides.sections;
         let guards = guard_functions(&mut graph, &contacts, (sections, &limits), &exprs);
@@ -257,11 +274,20 @@ impl System {
             Some(wanted) => Some(guards.iter().find(|(guard, ..)| *guard == wanted)?.2),
             None => None,
         };
-        let map = match kind.jump {
+        let mut map: Vec<Expr> = match kind.jump {
             Jump::None => (0..exprs.field.len()).map(|i| graph.state(i)).collect(),
-            Jump::Impact(contact) => contacts.get(contact)?.after_impact.clone(),
+            Jump::Impact(contact) | Jump::Stop(contact) => {
+                contacts.get(contact)?.after_impact.clone()
+            }
             Jump::Reset(section) => sections.get(section)?.reset.clone()?,
         };
+        if let Some(stop) = stop {
+            let hit = map.clone();
+            for (after, added) in map.iter_mut().zip(stop) {
+                let added = graph.substitute(added, &|symbol| at(&hit, symbol));
+                *after = graph.add(*after, added);
+            }
+        }
         let slid_along = (on_sides.active.members())
             .filter(|&index| sides.get(index) == Side::Sliding)
             .map(|index| Held {

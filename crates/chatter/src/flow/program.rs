@@ -128,7 +128,7 @@ pub struct Program {
     /// contacts that stick.
     pub(crate) residuals: Tape,
     /// For each surface that is held so its gradient, zero for time.
-    pub(crate) held_gradients: Tape,
+    pub(crate) residual_gradients: Tape,
     /// For each section what its event does, if it is one.
     pub(crate) resets: Vec<Option<ResetTapes>>,
     /// What the mode asks of each corner.
@@ -150,7 +150,7 @@ pub(crate) struct ProgramConstants<R> {
     pub locals: Vec<Vec<R>>,
     pub captures: Vec<Vec<R>>,
     pub residuals: Vec<R>,
-    pub held_gradients: Vec<R>,
+    pub residual_gradients: Vec<R>,
     pub resets: Vec<[Vec<R>; 3]>,
     pub standings: Vec<[Vec<R>; 3]>,
     pub field: Vec<R>,
@@ -391,9 +391,9 @@ impl Program {
         }
         residuals.extend(&held);
         let is_free = closed == Closed::NONE && residuals.is_empty();
-        let residuals = Tape::new(graph, dimension, &[], &residuals);
         let mut gradients = Vec::new();
-        for &held in &held {
+        // What contacts alone hold goes back along their impulses.
+        for &held in residuals.iter().filter(|_| !held.is_empty()) {
             gradients.extend((0..coordinates).map(|i| {
                 if Some(i) == time {
                     graph.number(0.0)
@@ -402,7 +402,8 @@ impl Program {
                 }
             }));
         }
-        let held_gradients = Tape::new(graph, dimension, &[], &gradients);
+        let residuals = Tape::new(graph, dimension, &[], &residuals);
+        let residual_gradients = Tape::new(graph, dimension, &[], &gradients);
         let resets = (sections.iter())
             .map(|section| ResetTapes::new(graph, section, field, directions, coordinates))
             .collect();
@@ -443,7 +444,7 @@ impl Program {
             locals,
             captures,
             residuals,
-            held_gradients,
+            residual_gradients,
             resets,
             standings,
             field: at_point,
@@ -474,7 +475,7 @@ impl Program {
             locals: self.locals.iter().map(of).collect(),
             captures: self.captures.iter().map(of).collect(),
             residuals: of(&self.residuals),
-            held_gradients: of(&self.held_gradients),
+            residual_gradients: of(&self.residual_gradients),
             resets: (self.resets.iter())
                 .map(|reset| match reset {
                     Some(reset) => [&reset.after, &reset.crossing, &reset.surface].map(of),
@@ -510,7 +511,7 @@ impl Program {
         [
             &self.tape,
             &self.residuals,
-            &self.held_gradients,
+            &self.residual_gradients,
             &self.field,
         ]
         .into_iter()
@@ -579,7 +580,7 @@ impl<R> ProgramConstants<R> {
         [
             &mut self.tape,
             &mut self.residuals,
-            &mut self.held_gradients,
+            &mut self.residual_gradients,
             &mut self.field,
         ]
         .into_iter()

@@ -273,6 +273,20 @@ fn sliding(
     contact: usize,
     (coordinates, directions): (usize, &[Direction]),
 ) -> Option<Tape> {
+    let (rate, stop) = stop(mechanics, contact)?;
+    let graph = &mut mechanics.graph;
+    let mut outputs = vec![rate];
+    outputs.extend(&stop);
+    for direction in directions {
+        outputs.extend(direction.along(graph, coordinates, &stop));
+    }
+    let dimension = coordinates * (1 + directions.len());
+    Some(Tape::new(graph, dimension, &[], &outputs))
+}
+
+/// The rate of sliding of a contact with friction, and what a tangential impulse that stops it adds to the state while the gap rate
+/// stays as it is.
+pub(super) fn stop(mechanics: &mut Mechanics, contact: usize) -> Option<(Expr, Vec<Expr>)> {
     let rub = mechanics.rubs.iter().find(|rub| rub.contact == contact)?;
     let (rate, along) = (rub.rate, rub.along.clone());
     let gap_rate = mechanics.contacts[contact].rate;
@@ -287,20 +301,14 @@ fn sliding(
         })
         .collect();
     let change = graph.lie_derivative(rate, &level);
-    let stop: Vec<Expr> = (level.iter())
+    let stop = (level.iter())
         .map(|&part| {
             let direction = graph.div(part, change);
             let taken = graph.mul(direction, rate);
             graph.neg(taken)
         })
         .collect();
-    let mut outputs = vec![rate];
-    outputs.extend(&stop);
-    for direction in directions {
-        outputs.extend(direction.along(graph, coordinates, &stop));
-    }
-    let dimension = coordinates * (1 + directions.len());
-    Some(Tape::new(graph, dimension, &[], &outputs))
+    Some((rate, stop))
 }
 
 /// Outputs of a tape at a state and its rounding remainders, each with its terms.

@@ -291,6 +291,15 @@ impl Closure {
         self.turning.iter().any(|turning| turning.state == state)
     }
 
+    /// The displacement of a state as one of the orbit, as a sum of displacements of states: less what translations take along.
+    pub(crate) fn displacement(&self, state: usize) -> Vec<(usize, f64)> {
+        let taken = self.idle.iter().flat_map(|free| {
+            let along = free.others.iter().filter(|(other, _)| *other == state);
+            along.map(|&(_, times)| (free.state, -times))
+        });
+        core::iter::once((state, 1.0)).chain(taken).collect()
+    }
+
     /// States that a displacement of which is no displacement of the orbit.
     pub(crate) fn is_idle(&self, state: usize) -> bool {
         self.idle.iter().any(|free| free.state == state)

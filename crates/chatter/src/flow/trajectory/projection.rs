@@ -7,8 +7,8 @@ use crate::flow::program::Closed;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;
 use crate::flow::touch::Touch;
-use crate::numerics::Real;
 use crate::numerics::linear::solve_consistent;
+use crate::numerics::{Real, WithTerms, dot};
 
 /// Gaps that are not linear, and what rounding leaves of a first correction, need a second, never a third at this distance.
 const CORRECTIONS: usize = 2;
@@ -49,7 +49,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Puts the state back onto the surfaces that it slides along, and rates of sliding that stick to zero: by the least
-    /// displacement.
+    /// displacement that leaves gaps and rates of closed contacts as they are.
     pub(super) fn stay_on_surfaces(&mut self, system: &System) -> Result<(), FlowError> {
         let first = 2 * self.grip().carrying().contacts().count();
         for _ in 0..CORRECTIONS {
@@ -63,17 +63,44 @@ impl<R: Real> Trajectory<R> {
                 Expansion::new(&[tape]).evaluate(tape, constants, start.0, start.1, &mut values);
                 values
             };
-            let values = at(&program.residuals, &constants.residuals);
-            let gradients = at(&program.held_gradients, &constants.held_gradients);
-            for (value, gradient) in values[first..]
-                .iter()
-                .zip(gradients.chunks(self.coordinates))
-            {
-                let square = gradient.iter().fold(R::ZERO, |sum, &g| g.mul_add(g, sum));
-                if *value != R::ZERO && square > R::ZERO {
-                    self.push(gradient, -(*value / square));
+            let mut values = at(&program.residuals, &constants.residuals);
+            values[..first].fill(R::ZERO);
+            let gradients = at(&program.residual_gradients, &constants.residual_gradients);
+            let held = values.into_iter().zip(gradients.chunks(self.coordinates));
+            // What moves nothing cannot be put back by moving.
+            let held: Vec<(R, &[R])> =
+                (held.filter(|(_, gradient)| dot(gradient, gradient) > R::ZERO)).collect();
+            if held.iter().all(|&(value, _)| value == R::ZERO) {
+                return Ok(());
+            }
+            let row = |of: &[R]| {
+                held.iter()
+                    .map(|(_, gradient)| dot(of, gradient) / dot(gradient, gradient))
+                    .collect()
+            };
+            let rows: Vec<Vec<R>> = held.iter().map(|(_, gradient)| row(gradient)).collect();
+            let right: Vec<R> = held.iter().map(|&(value, _)| value).collect();
+            let Some(parts) = solve_consistent(&rows, &right) else {
+                return Ok(());
+            };
+            let mut by = vec![WithTerms::exact(R::ZERO); self.coordinates];
+            for ((_, gradient), part) in held.iter().zip(parts) {
+                let part = part / dot(gradient, gradient);
+                for (by, &component) in by.iter_mut().zip(*gradient) {
+                    *by = *by - WithTerms::exact(component * part);
                 }
             }
+            // What contacts hold would be moved by rounding alone.
+            let by: Vec<R> = (by.iter())
+                .map(|by| {
+                    if by.value.abs() > by.level() {
+                        by.value
+                    } else {
+                        R::ZERO
+                    }
+                })
+                .collect();
+            self.push(&by, R::ONE);
         }
         Ok(())
     }
@@ -147,10 +174,7 @@ impl<R: Real> Trajectory<R> {
 
 /// Products of the gradients of the gaps with each other.
 fn gram<R: Real>(touch: &Touch<R>, contacts: &[usize]) -> Vec<Vec<R>> {
-    let dot = |&i: &usize, &j: &usize| {
-        (touch.gradient[i].iter().zip(&touch.gradient[j]))
-            .fold(R::ZERO, |sum, (&a, &b)| a.mul_add(b, sum))
-    };
-    let row = |i: &usize| contacts.iter().map(|j| dot(i, j)).collect();
+    let of = |i: usize, j: usize| dot(&touch.gradient[i], &touch.gradient[j]);
+    let row = |&i: &usize| contacts.iter().map(|&j| of(i, j)).collect();
     contacts.iter().map(row).collect()
 }

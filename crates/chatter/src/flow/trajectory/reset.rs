@@ -167,7 +167,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// An impulse with full friction that has turned the sliding round was larger than what stops it: the contact sticks
-    /// during the impact, and slides no more after it. With columns such an impact is one of several collisions, and they are those of
+    /// during the impact, and slides no more after it, if there is any friction. With columns such an impact is one of several collisions, and they are those of
     /// the event's point.
     pub(super) fn stop_sliding(
         &mut self,
@@ -177,6 +177,18 @@ impl<R: Real> Trajectory<R> {
         let Some(rubbing) = system.rubbing().iter().find(|r| r.contact == contact) else {
             return Ok(());
         };
+        let model = system.model();
+        let rough = model.contacts[contact]
+            .friction
+            .as_ref()
+            .is_some_and(|friction| {
+                let state = &self.state[..self.coordinates];
+                let coefficient = friction.coefficient;
+                model.graph.evaluate(coefficient, state, &self.parameters) > R::ZERO
+            });
+        if !rough {
+            return Ok(());
+        }
         let before = R::splat(self.regime.get(rubbing.surface).sign());
         let Some((rate, stop)) = self.sliding(system, contact)? else {
             return Ok(());

@@ -3,6 +3,7 @@
 mod after_release;
 mod chatter_limits;
 mod grazes;
+mod held_by_friction;
 mod nested_chatter;
 mod several_contacts;
 mod several_releases;

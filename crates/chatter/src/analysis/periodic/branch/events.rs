@@ -25,6 +25,13 @@ impl Shooting<f64> {
         };
         let mut steps = self.current_steps(at);
         let whole = steps[index].clone();
+        if let GuardKind::Gap(contact) = least.guard
+            && self.takes_off(whole.mode(), contact)
+        {
+            return Err(unfollowed(
+                "a graze while the state slides along a surface that the impact takes it off",
+            ));
+        }
         let touches = |mode: usize| {
             Passage::Leg(LegKind {
                 mode,
@@ -69,6 +76,19 @@ impl Shooting<f64> {
         };
         let (shooting, at) = self.like(steps, at)?;
         Ok((shooting, at, index))
+    }
+
+    /// Whether an impulse at a contact takes the state off a surface that it slides along in a mode, however weak it is: what follows is
+    /// not that mode.
+    fn takes_off(&self, mode: usize, contact: usize) -> bool {
+        let Some((_, _, on)) = self.workshop.system.origin_of(mode) else {
+            return false;
+        };
+        let mut graph = on.mechanics.graph.clone();
+        let zero = graph.number(0.0);
+        let jump = &on.mechanics.contacts[contact].jump;
+        let mut slides = on.mechanics.slides.iter();
+        slides.any(|slide| graph.lie_derivative(slide.surface, jump) != zero)
     }
 
     /// The same orbit without the event at the end of a step, which leaves the state as it is, and the step that goes on

@@ -62,19 +62,10 @@ impl Step {
     /// The contact of the impact at its end.
     pub(crate) fn impact(&self) -> Option<usize> {
         match self.passage {
-            Passage::Leg(LegKind {
-                jump: Jump::Impact(contact),
-                ..
-            })
-            | Passage::AtOnce(LegKind {
-                jump: Jump::Impact(contact),
-                ..
-            })
-            | Passage::Together(LegKind {
-                jump: Jump::Impact(contact),
-                ..
-            }) => Some(contact),
-            _ => None,
+            Passage::Leg(kind) | Passage::AtOnce(kind) | Passage::Together(kind) => {
+                kind.jump.impact()
+            }
+            Passage::Timed(_) | Passage::Stretch(_) => None,
         }
     }
 
@@ -172,6 +163,28 @@ pub(super) fn single(instant: &Instant) -> Option<LegKind> {
     })
 }
 
+/// A rate of sliding is zero that is no more than so many roundoffs of what any state has a part in it.
+const STOPPED_ROUNDOFFS: f64 = 16.0;
+
+/// Whether an impact has stopped the sliding of its contact by friction.
+fn stops((system, parameters): (&System, &[f64]), instant: &Instant, contact: usize) -> bool {
+    let model = system.model();
+    let Some(friction) = &model.contacts[contact].friction else {
+        return false;
+    };
+    let known = system.with_pieces(parameters, &instant.pieces);
+    let at = |state: &[f64], of| model.graph.evaluate(of, state, &known);
+    let rate = at(&instant.state, friction.rate);
+    let part = |i: usize| {
+        let mut state = instant.state.clone();
+        state[i] = 0.0;
+        (at(&state, friction.rate) - rate).abs()
+    };
+    let largest = (0..instant.state.len()).map(part).fold(0.0, f64::max);
+    at(&instant.state, friction.coefficient) > 0.0
+        && rate.abs() <= STOPPED_ROUNDOFFS * f64::EPSILON * largest
+}
+
 /// The events of an instant: the one that ends the way to it, and what shares its time.
 struct Events {
     first: LegKind,
@@ -183,10 +196,17 @@ const MOST_TOGETHER: usize = 3;
 
 impl Events {
     /// None where the instant is more than can be told apart.
-    fn of(system: &System, instant: &Instant) -> Option<Self> {
-        let alone = single(instant).map(|first| Self {
-            first,
-            then: Vec::new(),
+    fn of((system, parameters): (&System, &[f64]), instant: &Instant) -> Option<Self> {
+        let alone = single(instant).map(|mut first| {
+            if let Jump::Impact(contact) = first.jump
+                && stops((system, parameters), instant, contact)
+            {
+                first.jump = Jump::Stop(contact);
+            }
+            Self {
+                first,
+                then: Vec::new(),
+            }
         });
         alone.or_else(|| Self::collisions(system, instant))
     }
@@ -309,7 +329,7 @@ pub(crate) fn read(
         if instant.only_touches() {
             continue;
         }
-        let events = Events::of(system, instant);
+        let events = Events::of((system, parameters), instant);
         if let Some((begin, accumulations, mut told)) = open.take() {
             let Some(events) = events else {
                 told.extend(&instant.told);
@@ -338,8 +358,8 @@ pub(crate) fn read(
             }
             // Another impact within rounding of the time.
             let with_another = at_once
-                && matches!((kind.jump, steps.last().and_then(Step::impact)),
-                    (Jump::Impact(contact), Some(before)) if contact != before);
+                && matches!((kind.jump.impact(), steps.last().and_then(Step::impact)),
+                    (Some(contact), Some(before)) if contact != before);
             let leg = Step {
                 passage: match with_another {
                     true => Passage::Together(kind),

@@ -43,8 +43,10 @@ impl<R: Real> Shooting<R> {
             .collect();
         let mut reduced = Matrix::zeros(kept.len(), kept.len());
         for (row, &i) in kept.iter().enumerate() {
-            for (column, &k) in kept.iter().enumerate() {
-                reduced[(row, column)] = product[(i, k)].to_f64();
+            for (from, times) in self.workshop.closure.displacement(i) {
+                for (column, &k) in kept.iter().enumerate() {
+                    reduced[(row, column)] += (product[(from, k)] * R::splat(times)).to_f64();
+                }
             }
         }
         balance(&mut reduced);
@@ -120,16 +122,32 @@ impl<R: Real> Shooting<R> {
         legs.map(|(_, landing)| rate(landing)).collect()
     }
 
-    /// The sum of the monodromy matrix's minors of two of these rows and columns.
+    /// The sum of the monodromy matrix's minors of two of these columns, and of the rows of the same displacements.
     fn minors(&self, kept: &[usize]) -> R {
         let n = self.workshop.model.states.len();
         let mut product = Matrix::identity(n * (n - 1) / 2);
         for landing in &self.latest {
             product = transfer(landing, n).minors().times(&product);
         }
-        (pairs(n).enumerate())
-            .filter(|(_, (i, k))| kept.contains(i) && kept.contains(k))
-            .fold(R::ZERO, |sum, (place, _)| sum + product[(place, place)])
+        let place = |pair: (usize, usize)| pairs(n).position(|other| other == pair);
+        let minor = |(i, k): (usize, usize), column: usize| match place((i.min(k), i.max(k))) {
+            Some(row) if i < k => product[(row, column)],
+            Some(row) => -product[(row, column)],
+            None => R::ZERO,
+        };
+        let closure = &self.workshop.closure;
+        let mut sum = R::ZERO;
+        for (column, (i, k)) in pairs(n).enumerate() {
+            if !(kept.contains(&i) && kept.contains(&k)) {
+                continue;
+            }
+            for (a, times) in closure.displacement(i) {
+                for (b, more) in closure.displacement(k) {
+                    sum += minor((a, b), column) * R::splat(times * more);
+                }
+            }
+        }
+        sum
     }
 
     /// The phase that turns by itself, where no time does.

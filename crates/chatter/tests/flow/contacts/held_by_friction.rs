@@ -1,0 +1,81 @@
+//! What rests on a contact while something else slides or comes to rest on it by dry friction stays there.
+
+use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use chatter::model::Model;
+use std::ops::ControlFlow;
+
+fn run(text: &str, until: f64) -> Simulation<f64> {
+    let model = Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"));
+    simulate::<f64>(&model, &Spec::until(until), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .expect("a legal start")
+}
+
+/// A block that chattered to a stop while a sled slid over it. The sled comes to rest on the block, which its friction presses against the
+/// stop until the sled's own force a - b t pulls both away, at t = a/b.
+#[test]
+fn a_block_stays_at_its_stop_when_the_sled_comes_to_rest_on_it() {
+    for k in 0..24 {
+        let speed = 1.2 + 0.0323 * f64::from(k);
+        let text = format!(
+            r#"
+            [flight]
+            V = "0.3 - 0.1*t - 0.9*sign(V - v)"
+            x = "v"
+            v = "0.9*sign(V - v)/0.6"
+            [[contact]]
+            name = "stop"
+            gap = "0.3 - x"
+            impulse = {{ v = -1 }}
+            restitution = 0.3
+            [initial]
+            V = {speed}
+            x = 0
+            v = 0.2
+            "#
+        );
+        let run = run(&text, 6.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{speed}");
+        let counts = (run.counts.accumulations, run.counts.releases);
+        assert_eq!(counts, (1, 1), "{speed}");
+        // Three units of time with both at (a - b t)/(1 + m).
+        let (moved, rate) = (-0.1 * 27.0 / 6.0 / 1.6, -0.1 * 9.0 / 2.0 / 1.6);
+        for (found, expected) in run.state.iter().zip([rate, 0.3 + moved, rate]) {
+            assert!((found - expected).abs() < 1e-12, "{speed}: {:?}", run.state);
+        }
+    }
+}
+
+/// A ball rests on a platform that swings to and fro until friction stops it: it stays there.
+#[test]
+fn a_ball_stays_on_a_platform_that_friction_stops() {
+    for k in 0..12 {
+        let speed = 0.3 + 0.017 * f64::from(k);
+        let text = format!(
+            r#"
+            [flight]
+            Y = "V"
+            V = "(-40*Y - 9*sign(V))/3"
+            y = "v"
+            v = "-9.81"
+            [[contact]]
+            name = "plate"
+            gap = "y - Y"
+            impulse = {{ v = "1/0.2", V = "-1/3" }}
+            restitution = 0.5
+            [initial]
+            Y = 0
+            V = {speed}
+            y = 0
+            v = {speed}
+            "#
+        );
+        let run = run(&text, 3.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{speed}");
+        assert_eq!(run.counts.impacts, 0, "{speed}");
+        assert_eq!(run.counts.releases, 0, "{speed}");
+        assert_eq!(run.state[1], 0.0, "{speed}");
+        assert_eq!(run.state[0], run.state[2], "{speed}");
+    }
+}
