@@ -10,6 +10,7 @@ mod phases;
 mod plane;
 mod reference;
 mod resumed;
+mod rough_walls;
 mod surfaces;
 mod together;
 mod told_from;
