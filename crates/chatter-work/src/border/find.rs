@@ -53,8 +53,10 @@ fn near<R: Real + Argument<Real = R>>(
     value: f64,
     observer: &dyn Observer,
 ) -> Result<Answer<R>, Refusal> {
-    let border = search_near::<R>(subject.model, spec, value, &mut |done| {
-        observer.progress(SEARCH * done, &|| "looking for the border orbit".to_owned());
+    let border = search_near::<R>(subject.model, spec, value, &mut |reached| {
+        observer.progress(SEARCH * reached.done, &|| {
+            "looking for the border orbit".to_owned()
+        });
         observer.going_on()
     });
     let border = border.map_err(refused)?.ok_or(Refusal::Interrupted)?;

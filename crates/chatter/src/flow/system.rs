@@ -104,21 +104,13 @@ impl System {
         }
         let mut model = model.clone();
         let coordinates = model.states.len();
-        let rates = |model: &mut Model, p| {
-            let mut graph = model.graph.clone();
-            let rates = model.parameter_rates(&mut graph, p);
-            model.graph = graph;
-            rates
-        };
+        let mut graph = model.graph.clone();
         let directions: Vec<Direction> = (columns.iter().enumerate())
-            .map(|(index, column)| {
-                let parameters = match *column {
-                    Column::State => Vec::new(),
-                    Column::Parameter(p) => rates(&mut model, p),
-                };
-                Direction::new((index + 1) * coordinates, parameters)
+            .map(|(index, &column)| {
+                Direction::of(column, &model, &mut graph, (index + 1) * coordinates)
             })
             .collect();
+        model.graph = graph;
         let gaps: Vec<Expr> = model.contacts.iter().map(|contact| contact.gap).collect();
         let own = Corners::of(&model.graph, &gaps, model.parameters.len());
         let system = Self {

@@ -21,7 +21,7 @@
 
 use super::program::ModeExprs;
 use crate::expressions::{Expr, Graph, Symbol};
-use crate::model::Mechanics;
+use crate::model::{Mechanics, Model};
 use crate::numerics::Real;
 
 /// What a column of derivatives is taken with respect to.
@@ -58,6 +58,15 @@ impl Direction {
         Self { offset, parameters }
     }
 
+    /// That of a column which begins at this state.
+    pub(crate) fn of(column: Column, model: &Model, graph: &mut Graph, offset: usize) -> Self {
+        let parameters = match column {
+            Column::State => Vec::new(),
+            Column::Parameter(index) => model.parameter_rates(graph, index),
+        };
+        Self::new(offset, parameters)
+    }
+
     /// The states that hold the column of this many coordinates.
     pub(crate) fn components(&self, graph: &mut Graph, dimension: usize) -> Vec<Expr> {
         (0..dimension)
@@ -72,6 +81,27 @@ impl Direction {
             Symbol::State(i) => components.get(i).copied(),
             Symbol::Parameter(i) => self.parameters.get(i).copied(),
         })
+    }
+
+    /// The derivatives of functions from event to event, where a surface is met: fixed in time, a column does not keep to the
+    /// surface, and its event comes later by the time that the field takes there (MATH.md 10).
+    pub(crate) fn at_event(
+        &self,
+        graph: &mut Graph,
+        (field, surface): (&[Expr], Expr),
+        exprs: &[Expr],
+    ) -> Vec<Expr> {
+        let off = self.along(graph, field.len(), &[surface])[0];
+        let rate = graph.lie_derivative(surface, field);
+        let early = graph.div(off, rate);
+        let along = self.along(graph, field.len(), exprs);
+        (exprs.iter().zip(along))
+            .map(|(&expr, along)| {
+                let drift = graph.lie_derivative(expr, field);
+                let moved = graph.mul(drift, early);
+                graph.sub(along, moved)
+            })
+            .collect()
     }
 }
 

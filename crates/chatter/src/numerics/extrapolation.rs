@@ -31,6 +31,20 @@ pub struct Plan {
     pub orders: usize,
 }
 
+/// So many powers of a ratio, each times each of these, largest first and so often: where a ratio changes along a derivative, what
+/// it multiplies occurs k times in term k as well, and is to be eliminated twice.
+pub fn ratios<R: Real>(firsts: &[R], ratio: R, powers: usize, copies: usize) -> Vec<R> {
+    let of = |&first: &R| {
+        let next = move |&power: &R| Some(power * ratio);
+        core::iter::successors(Some(first * ratio), next).take(powers)
+    };
+    let mut all: Vec<R> = (firsts.iter().flat_map(of))
+        .flat_map(|ratio| core::iter::repeat_n(ratio, copies))
+        .collect();
+    all.sort_by(|a, b| b.partial_cmp(a).unwrap_or(core::cmp::Ordering::Equal));
+    all
+}
+
 /// The limit of a sequence a + sum_i c_i ratios_i^k, from its latest terms.
 ///
 /// Eliminates one ratio after the other, largest first, and keeps the order at which successive results agree best: more
@@ -74,6 +88,21 @@ pub fn limit<R: Real>(terms: &[R], ratios: &[R], plan: Plan) -> Option<Estimate<
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// k r^k beside r^k, as in derivatives where r changes.
+    #[test]
+    fn ratios_that_change_are_removed_twice() {
+        let all = ratios(&[1.0, 0.9], 0.5, 2, 2);
+        assert_eq!(all, [0.5, 0.5, 0.45, 0.45, 0.25, 0.25, 0.225, 0.225]);
+        let term = |k: i32| 1.5 + (2.0 - 0.7 * f64::from(k)) * f64::powi(0.5, k);
+        let terms: Vec<f64> = (0..4).map(term).collect();
+        let plan = Plan {
+            stride: 1,
+            orders: 8,
+        };
+        let found = limit(&terms, &ratios(&[1.0], 0.5, 1, 2), plan).unwrap();
+        assert!((found.value - 1.5).abs() < 1e-15, "{found:?}");
+    }
 
     #[test]
     fn known_tails_are_removed() {

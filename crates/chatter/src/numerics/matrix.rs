@@ -116,6 +116,32 @@ impl<R: Real> Matrix<R> {
         Self::from_rows(&rows)
     }
 
+    /// All columns but those, as many as there are rows, that complete pivoting eliminates with: unknowns that may be chosen where the
+    /// rows are equations for the others.
+    pub fn free_columns(&self) -> Vec<usize> {
+        let mut work = self.clone();
+        let mut free: Vec<usize> = (0..self.columns()).collect();
+        let mut left: Vec<usize> = (0..self.rows()).collect();
+        loop {
+            // Of equals the first.
+            let places = left
+                .iter()
+                .flat_map(|&row| free.iter().map(move |&i| (row, i)));
+            let larger = |a, b| if work[b].abs() > work[a].abs() { b } else { a };
+            let Some((row, pivot)) = places.reduce(larger) else {
+                return free;
+            };
+            free.retain(|&i| i != pivot);
+            left.retain(|&other| other != row);
+            let above = work.row(row).to_vec();
+            for &other in &left {
+                let factor = work[(other, pivot)] / above[pivot];
+                let entries = work.row_mut(other).iter_mut().zip(&above);
+                entries.for_each(|(entry, &above)| *entry -= factor * above);
+            }
+        }
+    }
+
     /// Each number to double precision.
     pub fn to_f64(&self) -> Matrix<f64> {
         Matrix {
@@ -308,6 +334,15 @@ mod tests {
     use super::*;
     use crate::numerics::{DoubleDouble, Scalar};
     use proptest::prelude::*;
+
+    #[test]
+    fn free_columns_are_those_without_pivots() {
+        let rows = [vec![1.0, 0.0, -5.0, 2.0], vec![0.5, 3.0, -2.5, 1.0]];
+        assert_eq!(Matrix::from_rows(&rows).free_columns(), [0, 3]);
+        // After the first row nothing is left of the third column.
+        let rows = [vec![1.0, 0.0, 4.0], vec![0.5, 0.1, 2.0]];
+        assert_eq!(Matrix::from_rows(&rows).free_columns(), [0]);
+    }
 
     fn of(entries: &[f64], size: usize) -> Matrix<f64> {
         let mut matrix = Matrix::zeros(size, size);

@@ -21,7 +21,7 @@ pub use bracket::{Bracket, root_between};
 pub(crate) use double_double::two_sum;
 pub use double_double::{DoubleDouble, NotANumber};
 pub use eigenvalues::{Complex, balance, eigenvalues};
-pub use extrapolation::{Estimate, Plan, limit};
+pub use extrapolation::{Estimate, Plan, limit, ratios};
 pub use lanes::{LaneMask, LaneSet, Lanes};
 pub use matrix::{Factored, Matrix, dot, moved, pairs, unit};
 pub use newton::{Equations, Linearised, Newton, NewtonError, Solution};

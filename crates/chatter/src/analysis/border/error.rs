@@ -1,23 +1,20 @@
 //! What can keep a border orbit from being found.
 
 use super::normal_form::leading_order::ReleaseSection;
+use crate::expressions::nearest;
 use crate::flow::{FlowError, SystemError};
+use crate::numerics::Real;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Why there is no border orbit, or none that the theory covers.
 #[derive(Clone, Debug)]
 pub enum BorderError {
-    /// The model has no parameter of this name.
-    UnknownParameter {
+    /// The model has nothing of this kind and name.
+    Unknown {
         /// What was asked for.
-        name: String,
-        /// The nearest name that there is.
-        nearest: Option<String>,
-    },
-    /// The model has no state of this name.
-    UnknownState {
-        /// What was asked for.
+        kind: Named,
+        /// Its name.
         name: String,
         /// The nearest name that there is.
         nearest: Option<String>,
@@ -29,10 +26,12 @@ pub enum BorderError {
         /// How many the model has.
         count: usize,
     },
-    /// Something is conserved, so that border orbits come in families.
-    NotAlone {
+    /// At a parameter value there is no border orbit that the theory covers.
+    Lacks {
         /// The parameter value.
-        value: f64,
+        at: f64,
+        /// What is missing there.
+        what: Lack,
     },
     /// The parameter values to search are no interval.
     Range {
@@ -41,41 +40,10 @@ pub enum BorderError {
         /// Upper end asked for.
         high: f64,
     },
-    /// No state was found with gap, rate and acceleration zero and positive jerk.
-    NoRelease {
-        /// The parameter value.
-        value: f64,
-    },
-    /// Time enters the equations in a way that has no period, so that no orbit is periodic.
-    Aperiodic {
-        /// The parameter value.
-        value: f64,
-    },
-    /// The restitution at release is not in the open interval (0, 1).
-    Restitution {
-        /// The restitution.
-        value: f64,
-        /// The parameter value.
-        at: f64,
-    },
-    /// The section of the leading-order coefficients is not reached between release and the first impact.
-    Section {
-        /// The state that defines it.
-        state: String,
-        /// Its level.
-        level: f64,
-    },
-    /// The model has no section of this name.
-    UnknownSection {
-        /// What was asked for.
-        name: String,
-        /// The nearest name that there is.
-        nearest: Option<String>,
-    },
-    /// The border orbit does not cross a section of the model before its first impact.
-    SectionNotCrossed {
-        /// Name of the section.
-        name: String,
+    /// A section is not crossed between release and the first impact.
+    NotCrossed {
+        /// Its name, or what defines it.
+        section: String,
     },
     /// There is no border near the value asked for.
     NoBorder {
@@ -104,7 +72,63 @@ pub enum BorderError {
     },
 }
 
+/// What border orbits need.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lack {
+    /// A state with gap, rate and acceleration zero and positive jerk.
+    Release,
+    /// A period of time, if it enters the equations, and of angles.
+    Period,
+    /// That no other orbit nearby returns to where it was released: else something is conserved, and border orbits come in families.
+    Alone,
+    /// A restitution at release in the open interval (0, 1), other than this one.
+    Restitution(f64),
+}
+
+impl Lack {
+    /// That this is missing at a parameter value.
+    pub(crate) fn at(self, at: impl Real) -> BorderError {
+        BorderError::Lacks {
+            at: at.to_f64(),
+            what: self,
+        }
+    }
+}
+
+/// What of a model has a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Named {
+    /// A parameter.
+    Parameter,
+    /// A state.
+    State,
+    /// A section.
+    Section,
+}
+
 impl BorderError {
+    /// There is nothing of this name among those known.
+    pub(crate) fn unknown<'a>(
+        kind: Named,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        Self::Unknown {
+            kind,
+            name: name.to_owned(),
+            nearest: nearest(name, known),
+        }
+    }
+
+    /// The parameter value at which something is wrong.
+    fn at(&self) -> Option<f64> {
+        match *self {
+            Self::Lacks { at, .. } => Some(at),
+            Self::Flow { at, .. } => at,
+            _ => None,
+        }
+    }
+
     /// The same, where it is a trajectory's, with the parameter value at which it goes on no more.
     pub(crate) fn with_parameter(self, value: f64) -> Self {
         match self {
@@ -166,35 +190,32 @@ impl fmt::Display for ParameterValue {
 
 impl fmt::Display for Break {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value = ParameterValue(self.value);
+        write!(out, "at {} ", ParameterValue(self.value))?;
         match self.cause {
             BreakCause::Graze { impact: 0, rate } => {
-                write!(
-                    out,
-                    "at {value} the first impact is a graze (rate {rate:.1e})"
-                )
+                write!(out, "the first impact is a graze (rate {rate:.1e})")
             }
             BreakCause::Graze { impact, rate } => write!(
                 out,
-                "at {value} impact {} after release is a graze (rate {rate:.1e})",
+                "impact {} after release is a graze (rate {rate:.1e})",
                 impact + 1
             ),
-            BreakCause::Elsewhere => write!(
-                out,
-                "at {value} chatter that begins at one release point ends at another"
-            ),
-            BreakCause::Short { impacts } => write!(
-                out,
-                "at {value} a first sequence of {impacts} impacts, which ends in flight, loses one of them and is \
-                 no more taken for chatter"
-            ),
-            BreakCause::NoChatter => {
+            BreakCause::Elsewhere => {
                 write!(
                     out,
-                    "at {value} the long flights before chatter become too many, or there is no release"
+                    "chatter that begins at one release point ends at another"
                 )
             }
-            BreakCause::Jump => write!(out, "at {value} the impact sequence jumps"),
+            BreakCause::Short { impacts } => write!(
+                out,
+                "a first sequence of {impacts} impacts, which ends in flight, loses one of them and is no more taken \
+                 for chatter"
+            ),
+            BreakCause::NoChatter => write!(
+                out,
+                "the long flights before chatter become too many, or there is no release"
+            ),
+            BreakCause::Jump => write!(out, "the impact sequence jumps"),
         }
     }
 }
@@ -204,20 +225,22 @@ const BREAKS_TOLD: usize = 3;
 
 impl fmt::Display for BorderError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let suggest = |nearest: &Option<String>| match nearest {
-            Some(name) => format!("; did you mean `{name}`?"),
-            None => String::new(),
-        };
+        if let Some(value) = self.at() {
+            write!(out, "with the parameter at {} ", ParameterValue(value))?;
+        }
         match self {
-            Self::UnknownParameter { name, nearest } => {
-                write!(
-                    out,
-                    "the model has no parameter `{name}`{}",
-                    suggest(nearest)
-                )
-            }
-            Self::UnknownState { name, nearest } => {
-                write!(out, "the model has no state `{name}`{}", suggest(nearest))
+            Self::Unknown {
+                kind,
+                name,
+                nearest,
+            } => {
+                let kind = match kind {
+                    Named::Parameter => "parameter",
+                    Named::State => "state",
+                    Named::Section => "section",
+                };
+                write!(out, "the model has no {kind} `{name}`")?;
+                (nearest.iter()).try_for_each(|name| write!(out, "; did you mean `{name}`?"))
             }
             Self::NoContact => write!(out, "border orbits need a contact; this model has none"),
             Self::States { count } => write!(
@@ -225,55 +248,43 @@ impl fmt::Display for BorderError {
                 "border orbits need a point where gap, rate and acceleration vanish, which takes three states, time \
                  included; this model has {count}"
             ),
-            Self::NotAlone { value } => write!(
-                out,
-                "with the parameter at {} orbits return to wherever they are released: something is conserved, and \
-                 border orbits come in families; fix what is conserved, such as the amplitude of a forcing that two \
-                 states make, by writing it as a function of time",
-                ParameterValue(*value)
-            ),
+            Self::Lacks { what, .. } => match what {
+                Lack::Release => write!(
+                    out,
+                    "no release point was found: no state with gap, rate and acceleration zero and positive jerk"
+                ),
+                Lack::Period => write!(
+                    out,
+                    "the equations have no period in time, or in an angle that they depend on; a border orbit is periodic"
+                ),
+                Lack::Alone => write!(
+                    out,
+                    "orbits return to wherever they are released: something is conserved, and border orbits come in \
+                     families; fix what is conserved, such as the amplitude of a forcing that two states make, by \
+                     writing it as a function of time"
+                ),
+                Lack::Restitution(value) => write!(
+                    out,
+                    "the restitution at release is {value}; a border orbit needs one between 0 and 1, both excluded"
+                ),
+            },
             Self::Range { low, high } => write!(
                 out,
                 "no parameter values between {} and {}: the range must go from a smaller to a larger finite number",
                 ParameterValue(*low),
                 ParameterValue(*high)
             ),
-            Self::NoRelease { value } => write!(
+            Self::NotCrossed { section } => write!(
                 out,
-                "with the parameter at {} no release point was found: no state with gap, rate and acceleration zero \
-                 and positive jerk",
-                ParameterValue(*value)
-            ),
-            Self::Aperiodic { value } => write!(
-                out,
-                "with the parameter at {} the equations have no period in time, or in an angle that they depend on; \
-                 a border orbit is periodic",
-                ParameterValue(*value)
-            ),
-            Self::Restitution { value, at } => write!(
-                out,
-                "with the parameter at {} the restitution at release is {value}; a border orbit needs one between 0 and \
-                 1, both excluded",
-                ParameterValue(*at)
-            ),
-            Self::Section { state, level } => write!(
-                out,
-                "the section {state} = {level} is not crossed between release and the first impact"
-            ),
-            Self::UnknownSection { name, nearest } => {
-                write!(out, "the model has no section `{name}`{}", suggest(nearest))
-            }
-            Self::SectionNotCrossed { name } => write!(
-                out,
-                "the border orbit does not cross the section `{name}` between release and its first impact"
+                "the section {section} is not crossed between release and the first impact"
             ),
             Self::NoBorder { low, high, breaks } => {
                 let (low, high) = (ParameterValue(*low), ParameterValue(*high));
                 write!(out, "there is no border between {low} and {high}")?;
                 (breaks.iter().take(BREAKS_TOLD)).try_for_each(|at| write!(out, "; {at}"))?;
-                match breaks.len().checked_sub(BREAKS_TOLD) {
-                    Some(more) if more > 0 => write!(out, "; and {more} more such places"),
-                    _ => Ok(()),
+                match breaks.len().saturating_sub(BREAKS_TOLD) {
+                    0 => Ok(()),
+                    more => write!(out, "; and {more} more such places"),
                 }
             }
             Self::NotConverged { value, residual } => write!(
@@ -282,14 +293,7 @@ impl fmt::Display for BorderError {
                 ParameterValue(*value)
             ),
             Self::System(error) => error.fmt(out),
-            Self::Flow { at: None, error } => error.fmt(out),
-            Self::Flow {
-                at: Some(value),
-                error,
-            } => {
-                let value = ParameterValue(*value);
-                write!(out, "with the parameter at {value} {error}")
-            }
+            Self::Flow { error, .. } => error.fmt(out),
         }
     }
 }
@@ -298,7 +302,8 @@ impl std::error::Error for BorderError {}
 
 impl From<ReleaseSection> for BorderError {
     fn from(ReleaseSection { state, level }: ReleaseSection) -> Self {
-        Self::Section { state, level }
+        let section = format!("{state} = {level}");
+        Self::NotCrossed { section }
     }
 }
 

@@ -15,10 +15,9 @@
 //!   limits       X and N: limits along the sequence, with derivatives
 //!   root         the smooth equation X(p) = 0
 //! search/        borders of a parameter
-//!   samples      the verdict at many parameter values
+//!   sample       the verdict at a parameter value
 //!   closing_in   from a change of the verdict to the root between
-//!   changes      all of them, or the nearest first
-//!   near, range  the border nearest to a value; all borders of a range, stretch by stretch
+//!   borders      all of a range, stretch by stretch, or the nearest to a value
 //!   breaks       what ends complete chatter where no border is
 //! orbit          a border orbit with its normal form
 //! normal_form/   K, M and what they are made of
@@ -46,17 +45,18 @@ mod spec;
 
 pub use crate::numerics::Estimate;
 pub use coordinate::{Extrapolation, LocalCoordinate, Verdict};
-pub use error::{BorderError, Break, BreakCause};
+pub use error::{BorderError, Break, BreakCause, Lack, Named};
 pub use normal_form::{
     Exact, LeadingOrder, Memory, ReleaseSection, leading_order_at, section_states,
 };
 pub use orbit::{Border, FirstImpact};
 pub use prediction::{
-    AffineStates, Discrepancy, ImpactCounts, LocatedWindow, Passage, PredictedPassage,
-    PredictedPoint, PredictedWindow, Prediction, Settled, Simulated, Simulator, WindowComparison,
+    AffineStates, Discrepancy, LocatedWindow, Passage, PredictedPassage, PredictedPoint,
+    PredictedWindow, Prediction, Simulated, Simulator, WindowComparison, WindowEnds,
 };
 pub use release::{ReleasePoint, Turn};
 pub use search::{
-    Borders, SearchProgress, border_near, borders_in, search_near, search_range, verdicts_in,
+    Borders, SearchObserver, SearchProgress, border_near, borders_in, search_near, search_range,
+    verdicts_in,
 };
 pub use spec::BorderSpec;

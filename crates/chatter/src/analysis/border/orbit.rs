@@ -78,9 +78,9 @@ pub(super) fn complete<R: Real>(
     if let Some(rate) = grazing_start(&point) {
         return Ok(Err(BreakCause::Graze { impact: 0, rate }));
     }
-    let Some(turns) = point.turns(problem) else {
+    if !point.closes() {
         return Ok(Err(BreakCause::Elsewhere));
-    };
+    }
     let first = &point.sequence.impacts[0];
     let started =
         (problem.model.time).map_or(DoubleDouble::ZERO, |index| point.release.state[index]);
@@ -91,7 +91,7 @@ pub(super) fn complete<R: Real>(
         &parameters,
         &first.state[..problem.states()],
     );
-    let mut period = point.limits.accumulation(&point.sequence, point.end);
+    let mut period = point.limits.accumulation(&point.sequence);
     period.value -= started;
     let border = Border {
         parameter: spec.parameter.clone(),
@@ -106,10 +106,10 @@ pub(super) fn complete<R: Real>(
             rate_before: first.rate_before,
         },
         period,
-        turns,
+        turns: point.turns.clone(),
         sequence_begins: point.sequence.begins,
         long_flights: point.sequence.arrivals(),
-        impacts: point.sequence.impacts.len(),
+        impacts: point.followed,
         exact: exact(problem, &point, &chart)?,
         leading_order: leading_order(problem, &point, &chart, spec.section.as_ref())?,
         section: chart.free.clone(),

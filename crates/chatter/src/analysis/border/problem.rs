@@ -2,11 +2,10 @@
 
 use super::coordinate::local::LocalTape;
 use super::coordinate::sequence::{Follower, Impact, Sequence, Until, Verdict};
-use super::error::BorderError;
+use super::error::{BorderError, Lack, Named};
 use super::release::equations::{CONDITIONS, Place, ReleaseEquations, ReleasePoint};
 use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
-use crate::expressions::nearest;
 use crate::flow::{Column, System, SystemError, with_identity};
 use crate::model::{MechanicsError, Model};
 use crate::numerics::Real;
@@ -35,10 +34,8 @@ impl Problem {
     pub(crate) fn new(model: &Model, spec: &BorderSpec) -> Result<Self, BorderError> {
         let parameter = &*spec.parameter;
         let Some(index) = model.parameter_index(parameter) else {
-            return Err(BorderError::UnknownParameter {
-                name: parameter.to_owned(),
-                nearest: nearest(parameter, model.parameter_names()),
-            });
+            let known = model.parameter_names();
+            return Err(BorderError::unknown(Named::Parameter, parameter, known));
         };
         if model.contacts.is_empty() {
             return Err(BorderError::NoContact);
@@ -74,16 +71,6 @@ impl Problem {
         })
     }
 
-    /// Position of a state.
-    pub(crate) fn state_index(&self, name: &str) -> Result<usize, BorderError> {
-        self.model
-            .state_index(name)
-            .ok_or_else(|| BorderError::UnknownState {
-                name: name.to_owned(),
-                nearest: nearest(name, self.model.state_names()),
-            })
-    }
-
     /// All parameter values with the varied one at `value`.
     pub(crate) fn parameters<R: Real>(&self, value: R) -> Vec<R> {
         self.model.parameter_values(&[(self.parameter, value)])
@@ -99,12 +86,6 @@ impl Problem {
         self.states() - CONDITIONS
     }
 
-    /// Weights of the columns that move the state at release, and with it the parameter or not.
-    pub(crate) fn weights<R: Real>(moved: &[R], by_parameter: bool) -> Vec<R> {
-        let last = if by_parameter { R::ONE } else { R::ZERO };
-        moved.iter().copied().chain([last]).collect()
-    }
-
     /// All release points at a parameter value: at least one.
     pub(crate) fn release_points(&self, value: f64) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
         let parameters = self.parameters(value);
@@ -117,7 +98,7 @@ impl Problem {
             });
         }
         if found.is_empty() {
-            return Err(BorderError::NoRelease { value });
+            return Err(Lack::Release.at(value));
         }
         Ok(found)
     }
@@ -131,8 +112,7 @@ impl Problem {
         let rough = value.to_f64();
         let release = &self.releases[near.contact];
         release.check_forcing(&self.parameters(rough), rough)?;
-        (release.polish(&self.parameters(value), near))
-            .ok_or(BorderError::NoRelease { value: rough })
+        (release.polish(&self.parameters(value), near)).ok_or_else(|| Lack::Release.at(value))
     }
 
     /// The impacts after release up to the end of the first chatter sequence, without derivatives. `several` tells whether
@@ -148,9 +128,10 @@ impl Problem {
         let start = (release.contact, &*release.state);
         let mut after = 0;
         loop {
-            let until = Until::Verdict {
+            let until = Until {
                 excursions: self.excursions,
                 after,
+                ..Until::NEVER
             };
             let mut sequence = self.plain.follow(&parameters, start, until)?;
             if !several || self.dimensions() > 0 || self.leads_back(&sequence, &parameters, release)
@@ -174,9 +155,9 @@ impl Problem {
         parameters: &[f64],
         start: (usize, &[f64]),
     ) -> Result<Sequence<f64>, BorderError> {
-        let until = Until::Verdict {
-            excursions: usize::MAX,
+        let until = Until {
             after: 0,
+            ..Until::NEVER
         };
         self.plain.follow(parameters, start, until)
     }
@@ -223,9 +204,10 @@ impl Problem {
         impacts: usize,
     ) -> Result<Sequence<R>, BorderError> {
         let start = with_identity(state, self.states() + 1);
-        let until = Until::Impacts {
-            most: impacts,
+        let until = Until {
+            impacts,
             after,
+            ..Until::NEVER
         };
         self.variational
             .follow(parameters, (contact, &start), until)
@@ -236,10 +218,8 @@ impl Problem {
         value: R,
         release: &ReleasePoint<R>,
     ) -> Result<Constants<R>, BorderError> {
-        Constants::new(release.restitution).map_err(|_| BorderError::Restitution {
-            value: release.restitution.to_f64(),
-            at: value.to_f64(),
-        })
+        let restitution = release.restitution.to_f64();
+        Constants::new(release.restitution).map_err(|_| Lack::Restitution(restitution).at(value))
     }
 }
 

@@ -109,7 +109,8 @@ fn what_is_conserved_is_told() {
                 [[contact]]\nname = \"stop\"\ngap = \"sigma - x\"\nimpulse = { v = -1 }\nrestitution = \"r\"\n\
                 [initial]\nx = 0.0\nv = 0.0\nc = 1.0\ns = 0.0\n";
     let error = border_near::<f64>(&read(text), &BorderSpec::new("sigma"), 0.5).unwrap_err();
-    assert!(matches!(error, BorderError::NotAlone { .. }), "{error}");
+    let lacks = |what| matches!(error, BorderError::Lacks { what: found, .. } if found == what);
+    assert!(lacks(Lack::Alone), "{error}");
 }
 
 /// A part of the pressure is felt late, and remembered over many passages.
@@ -168,6 +169,63 @@ fn a_line_in_front_of_the_valve_moves_its_border() {
     let windows = simulator.compare(&prediction, 20, 40);
     assert_eq!(windows.len(), 21);
     approach_the_prediction(&windows, value);
+}
+
+/// The state in which the seat opens after complete chatter, from one in flight.
+fn released(model: &Model, q: f64, start: &[f64]) -> Vec<f64> {
+    let system = System::new(model).unwrap();
+    let parameters = model.parameter_values(&[(model.parameter_index("q").unwrap(), q)]);
+    let mut work = system.workspace::<f64>(&Settings::default());
+    let mut trajectory = Trajectory::start(&system, &mut work, &parameters, 0.0, start).unwrap();
+    loop {
+        match trajectory.advance(&system, &mut work, 10.0).unwrap() {
+            Some(Occurrence::Release { .. }) => return trajectory.state().to_vec(),
+            Some(Occurrence::Horizon) => panic!("not released"),
+            _ => {}
+        }
+    }
+}
+
+/// What a rate at release adds to what is remembered, against the flow where chatter is still complete.
+#[test]
+fn what_is_remembered_is_what_the_flow_brings() {
+    const STEP: f64 = 1e-8;
+    let text = valve_with("w", "0.3*y3 - 0.5*w", "0.3");
+    let border = near::<f64>(&text, "q", 0.02);
+    let model = read(&text);
+    let q = border.value.value - 1e-6;
+    let at = |rate: f64| {
+        let mut start = border.release.state.clone();
+        start[1] = rate;
+        released(&model, q, &start)[3]
+    };
+    let by_rate = (at(STEP) - at(0.0)) / STEP;
+    let memory = border.exact.memory.unwrap();
+    // The offset of Upsilon = 1 is a rate.
+    let found = memory.by_upsilon[0] / border.exact.offset[1].value;
+    assert!((found / by_rate - 1.0).abs() < 1e-4, "{found} {by_rate}");
+}
+
+/// What is remembered is a property of the orbit: how many impacts are followed does not show in it.
+#[test]
+fn memory_does_not_depend_on_how_many_impacts_are_followed() {
+    let model = read(&line("0.1", "2.0"));
+    let memory = |impacts: usize| {
+        let mut spec = BorderSpec::new("q");
+        spec.extrapolation.impacts = Some(impacts);
+        let border = border_near::<DoubleDouble>(&model, &spec, 0.057).unwrap();
+        border.exact.memory.unwrap()
+    };
+    let (some, more) = (memory(84), memory(92));
+    let pairs = [
+        (some.returns[0][0], more.returns[0][0]),
+        (some.by_upsilon[0], more.by_upsilon[0]),
+        (some.by_parameter[0], more.by_parameter[0]),
+        (some.covector[0], more.covector[0]),
+    ];
+    for (a, b) in pairs {
+        assert!(relative(a, b) < 1e-9, "{a} {b}");
+    }
 }
 
 /// A contact that is never touched does not matter; one that cuts the long flight makes another border, which is where

@@ -18,20 +18,25 @@
 //!
 //! If lambda and eta depend on what is varied, k times each power occurs as well: a ratio to be eliminated twice.
 //!
-//! Where there are more than three states the surface of release points has coordinates z. Taken along the field and W to
-//! v = a = 0, as z_k = x_k - w W / b - (a / j) f, they tend to those of the point where the impacts accumulate; an impact
-//! changes them by O(nu^3), and so do their derivatives, taken in the same way, where X changes along them:
+//! Where there are more than three states the surface of release points has coordinates z. Taken along the field f and W to v = a = 0,
+//! as z_k = x_k - w W / b - (a / j) f, states after impacts tend to those of the point where the impacts accumulate. So do their
+//! derivatives, less what f and W make of those of w and a:
+//!
+//! ```text
+//! dz = dx - gamma W / b - alpha f,      gamma + alpha a = dw,      gamma L_(W / b) a + alpha j = da
+//! ```
+//!
+//! An impact changes z by O(nu^2), and dz, where X changes along it, by O(nu^3 / eta^k):
 //!
 //! ```text
 //! z_k               -> Z     lambda^j
 //! dz_k              -> dZ    lambda^j  and  lambda^(j + 2) / eta
 //! ```
 
-use super::super::release::equations::ReleaseEquations;
 use super::super::release::equations::ReleasePoint;
-use super::sequence::Sequence;
+use super::sequence::{Impact, Sequence};
 use crate::analysis::universal::Constants;
-use crate::numerics::{Estimate, Plan, Real, dot, limit};
+use crate::numerics::{Estimate, Plan, Real, limit, ratios};
 use serde::{Deserialize, Serialize};
 
 /// Terms of an extrapolation lie so many impacts apart that the first ratio is about this: then rounding errors are
@@ -71,14 +76,10 @@ pub(crate) struct Limits<R> {
     fixed_point_slope: R,
     impacts: usize,
     plan: Plan,
-    lambda_powers: Vec<R>,
-    eta_lambda_powers: Vec<R>,
-    slope_powers: Vec<R>,
+    /// How often each ratio occurs in derivatives along which the restitution changes.
+    copies: usize,
     /// Error of X that the state's roundoff makes, relative to u*.
     noise: f64,
-    /// The same with those that occur twice where the restitution changes.
-    parameter_powers: Vec<R>,
-    place_powers: Vec<R>,
 }
 
 impl<R: Real> Limits<R> {
@@ -96,34 +97,9 @@ impl<R: Real> Limits<R> {
         // u* = g(u*, r) with dg/dr = g / r and dg/du = 1 / eta.
         let fixed_point_slope = constants.chatter_fixed_point / constants.restitution
             * (-constants.eta / constants.one_minus_eta);
-        let powers = |first: R| {
-            (1..MOST_ORDERS)
-                .scan(first, |power, _| {
-                    *power *= constants.lambda;
-                    Some(*power)
-                })
-                .collect::<Vec<R>>()
-        };
-        let lambda_powers = powers(R::ONE);
-        let eta_lambda_powers = powers(constants.eta);
-        let sorted = |mut ratios: Vec<R>| {
-            ratios.sort_by(|a, b| b.partial_cmp(a).unwrap_or(core::cmp::Ordering::Equal));
-            ratios
-        };
-        let slope_powers = sorted([&lambda_powers[..], &eta_lambda_powers[..]].concat());
-        let mixed = powers(constants.lambda * constants.lambda / constants.eta);
-        let place_powers = sorted([&lambda_powers[..], &mixed[..]].concat());
-        let is_constant = release.restitution_slope == R::ZERO
-            && release.restitution_by.iter().all(|x| *x == R::ZERO);
-        let copies = if is_constant { 1 } else { 2 };
-        let repeated = |powers: &[R]| -> Vec<R> {
-            let each = powers
-                .iter()
-                .flat_map(|&ratio| core::iter::repeat_n(ratio, copies));
-            each.collect()
-        };
-        let parameter_powers = repeated(&slope_powers);
-        let place_powers = repeated(&place_powers);
+        let changes = |x: &R| *x != R::ZERO;
+        let is_constant =
+            !changes(&release.restitution_slope) && !release.restitution_by.iter().any(changes);
         Self {
             constants,
             fixed_point_slope,
@@ -132,13 +108,14 @@ impl<R: Real> Limits<R> {
                 stride,
                 orders: extrapolation.orders.unwrap_or(MOST_ORDERS),
             },
-            lambda_powers,
-            eta_lambda_powers,
-            slope_powers,
-            parameter_powers,
-            place_powers,
+            copies: if is_constant { 1 } else { 2 },
             noise: NOISE_ROUNDOFFS * R::ROUNDOFF,
         }
+    }
+
+    /// Each of these times lambda, lambda^2, …, so often.
+    fn ratios(&self, firsts: &[R], copies: usize) -> Vec<R> {
+        ratios(firsts, self.constants.lambda, MOST_ORDERS - 1, copies)
     }
 
     /// How many impacts of the chatter sequence to follow.
@@ -165,11 +142,12 @@ impl<R: Real> Limits<R> {
     /// The impact from which on a sequence that comes near u* is within half of it: limits are taken from there.
     pub(crate) fn settles(&self, sequence: &Sequence<R>) -> usize {
         let nearest = self.nearest(sequence);
-        let far = |k: &usize| self.distance(sequence.impacts[*k].local.u()) > WITHIN;
-        (sequence.begins..=nearest)
-            .rev()
-            .find(far)
-            .map_or(sequence.begins, |k| k + 1)
+        let impacts = sequence.impacts.iter().enumerate();
+        let far = |impact: &Impact<R>| self.distance(impact.local.u()) > WITHIN;
+        (impacts.take(nearest + 1).skip(sequence.begins))
+            .filter(|(_, impact)| far(impact))
+            .last()
+            .map_or(sequence.begins, |(k, _)| k + 1)
     }
 
     /// |u - u*| / u*.
@@ -189,15 +167,11 @@ impl<R: Real> Limits<R> {
     }
 
     /// Learns from the columns of a sequence by how much roundoff of the state changes X.
-    pub(crate) fn set_noise(&mut self, sequence: &Sequence<R>, end: usize) {
-        let Some(last) = sequence.impacts.get(end) else {
+    pub(crate) fn set_noise(&mut self, sequence: &Sequence<R>) {
+        let Some(last) = sequence.impacts.last() else {
             return;
         };
-        let states = last
-            .local
-            .slopes
-            .first()
-            .map_or(0, |slope| slope.state.len());
+        let states = last.local.place.len();
         let sum: f64 = (0..states)
             .map(|i| {
                 let size = (sequence.impacts.iter()).fold(0.0_f64, |most, impact| {
@@ -206,68 +180,64 @@ impl<R: Real> Limits<R> {
                 last.local.u_slope(i).abs().to_f64() * size
             })
             .sum();
+        let end = sequence.impacts.len() - 1;
         let shrunk = libm::exp(self.constants.ln_eta.to_f64() * end as f64);
         let fixed_point = self.constants.chatter_fixed_point.to_f64();
         let amplified = (sum * shrunk / fixed_point).max(1.0);
         self.noise = NOISE_ROUNDOFFS * R::ROUNDOFF * amplified;
     }
 
-    fn power(&self, base: R, exponent: usize) -> R {
-        (0..exponent).fold(R::ONE, |power, _| power * base)
-    }
-
     /// The limit of a quantity that is multiplied by one more `growth` at each impact.
     fn scaled_limit(
         &self,
         sequence: &Sequence<R>,
-        end: usize,
-        growth: R,
-        ratios: &[R],
-        quantity: impl Fn(usize) -> R,
+        (growth, ratios): (R, &[R]),
+        quantity: impl Fn(&Impact<R>) -> R,
     ) -> Estimate<R> {
-        let mut scale = self.power(growth, sequence.begins);
-        let terms: Vec<R> = (sequence.begins..=end)
-            .map(|k| {
-                let term = quantity(k) * scale;
+        let mut scale = (0..sequence.begins).fold(R::ONE, |power, _| power * growth);
+        let terms: Vec<R> = (sequence.impacts.iter().skip(sequence.begins))
+            .map(|impact| {
+                let term = quantity(impact) * scale;
                 scale *= growth;
                 term
             })
             .collect();
-        let Some(mut found) = limit(&terms, ratios, self.plan) else {
+        let taken = |terms: &[R]| limit(terms, ratios, self.plan);
+        let Some(mut found) = taken(&terms) else {
             return Estimate {
                 value: R::splat(f64::NAN),
                 error: f64::INFINITY,
             };
         };
         // Rounding of the last terms shows in the limit without them.
-        if let Some((_, earlier)) = terms.split_last()
-            && let Some(without) = limit(earlier, ratios, self.plan)
-        {
+        if let Some(without) = taken(&terms[..terms.len() - 1]) {
             let moved = (found.value - without.value).abs().to_f64();
             found.error = found.error.max(ALIKE * moved);
         }
+        let end = sequence.impacts.len() - 1;
         let growth = libm::exp(-self.constants.ln_eta.to_f64() * end as f64);
         let noise = self.noise * growth * found.value.abs().to_f64();
         found.error = found.error.max(noise);
         found
     }
 
-    /// X, from the impacts up to number `end`.
-    pub(crate) fn x(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
-        let mut x = self.x_without(sequence, end, &self.eta_lambda_powers);
+    /// X, from the impacts of a sequence that is followed to where it is nearest to the border.
+    pub(crate) fn x(&self, sequence: &Sequence<R>) -> Estimate<R> {
+        let mut x = self.x_without(sequence, &self.ratios(&[self.constants.eta], 1));
         x.error = (x.error).max(self.noise * self.constants.chatter_fixed_point.to_f64());
         x
     }
 
     /// X where it is not quite zero: the tail of its derivative times X is removed, too.
     #[cfg(test)]
-    pub(crate) fn x_off_border(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
-        self.x_without(sequence, end, &self.parameter_powers)
+    pub(crate) fn x_off_border(&self, sequence: &Sequence<R>) -> Estimate<R> {
+        let ratios = self.ratios(&[R::ONE, self.constants.eta], self.copies);
+        self.x_without(sequence, &ratios)
     }
 
-    fn x_without(&self, sequence: &Sequence<R>, end: usize, ratios: &[R]) -> Estimate<R> {
-        self.scaled_limit(sequence, end, self.constants.eta, ratios, |k| {
-            sequence.impacts[k].local.u() - self.constants.chatter_fixed_point
+    fn x_without(&self, sequence: &Sequence<R>, ratios: &[R]) -> Estimate<R> {
+        self.scaled_limit(sequence, (self.constants.eta, ratios), |impact| {
+            impact.local.u() - self.constants.chatter_fixed_point
         })
     }
 
@@ -275,101 +245,53 @@ impl<R: Real> Limits<R> {
     pub(crate) fn x_slope(
         &self,
         sequence: &Sequence<R>,
-        end: usize,
         weights: &[R],
         restitution_slope: R,
     ) -> Estimate<R> {
         let shift = self.fixed_point_slope * restitution_slope;
-        let ratios = if restitution_slope == R::ZERO {
-            &self.slope_powers
+        let copies = if restitution_slope == R::ZERO {
+            1
         } else {
-            &self.parameter_powers
+            self.copies
         };
-        self.scaled_limit(sequence, end, self.constants.eta, ratios, |k| {
-            let local = &sequence.impacts[k].local;
+        let ratios = self.ratios(&[R::ONE, self.constants.eta], copies);
+        self.scaled_limit(sequence, (self.constants.eta, &ratios), |impact| {
             (weights.iter().enumerate())
-                .map(|(column, &weight)| weight * local.u_slope(column))
+                .map(|(column, &weight)| weight * impact.local.u_slope(column))
                 .fold(-shift, |sum, part| sum + part)
         })
     }
 
-    /// The coordinates of the release point where the impacts accumulate, and their derivatives along combinations of
-    /// columns.
-    pub(crate) fn accumulation_place(
+    /// A component of the place where the impacts accumulate.
+    pub(crate) fn place(&self, sequence: &Sequence<R>, i: usize) -> R {
+        let ratios = self.ratios(&[R::ONE], 1);
+        let scaled = (R::ONE, &*ratios);
+        self.scaled_limit(sequence, scaled, |impact| impact.local.place[i])
+            .value
+    }
+
+    /// Its derivative along a combination of columns.
+    pub(crate) fn place_slope(
         &self,
         sequence: &Sequence<R>,
-        end: usize,
-        (release, parameters, free): (&ReleaseEquations, &[R], &[usize]),
-        along: &[Vec<R>],
-    ) -> Vec<(Estimate<R>, Vec<Estimate<R>>)> {
-        // For each impact the coordinates, then their derivatives.
-        let projected: Vec<Vec<Vec<R>>> = (sequence.impacts[..=end].iter())
-            .map(|impact| {
-                let states = impact
-                    .local
-                    .slopes
-                    .first()
-                    .map_or(0, |slope| slope.state.len());
-                let state = &impact.state[..states];
-                let [field, jump, slopes] = release.around(state, parameters);
-                let by_jump = dot(&slopes, &jump);
-                let onto = |x: &[R], rate: R, acceleration: R| -> Vec<R> {
-                    let late = (acceleration - rate * by_jump) / impact.local.jerk;
-                    free.iter()
-                        .map(|&i| x[i] - rate * jump[i] - late * field[i])
-                        .collect()
-                };
-                let local = &impact.local;
-                let mut all = vec![onto(state, local.rate, local.acceleration)];
-                for weights in along {
-                    let sum = |of: &dyn Fn(usize) -> R| {
-                        (weights.iter().enumerate()).fold(R::ZERO, |sum, (c, &w)| sum + w * of(c))
-                    };
-                    let moved: Vec<R> = (0..states)
-                        .map(|i| sum(&|c| local.slopes[c].state[i]))
-                        .collect();
-                    let rate = sum(&|c| local.slopes[c].rate);
-                    let acceleration = sum(&|c| local.slopes[c].acceleration);
-                    all.push(onto(&moved, rate, acceleration));
-                }
-                all
-            })
-            .collect();
-        let settles = |which: usize, i: usize, ratios: &[R]| {
-            self.scaled_limit(sequence, end, R::ONE, ratios, |k| projected[k][which][i])
-        };
-        (0..free.len())
-            .map(|i| {
-                let slopes = (1..=along.len()).map(|c| settles(c, i, &self.place_powers));
-                (settles(0, i, &self.lambda_powers), slopes.collect())
-            })
-            .collect()
+        i: usize,
+        weights: &[R],
+    ) -> Estimate<R> {
+        let Constants { lambda, eta, .. } = self.constants;
+        let ratios = self.ratios(&[R::ONE, lambda * lambda / eta], self.copies);
+        let along = |impact: &Impact<R>| impact.local.place_along(i, weights);
+        self.scaled_limit(sequence, (R::ONE, &ratios), along)
     }
 
     /// N.
-    pub(crate) fn amplitude(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
-        let growth = R::ONE / self.constants.lambda;
-        self.scaled_limit(sequence, end, growth, &self.lambda_powers, |k| {
-            sequence.impacts[k].local.nu()
-        })
+    pub(crate) fn amplitude(&self, sequence: &Sequence<R>) -> Estimate<R> {
+        let scaled = (R::ONE / self.constants.lambda, &*self.ratios(&[R::ONE], 1));
+        self.scaled_limit(sequence, scaled, |impact| impact.local.nu())
     }
 
     /// When the impacts accumulate.
-    pub(crate) fn accumulation(&self, sequence: &Sequence<R>, end: usize) -> Estimate<R> {
-        self.scaled_limit(sequence, end, R::ONE, &self.lambda_powers, |k| {
-            sequence.impacts[k].time
-        })
-    }
-
-    /// One component of the state where the impacts accumulate.
-    pub(crate) fn accumulation_state(
-        &self,
-        sequence: &Sequence<R>,
-        end: usize,
-        component: usize,
-    ) -> Estimate<R> {
-        self.scaled_limit(sequence, end, R::ONE, &self.lambda_powers, |k| {
-            sequence.impacts[k].state[component]
-        })
+    pub(crate) fn accumulation(&self, sequence: &Sequence<R>) -> Estimate<R> {
+        let scaled = (R::ONE, &*self.ratios(&[R::ONE], 1));
+        self.scaled_limit(sequence, scaled, |impact| impact.time)
     }
 }

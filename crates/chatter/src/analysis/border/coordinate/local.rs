@@ -1,5 +1,6 @@
 //! Local coordinates after an impact, and their derivatives from impact to impact.
 
+use super::super::release::equations::CONDITIONS;
 use crate::expressions::{Expansion, Expr, Graph, Symbol, Tape};
 use crate::flow::{Column, Direction};
 use crate::model::{Mechanics, MechanicsError, Model};
@@ -18,14 +19,14 @@ pub enum LocalCoordinate {
     AtRest,
 }
 
-/// Rate w, acceleration a and jerk j after an impact as functions of the state, and how they, and the state itself,
-/// change along columns of derivatives when the impact moves with them.
+/// Rate w, acceleration a and jerk j after an impact as functions of the state, and how they, the state itself and its place change
+/// along columns of derivatives from impact to impact. Its place is what is left of it without rate and acceleration, taken away along
+/// W and the field: it lies on the surface of release points but for O(nu^2), its derivatives but for O(nu^3) times those of u.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalTape {
     graph: Graph,
     tape: Tape,
-    coordinates: usize,
-    columns: usize,
+    states: usize,
 }
 
 /// Values at one impact.
@@ -34,17 +35,9 @@ pub(crate) struct Local<R> {
     pub rate: R,
     pub acceleration: R,
     pub jerk: R,
-    /// One for each column.
-    pub slopes: Vec<Slopes<R>>,
-}
-
-/// Derivatives from impact to impact along one column.
-#[derive(Clone, Debug)]
-pub(crate) struct Slopes<R> {
-    pub rate: R,
-    pub acceleration: R,
-    pub jerk: R,
-    pub state: Vec<R>,
+    pub place: Vec<R>,
+    /// Derivatives: a row for each column, with those of rate, acceleration, jerk, states, place.
+    slopes: Vec<Vec<R>>,
 }
 
 const SCALARS: usize = 3;
@@ -59,18 +52,12 @@ impl LocalTape {
     ) -> Result<Self, MechanicsError> {
         let mut mechanics = Mechanics::new(model)?;
         let contact = mechanics.contacts[contact].clone();
-        let graph = &mut mechanics.graph;
         let field = mechanics.field.clone();
-        let coordinates = field.len();
+        let graph = &mut mechanics.graph;
+        let states: Vec<Expr> = (0..field.len()).map(|i| graph.state(i)).collect();
         let mut functions = vec![contact.rate, contact.acceleration, contact.jerk];
         if coordinate == LocalCoordinate::AtRest {
-            let rest: Vec<Expr> = (contact.jump.iter().enumerate())
-                .map(|(i, &jump)| {
-                    let state = graph.state(i);
-                    let stop = graph.mul(contact.rate, jump);
-                    graph.sub(state, stop)
-                })
-                .collect();
+            let rest = back(graph, &states, contact.rate, &contact.jump);
             for function in &mut functions[1..] {
                 *function = graph.substitute(*function, &|symbol| match symbol {
                     Symbol::State(i) => rest.get(i).copied(),
@@ -78,72 +65,94 @@ impl LocalTape {
                 });
             }
         }
-        functions.extend((0..coordinates).map(|i| graph.state(i)));
-        let drifts: Vec<Expr> = functions
-            .iter()
-            .map(|&function| graph.lie_derivative(function, &field))
-            .collect();
-        let mut outputs = functions[..SCALARS].to_vec();
-        for (index, column) in columns.iter().enumerate() {
-            let parameters = match *column {
-                Column::State => Vec::new(),
-                Column::Parameter(p) => model.parameter_rates(graph, p),
+        let mut outputs = functions.clone();
+        let by_jump = graph.directional_derivatives(&[contact.acceleration], &|symbol| {
+            let Symbol::State(i) = symbol else {
+                return None;
             };
-            let direction = Direction::new((index + 1) * coordinates, parameters);
-            let gap = direction.along(graph, coordinates, &[contact.gap])[0];
-            let late = graph.div(gap, contact.rate);
-            let along = direction.along(graph, coordinates, &functions);
-            for (&along, &drift) in along.iter().zip(&drifts) {
-                let moved = graph.mul(drift, late);
-                outputs.push(graph.sub(along, moved));
+            contact.jump.get(i).copied()
+        });
+        // A state, or a change of it, less what W and the field make of it.
+        let less = |graph: &mut Graph, x: &[Expr], by_jump: Expr, by_field: Expr| {
+            let rest = back(graph, x, by_jump, &contact.jump);
+            back(graph, &rest, by_field, &field)
+        };
+        let by_field = |graph: &mut Graph, rate: Expr, acceleration: Expr| {
+            let share = back(graph, &[acceleration], rate, &by_jump)[0];
+            graph.div(share, contact.jerk)
+        };
+        if !columns.is_empty() {
+            let late = by_field(graph, contact.rate, contact.acceleration);
+            outputs.extend(less(graph, &states, contact.rate, late));
+        }
+        functions.extend(&states);
+        functions.push(contact.acceleration);
+        // Rate and acceleration change by gamma + alpha a and gamma L_(W / b) a + alpha j: alpha to first order in a, so that it has no
+        // pole.
+        let turned = graph.mul(contact.acceleration, by_jump[0]);
+        let turned = graph.div(turned, contact.jerk);
+        for (index, &column) in columns.iter().enumerate() {
+            let along = Direction::of(column, model, graph, (index + 1) * field.len());
+            let mut slopes = along.at_event(graph, (&field, contact.gap), &functions);
+            let acceleration = slopes.pop().unwrap_or(contact.acceleration);
+            outputs.extend(&slopes);
+            if field.len() > CONDITIONS {
+                let first = by_field(graph, slopes[0], acceleration);
+                let second = graph.mul(first, turned);
+                let alpha = graph.add(first, second);
+                let gamma = back(graph, &slopes[..1], alpha, &[contact.acceleration])[0];
+                outputs.extend(less(graph, &slopes[SCALARS..], gamma, alpha));
             }
         }
-        let dimension = coordinates * (1 + columns.len());
+        let dimension = field.len() * (1 + columns.len());
         let tape = Tape::new(graph, dimension, &[], &outputs);
         Ok(Self {
             graph: mechanics.graph,
             tape,
-            coordinates,
-            columns: columns.len(),
+            states: field.len(),
         })
     }
 
-    /// Scratch space.
-    pub(crate) fn expansion<R: Real>(&self) -> Expansion<R> {
-        Expansion::new(&[&self.tape])
-    }
-
-    /// The tape's constants at a parameter set.
-    pub(crate) fn constants<R: Real>(&self, parameters: &[R]) -> Vec<R> {
-        self.tape.constants(&self.graph, parameters)
+    /// Scratch space, with the constants at a parameter set.
+    pub(crate) fn scratch<R: Real>(&self, parameters: &[R]) -> (Expansion<R>, Vec<R>) {
+        let constants = self.tape.constants(&self.graph, parameters);
+        (Expansion::new(&[&self.tape]), constants)
     }
 
     /// Values at a state, `low` its rounding remainder.
     pub(crate) fn at<R: Real>(
         &self,
-        expansion: &mut Expansion<R>,
-        constants: &[R],
+        (expansion, constants): &mut (Expansion<R>, Vec<R>),
         state: &[R],
         low: &[R],
     ) -> Local<R> {
-        let width = SCALARS + self.coordinates;
-        let mut values = vec![R::ZERO; SCALARS + self.columns * width];
+        let mut values = vec![R::ZERO; self.tape.outputs.len()];
         expansion.evaluate(&self.tape, constants, state, low, &mut values);
+        let place = SCALARS
+            + if values.len() > SCALARS {
+                self.states
+            } else {
+                0
+            };
+        let places = if self.states > CONDITIONS { 2 } else { 1 };
+        let columns = values[place..].chunks(SCALARS + places * self.states);
         Local {
             rate: values[0],
             acceleration: values[1],
             jerk: values[2],
-            slopes: values[SCALARS..]
-                .chunks(width)
-                .map(|slope| Slopes {
-                    rate: slope[0],
-                    acceleration: slope[1],
-                    jerk: slope[2],
-                    state: slope[SCALARS..].to_vec(),
-                })
-                .collect(),
+            place: values[SCALARS..place].to_vec(),
+            slopes: columns.map(<[R]>::to_vec).collect(),
         }
     }
+}
+
+/// x - part * by.
+fn back(graph: &mut Graph, x: &[Expr], part: Expr, by: &[Expr]) -> Vec<Expr> {
+    let moved = x.iter().zip(by).map(|(&x, &by)| {
+        let step = graph.mul(part, by);
+        graph.sub(x, step)
+    });
+    moved.collect()
 }
 
 impl<R: Real> Local<R> {
@@ -159,10 +168,40 @@ impl<R: Real> Local<R> {
 
     /// du along a column.
     pub(crate) fn u_slope(&self, column: usize) -> R {
-        let slope = &self.slopes[column];
-        let two = R::splat(2.0);
+        let [rate, acceleration, jerk] = [0, 1, 2].map(|of| self.slopes[column][of]);
         let square = self.acceleration * self.acceleration;
-        let product = slope.jerk * self.rate + self.jerk * slope.rate;
-        (product - two * self.jerk * self.rate * slope.acceleration / self.acceleration) / square
+        let product = jerk * self.rate + self.jerk * rate;
+        let two = R::splat(2.0);
+        (product - two * self.jerk * self.rate * acceleration / self.acceleration) / square
+    }
+
+    fn sum(&self, which: usize, weights: &[R]) -> R {
+        (self.slopes.iter().zip(weights)).fold(R::ZERO, |sum, (slopes, &weight)| {
+            sum + slopes[which] * weight
+        })
+    }
+
+    /// How rate and acceleration change along a combination of columns.
+    pub(crate) fn rates_along(&self, weights: &[R]) -> [R; 2] {
+        [0, 1].map(|of| self.sum(of, weights))
+    }
+
+    /// How a state changes along each column.
+    pub(crate) fn state_slopes(&self, state: usize) -> Vec<R> {
+        (self.slopes.iter())
+            .map(|slopes| slopes[SCALARS + state])
+            .collect()
+    }
+
+    /// How the state changes along a combination of columns.
+    pub(crate) fn along(&self, weights: &[R]) -> Vec<R> {
+        (0..self.place.len())
+            .map(|i| self.sum(SCALARS + i, weights))
+            .collect()
+    }
+
+    /// How a component of its place does, where there are more than three states.
+    pub(crate) fn place_along(&self, component: usize, weights: &[R]) -> R {
+        self.sum(SCALARS + self.place.len() + component, weights)
     }
 }

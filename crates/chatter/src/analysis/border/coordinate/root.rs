@@ -1,11 +1,11 @@
 //! The border as the smooth root X(p) = 0.
 
-use super::super::error::BorderError;
+use super::super::error::{BorderError, Lack};
 use super::super::problem::Problem;
 use super::super::release::equations::{Place, ReleasePoint};
 use super::super::release::forcing::Turn;
 use super::limits::{Extrapolation, Limits};
-use super::sequence::Sequence;
+use super::sequence::{Impact, Sequence};
 use crate::numerics::{Estimate, Matrix, Real, dot};
 
 /// Newton's method gives up after so many steps: from where it starts each gains two digits at first.
@@ -37,7 +37,8 @@ const CLOSED: f64 = 1e-7;
 /// something is conserved.
 const ALONE: f64 = 1e-6;
 
-/// X and its derivative at a parameter value, with the sequence that they were taken from.
+/// X and its derivative at a parameter value, with the sequence that they were taken from: up to the last impact that still
+/// approaches the border.
 #[derive(Clone, Debug)]
 pub(crate) struct Point<R> {
     pub value: R,
@@ -47,8 +48,8 @@ pub(crate) struct Point<R> {
     pub sequence: Sequence<R>,
     /// The impact from which on so many are followed as limits need.
     pub settles: usize,
-    /// The last impact that still approaches the border.
-    pub end: usize,
+    /// How many impacts were followed.
+    pub followed: usize,
     pub x: Estimate<R>,
     /// dX/dp, release point included.
     pub slope: Estimate<R>,
@@ -57,6 +58,10 @@ pub(crate) struct Point<R> {
     pub held_restitution: R,
     /// How orbits remember where they were released.
     pub memory: Memory<R>,
+    /// The place on the surface of release points where the impacts accumulate.
+    place: Vec<R>,
+    /// The phases with the periods by which the orbit advances until then.
+    pub turns: Vec<Turn<R>>,
     /// What leads to the release point to which orbits from it return.
     pub shift: Vec<R>,
     /// What that changes X by.
@@ -72,11 +77,24 @@ pub(crate) struct Memory<R> {
     pub by_parameter: Vec<R>,
     /// What the rate at release adds.
     pub by_rate: Vec<R>,
+    /// How well that is known.
+    pub by_rate_error: Vec<R>,
     /// dX by the coordinates.
     pub covector: Vec<R>,
 }
 
 impl<R: Real> Memory<R> {
+    /// Of so many coordinates, without rows yet.
+    fn nothing(dimensions: usize) -> Self {
+        Self {
+            returns: Matrix::zeros(0, dimensions),
+            by_parameter: Vec::new(),
+            by_rate: Vec::new(),
+            by_rate_error: Vec::new(),
+            covector: Vec::new(),
+        }
+    }
+
     /// What coordinates come to where each loop adds this: (I - sign returns)^-1 of it; `None` where that has no answer.
     pub(crate) fn settled(&self, added: &[R], sign: f64) -> Option<Vec<R>> {
         let size = added.len();
@@ -90,16 +108,8 @@ impl<R: Real> Memory<R> {
             return Some(Vec::new());
         }
         let factors = rows.factored()?;
-        let is_alone = (0..size).all(|j| {
-            let unit: Vec<R> = (0..size)
-                .map(|i| R::splat(f64::from(u8::from(i == j))))
-                .collect();
-            factors
-                .solve(&unit)
-                .iter()
-                .all(|x| x.abs().to_f64() * ALONE <= 1.0)
-        });
-        is_alone.then(|| factors.solve(added))
+        let small = |column: Vec<R>| column.iter().all(|x| x.abs().to_f64() * ALONE <= 1.0);
+        (factors.inverse().all(small)).then(|| factors.solve(added))
     }
 }
 
@@ -110,31 +120,18 @@ impl<R: Real> Point<R> {
         self.value.abs().to_f64().max(unit)
     }
 
-    /// The phases with the periods by which the orbit advances from release to the accumulation of its impacts; `None`
-    /// if they do not accumulate at the release point.
-    pub(crate) fn turns(&self, problem: &Problem) -> Option<Vec<Turn<R>>> {
-        let equations = &problem.releases[self.release.contact];
-        let mut turns = equations.turns(&problem.parameters(self.value));
+    /// Whether the impacts accumulate at the release point.
+    pub(crate) fn closes(&self) -> bool {
         let (mut missed, mut way) = (0.0, 0.0);
-        for i in 0..problem.states() {
-            let end = self
-                .limits
-                .accumulation_state(&self.sequence, self.end, i)
-                .value;
-            let begin = self.release.state[i];
+        for (i, &end) in self.place.iter().enumerate() {
             let impacts = self.sequence.impacts.iter();
             way += impacts.fold(0.0_f64, |most, impact| {
                 most.max((impact.state[i] - end).abs().to_f64())
             });
-            let mut distance = end - begin;
-            if let Some(turn) = turns.iter_mut().find(|turn| turn.state == i) {
-                let count = libm::round((distance / turn.period).to_f64());
-                turn.count = count as i64;
-                distance -= turn.period * R::splat(count);
-            }
-            missed += distance.abs().to_f64();
+            let [turned, _] = Turn::of(&self.turns, i);
+            missed += (end - self.release.state[i] - turned).abs().to_f64();
         }
-        (missed <= CLOSED * way).then_some(turns)
+        missed <= CLOSED * way
     }
 }
 
@@ -168,7 +165,7 @@ impl Problem {
         let parameters = self.parameters(value);
         let most = settles + limits.impacts();
         let start = (release.contact, &*release.state);
-        let sequence = self.variation(&parameters, start, settles, most)?;
+        let mut sequence = self.variation(&parameters, start, settles, most)?;
         let not_converged = || BorderError::NotConverged {
             value: value.to_f64(),
             residual: f64::NAN,
@@ -176,67 +173,50 @@ impl Problem {
         if sequence.impacts.len() <= sequence.begins {
             return Err(not_converged());
         }
-        let end = limits.nearest(&sequence);
-        limits.set_noise(&sequence, end);
-        let x = limits.x(&sequence, end);
+        let followed = sequence.impacts.len();
+        sequence.impacts.truncate(limits.nearest(&sequence) + 1);
+        limits.set_noise(&sequence);
+        let x = limits.x(&sequence);
         let (held_slope, held_restitution) = (release.slope.clone(), release.restitution_slope);
-        let directions = release.directions.iter().map(|d| Self::weights(d, false));
-        let along: Vec<Vec<R>> = directions
-            .chain([
-                Self::weights(&held_slope, true),
-                Self::weights(&release.jump, false),
-            ])
+        let mut turns = self.releases[release.contact].turns(&parameters);
+        let place: Vec<R> = (0..self.states())
+            .map(|i| limits.place(&sequence, i))
             .collect();
-        let dimensions = release.free.len();
-        let (by_parameter, by_rate) = (dimensions, dimensions + 1);
-        let mut memory = Memory {
-            returns: Matrix::zeros(0, dimensions),
-            by_parameter: Vec::new(),
-            by_rate: Vec::new(),
-            covector: Vec::new(),
-        };
-        let mut missed = Vec::new();
-        if dimensions > 0 {
-            let equations = &self.releases[release.contact];
-            let turns = equations.turns(&parameters);
-            let places = (equations, &*parameters, &*release.free);
-            let landed = limits.accumulation_place(&sequence, end, places, &along);
-            for (&i, (place, slopes)) in release.free.iter().zip(&landed) {
-                let mut off = place.value - release.state[i];
-                let mut slopes: Vec<R> = slopes.iter().map(|slope| slope.value).collect();
-                if let Some(turn) = turns.iter().find(|turn| turn.state == i) {
-                    let count = R::splat(libm::round((off / turn.period).to_f64()));
-                    off -= turn.period * count;
-                    slopes[by_parameter] -= turn.period_slope * count;
-                }
-                missed.push(off);
-                memory.returns.push(&slopes[..dimensions]);
-                memory.by_parameter.push(slopes[by_parameter]);
-                memory.by_rate.push(slopes[by_rate]);
-            }
-            for (j, weights) in along[..dimensions].iter().enumerate() {
-                let back: Vec<R> = (0..dimensions).map(|i| memory.returns.row(i)[j]).collect();
-                let restitution = dot(&release.restitution_by, &back);
-                let slope = limits.x_slope(&sequence, end, weights, restitution);
-                memory.covector.push(slope.value);
-            }
+        for turn in &mut turns {
+            let way = place[turn.state] - release.state[turn.state];
+            turn.count = libm::round((way / turn.period).to_f64()) as i64;
         }
-        let settled = |added: &[R]| {
-            (memory.settled(added, 1.0)).ok_or(BorderError::NotAlone {
-                value: value.to_f64(),
-            })
-        };
+        let (mut missed, mut memory) = (Vec::new(), Memory::nothing(release.free.len()));
+        for &i in &release.free {
+            let [turned, turned_slope] = Turn::of(&turns, i);
+            let by = |weights: &Vec<R>| limits.place_slope(&sequence, i, weights);
+            missed.push(place[i] - release.state[i] - turned);
+            let returns: Vec<R> = release.directions.iter().map(|d| by(d).value).collect();
+            memory.returns.push(&returns);
+            (memory.by_parameter).push(by(&release.slope).value - turned_slope);
+            let by_rate = by(&release.jump);
+            memory.by_rate.push(by_rate.value);
+            memory.by_rate_error.push(R::splat(by_rate.error));
+        }
+        let back = |j: usize| (0..release.free.len()).map(move |i| (i, j));
+        for (j, weights) in release.directions.iter().enumerate() {
+            let back: Vec<R> = back(j).map(|place| memory.returns[place]).collect();
+            let restitution = dot(&release.restitution_by, &back);
+            let slope = limits.x_slope(&sequence, weights, restitution);
+            memory.covector.push(slope.value);
+        }
+        let settled =
+            |added: &[R]| (memory.settled(added, 1.0)).ok_or_else(|| Lack::Alone.at(value));
         let shift = settled(&missed)?;
         let moved = settled(&memory.by_parameter)?;
         release.follow_orbit(&moved);
-        let weights = Self::weights(&release.slope, true);
-        let slope = limits.x_slope(&sequence, end, &weights, release.restitution_slope);
+        let slope = limits.x_slope(&sequence, &release.slope, release.restitution_slope);
         Ok(Point {
             value,
             limits,
             sequence,
             settles,
-            end,
+            followed,
             x,
             slope,
             held_slope,
@@ -244,6 +224,8 @@ impl Problem {
             x_shift: dot(&memory.covector, &shift),
             shift: release.along(&shift),
             memory,
+            place,
+            turns,
             release,
         })
     }
@@ -270,7 +252,7 @@ impl Problem {
             let moved: Vec<R> = (point.release.slope.iter().zip(&point.shift))
                 .map(|(&slope, &shift)| shift - slope * correction)
                 .collect();
-            near = point.release.moved(&moved);
+            near = point.release.moved(&moved, R::ONE);
             let scales = point.release.state.iter().map(|x| x.abs().to_f64() + 1.0);
             let shift = (point.shift.iter().zip(scales)).fold(0.0_f64, |most, (x, scale)| {
                 most.max(x.abs().to_f64() / scale)
@@ -286,10 +268,10 @@ impl Problem {
             if size <= floor || stalls > PATIENCE {
                 let rate = point.slope.value.abs().to_f64();
                 let error = (point.x.error / rate).max(by_value).max(floor);
-                let last = &point.sequence.impacts[point.end].local;
                 let vague = point.slope.error > VAGUE * point.slope.value.abs().to_f64();
-                let apart = point.limits.distance(last.u()) > APART;
-                if error.is_nan() || error * rate > settled || vague || apart {
+                let last = point.sequence.impacts.last();
+                let apart = |last: &Impact<R>| point.limits.distance(last.local.u()) > APART;
+                if error.is_nan() || error * rate > settled || vague || last.is_none_or(apart) {
                     break;
                 }
                 return Ok(Root { point, error });
@@ -343,7 +325,9 @@ mod tests {
             let (low, middle, high) = (at(-STEP), at(0.0), at(STEP));
             // The same impacts for all: where the sequence departs, X is no longer what it was.
             let x = |point: &Point<DoubleDouble>| {
-                point.limits.x_off_border(&point.sequence, LAST).value
+                let mut sequence = point.sequence.clone();
+                sequence.impacts.truncate(LAST + 1);
+                point.limits.x_off_border(&sequence).value
             };
             let difference = (x(&high) - x(&low)) / DoubleDouble::from(2.0 * STEP);
             let off = ((difference - middle.slope.value) / difference)
@@ -369,17 +353,17 @@ mod tests {
             let shifted = |shift: f64| {
                 let mut state = point.sequence.impacts[0].state[..STATES].to_vec();
                 state[i] += DoubleDouble::from(shift);
-                let sequence = problem.variation(&parameters, (0, &state), 0, 70).unwrap();
-                point.limits.x_off_border(&sequence, LAST).value
+                let sequence = problem.variation(&parameters, (0, &state), 0, LAST + 1);
+                point.limits.x_off_border(&sequence.unwrap()).value
             };
             let difference = (shifted(STEP) - shifted(-STEP)) / DoubleDouble::from(2.0 * STEP);
             let state = &point.sequence.impacts[0].state[..STATES];
-            let sequence = problem.variation(&parameters, (0, state), 0, 70).unwrap();
+            let sequence = problem.variation(&parameters, (0, state), 0, LAST + 1);
             let mut weights = vec![DoubleDouble::ZERO; STATES + 1];
             weights[i] = DoubleDouble::ONE;
             let slope = point
                 .limits
-                .x_slope(&sequence, LAST, &weights, DoubleDouble::ZERO);
+                .x_slope(&sequence.unwrap(), &weights, DoubleDouble::ZERO);
             let off = ((difference - slope.value) / difference).abs().to_f64();
             assert!(off < 1e-7, "{i}: {difference} {}", slope.value);
         }

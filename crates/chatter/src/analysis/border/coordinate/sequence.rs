@@ -75,19 +75,42 @@ pub(crate) struct Follower {
     pub time: Option<usize>,
 }
 
-/// Where to stop.
+/// Where to stop: whatever comes first, complete chatter at the latest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Until {
-    /// At the end of the first chatter sequence that ends after so many impacts, if no more than so many long flights come
-    /// before it.
-    Verdict { excursions: usize, after: usize },
-    /// After `most` impacts, or at the end of the first chatter sequence after so many of them if that is earlier.
-    Impacts { most: usize, after: usize },
-    /// After so many impacts, whatever lies between them; complete chatter alone ends it earlier.
-    Count(usize),
-    /// After so many long flights, at the impact that ends the last of them; earlier at complete chatter, or where no long
-    /// flight follows.
-    Arrivals(usize),
+pub(crate) struct Until {
+    /// After so many impacts.
+    pub impacts: usize,
+    /// After so many long flights, at the impact that ends the last of them; where no long flight follows.
+    pub arrivals: usize,
+    /// Where more long flights than these come before chatter.
+    pub excursions: usize,
+    /// At the end of the first chatter sequence that ends after so many impacts.
+    pub after: usize,
+}
+
+impl Until {
+    /// Nowhere.
+    pub(crate) const NEVER: Self = Self {
+        impacts: usize::MAX,
+        arrivals: usize::MAX,
+        excursions: usize::MAX,
+        after: usize::MAX,
+    };
+
+    /// Whether a verdict is asked for.
+    fn is_verdict(self) -> bool {
+        self.impacts == usize::MAX && self.arrivals == usize::MAX
+    }
+
+    /// Impacts that are followed at most: counted anew for each sequence, or only if there may be so many.
+    fn is_too_long<R>(self, sequence: &Sequence<R>) -> bool {
+        let before = match self.arrivals {
+            usize::MAX => 0,
+            _ => sequence.begins,
+        };
+        let is_counted = self.impacts < usize::MAX && self.after == usize::MAX;
+        !is_counted && sequence.impacts.len() - before >= MOST_IMPACTS
+    }
 }
 
 impl Follower {
@@ -115,8 +138,7 @@ impl Follower {
         let system = &self.system;
         let local_tape = &self.locals[contact];
         let mut work = system.workspace::<R>(&Settings::default());
-        let mut expansion = local_tape.expansion();
-        let constants = local_tape.constants(parameters);
+        let mut scratch = local_tape.scratch(parameters);
         let time = self.time.map_or(R::ZERO, |index| start[index]);
         let mut trajectory = Trajectory::start(system, &mut work, parameters, time, start)?;
         let mut sequence = Sequence {
@@ -130,24 +152,7 @@ impl Follower {
         let mut limit: Option<R> = None;
         let mut quiet = 0;
         let mut excursions = 0;
-        let most_excursions = match until {
-            Until::Verdict { excursions, .. } => excursions,
-            _ => usize::MAX,
-        };
-        let after = match until {
-            Until::Verdict { after, .. } | Until::Impacts { after, .. } => after,
-            Until::Count(_) | Until::Arrivals(_) => usize::MAX,
-        };
-        let most_impacts = match until {
-            Until::Count(_) => usize::MAX,
-            _ => MOST_IMPACTS,
-        };
-        let each = matches!(until, Until::Arrivals(_));
-        while quiet < STEPS_WITHOUT_IMPACT {
-            let before = if each { sequence.begins } else { 0 };
-            if sequence.impacts.len() - before >= most_impacts {
-                break;
-            }
+        while quiet < STEPS_WITHOUT_IMPACT && !until.is_too_long(&sequence) {
             quiet += 1;
             match trajectory.advance(system, &mut work, R::splat(NO_HORIZON))? {
                 Some(Occurrence::Impact {
@@ -162,18 +167,14 @@ impl Follower {
                     }
                     quiet = 0;
                     let arrives = limit.is_none_or(|limit| trajectory.time() > limit);
-                    if arrives && sequence.is_chatter(after) {
+                    if arrives && sequence.is_chatter(until.after) {
                         sequence.verdict = Verdict::Incomplete;
                         return Ok(sequence);
                     }
-                    let local = local_tape.at(
-                        &mut expansion,
-                        &constants,
-                        trajectory.state(),
-                        &trajectory.low,
-                    );
+                    let (state, low) = (trajectory.state(), &trajectory.low);
+                    let local = local_tape.at(&mut scratch, state, low);
                     if arrives {
-                        if excursions == most_excursions {
+                        if excursions == until.excursions {
                             return Ok(sequence);
                         }
                         sequence.begins = sequence.impacts.len();
@@ -187,13 +188,7 @@ impl Follower {
                         local,
                         arrives,
                     });
-                    let count = sequence.impacts.len();
-                    let done = match until {
-                        Until::Verdict { .. } => false,
-                        Until::Impacts { most, .. } | Until::Count(most) => count == most,
-                        Until::Arrivals(most) => excursions == most,
-                    };
-                    if done {
+                    if sequence.impacts.len() == until.impacts || excursions == until.arrivals {
                         sequence.verdict = Verdict::Stopped;
                         return Ok(sequence);
                     }
@@ -205,7 +200,7 @@ impl Follower {
                     | Occurrence::Capture { contact: closes },
                 ) if closes == contact => {
                     sequence.verdict = Verdict::Complete;
-                    if matches!(until, Until::Verdict { .. }) {
+                    if until.is_verdict() {
                         sequence.released =
                             until_release(system, &mut work, &mut trajectory, contact);
                     }
@@ -215,7 +210,7 @@ impl Follower {
                 _ => {}
             }
         }
-        if sequence.is_chatter(after) && sequence.impacts.len() < most_impacts {
+        if sequence.is_chatter(until.after) && !until.is_too_long(&sequence) {
             sequence.verdict = Verdict::Incomplete;
         }
         Ok(sequence)

@@ -4,20 +4,19 @@
 //! its leading order h = j t^3 / 6, v = j t^2 / 2 up to a section through which the trajectory passes. Both choices show
 //! in the result: see [`Exact`](super::super::Exact) for coefficients that depend on neither.
 
-use super::super::coordinate::limits::Limits;
-use super::super::coordinate::local::{LocalCoordinate, LocalTape, Slopes};
+use super::super::coordinate::local::{LocalCoordinate, LocalTape};
 use super::super::coordinate::root::Point;
-use super::super::error::BorderError;
+use super::super::error::{BorderError, Lack, Named};
 use super::super::problem::{Problem, columns};
+use super::super::release::equations::{FIELD, JERK};
+use super::super::search::sample::Sample;
 use super::super::spec::BorderSpec;
-use super::exact::{SectionChart, combine};
+use super::exact::SectionChart;
 use super::section::crossing;
-use crate::expressions::Graph;
+use crate::flow::SystemError;
 use crate::flow::with_identity;
-use crate::flow::{System, SystemError};
 use crate::model::{Direction, Model, Section};
-use crate::numerics::linear::solve;
-use crate::numerics::{Real, dot, unchanged, with_rounding};
+use crate::numerics::{Matrix, Real, dot, unchanged, unit, with_rounding};
 use serde::{Deserialize, Serialize};
 
 /// The section that the flight after release crosses where the leading order is matched to the true flight.
@@ -68,8 +67,8 @@ with_rounding! {
     }
 }
 
-/// The state that changes most against its size at release, and a level that it reaches soon after.
-fn default_section<R: Real>(problem: &Problem, point: &Point<R>) -> (usize, f64) {
+/// The state that changes most against its size at release, where the field is this, and a level that it reaches soon after.
+fn default_section<R: Real>(problem: &Problem, point: &Point<R>, field: &[R]) -> (usize, f64) {
     let release = &point.release;
     let distance = |i: usize| {
         let size = release.state[i].abs().to_f64();
@@ -79,21 +78,16 @@ fn default_section<R: Real>(problem: &Problem, point: &Point<R>) -> (usize, f64)
             SECTION_DISTANCE * size
         }
     };
-    let speed = |i: usize| release.field[i].abs().to_f64();
-    let choice = || (0..release.state.len()).filter(|i| !release.free.contains(i));
+    let speed = |i: usize| field[i].abs().to_f64();
+    let share = |&i: &usize| speed(i) / distance(i);
+    let choice = || (0..field.len()).filter(|i| !release.free.contains(i));
     let fastest = choice().map(speed).fold(0.0, f64::max);
     let index = choice()
         .filter(|&i| speed(i) > AT_REST * fastest)
-        .max_by(|&a, &b| {
-            let share = |i: usize| speed(i) / distance(i);
-            share(a).total_cmp(&share(b))
-        })
+        .max_by(|a, b| share(a).total_cmp(&share(b)))
         .unwrap_or(0);
-    let forward = release.field[index].to_f64().signum();
-    (
-        index,
-        release.state[index].to_f64() + forward * distance(index),
-    )
+    let forward = field[index].to_f64().signum() * distance(index);
+    (index, release.state[index].to_f64() + forward)
 }
 
 /// The state where the flight from release reaches the section.
@@ -103,22 +97,18 @@ fn reached<R: Real>(
     (index, level): (usize, f64),
 ) -> Result<Option<Vec<R>>, BorderError> {
     let mut model = problem.model.clone();
-    let graph: &mut Graph = &mut model.graph;
-    let state = graph.state(index);
-    let level = graph.number(level);
-    let surface = graph.sub(state, level);
+    let (state, level) = (model.graph.state(index), model.graph.number(level));
     model.sections.push(Section {
         reset: None,
         name: String::new(),
-        surface,
+        surface: model.graph.sub(state, level),
         direction: Direction::Either,
     });
-    let system = System::new(&model)?;
-    let parameters = problem.parameters(point.value);
-    let start = &point.release.state;
+    let start = &*point.release.state;
     let started = model.time.map_or(R::ZERO, |index| start[index]);
     let within = point.sequence.impacts[0].time - started;
-    Ok(crossing(&system, &parameters, start, within)?)
+    let parameters = problem.parameters(point.value);
+    crossing(&model, &[], &parameters, (start, within))
 }
 
 /// The leading-order coefficients at a border, with the section asked for or a default one.
@@ -128,12 +118,19 @@ pub(crate) fn leading_order<R: Real>(
     chart: &SectionChart<R>,
     section: Option<&ReleaseSection>,
 ) -> Result<Result<LeadingOrder<R>, ReleaseSection>, BorderError> {
+    let parameters = problem.parameters(point.value);
+    let release = &point.release;
+    let equations = &problem.releases[release.contact];
+    let states = problem.states();
+    let here = equations.at(JERK..FIELD + states, &release.state, &parameters);
+    let field = &here.residual[FIELD - JERK..];
     let (index, level) = match section {
         Some(section) => {
-            let index = problem.state_index(&section.state)?;
-            (index, section.level)
+            let (name, model) = (&*section.state, &problem.model);
+            let unknown = || BorderError::unknown(Named::State, name, model.state_names());
+            (model.state_index(name).ok_or_else(unknown)?, section.level)
         }
-        None => default_section(problem, point),
+        None => default_section(problem, point, field),
     };
     let section = ReleaseSection {
         state: problem.model.states[index].name.clone(),
@@ -142,51 +139,30 @@ pub(crate) fn leading_order<R: Real>(
     let Some(at) = reached(problem, point, (index, level))? else {
         return Ok(Err(section));
     };
-    let parameters = problem.parameters(point.value);
-    let release = &point.release;
 
     // The flight from the section to the first impact, in terms of gap and rate there.
-    let equations = &problem.releases[release.contact];
-    let states = problem.states();
-    let [gap, rate] = equations.gap_and_rate_slopes(&at, &parameters);
-    let fixed = release.free.iter().chain([&index]).map(|&held| {
-        let mut row = vec![R::ZERO; states];
-        row[held] = R::ONE;
-        row
-    });
-    let rows: Vec<Vec<R>> = [gap[..states].to_vec(), rate[..states].to_vec()]
-        .into_iter()
-        .chain(fixed)
-        .collect();
-    let displacement = |gap: R, rate: R| {
-        let mut right = vec![R::ZERO; states];
-        (right[0], right[1]) = (gap, rate);
-        solve(&rows, &right)
-    };
+    let crossing = equations.at(0..2, &at, &parameters);
+    let [gap, rate] = [0, 1].map(|row| crossing.jacobian.row(row));
+    let mut rows = vec![gap[..states].to_vec(), rate[..states].to_vec()];
+    rows.extend((release.free.iter().chain([&index])).map(|&held| unit(states, held)));
+    let factors = Matrix::from_rows(&rows).factored();
     let flight = problem.variation(&parameters, (release.contact, &at), 0, 1)?;
-    let (Some(first), Some(by_gap), Some(by_rate), Some(at_fixed)) = (
-        flight.impacts.first(),
-        displacement(R::ONE, R::ZERO),
-        displacement(R::ZERO, R::ONE),
-        displacement(-gap[states], -rate[states]),
-    ) else {
+    let (Some(first), Some(factors)) = (flight.impacts.first(), factors) else {
         return Ok(Err(section));
     };
-    let reached = |weights: Vec<R>, by_parameter: bool| -> Vec<R> {
-        let moved = combine(
-            &first.local.slopes,
-            &Problem::weights(&weights, by_parameter),
-        );
+    let reached = |offset: &[R], by_parameter: R| -> Vec<R> {
+        let mut moved = factors.solve(offset);
+        moved.push(by_parameter);
+        let moved = first.local.along(&moved);
         chart.free.iter().map(|&i| moved[i]).collect()
     };
-    let by_gap = reached(by_gap, false);
-    let by_rate = reached(by_rate, false);
-    let a: Vec<[R; 2]> = by_gap
-        .into_iter()
-        .zip(by_rate)
+    let [by_gap, by_rate] = [0, 1].map(|place| reached(&unit(states, place), R::ZERO));
+    let a: Vec<[R; 2]> = (by_gap.into_iter().zip(by_rate))
         .map(|(gap, rate)| [gap, rate])
         .collect();
-    let f = reached(at_fixed, true);
+    let mut fixed = vec![R::ZERO; states];
+    (fixed[0], fixed[1]) = (-gap[states], -rate[states]);
+    let f = reached(&fixed, R::ONE);
 
     // u and nu at the first impact.
     let columns = columns(&problem.model, problem.parameter);
@@ -195,44 +171,36 @@ pub(crate) fn leading_order<R: Real>(
         .map_err(|error| BorderError::System(SystemError::Model(error)))?;
     let start = with_identity(&point.sequence.impacts[0].state[..states], columns.len());
     let low = vec![R::ZERO; start.len()];
-    let local = at_rest.at(
-        &mut at_rest.expansion(),
-        &at_rest.constants(&parameters),
-        &start,
-        &low,
-    );
+    let local = at_rest.at(&mut at_rest.scratch(&parameters), &start, &low);
     let (jerk, nu, w) = (release.jerk, local.nu(), local.rate);
     let number = |value: f64| R::splat(value);
     let u_slope = |along: usize| {
-        let weights = chart.weights(along);
-        let total = |part: &dyn Fn(&Slopes<R>) -> R| {
-            (local.slopes.iter().zip(&weights))
-                .fold(R::ZERO, |sum, (slope, &weight)| sum + part(slope) * weight)
-        };
-        let (dw, da) = (total(&|s| s.rate), total(&|s| s.acceleration));
+        let [dw, da] = local.rates_along(&chart.weights[along]);
         jerk * (dw / (nu * nu) + number(2.0) * w * da / (nu * nu * nu))
     };
     let coordinates = chart.free.len();
     let c: Vec<R> = (0..coordinates).map(u_slope).collect();
-    let d = u_slope(coordinates) + release.jerk_slope * w / (nu * nu);
+    let by_parameter = |row: usize| dot(here.jacobian.row(row), &point.held_slope);
+    let jerk_slope = by_parameter(0);
+    let d = u_slope(coordinates) + jerk_slope * w / (nu * nu);
 
     // The flight from release to the section, to leading order.
     let length = R::splat(level) - release.state[index];
-    let speed = release.field[index];
+    let speed = field[index];
     let time = length / speed;
-    let time_slope = -(point.held_slope[index] + time * release.field_slope[index]) / speed;
+    let speed_slope = by_parameter(FIELD - JERK + index);
+    let time_slope = -(point.held_slope[index] + time * speed_slope) / speed;
     let rate_offset = nu * nu / jerk;
     let b = [time * rate_offset, rate_offset];
     let square = time * time;
     let e = [
-        release.jerk_slope * square * time / number(6.0) + jerk * square * time_slope / number(2.0),
-        release.jerk_slope * square / number(2.0) + jerk * time * time_slope,
+        jerk_slope * square * time / number(6.0) + jerk * square * time_slope / number(2.0),
+        jerk_slope * square / number(2.0) + jerk * time * time_slope,
     ];
     let after = |v: [R; 2]| -> Vec<R> { a.iter().map(|row| dot(row, &v)).collect() };
-    let gap_value = equations.gap_and_rate(&at, &parameters);
     Ok(Ok(LeadingOrder {
         section,
-        crossing: gap_value,
+        crossing: [crossing.residual[0], crossing.residual[1]],
         slope: dot(&c, &after(b)),
         unfolding_rate: dot(&c, &after(e)) + dot(&c, &f) + d,
         a,
@@ -248,7 +216,7 @@ pub(crate) fn leading_order<R: Real>(
 /// release point whose chatter is nearest to one.
 ///
 /// # Errors
-/// As for [`borders_in`](super::super::borders_in), and [`BorderError::Section`] if the section is not crossed.
+/// As for [`borders_in`](super::super::borders_in), and [`BorderError::NotCrossed`] if the section is not crossed.
 pub fn leading_order_at<R: Real>(
     model: &Model,
     spec: &BorderSpec,
@@ -257,20 +225,16 @@ pub fn leading_order_at<R: Real>(
     let problem = Problem::new(model, spec)?;
     let at = value.to_f64();
     let releases = problem.release_points(at)?;
-    let mut nearest = (f64::INFINITY, 0, &releases[0]);
-    for release in &releases {
-        let sequence = problem.sequence(at, release, releases.len() > 1)?;
-        let limits = Limits::new(
-            Problem::constants(at, release)?,
-            release,
-            spec.extrapolation,
-        );
-        let distance = limits.rough_distance(&sequence);
-        if distance < nearest.0 {
-            nearest = (distance, limits.settles(&sequence), release);
-        }
-    }
-    let (_, settles, release) = nearest;
+    let several = releases.len() > 1;
+    let samples = releases.into_iter();
+    let samples: Vec<Sample> = samples
+        .map(|release| problem.sample(at, release, several))
+        .collect::<Result<_, _>>()?;
+    let nearest = samples
+        .iter()
+        .min_by(|a, b| a.distance.total_cmp(&b.distance));
+    let found = nearest.and_then(|sample| Some((sample.found.as_ref()?, sample.settles)));
+    let ((release, _), settles) = found.ok_or_else(|| Lack::Release.at(value))?;
     let point = problem.point(value, &release.place(), settles, spec.extrapolation)?;
     let parameters = problem.parameters(value);
     let first = &point.sequence.impacts[0].state[..problem.states()];

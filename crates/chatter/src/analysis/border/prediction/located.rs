@@ -2,11 +2,11 @@
 
 use super::super::normal_form::exact::SectionChart;
 use super::map::Prediction;
-use super::return_map::ReturnMap;
+use super::return_map::{FixedPoint, ReturnMap};
 use super::simulated::Simulator;
 use super::window_curve::{LocatedWindow, WindowEnds};
 use super::windows::{PredictedPoint, PredictedWindow};
-use crate::numerics::Estimate;
+use crate::numerics::{Estimate, moved};
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 
@@ -20,22 +20,7 @@ pub struct WindowComparison {
 }
 
 /// By how much the predicted parameter values miss those of the system, as parts of the latter's distance from the border.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Discrepancy {
-    /// Of the fold.
-    pub fold: Option<f64>,
-    /// Of the period doubling.
-    pub period_doubling: Option<f64>,
-    /// Of the graze.
-    pub grazing: Option<f64>,
-}
-
-impl Discrepancy {
-    /// Of fold, period doubling and graze.
-    pub fn ends(&self) -> [Option<f64>; 3] {
-        [self.fold, self.period_doubling, self.grazing]
-    }
-}
+pub type Discrepancy = WindowEnds<f64>;
 
 /// Where on the predicted orbits Newton's method starts, from the superstable one, 0, to the graze, 1: where n is small a
 /// predicted orbit near the end of its lap may have one impact more.
@@ -52,7 +37,7 @@ impl WindowComparison {
             let (found, predicted) = (found?.value, predicted?.parameter);
             Some((predicted - found) / (found - border))
         };
-        Discrepancy {
+        WindowEnds {
             fold: off(located.fold, self.predicted.fold),
             period_doubling: off(located.period_doubling, self.predicted.period_doubling),
             grazing: off(located.grazing, Some(self.predicted.grazing)),
@@ -64,7 +49,9 @@ impl WindowComparison {
 #[derive(Clone)]
 struct Found {
     predicted: PredictedWindow,
-    ends: WindowEnds,
+    located: LocatedWindow,
+    /// Period doubling and fold.
+    ends: [Option<FixedPoint>; 2],
 }
 
 impl Simulator {
@@ -94,8 +81,7 @@ impl Simulator {
         };
         let last = last.min(nearest);
         let alone = |predicted: PredictedWindow| {
-            let ends = map.locate(prediction, &predicted, &vec![0.0; map.free.len() + 1])?;
-            Some(Found { predicted, ends })
+            map.locate(prediction, predicted, &vec![0.0; map.free.len() + 1])
         };
         // Beyond the last one asked for, if need be, is where to begin.
         let mut begin = None;
@@ -120,9 +106,9 @@ impl Simulator {
         });
         let mut windows: Vec<WindowComparison> = found
             .filter(|found| (first..=last).contains(&found.predicted.lap))
-            .map(|Found { predicted, ends }| WindowComparison {
-                predicted,
-                located: ends.window(),
+            .map(|found| WindowComparison {
+                predicted: found.predicted,
+                located: found.located,
             })
             .collect();
         windows.reverse();
@@ -159,17 +145,16 @@ impl ReturnMap<'_> {
     fn locate(
         &self,
         prediction: &Prediction,
-        predicted: &PredictedWindow,
+        predicted: PredictedWindow,
         offset: &[f64],
-    ) -> Option<WindowEnds> {
-        let map = self.with_lap(predicted.lap);
+    ) -> Option<Found> {
         let (begin, end) = (predicted.superstable.x, predicted.grazing.x);
         STARTS.into_iter().find_map(|share| {
             let x = begin + (end - begin) * share;
             let z = prediction.universal().value(x);
             let parameter = prediction.parameter(x - prediction.slope * z);
-            let start = map.expected(prediction, z, parameter);
-            map.window_from(&sum(&start, offset), None)
+            let start = self.expected(prediction, z, parameter);
+            self.window_from(predicted, &moved(&start, offset, 1.0), None)
         })
     }
 
@@ -185,54 +170,48 @@ impl ReturnMap<'_> {
         let constants = prediction.universal().constants();
         let growth = 1.0 / (constants.eta * constants.eta);
         let faster = 1.0 / (constants.lambda * constants.lambda);
-        let known = &next.predicted;
-        let starts = [
-            (
-                next.ends.period_doubling.as_ref(),
-                known.period_doubling,
-                predicted.period_doubling,
-            ),
-            (next.ends.fold.as_ref(), known.fold, predicted.fold),
+        let pairs = [
+            (next.predicted.period_doubling, predicted.period_doubling),
+            (next.predicted.fold, predicted.fold),
         ];
-        let starts = starts.into_iter().filter_map(|(found, known, predicted)| {
-            let (found, known, predicted) = (found?, known?, predicted?);
-            let known = self.expected(prediction, known.z, known.parameter);
-            let start = self.expected(prediction, predicted.z, predicted.parameter);
-            let off = found
-                .at
-                .iter()
-                .zip(&known)
-                .map(|(x, known)| (x - known) * growth);
-            let offset: Vec<f64> = off.collect();
-            Some((start, offset, found.rate * faster))
-        });
-        let map = self.with_lap(predicted.lap);
-        let ends = starts
-            .clone()
-            .find_map(|(start, offset, rate)| map.window_from(&sum(&start, &offset), Some(rate)))
-            .or_else(|| {
-                let (_, offset, _) = starts.clone().next()?;
-                self.locate(prediction, &predicted, &offset)
-            })?;
-        Some(Found { predicted, ends })
+        let starts = next
+            .ends
+            .iter()
+            .zip(pairs)
+            .filter_map(|(found, (known, here))| {
+                let (found, known, here) = (found.as_ref()?, known?, here?);
+                let [known, here] =
+                    [known, here].map(|point| self.expected(prediction, point.z, point.parameter));
+                let off = moved(&found.at, &known, -1.0);
+                let offset: Vec<f64> = off.iter().map(|off| off * growth).collect();
+                Some((moved(&here, &offset, 1.0), offset, found.rate * faster))
+            });
+        let mut starts = starts.collect::<Vec<_>>().into_iter().peekable();
+        let first = starts.peek().map(|(_, offset, _)| offset.clone());
+        starts
+            .find_map(|(start, _, rate)| self.window_from(predicted, &start, Some(rate)))
+            .or_else(|| self.locate(prediction, predicted, &first?))
     }
 
-    /// With n + 1 impacts in a loop.
-    fn with_lap(&self, lap: u32) -> Self {
-        Self {
-            impacts: lap as usize + 1,
+    /// The window of the orbit with n + 1 impacts in a loop near a guess, if it has an end.
+    fn window_from(
+        &self,
+        predicted: PredictedWindow,
+        guess: &[f64],
+        rate: Option<f64>,
+    ) -> Option<Found> {
+        let map = Self {
+            impacts: predicted.lap as usize + 1,
             ..self.clone()
-        }
+        };
+        let (located, ends) = map.window(map.solve(guess, rate)?);
+        let found = Found {
+            predicted,
+            located,
+            ends,
+        };
+        (located.ends().iter().any(Option::is_some)).then_some(found)
     }
-
-    fn window_from(&self, guess: &[f64], rate: Option<f64>) -> Option<WindowEnds> {
-        let ends = self.window(self.solve(guess, rate)?);
-        (ends.window() != LocatedWindow::default()).then_some(ends)
-    }
-}
-
-fn sum(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
 /// No window beyond this one is looked at.

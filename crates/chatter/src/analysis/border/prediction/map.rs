@@ -1,6 +1,6 @@
 //! What the one-dimensional map says about the system near a border orbit.
 
-use super::super::error::BorderError;
+use super::super::error::{BorderError, Lack};
 use super::super::normal_form::exact::Memory;
 use super::super::orbit::Border;
 use crate::analysis::universal::Universal;
@@ -46,58 +46,6 @@ pub struct PredictedPassage {
     /// What is remembered of where the orbit was released, beyond what one with Upsilon = 0 would have: nothing with three states.
     pub memory: Vec<f64>,
 }
-
-/// Where an orbit settles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Settled {
-    /// It repeats after so many passages with so many impacts in all.
-    Periodic {
-        /// Passages in a period.
-        passages: usize,
-        /// Impacts in a period.
-        impacts: u64,
-    },
-    /// Each passage is a complete chatter sequence.
-    Complete,
-    /// It does not repeat within what was followed.
-    Unsettled,
-}
-
-/// Impacts per passage over a stretch of an orbit without complete chatter.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ImpactCounts {
-    /// Fewest in a passage.
-    pub least: u64,
-    /// Most in a passage.
-    pub most: u64,
-    /// On average.
-    pub mean: f64,
-}
-
-impl ImpactCounts {
-    /// Of these passages; `None` without any.
-    pub fn of(impacts: impl IntoIterator<Item = u64>) -> Option<Self> {
-        let mut counts: Option<(u64, u64, u64, u64)> = None;
-        for n in impacts {
-            let (least, most, sum, passages) = counts.unwrap_or((n, n, 0, 0));
-            counts = Some((least.min(n), most.max(n), sum + n, passages + 1));
-        }
-        counts.map(|(least, most, sum, passages)| Self {
-            least,
-            most,
-            mean: sum as f64 / passages as f64,
-        })
-    }
-}
-
-/// Periods up to this are recognised.
-pub(crate) const LONGEST_PERIOD: usize = 64;
-
-/// Passages until an orbit is taken to have settled.
-const TRANSIENT: usize = 4000;
-
-/// Two passages are the same if they agree to this, relative to their size.
-const SAME: f64 = 1e-9;
 
 impl AffineStates {
     /// The state for z at a distance p - p* from the border.
@@ -247,46 +195,9 @@ impl Prediction {
         }
         state
     }
-
-    /// Where orbits settle: how many passages and impacts a period has.
-    pub fn settled(&self, parameter: f64) -> Settled {
-        let passages = self.orbit(parameter, TRANSIENT, 2 * LONGEST_PERIOD);
-        if passages.iter().all(|passage| passage.impacts.is_none()) {
-            return Settled::Complete;
-        }
-        let scale = passages.iter().fold(0.0_f64, |most, p| most.max(p.x.abs()));
-        let same = |a: &PredictedPassage, b: &PredictedPassage| {
-            a.impacts == b.impacts && (a.x - b.x).abs() <= SAME * scale
-        };
-        settle(&passages, same, |passage| passage.impacts)
-    }
-}
-
-/// The shortest period of a list of passages.
-pub(crate) fn settle<P>(
-    passages: &[P],
-    same: impl Fn(&P, &P) -> bool,
-    impacts: impl Fn(&P) -> Option<u64>,
-) -> Settled {
-    for period in 1..=LONGEST_PERIOD.min(passages.len() / 2) {
-        let repeats = (passages.iter().zip(&passages[period..])).all(|(a, b)| same(a, b));
-        if repeats {
-            return match passages[..period].iter().map(&impacts).sum() {
-                Some(impacts) => Settled::Periodic {
-                    passages: period,
-                    impacts,
-                },
-                None => Settled::Complete,
-            };
-        }
-    }
-    Settled::Unsettled
 }
 
 fn universal<R: Real>(border: &Border<R>) -> Result<Universal<f64>, BorderError> {
     let value = border.constants.restitution.to_f64();
-    Universal::new(value).map_err(|_| BorderError::Restitution {
-        value,
-        at: border.value.value.to_f64(),
-    })
+    Universal::new(value).map_err(|_| Lack::Restitution(value).at(border.value.value))
 }

@@ -8,7 +8,7 @@ mod window_curve;
 mod windows;
 
 pub use located::{Discrepancy, WindowComparison};
-pub use map::{AffineStates, ImpactCounts, PredictedPassage, Prediction, Settled};
+pub use map::{AffineStates, PredictedPassage, Prediction};
 pub use simulated::{Passage, Simulated, Simulator};
-pub use window_curve::LocatedWindow;
+pub use window_curve::{LocatedWindow, WindowEnds};
 pub use windows::{PredictedPoint, PredictedWindow};

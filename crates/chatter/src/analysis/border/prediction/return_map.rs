@@ -1,33 +1,18 @@
 //! The system's own return map from first impact to first impact, and its fixed points by Newton's method.
 
-use super::super::coordinate::local::Slopes;
 use super::super::coordinate::sequence::Until;
-use super::super::normal_form::exact::SectionChart;
+use super::super::release::Turn;
 use super::simulated::Simulator;
 use crate::flow::with_identity;
-use crate::numerics::Matrix;
-use crate::numerics::linear::solve;
+use crate::numerics::{Equations, Linearised, Matrix, Newton, dot, unit};
 
-/// What the map found for one loop.
+/// One loop.
 struct Loop {
-    /// The coordinates after it.
-    image: Vec<f64>,
-    /// Derivatives by the coordinates and the parameter.
-    slopes: Vec<Vec<f64>>,
+    /// What a point is moved by, with derivatives by the coordinates and the parameter.
+    moved: Linearised<f64>,
+    /// After the last impact, with the same derivatives.
     rate: f64,
     rate_slopes: Vec<f64>,
-}
-
-impl Loop {
-    /// Derivatives of image - point, and one more row.
-    fn fixed_point_rows(&self, last: Vec<f64>) -> Vec<Vec<f64>> {
-        let mut rows = self.slopes.clone();
-        for (i, row) in rows.iter_mut().enumerate() {
-            row[i] -= 1.0;
-        }
-        rows.push(last);
-        rows
-    }
 }
 
 /// A fixed point of the return map.
@@ -38,7 +23,7 @@ pub(in crate::analysis::border) struct FixedPoint {
     /// After the last impact.
     pub rate: f64,
     /// Derivative of the map, by the coordinates.
-    pub slopes: Vec<Vec<f64>>,
+    pub slopes: Matrix<f64>,
     /// d at / d rate.
     pub direction: Vec<f64>,
     /// Of the parameter.
@@ -55,8 +40,8 @@ impl FixedPoint {
     /// 1 - target n for each other one, n, next to nothing near a border orbit but for what is remembered. Zero just where a
     /// multiplier is that; a complex pair has none, though its real part may pass the target.
     pub fn excess(&self, target: f64) -> f64 {
-        let mut rows = Matrix::from_rows(&self.slopes);
-        for i in 0..self.slopes.len() {
+        let mut rows = self.slopes.clone();
+        for i in 0..rows.rows() {
             let row = rows.row_mut(i);
             row.iter_mut().for_each(|entry| *entry *= -target);
             row[i] += 1.0;
@@ -66,13 +51,10 @@ impl FixedPoint {
 
     /// On which side of 0 multipliers lie.
     pub fn trace(&self) -> f64 {
-        self.slopes.iter().enumerate().map(|(i, row)| row[i]).sum()
+        (0..self.slopes.rows()).map(|i| self.slopes[(i, i)]).sum()
     }
 }
 
-const NEWTON_STEPS: usize = 40;
-/// A Newton step is halved so often while it leaves the orbits with this number of impacts.
-const STEP_HALVINGS: usize = 12;
 /// A correction is none below this, relative to the distance from the border orbit, or below so many roundoffs of the
 /// coordinates; where it no longer shrinks it may be this much larger.
 const NEWTON_DONE: f64 = 1e-11;
@@ -82,6 +64,18 @@ const STALLED: f64 = 1e3;
 const LEAST_OFF: f64 = 1e-6;
 /// However near to the border orbit, no more of a correction is let pass.
 const VAGUE: f64 = 1e-6;
+
+/// Corrections are measured by what is none of one. A step is shortened while it leaves the orbits with this number of impacts.
+const NEWTON: Newton = Newton {
+    steps: 40,
+    leap: f64::INFINITY,
+    longest: f64::INFINITY,
+    halvings: 11,
+    done: 1.0,
+    settled: STALLED,
+    shrinks: 1.0,
+    patience: usize::MAX,
+};
 
 /// The return map of the system near its border orbit.
 #[derive(Clone)]
@@ -98,20 +92,6 @@ pub(in crate::analysis::border) struct ReturnMap<'a> {
 }
 
 impl ReturnMap<'_> {
-    /// By how much a component of the state grows in a loop beyond what it was, and the derivative of that by the
-    /// parameter: zero but for phases.
-    fn turn(&self, parameters: &[f64], component: usize) -> (f64, f64) {
-        let turns = self.simulator.equations().turns(parameters);
-        let count = (self.simulator.turns.iter()).find(|(state, _)| *state == component);
-        match (turns.iter().find(|turn| turn.state == component), count) {
-            (Some(turn), Some(&(_, count))) => {
-                let count = count as f64;
-                (turn.period * count, turn.period_slope * count)
-            }
-            _ => (0.0, 0.0),
-        }
-    }
-
     /// One loop from a first impact to the next; `None` if it has another number of impacts.
     fn follow(&self, at: &[f64]) -> Option<Loop> {
         let (problem, equations) = (&self.simulator.problem, self.simulator.equations());
@@ -123,12 +103,16 @@ impl ReturnMap<'_> {
             state[i] = x;
         }
         let state = equations.onto_surface(&parameters, &state, self.bound)?;
-        let chart = SectionChart::with_bound(problem, (contact, self.bound), &parameters, &state);
+        let weights = equations.on_surface(&state, &parameters, self.bound);
         let start = with_identity(&state, state.len() + 1);
         let count = self.impacts;
+        let until = Until {
+            impacts: count,
+            ..Until::NEVER
+        };
         let sequence = problem
             .variational
-            .follow(&parameters, (contact, &start), Until::Count(count))
+            .follow(&parameters, (contact, &start), until)
             .ok()?;
         let impacts = &sequence.impacts;
         let (long, count_long) = self.simulator.long_flight;
@@ -141,98 +125,105 @@ impl ReturnMap<'_> {
             return None;
         }
         let (last, next) = (&impacts[count - 2].local, &impacts[count - 1].local);
-        let weights: Vec<Vec<f64>> = (0..=coordinates)
-            .map(|along| chart.weights(along))
-            .collect();
-        let sum = |of: &dyn Fn(&Slopes<f64>) -> f64, slopes: &[Slopes<f64>], weights: &[f64]| {
-            slopes
-                .iter()
-                .zip(weights)
-                .map(|(slope, weight)| of(slope) * weight)
-                .sum::<f64>()
-        };
-        let (mut image, mut slopes) = (Vec::new(), Vec::new());
-        for &i in &self.free {
-            let (turn, turn_slope) = self.turn(&parameters, i);
-            image.push(impacts[count - 1].state[i] - turn);
-            let along = |weights: &Vec<f64>| sum(&|slope| slope.state[i], &next.slopes, weights);
-            let mut row: Vec<f64> = weights.iter().map(along).collect();
-            row[coordinates] -= turn_slope;
-            slopes.push(row);
+        let turns = self.simulator.turns(&parameters);
+        let (mut off, mut slopes) = (Vec::new(), Matrix::zeros(0, coordinates + 1));
+        for (k, &i) in self.free.iter().enumerate() {
+            let [turned, turned_slope] = Turn::of(&turns, i);
+            off.push(impacts[count - 1].state[i] - turned - at[k]);
+            let by = next.state_slopes(i);
+            let mut row: Vec<f64> = weights.iter().map(|along| dot(&by, along)).collect();
+            row[coordinates] -= turned_slope;
+            row[k] -= 1.0;
+            slopes.push(&row);
         }
-        let rate = |weights: &Vec<f64>| sum(&|slope| slope.rate, &last.slopes, weights);
         Some(Loop {
-            image,
-            slopes,
+            moved: Linearised {
+                residual: off,
+                jacobian: slopes,
+            },
             rate: last.rate,
-            rate_slopes: weights.iter().map(rate).collect(),
+            rate_slopes: (weights.iter().map(|along| last.rates_along(along)[0])).collect(),
         })
+    }
+
+    /// A change of coordinates and parameter against the distance from the border orbit.
+    fn against_distance(&self, at: &[f64], change: &[f64]) -> f64 {
+        let origin = self.free.iter().map(|&i| self.origin[i]);
+        let distance = |(x, o): (&f64, f64)| ((x - o).abs(), 1.0 + o.abs());
+        let off: Vec<(f64, f64)> = (at.iter().zip(origin.chain([self.border])))
+            .map(distance)
+            .collect();
+        let largest = (off.iter()).fold(0.0_f64, |most, (off, size)| most.max(off / size));
+        let parts = change.iter().zip(off);
+        let part =
+            |(x, (off, size)): (&f64, (f64, f64))| x.abs() / off.max(LEAST_OFF * largest * size);
+        parts.map(part).fold(0.0, f64::max)
+    }
+
+    /// A correction that is none.
+    fn done(&self, at: &[f64]) -> f64 {
+        let rounding = ROUNDOFFS * f64::EPSILON * self.against_distance(at, at);
+        NEWTON_DONE.max(rounding).min(VAGUE)
     }
 
     /// The fixed point at this rate after the last impact, or at the guess's own parameter if none is given.
     pub fn solve(&self, guess: &[f64], rate: Option<f64>) -> Option<FixedPoint> {
         let last = self.free.len();
-        let unit = |length: f64| {
-            let mut unit = vec![0.0; last + 1];
-            unit[last] = length;
-            unit
+        let mut sought = Sought {
+            map: self,
+            rate,
+            latest: None,
         };
-        let origin: Vec<f64> = (self.free.iter().map(|&i| self.origin[i]))
-            .chain([self.border])
-            .collect();
-        let mut at = guess.to_vec();
-        let mut found = self.follow(&at)?;
-        let mut before = f64::INFINITY;
-        for _ in 0..NEWTON_STEPS {
-            let (row, off) = match rate {
-                Some(rate) => (found.rate_slopes.clone(), rate - found.rate),
-                None => (unit(1.0), guess[last] - at[last]),
-            };
-            let missed = at.iter().zip(&found.image).map(|(x, image)| x - image);
-            let right: Vec<f64> = missed.chain([off]).collect();
-            let step = solve(&found.fixed_point_rows(row), &right)?;
-            let off = |i: usize| (at[i] - origin[i]).abs();
-            let relative = (0..=last).map(|i| off(i) / (1.0 + origin[i].abs()));
-            let least = LEAST_OFF * relative.fold(0.0, f64::max);
-            let largest = |values: &[f64]| {
-                let parts = values
-                    .iter()
-                    .enumerate()
-                    .map(|(i, value)| value.abs() / off(i).max(least * (1.0 + origin[i].abs())));
-                parts.fold(0.0, f64::max)
-            };
-            let size = largest(&step);
-            let done = NEWTON_DONE
-                .max(ROUNDOFFS * f64::EPSILON * largest(&at))
-                .min(VAGUE);
-            let mut part = 1.0;
-            let mut moved = None;
-            for _ in 0..STEP_HALVINGS {
-                let trial: Vec<f64> = at.iter().zip(&step).map(|(x, dx)| x + part * dx).collect();
-                if let Some(good) = self.follow(&trial) {
-                    moved = Some((trial, good));
-                    break;
-                }
-                part *= 0.5;
-            }
-            (at, found) = moved?;
-            if size <= done || (size <= STALLED * done && size >= before) {
-                let rows = found.fixed_point_rows(found.rate_slopes.clone());
-                return Some(FixedPoint {
-                    rate: found.rate,
-                    slopes: found
-                        .slopes
-                        .iter()
-                        .map(|row| row[..last].to_vec())
-                        .collect(),
-                    direction: solve(&rows, &unit(1.0))?,
-                    error: size.max(done) * (at[last] - self.border).abs(),
-                    at,
-                });
-            }
-            before = size;
+        let found = NEWTON.solve(&mut sought, guess).ok()?;
+        // The last correction is next to none: where it leaves the orbits, it is left out.
+        let there = self.follow(&found.at).map(|here| (found.at.clone(), here));
+        let (at, here) = there.or(sought.latest)?;
+        let rows = here.moved.bordered([&*here.rate_slopes]).factored()?;
+        let mut slopes = Matrix::identity(last);
+        for i in 0..last {
+            let row = slopes.row_mut(i).iter_mut();
+            row.zip(here.moved.jacobian.row(i))
+                .for_each(|(x, by)| *x += by);
         }
-        None
+        let direction = rows.solve(&unit(last + 1, last));
+        let error = found.correction.max(1.0) * self.done(&at) * (at[last] - self.border).abs();
+        direction
+            .iter()
+            .all(|x| x.is_finite())
+            .then_some(FixedPoint {
+                rate: here.rate,
+                slopes,
+                direction,
+                error,
+                at,
+            })
+    }
+}
+
+/// The equations of a fixed point at a rate after the last impact, or at the parameter where it is.
+struct Sought<'a> {
+    map: &'a ReturnMap<'a>,
+    rate: Option<f64>,
+    latest: Option<(Vec<f64>, Loop)>,
+}
+
+impl Equations<f64> for Sought<'_> {
+    type Left = ();
+
+    fn evaluate(&mut self, at: &[f64]) -> Result<Linearised<f64>, ()> {
+        let here = self.map.follow(at).ok_or(())?;
+        let (row, off) = match self.rate {
+            Some(rate) => (here.rate_slopes.clone(), here.rate - rate),
+            None => (unit(at.len(), at.len() - 1), 0.0),
+        };
+        let jacobian = here.moved.bordered([&*row]);
+        let residual = [&*here.moved.residual, &[off]].concat();
+        self.latest = Some((at.to_vec(), here));
+        Ok(Linearised { residual, jacobian })
+    }
+
+    fn size(&self, at: &[f64], correction: &[f64]) -> f64 {
+        self.map.against_distance(at, correction) / self.map.done(at)
     }
 }
 
@@ -244,7 +235,7 @@ mod tests {
         FixedPoint {
             at: vec![0.0; 3],
             rate: 1.0,
-            slopes: vec![vec![trace, -determinant], vec![1.0, 0.0]],
+            slopes: Matrix::from_rows(&[vec![trace, -determinant], vec![1.0, 0.0]]),
             direction: vec![0.0; 3],
             error: 0.0,
         }

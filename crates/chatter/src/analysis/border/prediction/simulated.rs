@@ -4,9 +4,10 @@ use super::super::coordinate::sequence::{Until, Verdict};
 use super::super::error::BorderError;
 use super::super::orbit::Border;
 use super::super::problem::Problem;
+use super::super::release::Turn;
 use super::super::release::equations::{Place, ReleaseEquations};
 use super::super::spec::BorderSpec;
-use super::map::{Settled, settle, to_f64};
+use super::map::to_f64;
 use crate::model::Model;
 use crate::numerics::Real;
 use serde::{Deserialize, Serialize};
@@ -37,15 +38,13 @@ pub struct Passage {
 pub struct Simulated {
     /// Passages after the transient.
     pub passages: Vec<Passage>,
-    /// Where it settles.
-    pub settled: Settled,
+    /// What ended it: not [`Stopped`](Verdict::Stopped) where chatter is complete, or impacts go on for ever without a long flight,
+    /// as they may far from the border.
+    pub verdict: Verdict,
 }
 
 /// Impacts of the chatter sequence whose flights are looked at: they get shorter.
 const FOLLOWED: usize = 8;
-
-/// Two passages are the same if their states agree to this, relative to their size.
-const SAME: f64 = 1e-9;
 
 impl Simulator {
     /// For the system that a border was found in.
@@ -60,7 +59,10 @@ impl Simulator {
         let problem = Problem::new(model, spec)?;
         let value = border.value.value.to_f64();
         let release = (border.release.contact, &*to_f64(&border.release.state));
-        let until = Until::Count(border.sequence_begins + FOLLOWED);
+        let until = Until {
+            impacts: border.sequence_begins + FOLLOWED,
+            ..Until::NEVER
+        };
         let begin = (problem.plain).follow(&problem.parameters(value), release, until)?;
         Ok(Self {
             problem,
@@ -78,6 +80,16 @@ impl Simulator {
         &self.problem.releases[self.release.contact]
     }
 
+    /// The phases, with the turns by which they advance in a loop.
+    pub(super) fn turns(&self, parameters: &[f64]) -> Vec<Turn<f64>> {
+        let mut turns = self.equations().turns(parameters);
+        for turn in &mut turns {
+            let known = self.turns.iter().find(|(state, _)| *state == turn.state);
+            turn.count = known.map_or(0, |&(_, count)| count);
+        }
+        turns
+    }
+
     /// Follows the flow from release at a parameter value: `keep` passages after `transient` others.
     ///
     /// # Errors
@@ -90,50 +102,30 @@ impl Simulator {
     ) -> Result<Simulated, BorderError> {
         let release = self.problem.release_point(parameter, &self.release)?;
         let parameters = self.problem.parameters(parameter);
-        let arrivals = (transient + keep) * self.long_flights + 1;
+        let until = Until {
+            arrivals: (transient + keep) * self.long_flights + 1,
+            ..Until::NEVER
+        };
         let follower = &self.problem.plain;
         let start = (release.contact, &*release.state);
-        let sequence = follower.follow(&parameters, start, Until::Arrivals(arrivals))?;
-        if sequence.verdict != Verdict::Stopped {
-            // Far from the border impacts may go on for ever without a long flight.
-            let settled = match sequence.verdict {
-                Verdict::Complete => Settled::Complete,
-                _ => Settled::Unsettled,
-            };
-            let passages = Vec::new();
-            return Ok(Simulated { passages, settled });
-        }
-        let mut passages: Vec<Passage> = Vec::new();
-        let mut arrivals = 0;
-        for impact in &sequence.impacts {
-            if impact.arrives {
-                if arrivals % self.long_flights == 0 {
-                    passages.push(Passage {
-                        state: impact.state.clone(),
-                        impacts: 0,
-                    });
-                }
-                arrivals += 1;
-            }
-            if let Some(passage) = passages.last_mut() {
-                passage.impacts += 1;
-            }
-        }
-        // The last one goes on.
-        passages.pop();
-        passages.drain(..transient.min(passages.len()));
-        passages.truncate(keep);
-        let scale: Vec<f64> = (0..release.slope.len())
-            .map(|i| (passages.iter()).fold(0.0_f64, |most, p| most.max(p.state[i].abs())))
+        let sequence = follower.follow(&parameters, start, until)?;
+        let arrivals = sequence.impacts.iter().enumerate();
+        let arrivals = arrivals.filter(|(_, impact)| impact.arrives);
+        let begins: Vec<usize> = (arrivals.map(|(place, _)| place))
+            .step_by(self.long_flights)
             .collect();
-        let same = |a: &Passage, b: &Passage| {
-            a.impacts == b.impacts
-                && (0..scale.len())
-                    .filter(|&i| !self.equations().is_phase(i))
-                    .all(|i| (a.state[i] - b.state[i]).abs() <= SAME * scale[i])
+        let passage = |ends: &[usize]| Passage {
+            state: sequence.impacts[ends[0]].state.clone(),
+            impacts: (ends[1] - ends[0]) as u64,
         };
-        let settled = settle(&passages, same, |passage| Some(passage.impacts));
-        Ok(Simulated { passages, settled })
+        let all = begins.windows(2).skip(transient).take(keep);
+        Ok(Simulated {
+            passages: match sequence.verdict {
+                Verdict::Stopped => all.map(passage).collect(),
+                _ => Vec::new(),
+            },
+            verdict: sequence.verdict,
+        })
     }
 }
 

@@ -4,56 +4,36 @@
 //! included, where over the parameter it is a root: a multiplier m goes to infinity like 1 / w.
 
 use super::return_map::{FixedPoint, ReturnMap};
-use crate::numerics::{Bracket, Estimate, Plan, limit};
+use crate::numerics::{Bracket, Estimate, Plan, limit, moved, ratios};
 use serde::{Deserialize, Serialize};
 
-/// A window of the system.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct LocatedWindow {
-    /// Parameter value where the multiplier is 1.
-    pub fold: Option<Estimate<f64>>,
-    /// Parameter value where it is -1.
-    pub period_doubling: Option<Estimate<f64>>,
-    /// Parameter value where the last impact grazes.
-    pub grazing: Option<Estimate<f64>>,
+/// What is known of the ends of a window.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WindowEnds<T> {
+    /// Where the multiplier is 1.
+    pub fold: Option<T>,
+    /// Where it is -1.
+    pub period_doubling: Option<T>,
+    /// Where the last impact grazes.
+    pub grazing: Option<T>,
 }
 
-impl LocatedWindow {
+impl<T: Copy> WindowEnds<T> {
     /// Fold, period doubling and graze.
-    pub fn ends(&self) -> [Option<Estimate<f64>>; 3] {
+    pub fn ends(&self) -> [Option<T>; 3] {
         [self.fold, self.period_doubling, self.grazing]
     }
 }
 
-/// The fixed points at which a window begins and ends.
-#[derive(Clone)]
-pub(in crate::analysis::border) struct WindowEnds {
-    pub fold: Option<FixedPoint>,
-    pub period_doubling: Option<FixedPoint>,
-    grazing: Option<Estimate<f64>>,
-}
-
-impl WindowEnds {
-    /// Their parameter values.
-    pub fn window(&self) -> LocatedWindow {
-        let parameter = |point: &FixedPoint| Estimate {
-            value: point.parameter(),
-            error: point.error,
-        };
-        LocatedWindow {
-            fold: self.fold.as_ref().map(parameter),
-            period_doubling: self.period_doubling.as_ref().map(parameter),
-            grazing: self.grazing,
-        }
-    }
-}
+/// A window of the system: parameter values.
+pub type LocatedWindow = WindowEnds<Estimate<f64>>;
 
 /// Where a step of the rate fails it is halved so often.
 const RATE_HALVINGS: u32 = 4;
 /// Beginnings of the sequence towards the graze with fewer of them are not extrapolated.
 const GRAZE_LEAST: usize = 4;
-/// Ratios of the terms of a power series from one rate to the next.
-const HALVES: [f64; 5] = [0.5, 0.25, 0.125, 0.0625, 0.03125];
+/// So many terms of a power series in the rate are eliminated: their ratios are powers of a half.
+const POWERS: usize = 5;
 const SECANT_STEPS: usize = 60;
 /// A multiplier is met to this, or to what rounding leaves of it, which may not be more than a hundredth.
 const MULTIPLIER_DONE: f64 = 1e-9;
@@ -94,22 +74,16 @@ impl ReturnMap<'_> {
     }
 
     fn at_rate_by(&self, from: &FixedPoint, rate: f64, halvings: u32) -> Option<FixedPoint> {
-        let step = rate - from.rate;
-        let moved = from
-            .at
-            .iter()
-            .zip(&from.direction)
-            .map(|(x, by)| x + by * step);
-        self.solve(&moved.collect::<Vec<f64>>(), Some(rate))
-            .or_else(|| {
-                let halvings = halvings.checked_sub(1)?;
-                let between = self.at_rate_by(from, (rate * from.rate).sqrt(), halvings)?;
-                self.at_rate_by(&between, rate, halvings)
-            })
+        let guess = moved(&from.at, &from.direction, rate - from.rate);
+        self.solve(&guess, Some(rate)).or_else(|| {
+            let halvings = halvings.checked_sub(1)?;
+            let between = self.at_rate_by(from, (rate * from.rate).sqrt(), halvings)?;
+            self.at_rate_by(&between, rate, halvings)
+        })
     }
 
-    /// The whole window, from one of its orbits.
-    pub fn window(&self, middle: FixedPoint) -> WindowEnds {
+    /// The whole window, from one of its orbits, and its period doubling and fold themselves.
+    pub fn window(&self, middle: FixedPoint) -> (LocatedWindow, [Option<FixedPoint>; 2]) {
         let towards = self.walk(&middle, TOWARDS_GRAZE, |_| false);
         let mut nearest = &towards[towards.len() - 1];
         let mut nearer = Vec::new();
@@ -128,11 +102,19 @@ impl ReturnMap<'_> {
             let pair = branches.find_map(|branch| branch.windows(2).find(crossed))?;
             self.meet((&pair[0], &pair[1]), multiplier)
         };
-        WindowEnds {
-            fold: end(1.0),
-            period_doubling: end(-1.0),
+        let ends = [end(-1.0), end(1.0)];
+        let [period_doubling, fold] = ends.each_ref().map(|end| {
+            end.as_ref().map(|point| Estimate {
+                value: point.parameter(),
+                error: point.error,
+            })
+        });
+        let window = WindowEnds {
+            fold,
+            period_doubling,
             grazing: graze(&towards),
-        }
+        };
+        (window, ends)
     }
 
     /// Fixed points one after the other, the first given, until one of them is far enough.
@@ -215,12 +197,13 @@ fn graze(points: &[FixedPoint]) -> Option<Estimate<f64>> {
     let values: Vec<f64> = points.iter().map(FixedPoint::parameter).collect();
     let plan = Plan {
         stride: 1,
-        orders: HALVES.len(),
+        orders: POWERS,
     };
+    let halves = ratios(&[1.0], 0.5, POWERS, 1);
     let limits: Vec<Estimate<f64>> = (GRAZE_LEAST..=values.len())
-        .filter_map(|end| limit(&values[..end], &HALVES, plan))
+        .filter_map(|end| limit(&values[..end], &halves, plan))
         .collect();
-    let amplified: f64 = HALVES
+    let amplified: f64 = halves
         .iter()
         .map(|half| (1.0 + half) / (1.0 - half))
         .product();

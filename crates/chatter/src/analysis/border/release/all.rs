@@ -5,6 +5,7 @@ use super::equations::{ReleaseEquations, ReleasePoint};
 use super::forcing::Turn;
 use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
+use crate::numerics::root_between;
 
 /// How many steps of a trajectory are looked through for places near a release.
 const SEED_STEPS: usize = 4000;
@@ -14,9 +15,6 @@ const SEEDS: usize = 100;
 
 /// The forcing period is looked through at so many phases: a shorter lift of the acceleration above zero may be missed.
 const PHASES: usize = 256;
-
-/// The place of a release point between two of them is halved so often before Newton's method takes over.
-const HALVINGS: usize = 10;
 
 /// Release points this near to each other, relative to their size, are one.
 const SAME: f64 = 1e-7;
@@ -41,16 +39,12 @@ impl ReleaseEquations {
         guesses.push(initial.clone());
         guesses.extend(along_trajectory(system, parameters, &initial, start));
         let mut found: Vec<ReleasePoint<f64>> = Vec::new();
-        for point in guesses
-            .iter()
-            .filter_map(|guess| self.solve(parameters, guess))
-        {
-            if !found
-                .iter()
-                .any(|known| self.is_same(known, &point, parameters))
-            {
-                found.push(point);
-            }
+        for guess in &guesses {
+            let point = self.solve(parameters, guess);
+            let is_new = |point: &ReleasePoint<f64>| {
+                !(found.iter()).any(|known| self.is_same(known, point, parameters))
+            };
+            found.extend(point.filter(is_new));
         }
         if let Some(turn) = turn {
             let phase = |point: &ReleasePoint<f64>| point.state[turn.state];
@@ -78,7 +72,9 @@ impl ReleaseEquations {
         turn: &Turn<f64>,
     ) -> Vec<Vec<f64>> {
         let held_at = |near: &[f64], phase: f64| {
-            let state = self.converge(parameters, near, &[(turn.state, phase)])?;
+            let mut guess = near.to_vec();
+            guess[turn.state] = phase;
+            let state = self.converge(parameters, &guess, &[turn.state])?.at;
             let acceleration = self.acceleration(&state, parameters);
             Some((state, acceleration))
         };
@@ -92,16 +88,10 @@ impl ReleaseEquations {
                 && *falls < 0.0
                 && *rising >= 0.0
             {
-                let (mut low, mut high) = (low.clone(), high.clone());
-                for _ in 0..HALVINGS {
-                    let middle = 0.5 * (low[turn.state] + high[turn.state]);
-                    match held_at(&low, middle) {
-                        Some((state, acceleration)) if acceleration < 0.0 => low = state,
-                        Some((state, _)) => high = state,
-                        None => break,
-                    }
-                }
-                rises.push(high);
+                let acceleration = |phase| held_at(low, phase).map_or(f64::NAN, |(_, a)| a);
+                let rise = root_between(acceleration, low[turn.state], phase);
+                let there = rise.and_then(|phase| held_at(low, phase));
+                rises.push(there.map_or_else(|| high.clone(), |(state, _)| state));
             }
             if let Some((state, _)) = &held {
                 near.clone_from(state);

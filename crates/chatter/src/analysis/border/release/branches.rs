@@ -9,10 +9,7 @@ use crate::numerics::Real;
 const LOOK_EVERY: usize = 8;
 
 /// A release point at each of the values where it exists.
-#[derive(Clone, Debug)]
-pub(crate) struct Branch {
-    pub points: Vec<Option<ReleasePoint<f64>>>,
-}
+pub(crate) type Branch = Vec<Option<ReleasePoint<f64>>>;
 
 impl Problem {
     /// The branches over parameter values in order, at least one; the error is that of the first value where none can be
@@ -20,39 +17,39 @@ impl Problem {
     pub(crate) fn branches(&self, values: &[f64]) -> Result<Vec<Branch>, BorderError> {
         let mut branches: Vec<Branch> = Vec::new();
         let mut failure = None;
-        for (k, &value) in values.iter().enumerate() {
-            if k > 0 {
-                self.follow_branches(&mut branches, values, k);
+        for k in 0..values.len() {
+            // Where a branch ends, Newton's method may come to another: the point belongs to the branch that expected it nearest.
+            let mut reached: Vec<_> = (branches.iter().enumerate())
+                .filter_map(|(i, branch)| {
+                    Some((i, self.followed(branch, values, (k.checked_sub(1)?, k))?))
+                })
+                .collect();
+            reached.sort_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
+            for (i, (point, _)) in reached {
+                self.give(&mut branches, i, (k, values[k]), point);
             }
             if k % LOOK_EVERY != 0 && k + 1 != values.len() {
                 continue;
             }
-            let found = self.release_points(value).unwrap_or_else(|error| {
+            let found = self.release_points(values[k]).unwrap_or_else(|error| {
                 failure.get_or_insert(error);
                 Vec::new()
             });
             for point in found {
-                if self.is_known(&branches, k, &self.parameters(value), &point) {
+                let new = branches.len();
+                branches.push(vec![None; values.len()]);
+                if !self.give(&mut branches, new, (k, values[k]), point) {
+                    branches.pop();
                     continue;
                 }
-                let mut branch = Branch {
-                    points: vec![None; values.len()],
-                };
-                branch.points[k] = Some(point);
                 for earlier in (0..k).rev() {
-                    let from = branch.points[earlier + 1].as_ref();
-                    let there = values[earlier];
-                    let followed =
-                        from.and_then(|from| self.followed(from, values[earlier + 1], there));
-                    let Some((point, _)) = followed else {
-                        break;
-                    };
-                    if self.is_known(&branches, earlier, &self.parameters(there), &point) {
+                    let followed = self.followed(&branches[new], values, (earlier + 1, earlier));
+                    let at = (earlier, values[earlier]);
+                    if !followed.is_some_and(|(point, _)| self.give(&mut branches, new, at, point))
+                    {
                         break;
                     }
-                    branch.points[earlier] = Some(point);
                 }
-                branches.push(branch);
             }
         }
         match failure {
@@ -61,53 +58,38 @@ impl Problem {
         }
     }
 
-    /// Follows each branch from value `k` - 1 to `k`. Where one ends, Newton's method may come to another: the point
-    /// belongs to the branch that expected it nearest.
-    fn follow_branches(&self, branches: &mut [Branch], values: &[f64], k: usize) {
-        let parameters = self.parameters(values[k]);
-        let mut reached: Vec<(usize, ReleasePoint<f64>, f64)> = (branches.iter().enumerate())
-            .filter_map(|(i, branch)| {
-                let from = branch.points[k - 1].as_ref()?;
-                let (point, off) = self.followed(from, values[k - 1], values[k])?;
-                Some((i, point, off))
-            })
-            .collect();
-        reached.sort_by(|a, b| a.2.total_cmp(&b.2));
-        for (i, point, _) in reached {
-            if !self.is_known(branches, k, &parameters, &point) {
-                branches[i].points[k] = Some(point);
-            }
-        }
-    }
-
-    /// The release point at another value of the parameter, and how far it is from where the one at `value` was heading.
+    /// A branch's release point at another of the values, and how far it is from where the branch was heading.
     fn followed(
         &self,
-        from: &ReleasePoint<f64>,
-        value: f64,
-        there: f64,
+        branch: &Branch,
+        values: &[f64],
+        (here, there): (usize, usize),
     ) -> Option<(ReleasePoint<f64>, f64)> {
-        let parameters = self.parameters(there);
-        let expected = from.expected(there - value);
-        let point = self.returning(there, &expected).ok()?;
+        let from = branch[here].as_ref()?;
+        let parameters = self.parameters(values[there]);
+        let expected = from.expected(values[there] - values[here]);
+        let point = self.returning(values[there], &expected).ok()?;
         let state: Vec<f64> = expected.state.iter().map(|x| x.to_f64()).collect();
         let off = self.releases[from.contact].apart(&point.state, &state, &parameters);
         Some((point, off))
     }
 
-    fn is_known(
+    /// Gives a branch a point at one of the values, unless another branch has it.
+    fn give(
         &self,
-        branches: &[Branch],
-        k: usize,
-        parameters: &[f64],
-        point: &ReleasePoint<f64>,
+        branches: &mut [Branch],
+        branch: usize,
+        (k, value): (usize, f64),
+        point: ReleasePoint<f64>,
     ) -> bool {
-        (branches
-            .iter()
-            .filter_map(|branch| branch.points[k].as_ref()))
-        .any(|known| {
-            known.contact == point.contact
-                && self.releases[point.contact].is_same(known, point, parameters)
-        })
+        let parameters = self.parameters(value);
+        let is_new = (branches.iter().filter_map(|branch| branch[k].as_ref())).all(|known| {
+            known.contact != point.contact
+                || !self.releases[point.contact].is_same(known, &point, &parameters)
+        });
+        if is_new {
+            branches[branch][k] = Some(point);
+        }
+        is_new
     }
 }

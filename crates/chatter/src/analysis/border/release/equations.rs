@@ -4,8 +4,10 @@ use crate::analysis::periodic::closure::Closure;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Mechanics, MechanicsError, Model};
 use crate::numerics::{
-    DoubleDouble, Equations, Linearised, Matrix, Newton, Real, dot, with_rounding,
+    DoubleDouble, Equations, Linearised, Matrix, Newton, Real, Solution, dot, moved, unit,
+    with_rounding,
 };
+use core::ops::Range;
 use serde::{Deserialize, Serialize};
 
 /// A state this small against the largest is zero: far below rounding of any number type.
@@ -14,9 +16,12 @@ const NOTHING: f64 = 1e-50;
 /// A correction this many roundoffs of the state is no correction.
 const NEWTON_DONE: f64 = 8.0;
 
-/// Place of the acceleration among the functions, and how many they are.
-const ACCELERATION: usize = 2;
+/// Gap, rate and acceleration vanish; their places among the functions, and those of the others.
 pub(crate) const CONDITIONS: usize = 3;
+const ACCELERATION: usize = 2;
+pub(crate) const JERK: usize = 3;
+const RESTITUTION: usize = 4;
+pub(crate) const FIELD: usize = 5;
 
 /// Equations of the release points of one contact. With n states they fill a surface of n - 3 dimensions, which as many of the
 /// states are coordinates on.
@@ -24,16 +29,11 @@ pub(crate) const CONDITIONS: usize = 3;
 pub(crate) struct ReleaseEquations {
     pub contact: usize,
     pub(super) graph: Graph,
-    /// h, v, a.
+    /// Gap, rate, acceleration, jerk, restitution, field.
     functions: Vec<Expr>,
     /// Their derivatives, a row each: by the states, then by the parameter.
-    jacobian: Vec<Vec<Expr>>,
-    jerk: Expr,
-    restitution: Expr,
-    jump: Vec<Expr>,
-    field: Vec<Expr>,
-    /// Derivatives of restitution, jerk and field: a row each, by the states, then by the parameter.
     slopes: Vec<Vec<Expr>>,
+    jump: Vec<Expr>,
     /// The phases of a forcing, and where all states start; none where the equations have no period.
     pub(super) closure: Option<Closure>,
     pub(super) initial: Vec<Expr>,
@@ -49,9 +49,9 @@ with_rounding! {
         pub state: Vec<R>,
         /// The states that are coordinates on the surface of release points: none where there are three.
         pub free: Vec<usize>,
-        /// How the point moves with each of them.
+        /// How the point moves with each of them; the parameter, which is last, does not.
         pub directions: Vec<Vec<R>>,
-        /// How it moves with the parameter: of a border orbit, as its orbit does; else with the coordinates fixed.
+        /// How it moves with the parameter, which is last: of a border orbit, as its orbit does; else with the coordinates fixed.
         pub slope: Vec<R>,
         /// j > 0 there.
         pub jerk: R,
@@ -61,13 +61,7 @@ with_rounding! {
         pub restitution_slope: R,
         /// How it moves with each coordinate.
         pub restitution_by: Vec<R>,
-        /// How the jerk there moves with the parameter.
-        pub jerk_slope: R,
-        /// The free field there.
-        pub field: Vec<R>,
-        /// How the field there moves with the parameter.
-        pub field_slope: Vec<R>,
-        /// W / b there: what an impulse does to the state that changes the rate by one.
+        /// W / b there: what an impulse does to the state that changes the rate by one, and not to the parameter.
         pub jump: Vec<R>,
     }
 }
@@ -82,12 +76,12 @@ pub(crate) struct Place {
 impl<R: Real> ReleasePoint<R> {
     /// Where it is.
     pub(crate) fn place(&self) -> Place {
-        self.moved(&vec![R::ZERO; self.state.len()])
+        self.moved(&self.slope, R::ZERO)
     }
 
-    /// A displacement away from where it is.
-    pub(crate) fn moved(&self, by: &[R]) -> Place {
-        let moved = self.state.iter().zip(by).map(|(&x, &by)| x + by);
+    /// A part of a displacement away from where it is.
+    pub(crate) fn moved(&self, by: &[R], part: R) -> Place {
+        let moved = self.state.iter().zip(by).map(|(&x, &by)| x + by * part);
         Place {
             contact: self.contact,
             state: moved.map(|x| x.to_double_double()).collect(),
@@ -96,8 +90,7 @@ impl<R: Real> ReleasePoint<R> {
 
     /// Where it is expected at another value of the parameter.
     pub(crate) fn expected(&self, by: R) -> Place {
-        let moved: Vec<R> = self.slope.iter().map(|&slope| slope * by).collect();
-        self.moved(&moved)
+        self.moved(&self.slope, by)
     }
 
     /// Lets it move with the parameter as orbits that return to it do: their coordinates change so much.
@@ -111,7 +104,7 @@ impl<R: Real> ReleasePoint<R> {
 
     /// The displacement that these changes of the coordinates make.
     pub(crate) fn along(&self, changes: &[R]) -> Vec<R> {
-        let mut sum = vec![R::ZERO; self.state.len()];
+        let mut sum = vec![R::ZERO; self.slope.len()];
         for (direction, &change) in self.directions.iter().zip(changes) {
             for (sum, &part) in sum.iter_mut().zip(direction) {
                 *sum += part * change;
@@ -131,21 +124,15 @@ impl ReleaseEquations {
         let contact = mechanics.contacts[index].clone();
         let field = mechanics.field.clone();
         let graph = &mut mechanics.graph;
-        let rates = model.parameter_rates(graph, parameter);
         let states: Vec<Symbol> = (0..model.states.len()).map(Symbol::State).collect();
-        let functions = vec![contact.gap, contact.rate, contact.acceleration];
-        let mut all = functions.clone();
-        all.extend([contact.restitution, contact.jerk]);
-        all.extend(&field);
-        let mut jacobian = graph.jacobian(&all, &states);
-        let by_parameter = graph.directional_derivatives(&all, &|symbol| match symbol {
-            Symbol::Parameter(i) => rates.get(i).copied(),
-            Symbol::State(_) => None,
-        });
-        for (row, entry) in jacobian.iter_mut().zip(by_parameter) {
+        let mut functions = vec![contact.gap, contact.rate, contact.acceleration];
+        functions.extend([contact.jerk, contact.restitution]);
+        functions.extend(&field);
+        let mut slopes = graph.jacobian(&functions, &states);
+        let by_parameter = model.derivatives_by_parameter(graph, &functions, parameter);
+        for (row, entry) in slopes.iter_mut().zip(by_parameter) {
             row.push(entry);
         }
-        let slopes = jacobian.split_off(functions.len());
         Ok(Self {
             contact: index,
             closure: (Closure::with_section(model, &[parameter], None, None).ok())
@@ -153,26 +140,53 @@ impl ReleaseEquations {
             initial: model.states.iter().map(|state| state.initial).collect(),
             graph: mechanics.graph,
             functions,
-            jacobian,
-            jerk: contact.jerk,
-            restitution: contact.restitution,
-            jump: contact.jump,
-            field,
             slopes,
+            jump: contact.jump,
         })
     }
 
-    fn values<R: Real>(&self, exprs: &[Expr], state: &[R], parameters: &[R]) -> Vec<R> {
-        self.graph.evaluate_all(exprs, state, parameters)
+    /// Some of the functions with their derivatives: by the states, then by the parameter.
+    pub(crate) fn at<R: Real>(
+        &self,
+        which: Range<usize>,
+        state: &[R],
+        parameters: &[R],
+    ) -> Linearised<R> {
+        let mut exprs = self.functions[which.clone()].to_vec();
+        exprs.extend(self.slopes[which.clone()].iter().flatten());
+        let mut residual = self.graph.evaluate_all(&exprs, state, parameters);
+        let slopes = residual.split_off(which.len());
+        let mut jacobian = Matrix::zeros(0, state.len() + 1);
+        slopes
+            .chunks(state.len() + 1)
+            .for_each(|row| jacobian.push(row));
+        Linearised { residual, jacobian }
     }
 
-    /// The derivatives of gap and rate, a row each: by the states, then by the parameter.
-    pub(crate) fn gap_and_rate_slopes<R: Real>(
+    /// The state that the gap depends on most; no phase, since it does not come back.
+    pub(crate) fn bound<R: Real>(&self, state: &[R], parameters: &[R]) -> usize {
+        let mut gap = self.at(0..1, state, parameters).jacobian;
+        let fixed = (0..=state.len()).filter(|&i| i == state.len() || self.is_phase(i));
+        fixed.for_each(|i| gap[(0, i)] = R::ZERO);
+        let free = gap.free_columns();
+        (0..state.len()).find(|i| !free.contains(i)).unwrap_or(0)
+    }
+
+    /// How states and parameter move with each state but one, and last with the parameter, the gap being zero.
+    pub(crate) fn on_surface<R: Real>(
         &self,
         state: &[R],
         parameters: &[R],
-    ) -> [Vec<R>; 2] {
-        [0, 1].map(|row| self.values(&self.jacobian[row], state, parameters))
+        bound: usize,
+    ) -> Vec<Vec<R>> {
+        let gap = self.at(0..1, state, parameters).jacobian;
+        let along = |i: usize| {
+            let mut along = unit(state.len() + 1, i);
+            along[bound] = -gap[(0, i)] / gap[(0, bound)];
+            along
+        };
+        let others = (0..=state.len()).filter(|&i| i != bound);
+        others.map(along).collect()
     }
 
     /// The state with these values of all states but one, that one such that the gap is zero; `None` where Newton's method
@@ -183,79 +197,49 @@ impl ReleaseEquations {
         state: &[f64],
         bound: usize,
     ) -> Option<Vec<f64>> {
-        let others = (0..state.len()).filter(|&i| i != bound);
-        let held: Vec<(usize, f64)> = others.map(|i| (i, state[i])).collect();
-        self.converge(parameters, state, &held)
+        let others: Vec<usize> = (0..state.len()).filter(|&i| i != bound).collect();
+        Some(self.converge(parameters, state, &others)?.at)
     }
 
-    /// Gap and rate.
-    pub(crate) fn gap_and_rate<R: Real>(&self, state: &[R], parameters: &[R]) -> [R; 2] {
-        [0, 1].map(|i| self.graph.evaluate(self.functions[i], state, parameters))
-    }
-
-    /// The state where some states have given values, and as many of gap, rate and acceleration as that leaves are zero, by
-    /// Newton's method from a guess.
-    pub(crate) fn converge<R: Real>(
+    /// The state with the values of some states that a guess has, at which as many of gap, rate and acceleration as that leaves are
+    /// zero, by Newton's method. The parameter, which is last, is held, too.
+    pub(super) fn converge<R: Real>(
         &self,
         parameters: &[R],
         guess: &[R],
-        held: &[(usize, R)],
-    ) -> Option<Vec<R>> {
+        held: &[usize],
+    ) -> Option<Solution<R>> {
+        let start: Vec<R> = guess.iter().copied().chain([R::ZERO]).collect();
+        let held = [held, &[guess.len()]].concat();
         let mut equations = Held {
             release: self,
             parameters,
-            held,
+            held: held.iter().map(|&i| (i, start[i])).collect(),
         };
         let newton = Newton::to_rounding::<R>(NEWTON_DONE);
-        Some(newton.solve(&mut equations, guess).ok()?.at)
-    }
-
-    /// The states that the surface of release points near a state is a graph over: all but those that gap, rate and acceleration
-    /// depend on most.
-    fn free_states<R: Real>(&self, state: &[R], parameters: &[R]) -> Vec<usize> {
-        let states = state.len();
-        let mut rows: Vec<Vec<R>> = (self.jacobian.iter())
-            .map(|row| self.values(&row[..states], state, parameters))
-            .collect();
-        let mut free: Vec<usize> = (0..states).collect();
-        while free.len() + CONDITIONS > states && !rows.is_empty() {
-            let largest = |row: &[R]| {
-                free.iter()
-                    .map(|&i| row[i].abs().to_f64())
-                    .fold(0.0, f64::max)
-            };
-            // Of equals the first.
-            let row = rows.remove(
-                (0..rows.len())
-                    .rev()
-                    .max_by(|&a, &b| largest(&rows[a]).total_cmp(&largest(&rows[b])))
-                    .unwrap_or(0),
-            );
-            let most = largest(&row);
-            let place = free.iter().position(|&i| row[i].abs().to_f64() == most);
-            let pivot = free.remove(place.unwrap_or(0));
-            for other in &mut rows {
-                let factor = other[pivot] / row[pivot];
-                for (entry, &above) in other.iter_mut().zip(&row) {
-                    *entry -= factor * above;
-                }
-            }
-        }
-        free
+        let mut found = newton.solve(&mut equations, &start).ok()?;
+        found.at.pop();
+        Some(found)
     }
 
     /// The release point that Newton's method finds from a guess with its coordinates, in the first forcing period; `None`
     /// where it does not converge to a point with positive jerk.
     pub(crate) fn solve<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<ReleasePoint<R>> {
-        let states = guess.len();
-        let free = self.free_states(guess, parameters);
-        let held =
-            |state: &[R]| -> Vec<(usize, R)> { free.iter().map(|&i| (i, state[i])).collect() };
-        let mut state = self.converge(parameters, guess, &held(guess))?;
-        if self.to_first_turn(parameters, &mut state) {
+        // What gap, rate and acceleration depend on most is no coordinate; nor is the parameter, which is last.
+        let mut slopes = self.at(0..CONDITIONS, guess, parameters).jacobian;
+        (0..CONDITIONS).for_each(|row| slopes[(row, guess.len())] = R::ZERO);
+        let mut free = slopes.free_columns();
+        free.pop();
+        let mut found = self.converge(parameters, guess, &free)?;
+        if self.to_first_turn(parameters, &mut found.at) {
             // A shift by many periods has lost digits.
-            state = self.converge(parameters, &state, &held(&state))?;
+            found = self.converge(parameters, &found.at, &free)?;
         }
+        let Solution {
+            at: mut state,
+            factors,
+            ..
+        } = found;
         // What Newton's method leaves of a zero.
         let largest = state.iter().fold(R::ONE, |most, x| most.max(x.abs()));
         for x in &mut state {
@@ -263,76 +247,43 @@ impl ReleaseEquations {
                 *x = R::ZERO;
             }
         }
-        let mut rows: Vec<Vec<R>> = (self.jacobian.iter())
-            .map(|row| self.values(&row[..states], &state, parameters))
-            .collect();
-        let mut shift: Vec<R> = (self.jacobian.iter())
-            .map(|row| -self.graph.evaluate(row[states], &state, parameters))
-            .collect();
-        for &i in &free {
-            let mut row = vec![R::ZERO; states];
-            row[i] = R::ONE;
-            rows.push(row);
-            shift.push(R::ZERO);
-        }
-        let factors = Matrix::from_rows(&rows).factored()?;
-        let slope = factors.solve(&shift);
-        let directions: Vec<Vec<R>> = (CONDITIONS..states)
-            .map(|place| {
-                let mut unit = vec![R::ZERO; states];
-                unit[place] = R::ONE;
-                factors.solve(&unit)
-            })
-            .collect();
-        let jerk = self.graph.evaluate(self.jerk, &state, parameters);
-        if !(jerk > R::ZERO && jerk.is_finite()) {
+        // What is held moves one after the other: the coordinates, then the parameter.
+        let size = state.len() + 1;
+        let moved = |place: usize| factors.solve(&unit(size, place));
+        let directions: Vec<Vec<R>> = (CONDITIONS..size - 1).map(moved).collect();
+        let slope = moved(size - 1);
+        let here = self.at(JERK..FIELD, &state, parameters);
+        let [jerk, restitution] = here.residual[..] else {
             return None;
-        }
-        let by = |row: &[Expr]| self.values(row, &state, parameters);
-        let mut totals: Vec<R> = (self.slopes.iter())
-            .map(|row| {
-                let by = by(row);
-                by[states] + dot(&by[..states], &slope)
-            })
-            .collect();
-        let field_slope = totals.split_off(2);
-        let restitution_by = by(&self.slopes[0][..states]);
-        Some(ReleasePoint {
+        };
+        let by = here.jacobian.row(RESTITUTION - JERK);
+        let mut jump = self.graph.evaluate_all(&self.jump, &state, parameters);
+        jump.push(R::ZERO);
+        (jerk > R::ZERO && jerk.is_finite()).then(|| ReleasePoint {
             contact: self.contact,
-            restitution: self.graph.evaluate(self.restitution, &state, parameters),
-            restitution_slope: totals[0],
-            restitution_by: directions.iter().map(|d| dot(&restitution_by, d)).collect(),
-            jerk_slope: totals[1],
-            field: self.values(&self.field, &state, parameters),
-            field_slope,
-            jump: self.values(&self.jump, &state, parameters),
+            restitution_slope: dot(by, &slope),
+            restitution_by: directions.iter().map(|along| dot(by, along)).collect(),
             state,
             free,
             directions,
             slope,
             jerk,
+            restitution,
+            jump,
         })
     }
 
-    /// Field, W / b, and the derivatives of the acceleration by the states.
-    pub(crate) fn around<R: Real>(&self, state: &[R], parameters: &[R]) -> [Vec<R>; 3] {
-        let slopes = &self.jacobian[ACCELERATION][..state.len()];
-        [&self.field, &self.jump, slopes].map(|exprs| self.values(exprs, state, parameters))
-    }
-
     /// The acceleration.
-    pub(crate) fn acceleration<R: Real>(&self, state: &[R], parameters: &[R]) -> R {
+    pub(super) fn acceleration(&self, state: &[f64], parameters: &[f64]) -> f64 {
         self.graph
             .evaluate(self.functions[ACCELERATION], state, parameters)
     }
 
     /// The state that an impulse leaves at rest on the contact, the gap being zero.
     pub(crate) fn brought_to_rest(&self, state: &[f64], parameters: &[f64]) -> Vec<f64> {
-        let [_, rate] = self.gap_and_rate(state, parameters);
-        let jump = self.values(&self.jump, state, parameters);
-        (state.iter().zip(jump))
-            .map(|(x, jump)| x - rate * jump)
-            .collect()
+        let rate = self.graph.evaluate(self.functions[1], state, parameters);
+        let jump = self.graph.evaluate_all(&self.jump, state, parameters);
+        moved(state, &jump, -rate)
     }
 
     /// A release point polished in another number type.
@@ -348,33 +299,24 @@ impl ReleaseEquations {
     }
 }
 
-/// Gap, rate and acceleration, as many as leave room for states that are held at a value.
+/// Gap, rate and acceleration, as many as leave room for what is held at a value.
 struct Held<'a, R> {
     release: &'a ReleaseEquations,
     parameters: &'a [R],
-    held: &'a [(usize, R)],
+    held: Vec<(usize, R)>,
 }
 
 impl<R: Real> Equations<R> for Held<'_, R> {
     type Left = core::convert::Infallible;
 
     fn evaluate(&mut self, at: &[R]) -> Result<Linearised<R>, Self::Left> {
-        let states = at.len();
-        let count = states - self.held.len();
-        let (functions, rows) = (&self.release.functions, &self.release.jacobian);
-        let mut exprs = functions[..count].to_vec();
-        exprs.extend(rows[..count].iter().flat_map(|row| &row[..states]));
-        let mut residual = self.release.values(&exprs, at, self.parameters);
-        let slopes = residual.split_off(count);
-        let mut jacobian = Matrix::zeros(0, states);
-        slopes.chunks(states).for_each(|row| jacobian.push(row));
-        for &(state, value) in self.held {
-            residual.push(at[state] - value);
-            let mut row = vec![R::ZERO; states];
-            row[state] = R::ONE;
-            jacobian.push(&row);
+        let (count, state) = (at.len() - self.held.len(), &at[..at.len() - 1]);
+        let mut here = self.release.at(0..count, state, self.parameters);
+        for &(i, value) in &self.held {
+            here.residual.push(at[i] - value);
+            here.jacobian.push(&unit(at.len(), i));
         }
-        Ok(Linearised { residual, jacobian })
+        Ok(here)
     }
 
     fn size(&self, at: &[R], correction: &[R]) -> f64 {

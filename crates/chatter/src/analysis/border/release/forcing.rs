@@ -1,6 +1,6 @@
 //! The phase of a forced system: states that the equations know up to whole periods.
 
-use super::super::error::BorderError;
+use super::super::error::{BorderError, Lack};
 use super::equations::ReleaseEquations;
 use crate::numerics::{Real, with_rounding};
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,17 @@ with_rounding! {
         pub period_slope: R,
         /// By how many periods the border orbit advances.
         pub count: i64,
+    }
+}
+
+impl<R: Real> Turn<R> {
+    /// By how much a state grows with the turns of its phase, and how that changes with the parameter: zero but for phases.
+    pub(crate) fn of(turns: &[Self], state: usize) -> [R; 2] {
+        let turn = turns.iter().find(|turn| turn.state == state);
+        turn.map_or([R::ZERO; 2], |turn| {
+            let count = R::splat(turn.count as f64);
+            [turn.period * count, turn.period_slope * count]
+        })
     }
 }
 
@@ -40,7 +51,7 @@ impl ReleaseEquations {
         let known = self.closure.as_ref().map(|phases| phases.turns(parameters));
         match known {
             Some(Ok(_)) => Ok(()),
-            _ => Err(BorderError::Aperiodic { value }),
+            _ => Err(Lack::Period.at(value)),
         }
     }
 

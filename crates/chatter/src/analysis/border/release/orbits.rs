@@ -4,10 +4,10 @@
 //! complete. Where it ends in flight, contact from its last impact on that presses leads to a point that is as near to
 //! the orbit's as nu^3 there, and continues the complete side smoothly to the border.
 
-use super::super::error::BorderError;
+use super::super::error::{BorderError, Lack};
 use super::super::problem::Problem;
 use super::equations::{Place, ReleaseEquations, ReleasePoint};
-use crate::numerics::linear::solve;
+use crate::numerics::{Matrix, moved};
 
 /// A trajectory passes so many chatter sequences before its release points are looked at, and then so many.
 const TRANSIENT: usize = 12;
@@ -40,7 +40,7 @@ impl Problem {
         let point = self.release_point(value, near)?;
         match self.dimensions() {
             0 => Ok(point),
-            _ => (self.closed(value, point)).ok_or(BorderError::NoRelease { value }),
+            _ => (self.closed(value, point)).ok_or_else(|| Lack::Release.at(value)),
         }
     }
 
@@ -67,7 +67,7 @@ impl Problem {
                     continue;
                 }
                 if !self.is_alone(value, &point) {
-                    return Err(BorderError::NotAlone { value });
+                    return Err(Lack::Alone.at(value));
                 }
                 found.push(point);
             }
@@ -98,15 +98,8 @@ impl Problem {
     fn closed(&self, value: f64, start: ReleasePoint<f64>) -> Option<ReleasePoint<f64>> {
         let parameters = self.parameters(value);
         let equations = &self.releases[start.contact];
-        let moved = |point: &ReleasePoint<f64>, by: &[f64]| {
-            let along = point.along(by);
-            let state: Vec<f64> = point
-                .state
-                .iter()
-                .zip(along)
-                .map(|(x, by)| x + by)
-                .collect();
-            equations.solve(&parameters, &state)
+        let beside = |point: &ReleasePoint<f64>, by: &[f64]| {
+            equations.solve(&parameters, &moved(&point.state, &point.along(by), 1.0))
         };
         let mut here = start;
         let (mut missed, mut size) = self.missed(value, &here)?;
@@ -119,9 +112,10 @@ impl Problem {
             let step = if count < PLAIN || size <= GAIN * before {
                 Some(missed.clone())
             } else {
-                self.newton_step(value, &here, &missed)
+                let rows = self.not_returned(value, &here);
+                (rows.and_then(|rows| rows.factored())).map(|factors| factors.solve(&missed))
             };
-            let next = step.and_then(|step| moved(&here, &step));
+            let next = step.and_then(|step| beside(&here, &step));
             before = size;
             here = next?;
             (missed, size) = self.missed(value, &here)?;
@@ -132,51 +126,31 @@ impl Problem {
         (best.0 <= NEARLY).then_some(best.1)
     }
 
-    /// What closes the orbit to first order.
-    fn newton_step(
-        &self,
-        value: f64,
-        point: &ReleasePoint<f64>,
-        missed: &[f64],
-    ) -> Option<Vec<f64>> {
-        solve(&self.not_returned(value, point)?, missed)
-    }
-
     /// Whether no other orbit near this one returns, too.
     fn is_alone(&self, value: f64, point: &ReleasePoint<f64>) -> bool {
         let Some(rows) = self.not_returned(value, point) else {
             return true;
         };
-        (0..rows.len()).all(|j| {
-            let mut unit = vec![0.0; rows.len()];
-            unit[j] = 1.0;
-            solve(&rows, &unit).is_some_and(|x| x.iter().all(|x| x.abs() * ALONE <= 1.0))
-        })
+        let small = |column: Vec<f64>| column.iter().all(|x| x.abs() * ALONE <= 1.0);
+        (rows.factored()).is_some_and(|factors| factors.inverse().all(small))
     }
 
     /// Of changes of the coordinates what does not return after a loop, by differences: a row for each coordinate.
-    fn not_returned(&self, value: f64, point: &ReleasePoint<f64>) -> Option<Vec<Vec<f64>>> {
+    fn not_returned(&self, value: f64, point: &ReleasePoint<f64>) -> Option<Matrix<f64>> {
         let parameters = self.parameters(value);
         let equations = &self.releases[point.contact];
-        let mut columns = Vec::new();
-        for (&i, direction) in point.free.iter().zip(&point.directions) {
+        let size = point.free.len();
+        let mut rows = Matrix::zeros(size, size);
+        for (column, (&i, direction)) in point.free.iter().zip(&point.directions).enumerate() {
             let step = DIFFERENCE * (1.0 + point.state[i].abs());
-            let mut beside = [Vec::new(), Vec::new()];
-            for (beside, sign) in beside.iter_mut().zip([1.0, -1.0]) {
-                let state: Vec<f64> = (point.state.iter().zip(direction))
-                    .map(|(x, by)| x + sign * step * by)
-                    .collect();
-                let there = equations.solve(&parameters, &state)?;
-                *beside = self.missed(value, &there)?.0;
+            let missed = |by: f64| {
+                let there = equations.solve(&parameters, &moved(&point.state, direction, by))?;
+                Some(self.missed(value, &there)?.0)
+            };
+            for (row, (a, b)) in missed(step)?.into_iter().zip(missed(-step)?).enumerate() {
+                rows[(row, column)] = (b - a) / (2.0 * step);
             }
-            let [above, below] = beside;
-            let slopes = above
-                .iter()
-                .zip(&below)
-                .map(|(a, b)| (b - a) / (2.0 * step));
-            columns.push(slopes.collect::<Vec<f64>>());
         }
-        let row = |i: usize| columns.iter().map(|column| column[i]).collect();
-        Some((0..columns.len()).map(row).collect())
+        Some(rows)
     }
 }

@@ -1,10 +1,9 @@
 //! What ends complete chatter where no border is.
 
 use super::super::coordinate::root::Point;
-use super::super::coordinate::sequence::{SHORTEST, Sequence, Verdict};
+use super::super::coordinate::sequence::{SHORTEST, Verdict};
 use super::super::error::{Break, BreakCause};
-use super::super::release::equations::ReleasePoint;
-use super::samples::Sample;
+use super::sample::Sample;
 use crate::numerics::Real;
 
 /// At a break an impact counts as a graze if its rate is this small against the largest rate of the sequence: rates go
@@ -19,31 +18,27 @@ pub(crate) fn grazing_start<R: Real>(point: &Point<R>) -> Option<f64> {
 }
 
 /// What makes the verdict change where no root is.
-pub(crate) fn break_between(left: &Sample, right: &Sample) -> Break {
-    let slowest = [left, right]
-        .into_iter()
-        .filter_map(|sample| sample.found.as_ref())
-        .filter_map(|(_, sequence)| {
-            let largest = sequence.largest_rate();
-            // Within the sequence rates shrink as they should: a graze stands before it or at its beginning.
-            let until = sequence.impacts.iter().take(sequence.begins + 1);
-            (until.map(|impact| impact.rate_before).enumerate())
-                .map(|(impact, rate)| (impact, rate, rate.abs() / largest))
-                .min_by(|a, b| a.2.total_cmp(&b.2))
-        })
-        .min_by(|a, b| a.2.total_cmp(&b.2));
-    let verdicts = [left.verdict, right.verdict];
-    let incomplete = [left, right]
-        .into_iter()
-        .filter(|sample| sample.verdict == Verdict::Incomplete)
-        .find_map(|sample| sample.found.as_ref());
-    let shortest = |(_, sequence): &(ReleasePoint<f64>, Sequence<f64>)| {
-        sequence.impacts.len() <= sequence.begins + SHORTEST
+pub(super) fn break_between(left: &Sample, right: &Sample) -> Break {
+    let sequences = || {
+        [left, right]
+            .into_iter()
+            .filter_map(|sample| Some((sample, &sample.found.as_ref()?.1)))
     };
+    // Within the sequence rates shrink as they should: a graze stands before it or at its beginning.
+    let rates = sequences().flat_map(|(_, sequence)| {
+        let largest = sequence.largest_rate();
+        let until = sequence.impacts.iter().take(sequence.begins + 1);
+        let rates = until.map(|impact| impact.rate_before).enumerate();
+        rates.map(move |(impact, rate)| (impact, rate, rate.abs() / largest))
+    });
+    let slowest = rates.min_by(|a, b| a.2.total_cmp(&b.2));
+    let incomplete = sequences().find(|(sample, _)| sample.verdict == Verdict::Incomplete);
+    let is_short = incomplete
+        .is_some_and(|(_, sequence)| sequence.impacts.len() <= sequence.begins + SHORTEST);
     let cause = match slowest {
         Some((impact, rate, relative)) if relative <= GRAZE => BreakCause::Graze { impact, rate },
-        _ if verdicts.contains(&Verdict::Elsewhere) => BreakCause::Elsewhere,
-        _ if incomplete.is_some_and(shortest) => BreakCause::Short { impacts: SHORTEST },
+        _ if [left.verdict, right.verdict].contains(&Verdict::Elsewhere) => BreakCause::Elsewhere,
+        _ if is_short => BreakCause::Short { impacts: SHORTEST },
         _ if incomplete.is_none() => BreakCause::NoChatter,
         _ => BreakCause::Jump,
     };

@@ -1,11 +1,11 @@
 //! Where the verdict over a parameter changes, and which of these places are borders.
 
+mod borders;
 pub(in crate::analysis::border) mod breaks;
-pub(in crate::analysis::border) mod changes;
-pub(in crate::analysis::border) mod closing_in;
-mod near;
-mod range;
-pub(in crate::analysis::border) mod samples;
+mod closing_in;
+pub(in crate::analysis::border) mod sample;
 
-pub use near::{border_near, search_near, verdicts_in};
-pub use range::{Borders, SearchProgress, borders_in, search_range};
+pub use borders::{
+    Borders, SearchObserver, SearchProgress, border_near, borders_in, search_near, search_range,
+    verdicts_in,
+};
