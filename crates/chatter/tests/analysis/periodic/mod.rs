@@ -9,6 +9,7 @@ mod phases;
 mod plane;
 mod reference;
 mod resumed;
+mod steps;
 mod surfaces;
 mod together;
 mod told_from;
