@@ -104,6 +104,7 @@ fn is_wrong(error: &PeriodicError) -> bool {
             | PeriodicError::BadMonitor { .. }
             | PeriodicError::BadPeriod { .. }
             | PeriodicError::OtherPeriod { .. }
+            | PeriodicError::NoRepeat { .. }
             | PeriodicError::OutOfRange { .. }
     )
 }

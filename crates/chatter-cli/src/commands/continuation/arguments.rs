@@ -139,7 +139,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.npz:N", requires = "free")]
     pub from: Vec<Seed>,
 
-    /// The parameters of such a curve: the one of the table, and the one of --sweep
+    /// The parameters of such a curve: the one of --sweep, and another, be it the one of the table or not
     #[arg(long, value_name = "NAME,NAME", requires = "from")]
     pub free: Option<String>,
 

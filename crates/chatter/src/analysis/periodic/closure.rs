@@ -57,6 +57,46 @@ pub(crate) struct Difference {
     pub turns: Vec<i64>,
 }
 
+/// Whether equations are after a period what they were, as far as some states and times can tell: late ones, after all ramps.
+fn repeats(
+    graph: &Graph,
+    equations: &[Expr],
+    parameters: &[f64],
+    (initial, time, period): (&[f64], usize, f64),
+) -> bool {
+    let place = |k: usize| {
+        let part = |i: usize| libm::sin((1.0 + i as f64) * (0.7 + 1.3 * k as f64));
+        let moved = initial.iter().enumerate();
+        let mut state: Vec<f64> = moved
+            .map(|(i, x)| x + part(i) * if *x == 0.0 { 1.0 } else { x.abs() })
+            .collect();
+        state[time] = (LATE + 0.381_966 * k as f64) * period;
+        state
+    };
+    equations.iter().all(|&equation| {
+        let pairs = (0..LOOKS).map(|k| {
+            let mut state = place(k);
+            let now = graph.evaluate(equation, &state, parameters);
+            state[time] += period;
+            (now, graph.evaluate(equation, &state, parameters))
+        });
+        let known: Vec<(f64, f64)> = pairs
+            .filter(|(now, later)| now.is_finite() && later.is_finite())
+            .collect();
+        let size = known
+            .iter()
+            .fold(0.0_f64, |most, (now, _)| most.max(now.abs()));
+        known
+            .iter()
+            .all(|(now, later)| (now - later).abs() <= REPEATED * size)
+    })
+}
+
+/// So many states are looked at, from so many periods on; equations that differ by no more than this part of what they are repeat.
+const LOOKS: usize = 8;
+const LATE: f64 = 50.0;
+const REPEATED: f64 = 1e-6;
+
 /// A period is a multiple of another up to so much.
 const SAME: f64 = 1e-9;
 
@@ -154,6 +194,10 @@ impl Closure {
             });
         }
         if let (Some(time), Some(period)) = (model.time, given) {
+            let value = graph.evaluate(period, &[], &parameters);
+            if !repeats(&graph, &equations, &parameters, (&initial, time, value)) {
+                return Err(PeriodicError::NoRepeat { value });
+            }
             let by = slopes(&mut graph, &[period]);
             turning.push(Turning {
                 rate: rate(&mut graph, time),

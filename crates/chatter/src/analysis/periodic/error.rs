@@ -28,6 +28,11 @@ pub enum PeriodicError {
         /// The period of the equations.
         own: f64,
     },
+    /// The equations are not what they were after the period that was given.
+    NoRepeat {
+        /// What was given.
+        value: f64,
+    },
     /// A curve is asked for in a range that its point is not in.
     OutOfRange {
         /// The parameter at the point.
@@ -102,6 +107,11 @@ impl fmt::Display for PeriodicError {
             Self::OtherPeriod { value, own } => write!(
                 out,
                 "the period is given as {value}, but the equations repeat after {own}"
+            ),
+            Self::NoRepeat { value } => write!(
+                out,
+                "the equations do not repeat after the period given, {value}: with equal states they differ then. What grows \
+                 with time besides, as an angle that is driven, must be told relative to that"
             ),
             Self::OutOfRange {
                 value,

@@ -4,6 +4,7 @@
 //! cycle/       what is read off the motion
 //!   trace      a trajectory as instants and the modes between them
 //!   settle     the latest return of a trajectory to where it was: a cycle, nearly closed
+//!   events     what happens at one instant
 //!   itinerary  the cycle as legs of smooth flow, and stretches that are followed through complete chatter
 //! closure      what a state is after one period: the same, but for turns of phases and distance covered
 //! shooting/    the equations of an itinerary: nodes after events and the times between them

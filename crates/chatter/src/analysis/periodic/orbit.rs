@@ -114,10 +114,14 @@ pub(crate) fn close(
                     None => finish(shooting, at),
                 };
             }
-            return match shorter(&shooting, &found.at)? {
-                Some(cycle) => close(workshop, cycle, free),
-                None => finish(shooting, found.at),
-            };
+            if let Some(cycle) = shorter(&shooting, &found.at)? {
+                return close(workshop, cycle, free);
+            }
+            // What solves equations that are singular does so for many, and in longer numbers for another.
+            match finish(shooting.clone(), found.at) {
+                Err(error @ PeriodicError::NoConvergence { .. }) => error,
+                told => return told,
+            }
         }
     };
     if cycle.distance <= NEAR && is_singular(&mut shooting, &near) {

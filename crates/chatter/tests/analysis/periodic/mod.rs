@@ -11,6 +11,7 @@ mod plane;
 mod reference;
 mod resumed;
 mod rough_walls;
+mod steps;
 mod surfaces;
 mod together;
 mod told_from;

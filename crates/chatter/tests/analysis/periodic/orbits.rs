@@ -172,6 +172,14 @@ fn what_is_no_orbit_is_said() {
         error.to_string().contains("do not depend on time"),
         "{error}"
     );
+    // An angle that is driven around besides: with equal states the spring is not what it was.
+    let text = "[flight]\nth = 'om'\nom = '0.5*t - th - 0.3*om - 0.4*sign(om) + 0.1*cos(2*t)'\n[initial]\nth = 0\nom = 0.5\n";
+    let half = Spec {
+        period: Some("pi".to_owned()),
+        ..Spec::default()
+    };
+    let error = settled(&with(text, &[]), &half, &mut |_| ControlFlow::Continue(()));
+    assert!(matches!(error, Err(PeriodicError::NoRepeat { .. })));
     let oscillator = model("impact_oscillator", &[]);
     let error = settled(&oscillator, &given, &mut |_| ControlFlow::Continue(())).unwrap_err();
     assert!(error.to_string().contains("repeat after"), "{error}");
@@ -323,6 +331,18 @@ fn a_pendulum_is_told_from_its_section() {
     assert!(matches!(rest, Err(PeriodicError::Equilibrium { .. })));
     let swing = pendulum("0");
     assert!(matches!(swing, Err(PeriodicError::OneOfMany)));
+    // So is each of a stiffening spring, though equations in longer numbers, which are as singular, have another solution.
+    for amplitude in ["0.3", "1", "2", "5"] {
+        let text = format!(
+            "[flight]\nx = 'v'\nv = '-x - x^3'\n[section.up]\nsurface = 'x'\ndirection = 'rising'\n[initial]\n\
+             x = {amplitude}\nv = 0\n"
+        );
+        let swing = settles(&with(&text, &[]));
+        assert!(
+            matches!(swing, Err(PeriodicError::OneOfMany)),
+            "{amplitude}"
+        );
+    }
 }
 
 /// A rotor whose equations repeat after a third of a turn, and its section after a turn; another section is none of it.

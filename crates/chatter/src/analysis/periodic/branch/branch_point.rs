@@ -17,6 +17,69 @@ impl Walker {
         (before, after): (f64, f64),
     ) -> Option<End> {
         let turns = before * after < 0.0;
+        let noise = |station: &Station| NOISE * f64::EPSILON * station.parameter().abs();
+        let scale = self.shooting.scales()[from.at.len() - 1];
+        let (mut low, mut high) = (0.0, step);
+        let mut rough: Option<Fitted> = None;
+        let mut solved = None;
+        // Where the fit leads elsewhere it is made on a shorter way.
+        for _ in 0..ATTEMPTS {
+            if let Some(fitted) = self.fitted(from, (low, high), turns) {
+                // As far away as the fit is sure of.
+                let span = (high - low) * scale;
+                let near = (1e-3 * span).max(fitted.error.min(span));
+                let found = meeting(&mut self.shooting, &fitted.station.at).ok();
+                let parameter = fitted.station.parameter();
+                solved =
+                    found.filter(|found| (found.at[found.at.len() - 1] - parameter).abs() <= near);
+                rough = Some(fitted);
+            }
+            if solved.is_some() {
+                break;
+            }
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                match from.ahead(&mut self.shooting, middle) {
+                    Ok((station, _)) if station.orientation * from.orientation < 0.0 => {
+                        high = middle;
+                    }
+                    Ok(_) => low = middle,
+                    Err(_) => break,
+                }
+            }
+        }
+        let Fitted {
+            mut station,
+            mut error,
+            mut residual,
+            ..
+        } = rough?;
+        error = error.max(noise(&station));
+        if let Some(found) = solved {
+            error = noise(&station).max(NOISE * found.correction * scale);
+            residual = found.residual;
+            station.at = found.at;
+        }
+        self.settle(&station);
+        let here = Point::new(&mut self.shooting, &station);
+        let doubles = shorter(&self.shooting, &station.at).is_ok_and(|half| half.is_some());
+        self.note(
+            SpecialKind::BranchPoint,
+            &here,
+            &station.at,
+            error,
+            residual,
+        );
+        if doubles && let Some(special) = self.special.last_mut() {
+            special.seed = None;
+            return Some(End::At(SpecialKind::BranchPoint));
+        }
+        None
+    }
+
+    /// Where the polynomial through stations on a part of the way ahead of another vanishes.
+    fn fitted(&mut self, from: &Station, part: (f64, f64), turns: bool) -> Option<Fitted> {
+        let span = part.1 - part.0;
         let mut reader = self.shooting.clone();
         let mut value = |station: &Station| {
             if turns {
@@ -28,7 +91,7 @@ impl Walker {
                 .map(|m| m.re - 1.0)
                 .min_by(|a, b| a.abs().total_cmp(&b.abs()))
         };
-        let mut ends = (0.0, step);
+        let mut ends = part;
         let mut fitted: Option<Fitted> = None;
         // Around the first root of the polynomial the next one is fitted more closely, as far as equations that are nearly singular
         // can be solved there.
@@ -36,8 +99,8 @@ impl Walker {
             let (low, high) = match &fitted {
                 None => ends,
                 Some(Fitted { root, .. }) => {
-                    let half: f64 = 0.5 * width * step;
-                    ((root - half).max(0.0), (root + half).min(step))
+                    let half: f64 = 0.5 * width * span;
+                    ((root - half).max(part.0), (root + half).min(part.1))
                 }
             };
             ends = (low, high);
@@ -74,45 +137,12 @@ impl Walker {
                 |earlier: &Fitted| (earlier.station.parameter() - station.parameter()).abs();
             fitted = Some(Fitted {
                 root,
-                error: fitted.as_ref().map_or(step, moved),
+                error: fitted.as_ref().map_or(span, moved),
                 residual: interpolated(&places, &values, root).abs(),
                 station,
             });
         }
-        let Fitted {
-            mut station,
-            mut error,
-            mut residual,
-            ..
-        } = fitted?;
-        let noise = NOISE * f64::EPSILON * station.parameter().abs();
-        let scale = self.shooting.scales()[station.at.len() - 1];
-        // As far away as the fit is sure of.
-        let near = (1e-3 * step * scale).max(error.min(step * scale));
-        error = error.max(noise);
-        if let Ok(found) = meeting(&mut self.shooting, &station.at) {
-            let moved = (found.at[found.at.len() - 1] - station.parameter()).abs();
-            if moved <= near {
-                error = noise.max(NOISE * found.correction * scale);
-                residual = found.residual;
-                station.at = found.at;
-            }
-        }
-        self.settle(&station);
-        let here = Point::new(&mut self.shooting, &station);
-        let doubles = shorter(&self.shooting, &station.at).is_ok_and(|half| half.is_some());
-        self.note(
-            SpecialKind::BranchPoint,
-            &here,
-            &station.at,
-            error,
-            residual,
-        );
-        if doubles && let Some(special) = self.special.last_mut() {
-            special.seed = None;
-            return Some(End::At(SpecialKind::BranchPoint));
-        }
-        None
+        fitted
     }
 }
 
@@ -125,6 +155,9 @@ struct Fitted {
     error: f64,
 }
 
+/// Fits on ever shorter ways, by so many halvings each.
+const ATTEMPTS: usize = 3;
+const HALVINGS: usize = 3;
 /// Stations that a polynomial is fitted to.
 const FITTED: usize = 8;
 

@@ -6,6 +6,7 @@ use super::touch::{Touched, opposite};
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Held, Problem, Station, newton, tangent};
+use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Shooting, station_after};
 use crate::expressions::Symbol;
 use crate::flow::GuardKind;
@@ -92,6 +93,13 @@ impl Walker {
             _ => &station,
         };
         let forward = turns.parameter_slope();
+        // An orbit that goes twice around a simple one from here on: it has met that at its graze.
+        if let (Broken::Event(_), Ok(next)) = (&broken, &outcome)
+            && shorter(&self.shooting, &next.at).is_ok_and(|part| part.is_some())
+        {
+            let kind = self.special.last().map(|special| special.kind);
+            return Stop::End(kind.map_or(End::Range, End::At));
+        }
         match self.goes_on(outcome, (curve, forward), here) {
             Stop::End(end @ End::Lost(_)) => Stop::Broken(end, Box::new(station)),
             other => other,
@@ -217,6 +225,16 @@ impl Walker {
             .min_by(|a, b| a.value.total_cmp(&b.value))
             .ok_or("the touch is lost")?
             .clone();
+        if self.shooting.begins_at(index, guard) {
+            let touched = Touched::solve(
+                (self
+                    .shooting
+                    .with_turn_at_start(&station.at, (index, guard)))
+                .map_err(|error| error.to_string())?,
+            )?;
+            self.note_touch(there, touched);
+            return Err("beyond a surface that was crossed the flow turns back to it".to_owned());
+        }
         if opposite(guard).is_some() {
             return self.crosses(station, (index, &touching), there);
         }

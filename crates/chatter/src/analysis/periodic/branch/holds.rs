@@ -223,10 +223,7 @@ pub(crate) fn first_break(
         };
         let comes_first = first.as_ref().is_none_or(|(other, _, known)| {
             let tie = TIE * step.abs();
-            match (
-                follows(reader, other, &broken),
-                follows(reader, &broken, other),
-            ) {
+            match (loses(reader, other, &broken), loses(reader, &broken, other)) {
                 (true, _) => at < known - tie,
                 (_, true) => at < known + tie,
                 _ => at < *known,
@@ -239,16 +236,14 @@ pub(crate) fn first_break(
     first
 }
 
-/// Where an impact loses its rate the flight after it begins to go through the wall: both are told at one place, up to this part of a step.
+/// Where an impact loses its rate the flight after it begins to go through the wall: both are told at one place, up to this part of a
+/// step. So are both where a branch meets one on which each half of an orbit grazes.
 const TIE: f64 = 1e-6;
 
-/// Whether what breaks in a flight may be what the impact before it has lost.
-fn follows(shooting: &Shooting<f64>, before: &Broken, broken: &Broken) -> bool {
-    let (&Broken::Event(impact), &Broken::Inner(flight, GuardKind::Gap(contact))) =
-        (before, broken)
-    else {
+/// Whether of what breaks at one place the one is an impact that loses its rate, and the other a flight that touches.
+fn loses(shooting: &Shooting<f64>, one: &Broken, other: &Broken) -> bool {
+    let (&Broken::Event(impact), Broken::Inner(_, GuardKind::Gap(_))) = (one, other) else {
         return false;
     };
-    let steps = &shooting.steps;
-    (impact + 1) % steps.len() == flight && steps[impact].impact() == Some(contact)
+    shooting.steps[impact].impact().is_some()
 }

@@ -90,6 +90,37 @@ impl Shooting<f64> {
         Ok((shooting, at, index))
     }
 
+    /// Whether a step begins on the surface of a guard, which it has just crossed.
+    pub(super) fn begins_at(&self, index: usize, guard: GuardKind) -> bool {
+        let count = self.steps.len();
+        let before = self.steps[(index + count - 1) % count].ends_at();
+        opposite(guard).is_some() && before == opposite(guard)
+    }
+
+    /// The same orbit with the rate of that guard where the step begins for a function that may vanish: beyond, the flow of both sides
+    /// leads to the surface, and slides. The step that it belongs to.
+    pub(super) fn with_turn_at_start(
+        &self,
+        at: &[f64],
+        (index, guard): (usize, GuardKind),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let begins = Step {
+            passage: Passage::AtOnce(LegKind {
+                mode: steps[index].mode(),
+                ends_at: Some(guard),
+                jump: Jump::None,
+            }),
+            duration: 0.0,
+            closed: self.closed_before(index),
+            told: Vec::new(),
+            ..steps[index].clone()
+        };
+        steps.insert(index, begins);
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
     /// The same orbit with a stay of this duration on the other side of the surface that the end of a step touches, and where its
     /// duration stands among the unknowns.
     fn with_stay(

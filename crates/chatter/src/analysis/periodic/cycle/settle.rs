@@ -1,6 +1,7 @@
 //! What a trajectory settles to: the latest return to where it was.
 
-use super::itinerary::{Step, read, single};
+use super::events::single;
+use super::itinerary::{Step, read};
 use super::reread::from_early_on;
 use super::rotate::rotate;
 use super::trace::{Instant, ONE_INSTANT, Tracer};

@@ -1,0 +1,214 @@
+//! What happens at one instant of a trajectory: one event, or collisions that share its time.
+
+use super::itinerary::{Passage, Step};
+use super::trace::Instant;
+use crate::expressions::Side;
+use crate::flow::leg::{Jump, LegKind};
+use crate::flow::{Closed, Grip, GuardKind, Occurrence, System};
+use crate::model::Simultaneous;
+
+/// What one instant by itself is: its guard, and the jump there. None where it is more than one event.
+pub(super) fn single(instant: &Instant) -> Option<LegKind> {
+    let guard = instant.guard?;
+    let mut jump = Jump::None;
+    let mut events = 0;
+    // Contacts that open without a force change nothing, whichever is first; those that go on together touch all the while.
+    let releases = |told: &Occurrence<f64>| {
+        matches!(told, Occurrence::Release { .. } | Occurrence::Graze { .. })
+    };
+    let only_releases = instant.is_release() && instant.told.iter().all(releases);
+    for told in &instant.told {
+        match *told {
+            _ if only_releases => events = 1,
+            Occurrence::Impact { contact, .. } => {
+                jump = Jump::Impact(contact);
+                events += 1;
+            }
+            Occurrence::Reset { section } => {
+                jump = Jump::Reset(section);
+                events += 1;
+            }
+            // Where a jump leads to the other side of a surface, or onto it, the mode after it says so.
+            Occurrence::Switch { .. }
+            | Occurrence::Slide { .. }
+            | Occurrence::Leave { .. }
+            | Occurrence::Stick { .. }
+            | Occurrence::Slip { .. }
+                if jump != Jump::None => {}
+            Occurrence::Release { .. }
+            | Occurrence::Switch { .. }
+            | Occurrence::Slide { .. }
+            | Occurrence::Leave { .. }
+            | Occurrence::Stick { .. }
+            | Occurrence::Slip { .. } => events += 1,
+            Occurrence::Capture { .. } | Occurrence::Section { .. } | Occurrence::Horizon => {}
+            Occurrence::Graze { .. }
+            | Occurrence::Accumulation { .. }
+            | Occurrence::Cascade { .. }
+            | Occurrence::Ambiguity { .. } => return None,
+        }
+    }
+    if events > 1 {
+        return None;
+    }
+    if let GuardKind::Gap(contact) = guard
+        && jump != Jump::Impact(contact)
+    {
+        return None;
+    }
+    Some(LegKind {
+        mode: instant.mode,
+        ends_at: Some(guard),
+        jump,
+    })
+}
+
+/// A rate of sliding is zero that is no more than so many roundoffs of what any state has a part in it.
+const STOPPED_ROUNDOFFS: f64 = 16.0;
+
+/// Whether an impact has stopped the sliding of its contact by friction.
+fn stops((system, parameters): (&System, &[f64]), instant: &Instant, contact: usize) -> bool {
+    let model = system.model();
+    let Some(friction) = &model.contacts[contact].friction else {
+        return false;
+    };
+    let known = system.with_pieces(parameters, &instant.pieces);
+    let at = |state: &[f64], of| model.graph.evaluate(of, state, &known);
+    let rate = at(&instant.state, friction.rate);
+    let part = |i: usize| {
+        let mut state = instant.state.clone();
+        state[i] = 0.0;
+        (at(&state, friction.rate) - rate).abs()
+    };
+    let largest = (0..instant.state.len()).map(part).fold(0.0, f64::max);
+    at(&instant.state, friction.coefficient) > 0.0
+        && rate.abs() <= STOPPED_ROUNDOFFS * f64::EPSILON * largest
+}
+
+/// The events of an instant: the one that ends the way to it, and what shares its time.
+pub(super) struct Events {
+    pub first: LegKind,
+    pub then: Vec<Passage>,
+}
+
+/// Contacts whose flights end at one instant, at most, for whose collisions all orders are compared.
+const MOST_TOGETHER: usize = 3;
+
+impl Events {
+    /// None where the instant is more than can be told apart.
+    pub(super) fn of((system, parameters): (&System, &[f64]), instant: &Instant) -> Option<Self> {
+        let alone = single(instant).map(|mut first| {
+            if let Jump::Impact(contact) = first.jump
+                && stops((system, parameters), instant, contact)
+            {
+                first.jump = Jump::Stop(contact);
+            }
+            Self {
+                first,
+                then: Vec::new(),
+            }
+        });
+        alone.or_else(|| Self::collisions(system, instant))
+    }
+
+    /// Collisions as they came. None where the law of those that share an instant is not one of two bodies at a time.
+    fn collisions(system: &System, instant: &Instant) -> Option<Self> {
+        let (grip, sides, on_sides) = system.origin_of(instant.mode)?;
+        let (_, sides_after, _) = system.origin_of(instant.mode_after)?;
+        let mut active = on_sides.active.members();
+        let slides = active.any(|k| sides.get(k) == Side::Sliding);
+        let is_met = matches!(instant.guard, Some(GuardKind::Gap(_)));
+        let by_two = system.simultaneous() == Simultaneous::Binary && system.rubbing().is_empty();
+        if !by_two || sides != sides_after || slides || !is_met {
+            return None;
+        }
+        let flight = system.meet(Grip::NONE, sides);
+        let (mut touching, mut flights) = (grip.closed, 0);
+        let mut found: Option<Self> = None;
+        for told in &instant.told {
+            let contact = match *told {
+                Occurrence::Impact { contact, .. } => contact,
+                Occurrence::Capture { .. } => continue,
+                _ => return None,
+            };
+            let is_struck = touching.contains(contact);
+            let kind = LegKind {
+                mode: if is_struck { flight } else { instant.mode },
+                ends_at: Some(GuardKind::Gap(contact)),
+                jump: Jump::Impact(contact),
+            };
+            match &mut found {
+                None if is_struck => return None,
+                None => {
+                    found = Some(Self {
+                        first: kind,
+                        then: Vec::new(),
+                    });
+                }
+                Some(known) if is_struck => known.then.push(Passage::AtOnce(kind)),
+                Some(known) => known.then.push(Passage::Together(kind)),
+            }
+            flights += usize::from(!is_struck);
+            touching = touching.with(contact);
+        }
+        found.filter(|_| flights <= MOST_TOGETHER)
+    }
+
+    /// What is told of the first of them.
+    pub(super) fn told<'i>(&self, instant: &'i Instant) -> &'i [Occurrence<f64>] {
+        let count = if self.then.is_empty() {
+            instant.told.len()
+        } else {
+            1
+        };
+        &instant.told[..count]
+    }
+
+    /// The steps of a way that ends with them: nodes are told from the state after all, by what each did to its rate.
+    pub(super) fn steps(
+        &self,
+        (system, parameters): (&System, &[f64]),
+        (way, instant): (Step, &Instant),
+    ) -> Vec<Step> {
+        let known = system.with_pieces(parameters, &instant.pieces);
+        let mut state = instant.state.clone();
+        let mut closed = way.closed;
+        let impacts: Vec<_> = (instant.told.iter())
+            .filter_map(|told| match *told {
+                Occurrence::Impact {
+                    contact,
+                    rate_before,
+                    rate_after,
+                    ..
+                } => Some((told, contact, rate_after - rate_before)),
+                _ => None,
+            })
+            .skip(1)
+            .collect();
+        let mut found: Vec<Step> = Vec::new();
+        for (&passage, &(told, contact, change)) in self.then.iter().zip(&impacts).rev() {
+            let mut step = Step {
+                passage,
+                pieces: instant.pieces.clone(),
+                told: vec![*told],
+                closed,
+                start: Vec::new(),
+                duration: 0.0,
+            };
+            closed = Closed::NONE;
+            if let Some((_, _, on)) = system.origin_of(step.mode()) {
+                let graph = &on.mechanics.graph;
+                let jump = &on.mechanics.contacts[contact].jump;
+                let by: Vec<f64> = (jump.iter())
+                    .map(|&along| change * graph.evaluate(along, &state, &known))
+                    .collect();
+                state.iter_mut().zip(by).for_each(|(x, by)| *x -= by);
+            }
+            step.start.clone_from(&state);
+            found.push(step);
+        }
+        found.push(Step { closed, ..way });
+        found.reverse();
+        found
+    }
+}

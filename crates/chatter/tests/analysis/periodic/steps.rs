@@ -1,0 +1,126 @@
+//! Branches are the same whatever the steps that they are followed by, and wherever they begin.
+
+use super::{nearest, over, value, with};
+use chatter::analysis::periodic::{End, SpecialKind};
+
+/// A follower leaves its cam and comes back with chatter: over omega the contact begins to open, chatter grows, ends at a border, and impacts are
+/// lost one by one. None of that depends on where one starts and on how long steps are.
+#[test]
+fn a_follower_on_a_cam_is_followed_whatever_the_step() {
+    let follower = |omega: &str| {
+        let text = r#"
+[parameters]
+w = 3.1
+[flight]
+y = "v"
+v = "-1 - 2*y - 0.05*v"
+[[contact]]
+name = "cam"
+gap = "y - 0.3*(1 - cos(w*t)) - 0.03*sin(2*w*t)"
+impulse = { v = 1 }
+restitution = 0.35
+[initial]
+y = 0.4
+v = 0
+"#;
+        with(text, &[("w", omega)])
+    };
+    let specials = |omega: &str, step: f64| -> Vec<(SpecialKind, f64)> {
+        let found = over(&follower(omega), "w", (2.3, 4.0), (40, step));
+        let all = found.iter().flat_map(|branch| &branch.special);
+        let mut all: Vec<_> = all.map(|special| (special.kind, value(special))).collect();
+        all.sort_by(|a, b| a.1.total_cmp(&b.1));
+        all
+    };
+    let first = specials("3.1", 0.02);
+    let of = |kind: SpecialKind| first.iter().filter(|(other, _)| *other == kind).count();
+    assert_eq!(
+        (of(SpecialKind::Touch), of(SpecialKind::ChatterBorder)),
+        (1, 1)
+    );
+    assert!(of(SpecialKind::PeriodDoubling) > 8, "{first:?}");
+    for (omega, step) in [("3.1", 0.05), ("2.35", 0.02), ("3.946", 0.02)] {
+        let other = specials(omega, step);
+        assert_eq!(first.len(), other.len(), "{first:?} {other:?}");
+        for (a, b) in first.iter().zip(&other) {
+            assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-8, "{a:?} {b:?}");
+        }
+    }
+    // At the touch the cam's own acceleration is that of the free follower, to where that no longer holds it down.
+    let touch = first[0].1;
+    let force = |w: f64| {
+        let least = |k: u32| {
+            let p = f64::from(k) * 1e-6 * core::f64::consts::TAU;
+            let y = 0.3 * (1.0 - p.cos()) + 0.03 * (2.0 * p).sin();
+            let v = w * (0.3 * p.sin() + 0.06 * (2.0 * p).cos());
+            let a = w * w * (0.3 * p.cos() - 0.12 * (2.0 * p).sin());
+            a + 1.0 + 2.0 * y + 0.05 * v
+        };
+        (0..1_000_000).map(least).fold(f64::INFINITY, f64::min)
+    };
+    assert!(force(touch).abs() < 1e-9, "{}", force(touch));
+}
+
+/// A gear within its play: a branch of doubled orbits turns where it meets the simple one, and ends where both halves of its orbit graze,
+/// since from there on it would go around the simple one twice.
+#[test]
+fn a_doubled_branch_ends_at_the_graze_of_the_simple_one() {
+    let text = r#"
+[parameters]
+A = 1.2
+[flight]
+u = "s"
+s = "0.3 - 0.15*s + A*cos(1.3*t)"
+[[contact]]
+name = "drive"
+gap = "0.5 - u"
+impulse = { s = -1 }
+restitution = 0.65
+[[contact]]
+name = "coast"
+gap = "u + 0.5"
+impulse = { s = 1 }
+restitution = 0.65
+[initial]
+u = 0
+s = 0
+"#;
+    for step in [0.02, 0.007, 0.05] {
+        let found = over(&with(text, &[]), "A", (0.6, 2.0), (40, step));
+        assert_eq!(found.len(), 1);
+        let ends = &found[0].ends;
+        let (parts, grazes) = (SpecialKind::BranchPoint, SpecialKind::FlightGraze);
+        assert_eq!(*ends, [End::At(parts), End::At(grazes)], "{step}");
+        let parts = nearest(&found, &[parts], 1.1148);
+        assert!((value(&parts) - 1.114_845_214_256_72).abs() < 1e-12);
+        assert!(parts.error < 1e-12);
+    }
+}
+
+/// Where what is slid along begins to hold at once, after a crossing: the rate beyond vanishes as the surface is met.
+#[test]
+fn sliding_that_begins_is_known_to_rounding() {
+    let text = r#"
+[parameters]
+F = 1.4
+[flight]
+x = "v"
+v = "-x - 0.4*sign(v - 0.3) + F*cos(0.8*t)"
+[[contact]]
+name = "stop"
+gap = "0.7 - x"
+impulse = { v = -1 }
+restitution = 0.5
+[initial]
+x = 0
+v = 0
+"#;
+    let touch = |force: &str, step: f64| {
+        let found = over(&with(text, &[("F", force)]), "F", (1.35, 1.5), (40, step));
+        value(&nearest(&found, &[SpecialKind::Touch], 1.3639))
+    };
+    let known = touch("1.4", 0.02);
+    for (force, step) in [("1.4", 0.007), ("1.45", 0.05)] {
+        assert!((touch(force, step) - known).abs() < 1e-12);
+    }
+}
