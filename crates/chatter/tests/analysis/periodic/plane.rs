@@ -268,3 +268,17 @@ v = 0
         assert!((value(&fold) - at).abs() < 1e-9, "{} {at}", value(&fold));
     }
 }
+
+/// Where the graze of the valve with 36 impacts turns into a fold, from `reference/orbits.json`.
+#[test]
+fn the_graze_of_the_valve_becomes_a_fold() {
+    let valve = model("pressure_relief_valve", &[("q", "0.0203")]);
+    let found = over(&valve, "q", (0.02024, 0.02026), (40, 0.05));
+    let graze = nearest(&found, &[SpecialKind::ImpactGraze], 0.020_248_774_288);
+    let grazes = curve(&valve, ["q", "r"], &graze, ((0.71, 0.81), 0.05));
+    let [[q, r]] = of(&grazes, SpecialKind::GrazeFold)[..] else {
+        panic!("{:?}", of(&grazes, SpecialKind::GrazeFold));
+    };
+    assert!((q - 0.124_932_043_217_728_5).abs() < 1e-12, "{q}");
+    assert!((r - 0.725_770_333_687_182_5).abs() < 1e-11, "{r}");
+}
