@@ -12,8 +12,12 @@ const ROUNDING: f64 = 1e-12;
 #[derive(Clone, Debug)]
 pub(super) struct Embedding {
     vectors: Vec<f64>,
-    dimension: usize,
+    /// The same numbers, component by component: distances of many vectors are computed side by side.
+    columns: Vec<Vec<f64>>,
 }
+
+/// So many distances are looked at together.
+const ABREAST: usize = 16;
 
 impl Embedding {
     /// Of the latest points, so many at most.
@@ -46,26 +50,27 @@ impl Embedding {
         });
         let count = columns.first().map_or(0, Vec::len);
         Self {
-            dimension: columns.len(),
             vectors: (0..count)
                 .flat_map(|row| columns.iter().map(move |column| column[row]))
                 .collect(),
+            columns,
         }
     }
 
     /// How many vectors there are.
     pub fn len(&self) -> usize {
-        self.vectors.len() / self.dimension.max(1)
+        self.columns.first().map_or(0, Vec::len)
     }
 
     /// How many components each has.
     pub fn dimension(&self) -> usize {
-        self.dimension
+        self.columns.len()
     }
 
     /// One of them.
     pub fn vector(&self, index: usize) -> &[f64] {
-        &self.vectors[index * self.dimension..(index + 1) * self.dimension]
+        let dimension = self.columns.len();
+        &self.vectors[index * dimension..(index + 1) * dimension]
     }
 
     /// Distance of two of them.
@@ -77,21 +82,48 @@ impl Embedding {
     pub fn nearest(&self, to: usize, among: Range<usize>) -> Option<(f64, usize)> {
         let mut nearest: Option<(f64, usize)> = None;
         let mut least = f64::INFINITY;
-        let vector = self.vector(to);
-        let places = among.start * self.dimension..among.end * self.dimension;
-        let others = self.vectors[places].chunks_exact(self.dimension);
-        for (other, square) in among.zip(others.map(|other| squared_distance(vector, other))) {
-            if square > least || other == to {
+        for first in among.clone().step_by(ABREAST) {
+            let others = first..among.end.min(first + ABREAST);
+            let squares = self.squared_distances(to, others.clone());
+            if squares.iter().all(|&square| square > least) {
                 continue;
             }
-            // Squares that differ may have one root.
-            let distance = square.sqrt();
-            if nearest.is_none_or(|(nearest, _)| distance.total_cmp(&nearest).is_lt()) {
-                nearest = Some((distance, other));
-                least = square;
+            for (other, square) in others.zip(squares) {
+                if square > least || other == to {
+                    continue;
+                }
+                // Squares that differ may have one root.
+                let distance = square.sqrt();
+                if nearest.is_none_or(|(nearest, _)| distance.total_cmp(&nearest).is_lt()) {
+                    nearest = Some((distance, other));
+                    least = square;
+                }
             }
         }
         nearest
+    }
+
+    /// The squares of the distances of a vector from a few that follow each other. What is beyond these is as far as can be.
+    #[inline]
+    fn squared_distances(&self, to: usize, others: Range<usize>) -> [f64; ABREAST] {
+        let mut squares = [0.0; ABREAST];
+        for column in &self.columns {
+            let here = column[to];
+            match column[others.clone()].first_chunk::<ABREAST>() {
+                Some(there) => {
+                    for (square, x) in squares.iter_mut().zip(there) {
+                        *square += (here - x) * (here - x);
+                    }
+                }
+                None => {
+                    for (square, x) in squares.iter_mut().zip(&column[others.clone()]) {
+                        *square += (here - x) * (here - x);
+                    }
+                }
+            }
+        }
+        squares[others.len()..].fill(f64::INFINITY);
+        squares
     }
 
     /// Mean distance of vectors so many places apart, from one on; none as soon as it is certain to exceed `least`.

@@ -22,6 +22,9 @@ pub(crate) struct Translation {
 /// The equations are looked at in so many places: a derivative that vanishes in all of them vanishes.
 const PLACES: usize = 8 * DISTANCES.len();
 
+/// First in these alone: where what they show leaves no state free, all of them do not.
+const FEW_PLACES: usize = DISTANCES.len();
+
 /// How far away from a state they are, in parts of its size or of one: what is saturated far away is not nearby, what
 /// nanometres are subject to is nothing beside what becomes of it at a metre, and seconds know little of a year. First all states
 /// are as far away, then each as far as another one was before.
@@ -71,63 +74,16 @@ impl Translations {
 
     /// All of them, at these parameters; `state` says how large states are.
     pub fn at(&self, parameters: &[f64], state: &[f64]) -> Vec<Translation> {
-        let mut rows = self.rows(parameters, state);
-        let states = state.len();
-        // Gauss-Jordan; the states without a pivot are free to move.
-        let mut pivots: Vec<(usize, usize)> = Vec::new();
-        for column in 0..states {
-            let open = pivots.len();
-            let largest = (open..rows.len()).max_by(|&a, &b| {
-                let size = |row: usize| {
-                    let slope = rows[row][column];
-                    (slope.is_known(), slope.value.abs())
-                };
-                let ((a_known, a), (b_known, b)) = (size(a), size(b));
-                a_known.cmp(&b_known).then(a.total_cmp(&b))
-            });
-            let Some(row) = largest.filter(|&row| rows[row][column].is_known()) else {
-                continue;
-            };
-            rows.swap(open, row);
-            let pivot = rows[open][column].value;
-            for slope in &mut rows[open] {
-                slope.value /= pivot;
-                slope.size /= pivot.abs();
-            }
-            let cleared = rows[open].clone();
-            for (index, other) in rows.iter_mut().enumerate() {
-                let times = other[column].value;
-                if index == open || times == 0.0 {
-                    continue;
-                }
-                for (slope, by) in other.iter_mut().zip(&cleared) {
-                    slope.value -= times * by.value;
-                    slope.size = slope.size.max(times.abs() * by.size);
-                }
-            }
-            pivots.push((open, column));
-        }
-        let bound = |state: &usize| pivots.iter().any(|(_, column)| column == state);
-        let translation = |state: usize| {
-            let others = (pivots.iter())
-                .filter(|&&(row, _)| rows[row][state].is_known())
-                .map(|&(row, column)| (column, -rows[row][state].value));
-            Translation {
-                state,
-                others: others.collect(),
-            }
-        };
-        (0..states)
-            .filter(|state| !bound(state))
-            .map(translation)
-            .collect()
+        let among = |places| free(self.rows(parameters, state, places), state.len());
+        let few = among(FEW_PLACES);
+        if few.is_empty() { few } else { among(PLACES) }
     }
 
-    /// Slopes of all equations in all places, each equation in units of its largest.
-    fn rows(&self, parameters: &[f64], state: &[f64]) -> Vec<Vec<Slope>> {
+    /// Slopes of all equations in so many places, each equation in units of its largest.
+    fn rows(&self, parameters: &[f64], state: &[f64], places: usize) -> Vec<Vec<Slope>> {
         let mut scratch = Vec::new();
         let mut rows = Vec::new();
-        for place in 0..PLACES {
+        for place in 0..places {
             let moved: Vec<f64> = (state.iter().enumerate())
                 .map(|(index, x)| {
                     let turn = place + index * (place / DISTANCES.len());
@@ -158,6 +114,58 @@ impl Translations {
         }
         rows
     }
+}
+
+/// Null vectors of these rows.
+fn free(mut rows: Vec<Vec<Slope>>, states: usize) -> Vec<Translation> {
+    // Gauss-Jordan; the states without a pivot are free to move.
+    let mut pivots: Vec<(usize, usize)> = Vec::new();
+    for column in 0..states {
+        let open = pivots.len();
+        let largest = (open..rows.len()).max_by(|&a, &b| {
+            let size = |row: usize| {
+                let slope = rows[row][column];
+                (slope.is_known(), slope.value.abs())
+            };
+            let ((a_known, a), (b_known, b)) = (size(a), size(b));
+            a_known.cmp(&b_known).then(a.total_cmp(&b))
+        });
+        let Some(row) = largest.filter(|&row| rows[row][column].is_known()) else {
+            continue;
+        };
+        rows.swap(open, row);
+        let pivot = rows[open][column].value;
+        for slope in &mut rows[open] {
+            slope.value /= pivot;
+            slope.size /= pivot.abs();
+        }
+        let cleared = rows[open].clone();
+        for (index, other) in rows.iter_mut().enumerate() {
+            let times = other[column].value;
+            if index == open || times == 0.0 {
+                continue;
+            }
+            for (slope, by) in other.iter_mut().zip(&cleared) {
+                slope.value -= times * by.value;
+                slope.size = slope.size.max(times.abs() * by.size);
+            }
+        }
+        pivots.push((open, column));
+    }
+    let bound = |state: &usize| pivots.iter().any(|(_, column)| column == state);
+    let translation = |state: usize| {
+        let others = (pivots.iter())
+            .filter(|&&(row, _)| rows[row][state].is_known())
+            .map(|&(row, column)| (column, -rows[row][state].value));
+        Translation {
+            state,
+            others: others.collect(),
+        }
+    };
+    (0..states)
+        .filter(|state| !bound(state))
+        .map(translation)
+        .collect()
 }
 
 #[cfg(test)]
