@@ -9,10 +9,12 @@
 //! ```
 //!
 //! What an operation reads and writes stands in memory, so that nothing has to be kept in registers from one to the next,
-//! nor over a call. For single numbers the lower orders are written out before the loop ([`straight`](super::straight)).
+//! nor over a call. Where there are registers to spare they hold the latest coefficients beside that ([`latest`](super::latest)). For
+//! single numbers the lower orders are written out before the loop ([`straight`](super::straight)).
 
-use super::assembler::{Assembler, At, Label, Vector, When, Width};
+use super::assembler::{Assembler, At, Label, Source, Vector, When, Width};
 use super::executable::{Callee, Frame, Table, function_of};
+use super::latest::Latest;
 use super::straight::Kept;
 use crate::expressions::tape::{Op, Operand, Sign, Tape};
 use core::mem::offset_of;
@@ -87,6 +89,7 @@ pub(super) fn compile(tape: &Tape, layout: Layout, width: Width) -> Option<Vec<u
         layout,
         registers,
         bytes: width.doubles() * size_of::<f64>(),
+        latest: Latest::of(tape, width, registers),
         kept: Kept::default(),
     };
     compiler.whole()?;
@@ -175,6 +178,7 @@ pub(super) struct Compiler<'t> {
     registers: usize,
     /// Bytes in a register.
     bytes: usize,
+    latest: Latest,
     pub(super) kept: Kept,
 }
 
@@ -244,12 +248,16 @@ impl Compiler<'_> {
         } else {
             (self.code.label(), self.code.label())
         };
+        self.code.compare(ORDER, LAST);
+        self.code.jump(When::AtLeast, done);
+        self.load_latest();
         self.code.bind(next);
         self.code.add_to(ORDER, 1);
         self.code.add_to(NOW, self.layout.size);
         self.code.compare(ORDER, LAST);
         self.code.jump(When::Greater, done);
         self.factor();
+        self.latest.next_order();
         for op in &tape.ops {
             self.go_on(op);
             self.keep_short()?;
@@ -343,6 +351,55 @@ impl Compiler<'_> {
         }
     }
 
+    /// Stores the sums as the present coefficient of a series, or as that after it.
+    fn finish_now(&mut self, slot: usize) {
+        self.store_sums(self.now(slot));
+        for part in self.parts() {
+            self.keep_latest(slot, part, self.sum(part));
+        }
+        self.latest.is_computed(slot);
+    }
+
+    fn finish_after(&mut self, state: usize) {
+        self.store_sums(self.after(state));
+        for part in self.parts() {
+            self.keep_latest(state, part, self.sum(part));
+        }
+    }
+
+    fn keep_latest(&mut self, slot: usize, part: usize, value: Vector) {
+        if let Some(register) = self.latest.register(slot, part) {
+            self.code.copy(register, value);
+        }
+    }
+
+    /// The coefficients of the states that the loop begins with.
+    fn load_latest(&mut self) {
+        for state in 0..self.tape.dimension {
+            for part in self.parts() {
+                if let Some(register) = self.latest.register(state, part) {
+                    let at = self.part(self.after(state), part);
+                    self.code.load(register, at);
+                }
+            }
+        }
+    }
+
+    /// Where the present coefficient of a series is read from.
+    fn present(&self, slot: usize, part: usize) -> Source {
+        match self.latest.present(slot, part) {
+            Some(register) => register.into(),
+            None => self.part(self.now(slot), part).into(),
+        }
+    }
+
+    fn fetch(&mut self, into: Vector, from: Source) {
+        match from {
+            Source::Register(register) => self.code.copy(into, register),
+            Source::Memory(at) => self.code.load(into, at),
+        }
+    }
+
     fn negate_sums(&mut self) {
         for part in self.parts() {
             self.code.negate(self.sum(part), Self::minus_zero());
@@ -365,22 +422,24 @@ impl Compiler<'_> {
         }
         let skip = self.unless_last();
         for &(state, rate) in &tape.field {
-            let at = self.after(state);
             for part in self.parts() {
                 let sum = self.sum(part);
                 let rate = match rate {
-                    Operand::Series(of) => self.now(of),
-                    Operand::Constant(index) if at_zero => self.constant(index),
+                    Operand::Series(of) if at_zero => self.part(self.now(of), part).into(),
+                    Operand::Series(of) => self.present(of, part),
+                    Operand::Constant(index) if at_zero => {
+                        self.part(self.constant(index), part).into()
+                    }
                     Operand::Constant(_) => {
                         self.code.zero(sum);
-                        self.code.store(self.part(at, part), sum);
                         continue;
                     }
                 };
-                self.code.load(sum, self.part(rate, part));
+                self.fetch(sum, rate);
                 self.code.multiply(sum, sum, self.part(FACTOR, part));
-                self.code.store(self.part(at, part), sum);
             }
+            self.finish_after(state);
+            self.latest.has_moved(state);
         }
         self.code.bind(skip);
     }
@@ -618,19 +677,20 @@ impl Compiler<'_> {
                 out, first, end, ..
             } => {
                 self.combine(first, end);
-                self.store_sums(self.now(out));
+                self.finish_now(out);
             }
             Op::Rate {
                 state, first, end, ..
             } => {
                 let skip = self.unless_last();
                 self.combine_times_factor(first, end);
-                self.store_sums(self.after(state));
+                self.finish_after(state);
                 self.code.bind(skip);
+                self.latest.has_moved(state);
             }
             Op::Multiply { out, left, right } => {
                 self.convolve((left, 0), (right, 0), Terms::Order(1));
-                self.store_sums(self.now(out));
+                self.finish_now(out);
             }
             Op::Square { out, base } => {
                 self.convolve((base, 0), (base, 0), Terms::Half(0));
@@ -640,8 +700,9 @@ impl Compiler<'_> {
                 for part in self.parts() {
                     let (pairs, middle) = (self.sum(part), self.other(part));
                     self.code.multiply_add(middle, pairs, two);
-                    self.code.store(self.part(self.now(out), part), middle);
+                    self.code.copy(pairs, middle);
                 }
+                self.finish_now(out);
             }
             Op::Divide {
                 out,
@@ -657,7 +718,7 @@ impl Compiler<'_> {
                     self.code.multiply(rest, rest, factor);
                     if let Operand::Series(slot) = numerator {
                         let value = self.odd(part);
-                        self.code.load(value, self.part(self.now(slot), part));
+                        self.fetch(value, self.present(slot, part));
                         self.code.multiply_subtract(value, factor, rest);
                         self.code.copy(rest, value);
                     }
@@ -665,7 +726,7 @@ impl Compiler<'_> {
                 if matches!(numerator, Operand::Constant(_)) {
                     self.negate_sums();
                 }
-                self.store_sums(self.now(out));
+                self.finish_now(out);
             }
             Op::SquareRoot {
                 out,
@@ -686,10 +747,10 @@ impl Compiler<'_> {
                     self.code.multiply(minus_twice, factor, minus_two);
                     self.code.multiply(middle, middle, factor);
                     self.code.multiply_subtract(pairs, minus_twice, middle);
-                    let radicand = self.part(self.now(radicand), part);
+                    let radicand = self.present(radicand, part);
                     self.code.multiply_add(pairs, factor, radicand);
                 }
-                self.store_sums(self.now(out));
+                self.finish_now(out);
             }
             Op::Power {
                 out,
@@ -702,10 +763,10 @@ impl Compiler<'_> {
                 let numbers = At(TABLE, offset_of!(Table, numbers));
                 self.code.broadcast_indexed(k, numbers, ORDER);
                 for part in self.parts() {
-                    let value = self.sum(part);
-                    self.code.multiply(value, k, self.part(self.now(of), part));
+                    let (value, of) = (self.sum(part), self.present(of, part));
+                    self.code.multiply(value, k, of);
                 }
-                self.store_sums(self.now(out));
+                self.finish_now(out);
             }
             Op::Integral {
                 out,
@@ -719,7 +780,7 @@ impl Compiler<'_> {
                 if sign == Sign::Minus {
                     self.negate_sums();
                 }
-                self.store_sums(self.now(out));
+                self.finish_now(out);
             }
             Op::SineCosine {
                 sine,
@@ -728,10 +789,10 @@ impl Compiler<'_> {
                 argument,
             } => {
                 self.integral_in_sums((slope, argument, cosine));
-                self.store_sums(self.now(sine));
+                self.finish_now(sine);
                 self.integral_in_sums((slope, argument, sine));
                 self.negate_sums();
-                self.store_sums(self.now(cosine));
+                self.finish_now(cosine);
             }
         }
     }
@@ -747,7 +808,7 @@ impl Compiler<'_> {
                 let factor = self.other(part);
                 let at = self.part(self.constant(coefficient), part);
                 self.code.load(factor, at);
-                let term = self.part(self.now(slot), part);
+                let term = self.present(slot, part);
                 self.code.multiply_add(self.sum(part), factor, term);
             }
         }
@@ -773,7 +834,7 @@ impl Compiler<'_> {
             }
             let coefficient = self.part(self.constant(coefficient), part);
             self.code.multiply(scaled, scaled, coefficient);
-            let newest = self.part(self.now(slot), part);
+            let newest = self.present(slot, part);
             if is_alone {
                 self.code.multiply(sum, scaled, newest);
             } else {
@@ -788,7 +849,7 @@ impl Compiler<'_> {
         self.divide_by_order();
         for part in self.parts() {
             let newest = self.other(part);
-            self.code.load(newest, self.part(self.now(argument), part));
+            self.fetch(newest, self.present(argument, part));
             let weight = self.part(self.first(weight, 0), part);
             self.code.multiply_add(self.sum(part), newest, weight);
         }
@@ -847,6 +908,9 @@ impl Compiler<'_> {
             }
             Terms::Half(first) => self.now(right.0).minus(first * size),
         };
+        // Of these two, and of the last coefficient of the first series, the present ones may be in registers.
+        let newest_is_present = newest.1 == self.now(right.0).1;
+        let last_is_present = left.1 == 0 && matches!(terms, Terms::Order(1));
         // Products between the two outermost ones.
         match terms {
             Terms::Order(more) => {
@@ -871,8 +935,9 @@ impl Compiler<'_> {
             self.code.bind(one);
             for part in self.parts() {
                 let sum = self.sum(part);
+                let newest = self.present_or(newest_is_present, (right.0, part), newest);
                 self.code.load(sum, self.part(outermost, part));
-                self.code.multiply(sum, sum, self.part(newest, part));
+                self.code.multiply(sum, sum, newest);
             }
             self.code.jump(When::Always, done);
         }
@@ -906,9 +971,36 @@ impl Compiler<'_> {
             let sum = self.sum(part);
             self.code.add(sum, sum, self.odd(part));
         }
-        self.products(Self::sum, a, b);
-        self.products(Self::sum, outermost, newest);
+        for part in self.parts() {
+            let last = self.present_or(last_is_present, (left.0, part), a);
+            self.product(part, last, self.part(b, part));
+        }
+        for part in self.parts() {
+            let newest = self.present_or(newest_is_present, (right.0, part), newest);
+            self.product(part, newest, self.part(outermost, part));
+        }
         self.code.bind(done);
+    }
+
+    /// The present coefficient of a series, if it is that, or what is at a place.
+    fn present_or(&self, is_present: bool, (slot, part): (usize, usize), at: At) -> Source {
+        if is_present {
+            self.present(slot, part)
+        } else {
+            self.part(at, part).into()
+        }
+    }
+
+    /// Adds the product of two numbers to a sum.
+    fn product(&mut self, part: usize, left: Source, right: At) {
+        let (sum, factor) = (self.sum(part), self.other(part));
+        match left {
+            Source::Register(left) => self.code.multiply_add(sum, left, right),
+            Source::Memory(left) => {
+                self.code.load(factor, left);
+                self.code.multiply_add(sum, factor, right);
+            }
+        }
     }
 
     /// Adds the products of two numbers to sums.
@@ -968,9 +1060,9 @@ impl Compiler<'_> {
             for factor in [self.first(out, 0), self.auxiliary(inverse)] {
                 self.code.multiply(weight, weight, self.part(factor, part));
             }
-            let newest = self.part(self.now(base), part);
+            let newest = self.present(base, part);
             self.code.multiply_add(self.sum(part), weight, newest);
         }
-        self.store_sums(self.now(out));
+        self.finish_now(out);
     }
 }

@@ -4,6 +4,7 @@
 //! Backend       which of the two runs a tape, from when on
 //! assembler     instructions for registers of one, four or eight doubles
 //! compile       a tape's operations as such
+//! latest        the latest coefficients in registers, with AVX-512
 //! straight      orders above zero written out, for single numbers
 //! executable    memory that is executed
 //! ```
@@ -19,6 +20,8 @@ mod executable;
 #[cfg(not(target_arch = "x86_64"))]
 #[path = "none.rs"]
 mod executable;
+#[cfg(target_arch = "x86_64")]
+mod latest;
 #[cfg(target_arch = "x86_64")]
 mod straight;
 
