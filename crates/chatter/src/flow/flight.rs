@@ -120,8 +120,6 @@ pub(crate) struct Course<S> {
     pub time_low: S,
     pub flight_time: S,
     pub longest_step: S,
-    /// After an impact: how long its sequence may still go on, to leading order.
-    pub rest_of_sequence: S,
 }
 
 impl<S: Scalar> Flight<S> {
@@ -157,8 +155,8 @@ impl<S: Scalar> Flight<S> {
             & negligible(time, longest_step).less(outcome.flight_time);
         // Elsewhere the border is another, or the end of the sequence near.
         let same = at_rest.at_most(self.restitution) & self.restitution.at_most(at_rest);
-        let u = jerk * after / (acceleration * acceleration);
-        let is_far = at_rest.less(one) & same & is_far_from_border(u, self.border);
+        let is_far =
+            at_rest.less(one) & same & is_far_from_border((after, acceleration, jerk), self.border);
         let bounces = at_impact & is_impact & flies_on & is_far;
 
         let rest = rest_of_flight(self.flight_time, step);
@@ -167,7 +165,6 @@ impl<S: Scalar> Flight<S> {
             time_low,
             flight_time: S::select(at_impact, outcome.flight_time, rest),
             longest_step,
-            rest_of_sequence: rest_of_sequence(outcome.flight_time, at_rest),
         };
         (course, is_step & (glides | bounces))
     }

@@ -288,7 +288,6 @@ impl<S: Scalar> Workspace<S> {
             if settled.all() {
                 continue;
             }
-            let (guess, is_real) = quadratic_root(p);
             let ahead = Ahead {
                 start,
                 end,
@@ -296,8 +295,13 @@ impl<S: Scalar> Workspace<S> {
                 beyond: sizes.beyond,
             };
             // A section is hardly ever crossed, and a gap closes where its leading terms say so.
-            let is_expected = must_be_positive
-                && (is_real & S::splat(0.0).less(guess) & guess.at_most(end)).any();
+            let mut guess = None;
+            let mut is_expected = false;
+            if must_be_positive {
+                let (root, is_real) = quadratic_root(p);
+                is_expected = (is_real & is_inside(root, end)).any();
+                guess = Some(root);
+            }
             if !is_expected {
                 settled = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
                 if let Some(section) = guard.section() {
@@ -309,8 +313,12 @@ impl<S: Scalar> Workspace<S> {
                     continue;
                 }
             }
+            let guess = match guess {
+                Some(guess) => guess,
+                None => quadratic_root(p).0,
+            };
             let (root, converged, slope) = newton(p, guess, end);
-            let root_inside = S::splat(0.0).less(root) & root.at_most(end) & converged;
+            let root_inside = is_inside(root, end) & converged;
             let drop = slope * root;
             let is_clear = (noise * (rest + start.abs()) * S::splat(GRAZE)).less(drop * drop);
             let candidate = root_inside & is_clear & noise.less(start) & !settled;
@@ -341,7 +349,7 @@ impl<S: Scalar> Workspace<S> {
                 if need.any() {
                     let guess = count.first_change * end * S::splat(1.0 / (n - 1) as f64);
                     let (second, converged, _) = newton(p, guess, end);
-                    let inside = S::splat(0.0).less(second) & second.at_most(end) & converged;
+                    let inside = is_inside(second, end) & converged;
                     let good = need & inside;
                     at = S::select(good, second, at);
                     found = found | good;
@@ -548,13 +556,22 @@ pub(crate) fn flight_time<S: Scalar>(rate: S, acceleration: S, jerk: S) -> S {
     S::select(falls_back & time.is_finite(), time, S::splat(FOREVER))
 }
 
+/// A coefficient of p, or zero beyond the last. No closure: one need not be inlined, and then it is compiled for the baseline.
+#[inline(always)]
+fn coefficient<S: Scalar>(p: &[S], k: usize) -> S {
+    match p.get(k) {
+        Some(&coefficient) => coefficient,
+        None => S::splat(0.0),
+    }
+}
+
 /// The smaller positive root of the leading quadratic, the next impact in the flight of eq. (3), and where it is one; elsewhere
 /// any number.
 #[inline(always)]
 fn quadratic_root<S: Scalar>(p: &[S]) -> (S, S::Mask) {
     let zero = S::splat(0.0);
     let (c, b) = (p[0], p[1]);
-    let a = if p.len() > 2 { p[2] } else { zero };
+    let a = coefficient(p, 2);
     let radicand = b.mul_add(b, S::splat(-4.0) * a * c);
     let two_c = c + c;
     let root = two_c / (radicand.max(zero).sqrt() - b);
@@ -575,6 +592,12 @@ fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
     (at, converged, slope)
 }
 
+/// Whether a place is on (0, end].
+#[inline(always)]
+fn is_inside<S: Scalar>(place: S, end: S) -> S::Mask {
+    S::splat(0.0).less(place) & place.at_most(end)
+}
+
 #[inline(always)]
 fn newton_of_part<S: Scalar>(
     p: &[S],
@@ -582,17 +605,17 @@ fn newton_of_part<S: Scalar>(
     part: usize,
 ) -> (S::Part, <S::Part as Scalar>::Mask, S::Part) {
     let zero = S::Part::splat(0.0);
-    let usable = zero.less(guess) & guess.at_most(end + end);
+    let far = end + end;
+    let usable = is_inside(guess, far);
     let mut at = S::Part::select(usable, guess, end);
     let mut done = !usable;
     // The leading terms bring the guess close at a part of the cost: a few of them where it may be far, more when it is near.
     if p.len() >= 2 * NEWTON_LEADING {
-        let is_near = |next: S::Part| usable & zero.less(next) & next.at_most(end + end);
         let next = chebyshev_of_part(&p[..NEWTON_LEADING], at, part);
-        at = S::Part::select(is_near(next), next, at);
+        at = S::Part::select(usable & is_inside(next, far), next, at);
         let (value, slope) = horner_with_slope_of_part(&p[..2 * NEWTON_LEADING], at, part);
         let next = at - value / slope;
-        at = S::Part::select(is_near(next), next, at);
+        at = S::Part::select(usable & is_inside(next, far), next, at);
     }
     let mut last_slope = zero;
     // The square of what double-double has to reach is not reached by what suffices for a double.
@@ -641,11 +664,11 @@ static FACTORS: [f64; MAX_ORDER + 1] = {
 #[inline(always)]
 fn leading_slopes<S: Scalar>(p: &[S], s: S, beyond: S) -> ([S; 2], S) {
     let (first, degree) = (p[1], S::splat((p.len() - 1) as f64));
-    let term = |k: usize| p.get(k).map_or(S::splat(0.0), |&c| c * S::splat(k as f64));
-    let last = term(2).mul_add(s, first);
+    let (second, third, fourth) = (S::splat(2.0), S::splat(3.0), S::splat(4.0));
+    let last = (coefficient(p, 2) * second).mul_add(s, first);
     let square = s * s;
-    let high = (beyond * degree).mul_add(s, term(4).abs());
-    let rest = high.mul_add(s, term(3).abs()) * square;
+    let high = (beyond * degree).mul_add(s, (coefficient(p, 4) * fourth).abs());
+    let rest = high.mul_add(s, (coefficient(p, 3) * third).abs()) * square;
     ([first, last], rest)
 }
 
@@ -722,7 +745,10 @@ fn falls_steadily<S: Scalar>(p: &[S], s: S) -> S::Mask {
 fn falls_in_part<S: Scalar>(p: &[S], s: S::Part, part: usize) -> <S::Part as Scalar>::Mask {
     let zero = S::Part::splat(0.0);
     let first = p[1].part(part);
-    let bend = p.get(2).map_or(zero, |c| c.part(part) + c.part(part));
+    let bend = match p.get(2) {
+        Some(c) => c.part(part) + c.part(part),
+        None => zero,
+    };
     // Even and odd powers need not wait for each other.
     let square = s * s;
     let (mut even, mut odd) = (zero, zero);

@@ -4,7 +4,7 @@
 use super::cohort::{Cohort, Start};
 use super::rows::{Places, Rows};
 use super::shared::Shared;
-use crate::flow::flight::{Flight, Outcome, largest, plan, reaches, remaining};
+use crate::flow::flight::{Flight, Outcome, largest, plan, reaches, remaining, rest_of_sequence};
 use crate::flow::guard::Transition;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, IMPACT_SCALARS, Program};
@@ -43,8 +43,6 @@ struct Verdict<const L: usize> {
     /// Where time is left then, with the order class of the next step.
     goes_on: LaneMask<L>,
     class: Lanes<L>,
-    /// How long the sequence of impacts may still go on after one.
-    rest_of_sequence: Lanes<L>,
 }
 
 /// What became of a trajectory in a lane.
@@ -189,8 +187,9 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
         let stays = passed & goes_on & class.at_most(own) & own.at_most(class);
         let (stays, are_ordinary) = (stays.set() & aboard, ordinary.set());
         if common.start.is_some() {
-            let end = (course.time, course.rest_of_sequence);
-            cohort.impacts.note(passed, work.impact[0], end);
+            let [rate, .., at_rest] = work.impact;
+            let end = (course.time, course.flight_time, at_rest);
+            cohort.impacts.note(passed, rate, end);
             // The mode machine begins from the numbers before.
             let others = aboard.without(newcomers).without(are_ordinary);
             rows.scatter(&cohort.members, block, others);
@@ -207,7 +206,6 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
         verdict.passed = passed;
         verdict.class = class;
         verdict.goes_on = goes_on;
-        verdict.rest_of_sequence = course.rest_of_sequence;
         stays
     }
 }
@@ -287,7 +285,6 @@ impl<'a, const L: usize> Vector<'a, L> {
                 passed: nowhere,
                 goes_on: nowhere,
                 class: zero,
-                rest_of_sequence: zero,
             },
         }
     }
@@ -393,7 +390,8 @@ impl<'a, const L: usize> Vector<'a, L> {
                 guard.closing().and_then(|contact| {
                     let rate = work.impact[0].0[lane];
                     let time = cohort.block[rows.places.time()].0[lane];
-                    let rest = verdict.rest_of_sequence.0[lane];
+                    let [.., at_rest] = work.impact.map(|value| value.0[lane]);
+                    let rest = rest_of_sequence(work.flight_time.0[lane], at_rest);
                     let is_told = trajectory.note_bounce(guard, (contact, rate), (time, rest));
                     let rates = (rate, work.impact[1].0[lane]);
                     is_told.then(|| Occurrence::ordinary_impact((contact, rates)))

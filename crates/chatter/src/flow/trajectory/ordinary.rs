@@ -2,7 +2,7 @@
 
 use super::{StepResult, Trajectory};
 use crate::flow::chatter::REMEMBERED;
-use crate::flow::flight::{Course, Flight, Outcome, largest};
+use crate::flow::flight::{Course, Flight, Outcome, largest, rest_of_sequence};
 use crate::flow::guard::{Guard, Transition};
 use crate::flow::program::{Closed, IMPACT_SCALARS, Program};
 use crate::flow::system::System;
@@ -161,18 +161,15 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         course: &Course<R>,
         (index, program): (usize, &Program),
-        &[rate, rate_after, ..]: &[R; IMPACT_SCALARS],
+        &[rate, rate_after, _, _, _, at_rest]: &[R; IMPACT_SCALARS],
     ) -> Option<Bounce<R>> {
         let guard = &program.guards[index];
         let contact = guard.closing()?;
         self.keep(course);
         self.left = Left::NONE;
         self.has_bounced(index);
-        let is_told = self.note_bounce(
-            guard,
-            (contact, rate),
-            (course.time, course.rest_of_sequence),
-        );
+        let rest = rest_of_sequence(course.flight_time, at_rest);
+        let is_told = self.note_bounce(guard, (contact, rate), (course.time, rest));
         is_told.then_some((contact, (rate, rate_after)))
     }
 
