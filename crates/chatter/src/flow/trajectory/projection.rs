@@ -87,7 +87,7 @@ impl<R: Real> Trajectory<R> {
             for ((_, gradient), part) in held.iter().zip(parts) {
                 let part = part / dot(gradient, gradient);
                 for (by, &component) in by.iter_mut().zip(*gradient) {
-                    *by = *by - WithTerms::exact(component * part);
+                    *by -= WithTerms::exact(component * part);
                 }
             }
             // What contacts hold would be moved by rounding alone.

@@ -39,29 +39,3 @@ fn friction_stops_what_is_nearly_at_rest() {
     assert!((m[2].re - swings).abs() < 1e-9, "{m:?} {swings}");
     assert_eq!(m[3].modulus(), 0.0);
 }
-
-/// What dies out beside an orbit is zero on it.
-#[test]
-fn what_dies_out_beside_an_orbit_is_no_part_of_it() {
-    let text = r#"
-    [flight]
-    x = "v"
-    v = "-0.1*v - x + 0.3*cos(2.3*t)"
-    y = "u"
-    u = "-0.2*u - 0.3*y"
-    [initial]
-    x = 0
-    v = 0.2
-    y = 0.1
-    u = 0.3
-    "#;
-    let found = orbit(&with(text, &[]));
-    let period = found.period.to_f64();
-    let m = &found.multipliers;
-    assert_eq!(m.len(), 4);
-    for (place, decay) in [(0, 0.05), (1, 0.05), (2, 0.1), (3, 0.1)] {
-        let expected = (-decay * period).exp();
-        assert!((m[place].modulus() - expected).abs() < 1e-9, "{m:?}");
-    }
-    assert_eq!(found.start[2].to_f64(), 0.0);
-}

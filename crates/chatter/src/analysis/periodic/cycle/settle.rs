@@ -219,10 +219,16 @@ fn die_out(steps: &mut [Step], turns: &[Turn<f64>], (sizes, distance): (&[f64], 
     if distance > NEAR[1] {
         return;
     }
-    for index in (0..sizes.len()).filter(|&index| !is_phase(turns, index)) {
-        let most = NO_MORE * distance * sizes[index];
-        if steps.iter().all(|step| step.start[index].abs() <= most) {
-            steps.iter_mut().for_each(|step| step.start[index] = 0.0);
+    let moving: Vec<usize> = (0..sizes.len())
+        .filter(|&index| !is_phase(turns, index))
+        .collect();
+    let vanishes = |i: &usize| {
+        let most = NO_MORE * distance * sizes[*i];
+        steps.iter().all(|step| step.start[*i].abs() <= most)
+    };
+    if moving.iter().all(vanishes) {
+        for step in steps {
+            moving.iter().for_each(|&i| step.start[i] = 0.0);
         }
     }
 }
