@@ -59,3 +59,58 @@ fn the_only_crossing_may_come_and_go() {
         assert!((value(&found[0].special[0]) - 0.228_035_085_019_827).abs() < 1e-13);
     }
 }
+
+/// A graze while two blocks stick together by friction: the weakest impact parts them, and then the force is towards the wall. Beyond
+/// it no orbit with one impact more is told.
+#[test]
+fn a_graze_that_parts_what_sticks_together_ends_the_branch() {
+    let text = r#"
+    [parameters]
+    A = 3.0
+    [flight]
+    x = "u"
+    u = "A*cos(1.7*t) - 4*x - 0.9*sign(u - v)"
+    y = "v"
+    v = "(0.9*sign(u - v) - 0.5*y)/0.6"
+    [[contact]]
+    name = "first"
+    gap = "0.6 - x"
+    impulse = { u = -1 }
+    restitution = 0.55
+    [[contact]]
+    name = "left"
+    gap = "y + 0.7"
+    impulse = { v = 1 }
+    restitution = 0.55
+    [[contact]]
+    name = "right"
+    gap = "0.7 - y"
+    impulse = { v = -1 }
+    restitution = 0.3
+    [initial]
+    x = 0
+    u = 0.5
+    y = 0.1
+    v = -0.2
+    "#;
+    let found = over(&with(text, &[]), "A", (2.0, 4.0), (20, 0.05));
+    let special: Vec<_> = (found.iter().flat_map(|branch| &branch.special))
+        .map(|special| (special.kind, value(special)))
+        .collect();
+    let fold = |at: f64| (at - 3.016_260_102).abs() < 1e-8;
+    let graze = |at: f64| (at - 2.873_461_2).abs() < 1e-6;
+    assert!(
+        special.iter().all(|&(kind, at)| match kind {
+            SpecialKind::Fold => fold(at),
+            SpecialKind::FlightGraze | SpecialKind::ImpactGraze => graze(at),
+            _ => false,
+        }),
+        "{special:?}"
+    );
+    assert!(special.iter().any(|&(_, at)| graze(at)), "{special:?}");
+    let ends: Vec<String> = found[0].ends.iter().map(End::to_string).collect();
+    assert!(
+        ends.iter().any(|end| end.contains("that it slides along")),
+        "{ends:?}"
+    );
+}

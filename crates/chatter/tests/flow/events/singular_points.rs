@@ -1,7 +1,7 @@
 //! Where equations stop being smooth: a step never reaches past such a point, however little of it the terms of its series
 //! show, and a run ends there with its time.
 
-use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use chatter::analysis::simulate::{Outcome, Progress, SimulateError, Simulation, Spec, simulate};
 use chatter::expressions::Singularity;
 use chatter::flow::FlowError;
 use chatter::model::Model;
@@ -135,16 +135,18 @@ fn poles_and_corners_end_a_run_at_their_time() {
     }
 }
 
-/// A state without a finite value is no end that was asked for.
+/// Where the equations have no finite value no motion starts.
 #[test]
 fn what_is_not_a_number_is_said() {
     for text in ["sqrt(-1 - t)", "log(-1 - t)", "asin(2 + t)", "(-1 - t)^1.3"] {
-        let simulation = rate(text, 1.0, 3.0);
-        assert!(
-            matches!(simulation.outcome, Outcome::Failed(_)),
-            "{text}: {:?}",
-            simulation.outcome
-        );
+        let model = model(&format!("[flight]\nv = \"{text}\"\n[initial]\nv = 1\n"));
+        let mut on = |_: &Progress| ControlFlow::Continue(());
+        let found = simulate::<f64>(&model, &Spec::until(3.0), &mut on);
+        let failed = match &found {
+            Err(error) => matches!(error, SimulateError::Start(_)),
+            Ok(run) => matches!(run.outcome, Outcome::Failed(_)) && run.time == 0.0,
+        };
+        assert!(failed, "{text}: {found:?}");
     }
 }
 

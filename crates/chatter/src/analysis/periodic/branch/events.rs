@@ -25,13 +25,6 @@ impl Shooting<f64> {
         };
         let mut steps = self.current_steps(at);
         let whole = steps[index].clone();
-        if let GuardKind::Gap(contact) = least.guard
-            && self.takes_off(whole.mode(), contact)
-        {
-            return Err(unfollowed(
-                "a graze while the state slides along a surface that the impact takes it off",
-            ));
-        }
         let touches = |mode: usize| {
             Passage::Leg(LegKind {
                 mode,
@@ -78,10 +71,12 @@ impl Shooting<f64> {
         Ok((shooting, at, index))
     }
 
-    /// Whether an impulse at a contact takes the state off a surface that it slides along in a mode, however weak it is: what follows is
-    /// not that mode.
-    fn takes_off(&self, mode: usize, contact: usize) -> bool {
-        let Some((_, _, on)) = self.workshop.system.origin_of(mode) else {
+    /// Whether the impact at the end of a step takes the state off a surface that it slides along there, however weak it is: what
+    /// follows is not that mode.
+    pub(super) fn impact_takes_off(&self, index: usize) -> bool {
+        let step = &self.steps[index];
+        let origin = self.workshop.system.origin_of(step.mode());
+        let (Some((_, _, on)), Some(contact)) = (origin, step.impact()) else {
             return false;
         };
         let mut graph = on.mechanics.graph.clone();

@@ -279,11 +279,16 @@ impl Walker {
         }
         self.settle(station);
         let has_pole = self.shooting.grazes();
-        self.shooting = longer;
+        let takes_off = longer.impact_takes_off(index);
+        let before = core::mem::replace(&mut self.shooting, longer);
         let opens = station.tangent.last().is_some_and(|&along| along < 0.0);
         self.note(graze(opens), there, &at, error, residual);
         if has_pole {
             self.tell_no_multipliers();
+        }
+        if takes_off {
+            self.shooting = before;
+            return Err("the impact takes the state off a surface that it slides along".to_owned());
         }
         Ok(Station {
             at,
