@@ -65,28 +65,29 @@ impl<R: Real> Trajectory<R> {
             };
             let mut values = at(&program.residuals, &constants.residuals);
             values[..first].fill(R::ZERO);
-            let gradients = at(&program.residual_gradients, &constants.residual_gradients);
-            let held = values.into_iter().zip(gradients.chunks(self.coordinates));
-            // What moves nothing cannot be put back by moving.
-            let held: Vec<(R, &[R])> =
-                (held.filter(|(_, gradient)| dot(gradient, gradient) > R::ZERO)).collect();
-            if held.iter().all(|&(value, _)| value == R::ZERO) {
+            if values.iter().all(|&value| value == R::ZERO) {
                 return Ok(());
             }
+            let gradients = at(&program.residual_gradients, &constants.residual_gradients);
+            let squared = |gradient| (gradient, dot(gradient, gradient));
+            let gradients = gradients.chunks(self.coordinates).map(squared);
+            // What moves nothing cannot be put back by moving.
+            let (right, held): (Vec<R>, Vec<(&[R], R)>) = (values.into_iter().zip(gradients))
+                .filter(|(_, (_, square))| *square > R::ZERO)
+                .unzip();
             let row = |of: &[R]| {
                 held.iter()
-                    .map(|(_, gradient)| dot(of, gradient) / dot(gradient, gradient))
+                    .map(|&(g, square)| dot(of, g) / square)
                     .collect()
             };
-            let rows: Vec<Vec<R>> = held.iter().map(|(_, gradient)| row(gradient)).collect();
-            let right: Vec<R> = held.iter().map(|&(value, _)| value).collect();
+            let rows: Vec<Vec<R>> = held.iter().map(|(gradient, _)| row(gradient)).collect();
             let Some(parts) = solve_consistent(&rows, &right) else {
                 return Ok(());
             };
             let mut by = vec![WithTerms::exact(R::ZERO); self.coordinates];
-            for ((_, gradient), part) in held.iter().zip(parts) {
-                let part = part / dot(gradient, gradient);
-                for (by, &component) in by.iter_mut().zip(*gradient) {
+            for (&(gradient, square), part) in held.iter().zip(parts) {
+                let part = part / square;
+                for (by, &component) in by.iter_mut().zip(gradient) {
                     *by -= WithTerms::exact(component * part);
                 }
             }

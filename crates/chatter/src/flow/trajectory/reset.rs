@@ -177,25 +177,25 @@ impl<R: Real> Trajectory<R> {
         let Some(rubbing) = system.rubbing().iter().find(|r| r.contact == contact) else {
             return Ok(());
         };
-        let model = system.model();
-        let rough = model.contacts[contact]
-            .friction
-            .as_ref()
-            .is_some_and(|friction| {
-                let state = &self.state[..self.coordinates];
-                let coefficient = friction.coefficient;
-                model.graph.evaluate(coefficient, state, &self.parameters) > R::ZERO
-            });
-        if !rough {
-            return Ok(());
-        }
         let before = R::splat(self.regime.get(rubbing.surface).sign());
         let Some((rate, stop)) = self.sliding(system, contact)? else {
             return Ok(());
         };
-        if before == R::ZERO || rate * before < R::ZERO {
+        let turns = before == R::ZERO || rate * before < R::ZERO;
+        if turns && self.is_rough(system, contact) {
             self.push(&stop, R::ONE);
         }
         Ok(())
+    }
+
+    /// Whether there is friction in a contact here.
+    fn is_rough(&self, system: &System, contact: usize) -> bool {
+        let model = system.model();
+        let friction = model.contacts[contact].friction.as_ref();
+        friction.is_some_and(|friction| {
+            let state = &self.state[..self.coordinates];
+            let coefficient = friction.coefficient;
+            model.graph.evaluate(coefficient, state, &self.parameters) > R::ZERO
+        })
     }
 }
