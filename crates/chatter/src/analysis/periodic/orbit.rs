@@ -93,6 +93,7 @@ pub(crate) fn close(
     let parameters = workshop.parameters(free);
     cycle.begin_at_section(workshop, &parameters)?;
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
+    shooting.keep_sizes(&cycle.sizes);
     let guess = shooting.guess(free);
     let rows = Condition::held(&guess, guess.len() - free.len()..guess.len());
     let near = if cycle.distance > NEAR {
@@ -215,6 +216,7 @@ pub(crate) fn shorter(
                 steps: shooting.current_steps(at)[..index].to_vec(),
                 counts: difference.turns,
                 distance: difference.distance,
+                sizes,
             }));
         }
     }
@@ -236,13 +238,14 @@ fn part_of_timed(shooting: &Shooting<f64>, at: &[f64]) -> Option<Cycle> {
         steps[0].duration /= parts as f64;
         let mut part = Shooting::new(&shooting.workshop, steps.clone(), counts.clone()).ok()?;
         let off = part.evaluate(at).ok()?.residual;
-        let scales = shooting.state_sizes();
+        let sizes = shooting.state_sizes();
         let distance =
-            (off.iter().zip(scales)).fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size));
+            (off.iter().zip(&sizes)).fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size));
         (distance < SAME_NODE).then_some(Cycle {
             steps,
             counts,
             distance,
+            sizes,
         })
     })
 }

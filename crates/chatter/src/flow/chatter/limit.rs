@@ -149,6 +149,9 @@ pub(crate) struct Turn<'a, R> {
 /// A point at which a sequence may end: its restitution there, with the derivatives along the columns.
 #[derive(Clone, Debug)]
 pub(super) struct LimitPoint<R> {
+    /// Of an impact of vanishing rate.
+    pub of_impacts: R,
+    /// By how much rates fall from impact to impact: the same, unless the field is another one in the fall of each flight.
     pub restitution: R,
     pub slopes: Vec<R>,
     pub field: Vec<R>,
@@ -185,6 +188,7 @@ impl<R: Real> SequenceMap<'_, R> {
         self.work
             .values_at(tape, constants, (point, low), &mut values);
         let columns = self.columns();
+        let of_impacts = values[0];
         if let Some(turn) = self.turn {
             let mut acceleration = |(tape, constants): (&Tape, &[R])| {
                 let mut local = vec![R::ZERO; tape.outputs.len()];
@@ -195,6 +199,7 @@ impl<R: Real> SequenceMap<'_, R> {
             values[0] *= (acceleration(turn.fall) / acceleration(turn.rise)).sqrt();
         }
         LimitPoint {
+            of_impacts,
             restitution: values[0],
             slopes: values[1..1 + columns].to_vec(),
             field: values[1 + columns..].to_vec(),

@@ -67,14 +67,27 @@ const ROUNDS: usize = 12;
 /// The restitution at the limit is known once a round moves it by this many roundoffs.
 const SETTLED_ROUNDOFFS: f64 = 16.0;
 
+/// Time and state converge with the powers of the restitution at the limit only where that of the impacts is near to it, by this
+/// part of it. Where none is left at rest they converge faster than with any ratio, and are followed to the end.
+const NEAR_LIMIT: f64 = 0.5;
+
 /// One sampled impact.
 #[derive(Clone, Debug)]
 struct Sample<R> {
     time: (R, R),
+    /// Restitution of the impact.
+    restitution: R,
     /// The model's states.
     state: Vec<(R, R)>,
     /// Per column of derivatives: that of the time, then those of the point.
     events: Vec<R>,
+}
+
+impl<R: Real> Sample<R> {
+    /// Whether the impact's restitution is near that of a limit.
+    fn is_near(&self, limit: R) -> bool {
+        (self.restitution - limit).abs() <= R::splat(NEAR_LIMIT) * limit
+    }
 }
 
 /// Where a chatter sequence ends.
@@ -94,8 +107,9 @@ pub(crate) struct LocalPoint<R> {
     pub rate: R,
     pub acceleration: R,
     pub jerk: R,
-    /// Restitution of an impact of vanishing rate.
+    /// Restitution of the impact, and of one of vanishing rate there.
     pub restitution: R,
+    pub at_rest: R,
 }
 
 /// When and how precisely a chatter sequence is completed.
@@ -182,7 +196,7 @@ impl<R: Real> ChatterTracker<R> {
             self.interrupt();
             return false;
         }
-        let restitution = local.restitution.to_f64();
+        let restitution = local.at_rest.to_f64();
         if restitution != self.restitution {
             self.restitution = restitution;
             self.border = border_value(restitution);
@@ -200,7 +214,7 @@ impl<R: Real> ChatterTracker<R> {
     #[inline(always)]
     pub(crate) fn observe(
         &mut self,
-        contact: usize,
+        (contact, local): (usize, LocalPoint<R>),
         time: (R, R),
         state: (&[R], &[R]),
         map: &mut SequenceMap<'_, R>,
@@ -216,13 +230,13 @@ impl<R: Real> ChatterTracker<R> {
             self.until_sample -= 1;
             return None;
         }
-        self.sample(time, state, map)
+        self.sample((time, local), state, map)
     }
 
     /// Samples an impact and extrapolates.
     fn sample(
         &mut self,
-        time: (R, R),
+        (time, local): ((R, R), LocalPoint<R>),
         (state, low): (&[R], &[R]),
         map: &mut SequenceMap<'_, R>,
     ) -> Option<Accumulation<R>> {
@@ -241,11 +255,14 @@ impl<R: Real> ChatterTracker<R> {
         let count = map.coordinates();
         self.samples.push(Sample {
             time,
+            restitution: local.restitution,
             state: (state.iter().copied().zip(low.iter().copied()))
                 .take(count)
                 .collect(),
             events: map.events((state, low)),
         });
+        let far = (self.samples.iter()).position(|sample| sample.is_near(local.at_rest));
+        self.samples.drain(..far.unwrap_or(self.samples.len()));
         if self.samples.len() < FEWEST_SAMPLES {
             self.unsettled = R::splat(f64::MAX);
             return None;
@@ -353,7 +370,8 @@ impl<R: Real> ChatterTracker<R> {
             slopes_moved = slopes;
             at = next;
             if moved <= settled * at.restitution && known {
-                return Some((limits, at));
+                let all_near = (self.samples.iter()).all(|sample| sample.is_near(at.of_impacts));
+                return all_near.then_some((limits, at));
             }
         }
         None

@@ -109,7 +109,8 @@ impl<R: Real> Trajectory<R> {
             rate: rate_after,
             acceleration,
             jerk,
-            restitution: at_rest,
+            restitution,
+            at_rest,
         };
         let end = if at_rest < R::ONE {
             self.sequence_end(system, work, program, (contact, local))
@@ -200,7 +201,7 @@ impl<R: Real> Trajectory<R> {
         };
         let time = (self.time, self.time_low);
         let state = (&self.state[..], &self.low[..]);
-        self.tracker.observe(contact, time, state, &mut map)
+        (self.tracker).observe((contact, local), time, state, &mut map)
     }
 
     /// Whether nothing else happens until the end of a chatter sequence: the trajectory does not stop before, no other

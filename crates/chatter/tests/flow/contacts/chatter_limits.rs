@@ -143,8 +143,38 @@ fn entries_that_agree_by_chance_are_not_believed() {
     );
 }
 
+/// Where no restitution is left at rest, rates fall faster than with any ratio.
+#[test]
+fn a_restitution_that_vanishes_at_rest_is_followed_to_the_end() {
+    let ratio = |rate: Dd| rate / (Dd::ONE + rate);
+    let laws: [(&str, &dyn Fn(Dd) -> Dd); 4] = [
+        ("abs(v)/(1 + abs(v))", &ratio),
+        ("0.9*sqrt(abs(v))", &|rate| Dd::from(0.9) * rate.sqrt()),
+        ("0.9*v^2", &|rate| Dd::from(0.9) * rate * rate),
+        ("0.8/(1 - 0.1*log(abs(v)))", &|rate| {
+            Dd::from(0.8) / (Dd::ONE - Dd::from(0.1) * rate.ln())
+        }),
+    ];
+    for (law, restitution) in laws {
+        let model = ball(&[], "y", "-1", law, (0.4, 0.0));
+        let truth = recurrence(0.4, |_, rate| restitution(rate));
+        let (found, _) = accumulation::<f64>(&model, &[], &[], 10.0);
+        assert_told(found.expect("an accumulation"), truth, law);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Restitution that falls to next to nothing with the rate.
+    #[test]
+    fn little_is_left_at_rest(height in 0.02_f64..0.4, tenths in 0.0_f64..12.0, slope in 0.05_f64..0.9) {
+        let rest = 10.0_f64.powf(-tenths) * 0.2;
+        let model = ball(&[("r", rest), ("s", slope)], "y", "-1", "r - s*v", (height, 0.0));
+        let truth = recurrence(height, |_, rate| Dd::from(rest) + Dd::from(slope) * rate);
+        let (found, _) = accumulation::<f64>(&model, &[], &[], truth.to_f64() + 1.0);
+        assert_told(found.expect("an accumulation"), truth, "doubles");
+    }
 
     /// Constant restitution on a floor that moves steadily.
     #[test]

@@ -72,6 +72,7 @@ pub(crate) fn reread(
         steps,
         counts: difference.turns,
         distance: difference.distance,
+        sizes,
     })
 }
 

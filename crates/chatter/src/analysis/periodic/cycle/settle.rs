@@ -21,6 +21,8 @@ pub(crate) struct Cycle {
     pub counts: Vec<i64>,
     /// How far from closed it is, against the size of the state.
     pub distance: f64,
+    /// The size of each state that tells so: on the motion that led there, which need not be its size on the cycle.
+    pub sizes: Vec<f64>,
 }
 
 impl Cycle {
@@ -154,9 +156,8 @@ fn latest_return(
     workshop: &Workshop,
     turns: &[Turn<f64>],
     (instants, section): (&[Instant], Option<usize>),
-    near: f64,
+    (sizes, near): (&[f64], f64),
 ) -> Result<(usize, usize), f64> {
-    let sizes = sizes(states(instants), turns);
     let mut nearest = f64::INFINITY;
     let mut found: Option<(usize, usize)> = None;
     let time = |(first, last): (usize, usize)| instants[last].time - instants[first].time;
@@ -175,7 +176,7 @@ fn latest_return(
             if !is_alike {
                 continue;
             }
-            let difference = (workshop.closure).difference(turns, (&a.state, &b.state), &sizes);
+            let difference = (workshop.closure).difference(turns, (&a.state, &b.state), sizes);
             // What dies out comes back to nothing, and not to where it was.
             let shrinks = turns.is_empty()
                 && (size(&a.state, turns) / size(&b.state, turns) - 1.0).abs() > near.sqrt();
@@ -211,28 +212,6 @@ pub(crate) fn from_first_turn(steps: &mut [Step], turns: &[Turn<f64>], counts: &
     }
 }
 
-/// States that are no more than so many times the distance by which a cycle does not close may be nothing.
-const NO_MORE: f64 = 1e3;
-
-/// Takes what dies out for zero: it has no size that corrections could be compared with.
-fn die_out(steps: &mut [Step], turns: &[Turn<f64>], (sizes, distance): (&[f64], f64)) {
-    if distance > NEAR[1] {
-        return;
-    }
-    let moving: Vec<usize> = (0..sizes.len())
-        .filter(|&index| !is_phase(turns, index))
-        .collect();
-    let vanishes = |i: &usize| {
-        let most = NO_MORE * distance * sizes[*i];
-        steps.iter().all(|step| step.start[*i].abs() <= most)
-    };
-    if moving.iter().all(vanishes) {
-        for step in steps {
-            moving.iter().for_each(|&i| step.start[i] = 0.0);
-        }
-    }
-}
-
 /// Whether a state is a phase.
 fn is_phase(turns: &[Turn<f64>], index: usize) -> bool {
     turns.iter().any(|turn| turn.state == index)
@@ -245,11 +224,34 @@ fn size(state: &[f64], turns: &[Turn<f64>]) -> f64 {
         .fold(0.0, |size, (_, x)| size.max(x.abs()))
 }
 
-/// Whether the latest of these states is next to nothing, against the most that states have been, and phases go round no more.
-fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &mut f64) -> bool {
-    for state in states(instants) {
-        *most = most.max(size(state, turns));
+/// The most that each state has been on a motion.
+struct Most(Vec<f64>);
+
+impl Most {
+    fn take_in<'s>(&mut self, states: impl IntoIterator<Item = &'s Vec<f64>>) {
+        for state in states {
+            for (most, x) in self.0.iter_mut().zip(state) {
+                *most = most.max(x.abs());
+            }
+        }
     }
+
+    /// Sizes of states on what may be a cycle: of what has died out there is nothing left that would tell how near two states are.
+    fn sizes<'s>(
+        &self,
+        states: impl IntoIterator<Item = &'s Vec<f64>>,
+        turns: &[Turn<f64>],
+    ) -> Vec<f64> {
+        let mut sizes = sizes(states, turns);
+        for (size, most) in sizes.iter_mut().zip(&self.0) {
+            *size = size.max(DIED_OUT * most);
+        }
+        sizes
+    }
+}
+
+/// Whether the latest of these states is next to nothing, against the most that states have been, and phases go round no more.
+fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &Most) -> bool {
     let [.., before, latest] = instants else {
         return false;
     };
@@ -259,7 +261,7 @@ fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &mut f64)
     };
     // Zero itself is what a reset makes of a state.
     let size = size(&latest.state, turns);
-    size > 0.0 && size <= DIED_OUT * *most && turns.iter().all(stands)
+    size > 0.0 && size <= DIED_OUT * self::size(&most.0, turns) && turns.iter().all(stands)
 }
 
 /// The cycle between two instants, where states have these sizes.
@@ -273,11 +275,11 @@ fn cycle(
     let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
     let difference = workshop.closure.difference(turns, (first, last), sizes);
     from_first_turn(&mut steps, turns, &difference.turns);
-    die_out(&mut steps, turns, (sizes, difference.distance));
     Ok(Cycle {
         steps,
         counts: difference.turns,
         distance: difference.distance,
+        sizes: sizes.to_vec(),
     })
 }
 
@@ -304,20 +306,20 @@ pub(crate) fn settle(
     let forcing = workshop.closure.forcing(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, section)?;
-    let returned = |instants: &[Instant], (first, last): (usize, usize)| {
-        let sizes = sizes(states(instants), &turns);
+    let returned = |instants: &[Instant], (first, last): (usize, usize), sizes: &[f64]| {
         let found = cycle(
             (workshop, &parameters),
             &turns,
             &instants[first..=last],
-            &sizes,
+            sizes,
         )?;
         Ok(from_early_on(workshop, free, &turns, found))
     };
     let mut instants: Vec<Instant> = Vec::new();
     let mut strobes: Vec<Vec<f64>> = vec![state.to_vec()];
     let mut total = 0;
-    let (mut chunk, mut most) = (FIRST_CHUNK, 0.0);
+    let mut most = Most(state.iter().map(|x| x.abs()).collect());
+    let mut chunk = FIRST_CHUNK;
     // Since the latest event.
     let mut quiet = 1;
     let mut nearest = f64::INFINITY;
@@ -334,7 +336,9 @@ pub(crate) fn settle(
                     if instants.len() > before {
                         quiet = 0;
                     }
+                    most.take_in(states(&instants[before..]));
                     strobes.push(tracer.trajectory.state().to_vec());
+                    most.take_in(strobes.last());
                     quiet += 1;
                 }
             }
@@ -349,7 +353,8 @@ pub(crate) fn settle(
                     }
                 }
                 total += instants.len() - before;
-                if is_next_to_nothing(&instants[before..], &turns, &mut most) {
+                most.take_in(states(&instants[before..]));
+                if is_next_to_nothing(&instants[before..], &turns, &most) {
                     let time = tracer.trajectory.time();
                     return Err(PeriodicError::Equilibrium { time });
                 }
@@ -371,14 +376,13 @@ pub(crate) fn settle(
         let is_quiet = forcing.is_some() && quiet > PERIODS;
         if is_quiet {
             let strobes = &strobes[strobes.len() - quiet..];
-            if let Some(found) = timed(workshop, &turns, &tracer, strobes, NEAR[0]) {
+            if let Some(found) = timed((workshop, &turns), &tracer, strobes, (&most, NEAR[0])) {
                 return Ok(found);
             }
         } else if !instants.is_empty() {
-            match latest_return(workshop, &turns, (&instants, section), NEAR[0]) {
-                Ok((first, last)) => {
-                    return returned(&instants, (first, last));
-                }
+            let sizes = most.sizes(states(&instants), &turns);
+            match latest_return(workshop, &turns, (&instants, section), (&sizes, NEAR[0])) {
+                Ok(ends) => return returned(&instants, ends, &sizes),
                 Err(distance) => nearest = nearest.min(distance),
             }
         }
@@ -393,13 +397,15 @@ pub(crate) fn settle(
     for near in &NEAR[1..] {
         if is_quiet {
             let strobes = &strobes[strobes.len() - quiet..];
-            if let Some(found) = timed(workshop, &turns, &tracer, strobes, *near) {
+            if let Some(found) = timed((workshop, &turns), &tracer, strobes, (&most, *near)) {
                 return Ok(found);
             }
-        } else if let Ok((first, last)) =
-            latest_return(workshop, &turns, (&instants, section), *near)
-        {
-            return returned(&instants, (first, last));
+        } else {
+            let sizes = most.sizes(states(&instants), &turns);
+            let found = latest_return(workshop, &turns, (&instants, section), (&sizes, *near));
+            if let Ok(ends) = found {
+                return returned(&instants, ends, &sizes);
+            }
         }
     }
     if forcing.is_none() && instants.len() < 2 {
@@ -412,25 +418,24 @@ pub(crate) fn settle(
 
 /// A cycle of so many periods of the forcing on which nothing happens.
 fn timed(
-    workshop: &Workshop,
-    turns: &[Turn<f64>],
+    (workshop, turns): (&Workshop, &[Turn<f64>]),
     tracer: &Tracer<'_>,
     strobes: &[Vec<f64>],
-    near: f64,
+    (most, near): (&Most, f64),
 ) -> Option<Cycle> {
     let (last, earlier) = strobes.split_last()?;
-    let sizes = sizes(strobes.iter().rev().take(LONGEST), turns);
+    let sizes = most.sizes(strobes.iter().rev().take(LONGEST), turns);
     let mut candidates = earlier.iter().rev().take(LONGEST);
     candidates.find_map(|state| {
         let difference = (workshop.closure).difference(turns, (state, last), &sizes);
         let lap = Closure::time_of(turns, &difference.turns)?;
         let mut steps = vec![Step::timed(&tracer.trajectory, state.clone(), lap.time)];
-        die_out(&mut steps, turns, (&sizes, difference.distance));
         from_first_turn(&mut steps, turns, &difference.turns);
         (difference.distance <= near).then(|| Cycle {
             steps,
             counts: difference.turns.clone(),
             distance: difference.distance,
+            sizes: sizes.clone(),
         })
     })
 }
@@ -564,6 +569,7 @@ fn quiet(
         steps,
         counts: difference.turns,
         distance: difference.distance,
+        sizes,
     })
 }
 
