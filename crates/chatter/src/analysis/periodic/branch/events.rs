@@ -5,6 +5,7 @@ use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Shooting, struck};
+use crate::expressions::Side;
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind, StretchKind};
 
@@ -84,6 +85,18 @@ impl Shooting<f64> {
         let jump = &on.mechanics.contacts[contact].jump;
         let mut slides = on.mechanics.slides.iter();
         slides.any(|slide| graph.lie_derivative(slide.surface, jump) != zero)
+    }
+
+    /// On how many steps the orbit slides along each surface.
+    pub(super) fn slides(&self) -> Vec<usize> {
+        let system = &self.workshop.system;
+        let sides = (self.steps.iter()).filter_map(|step| Some(system.origin_of(step.mode())?.1));
+        let sides: Vec<_> = sides.collect();
+        let slides = |surface| {
+            let on = (sides.iter()).filter(|all| all.get(surface) == Side::Sliding);
+            on.count()
+        };
+        (0..system.corners().surfaces.len()).map(slides).collect()
     }
 
     /// The same orbit without the event at the end of a step, which leaves the state as it is, and the step that goes on

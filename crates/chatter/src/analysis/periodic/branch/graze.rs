@@ -16,7 +16,7 @@ const NOT_QUITE: f64 = 1e-5;
 /// Flights are told from rounding of the gap if they are so many times as high.
 const LEAST_HEIGHT: f64 = 1e4;
 /// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
-const THERE: f64 = 1e-3;
+pub(super) const THERE: f64 = 1e-3;
 /// Orbits of a branch are solved to so small a part of their size, and so are places that are told from their guards.
 const SOLVED: f64 = 1e-12;
 /// Where a new sequence begins its steps, against those before.
@@ -226,14 +226,18 @@ impl Walker {
             .ok_or("the touch is lost")?
             .clone();
         if self.shooting.begins_at(index, guard) {
-            let touched = Touched::solve(
-                (self
-                    .shooting
-                    .with_turn_at_start(&station.at, (index, guard)))
-                .map_err(|error| error.to_string())?,
-            )?;
-            self.note_touch(there, touched);
-            return Err("beyond a surface that was crossed the flow turns back to it".to_owned());
+            let turn = (self.shooting).with_turn_at_start(&station.at, (index, guard));
+            let turn = turn.map_err(|error| error.to_string())?;
+            let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
+            // Elsewhere it is the way from the surface that touches it once more.
+            let touched = Touched::solve(turn);
+            let is_near = |touched: &Touched| moved(&touched.at, &start, &scales) <= THERE;
+            if let Some(touched) = touched.ok().filter(is_near) {
+                self.note_touch(there, touched);
+                return Err(
+                    "beyond a surface that was crossed the flow turns back to it".to_owned(),
+                );
+            }
         }
         if opposite(guard).is_some() {
             return self.crosses(station, (index, &touching), there);
@@ -330,11 +334,7 @@ impl Walker {
         let told = |error: &dyn core::fmt::Display| error.to_string();
         let mut held = Held::monitor(&mut self.shooting, index);
         let found = newton(&mut held, start, &[]).map_err(|error| told(&error))?;
-        let moved = found.at.iter().zip(start).zip(held.scales());
-        let moved = moved.fold(0.0_f64, |most, ((x, from), size)| {
-            most.max((x - from).abs() / size)
-        });
-        if moved > THERE {
+        if moved(&found.at, start, held.scales()) > THERE {
             return Err("where an event vanishes only another place is found".to_owned());
         }
         let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
@@ -403,6 +403,14 @@ impl Walker {
         self.shooting = shorter;
         Ok(if forward { next } else { reversed })
     }
+}
+
+/// How far a solution is from where it was looked for, against the sizes of the unknowns.
+pub(super) fn moved(found: &[f64], from: &[f64], sizes: &[f64]) -> f64 {
+    let parts = found.iter().zip(from).zip(sizes);
+    parts.fold(0.0_f64, |most, ((x, from), size)| {
+        most.max((x - from).abs() / size)
+    })
 }
 
 /// The kind of a graze where the gap of the flight opens, or closes, as the parameter grows: whichever way it is met.

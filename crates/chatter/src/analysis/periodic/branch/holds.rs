@@ -240,10 +240,17 @@ pub(crate) fn first_break(
 /// step. So are both where a branch meets one on which each half of an orbit grazes.
 const TIE: f64 = 1e-6;
 
-/// Whether of what breaks at one place the one is an impact that loses its rate, and the other a flight that touches.
+/// Whether of what breaks at one place the one is an impact that loses its rate, and the other a flight that touches, or one that
+/// begins on the surface that the rate crosses at the impact.
 fn loses(shooting: &Shooting<f64>, one: &Broken, other: &Broken) -> bool {
-    let (&Broken::Event(impact), Broken::Inner(_, GuardKind::Gap(_))) = (one, other) else {
+    let &Broken::Event(impact) = one else {
         return false;
     };
-    shooting.steps[impact].impact().is_some()
+    let steps = &shooting.steps;
+    let follows = match *other {
+        Broken::Inner(_, GuardKind::Gap(_)) => true,
+        Broken::Beyond(step, GuardKind::Switch(_)) => step == (impact + 1) % steps.len(),
+        _ => false,
+    };
+    follows && steps[impact].impact().is_some()
 }

@@ -77,9 +77,21 @@ impl Walker {
             let gone = orbit.at.last().map_or(0.0, |to| to - from.parameter());
             broke.is_none() || gone * from.parameter_slope() > 0.0
         };
+        let slides = self.shooting.slides();
         let Some(next) = self.beyond(&from, parts, |orbit| same(orbit) && passes(orbit)) else {
             return false;
         };
+        // Where a stay on a surface shrinks to nothing the orbit beyond only touches it.
+        let slides_on = self.shooting.slides();
+        let between = [curve.station.parameter(), next.parameter()];
+        let left = |guard| matches!(guard, GuardKind::Switch(s) if slides[s] > slides_on[s]);
+        if let Some(touched) = self.touch_between(&next, between, left) {
+            let there = Point::new(&mut self.shooting, &next);
+            self.note_touch(&there, touched);
+            if let Some(special) = self.special.last_mut() {
+                special.persists = Some(true);
+            }
+        }
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
     }
@@ -144,20 +156,8 @@ impl Walker {
             return false;
         };
         let between = [curve.station.parameter(), next.parameter()];
-        let least = self.shooting.least(&next.at).unwrap_or_default();
-        let forces = least.iter().enumerate().flat_map(|(index, all)| {
-            let forces = all.iter();
-            let forces = forces.filter(|l| matches!(l.guard, GuardKind::Reaction(_)) && !l.at_end);
-            forces.map(move |least| (index, least))
-        });
-        let smallest = forces.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
-        let found = smallest.and_then(|touch| self.touched(&next.at, touch).ok());
-        let found = found.filter(|Touched { at, error, .. }| {
-            let value = at.last().copied().unwrap_or(f64::NAN);
-            let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
-            (low - error..=high + error).contains(&value)
-        });
-        let Some(touched) = found else {
+        let is_force = |guard| matches!(guard, GuardKind::Reaction(_));
+        let Some(touched) = self.touch_between(&next, between, is_force) else {
             self.shooting = before;
             return false;
         };
@@ -169,6 +169,28 @@ impl Walker {
         }
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
+    }
+
+    /// Where, between two values of the parameter, the smallest of such guards touches zero on an orbit that does not meet it.
+    fn touch_between(
+        &mut self,
+        next: &Station,
+        between: [f64; 2],
+        is_wanted: impl Fn(GuardKind) -> bool,
+    ) -> Option<Touched> {
+        let least = self.shooting.least(&next.at).unwrap_or_default();
+        let inner = least.iter().enumerate().flat_map(|(index, all)| {
+            let inner = all.iter().filter(|l| is_wanted(l.guard) && !l.at_end);
+            inner.map(move |least| (index, least))
+        });
+        let smallest = inner.min_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
+        let touched = self.touched(&next.at, smallest).ok()?;
+        let value = touched.at.last().copied()?;
+        let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
+        let error = touched.error;
+        ((low - error)..=(high + error))
+            .contains(&value)
+            .then_some(touched)
     }
 
     /// The orbit a little farther on, read off the motion itself, if it is one that is looked for.

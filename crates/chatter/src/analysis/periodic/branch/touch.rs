@@ -2,6 +2,7 @@
 //! continuous there, or no such orbit is found.
 
 use super::events::unfollowed;
+use super::graze::{THERE, moved};
 use super::walker::{NOISE, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{
@@ -278,6 +279,13 @@ impl Walker {
                 .map_err(|error| told(&error))?;
             let fixed = Condition::fixed(guess.len(), place, guess[place]);
             match newton(&mut longer, &guess, core::slice::from_ref(&fixed)) {
+                // What is solved elsewhere has nothing to do with the touch: where the field jumps there is no way back.
+                Ok(stays) if moved(&stays.at, &guess, longer.scales()) > THERE => {
+                    return Err(
+                        "a surface is touched, and beyond it only another place is found"
+                            .to_owned(),
+                    );
+                }
                 Ok(stays) => {
                     let along = tangent(&mut longer, &stays.at, &fixed.row);
                     let next = Station {
