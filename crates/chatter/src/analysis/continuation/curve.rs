@@ -62,6 +62,10 @@ const EASY: usize = 4;
 const HARD: usize = 7;
 /// The direction may turn by so much in a step: the cosine.
 const LEAST_COSINE: f64 = 0.94;
+/// From end to end a step goes the mean of the directions at both, but for so much: else it has led to another curve. Steps shorter than
+/// this part of the longest lead nowhere else.
+const MOST_ASKEW: f64 = 0.1;
+const NEXT_DOOR: f64 = 1e-4;
 
 /// The tangent from the factors of equations bordered by a row that is not orthogonal to it.
 fn along<R: Real>(factors: &Factored<R>, scales: &[f64]) -> Option<Vec<R>> {
@@ -158,6 +162,24 @@ impl<R: Real> Station<R> {
         Ok((station, found.steps))
     }
 
+    /// By how much the way to another point of the curve differs from the mean of the directions at both: by the third order of how far
+    /// it is, if they are on one curve.
+    fn askew(&self, to: &Self, scales: &[f64]) -> f64 {
+        let measured = |of: &dyn Fn(usize) -> R| -> Vec<f64> {
+            let parts = scales.iter().enumerate();
+            parts.map(|(i, scale)| of(i).to_f64() / scale).collect()
+        };
+        let way = measured(&|i| to.at[i] - self.at[i]);
+        let mean = measured(&|i| to.tangent[i] + self.tangent[i]);
+        let length = |vector: &[f64]| vector.iter().fold(0.0, |sum, x| sum + x * x).sqrt();
+        let lengths = (length(&way), length(&mean));
+        let apart = way
+            .iter()
+            .zip(&mean)
+            .map(|(a, b)| a / lengths.0 - b / lengths.1);
+        length(&apart.collect::<Vec<f64>>())
+    }
+
     /// The same point, followed the other way.
     #[must_use]
     pub fn reversed(mut self) -> Self {
@@ -202,7 +224,10 @@ impl<R: Real> Curve<R> {
                         .zip(&scales)
                         .map(|((a, b), scale)| a.to_f64() / scale * (b.to_f64() / scale))
                         .sum();
-                    if cosine >= LEAST_COSINE {
+                    let askew = self.station.askew(&station, &scales);
+                    let goes_on =
+                        step < NEXT_DOOR * self.settings.longest_step || askew < MOST_ASKEW;
+                    if cosine >= LEAST_COSINE && goes_on {
                         if steps <= EASY {
                             self.step = (1.6 * step).min(self.settings.longest_step);
                         } else if steps >= HARD {
@@ -211,7 +236,7 @@ impl<R: Real> Curve<R> {
                         return Ok((station, step));
                     }
                     NewtonError::Stalled {
-                        correction: 1.0 - cosine,
+                        correction: askew.max(1.0 - cosine),
                         steps,
                     }
                 }

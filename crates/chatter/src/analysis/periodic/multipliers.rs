@@ -25,6 +25,21 @@ pub(crate) fn passes(multipliers: &[Complex], at: f64) -> Option<f64> {
     Some(sign * nearest)
 }
 
+/// The same of the multipliers beside one that is `at` itself. Of two that are nearly the same only the sum is known to rounding.
+pub(crate) fn passes_beside(multipliers: &[Complex], at: f64) -> Option<f64> {
+    let others = without_nearest(multipliers, at);
+    let mut order: Vec<Complex> = multipliers.to_vec();
+    order.sort_by(|a, b| (a.re - at).hypot(a.im).total_cmp(&(b.re - at).hypot(b.im)));
+    let [first, second, rest @ ..] = &*order else {
+        return passes(&others, at);
+    };
+    if first.im != -second.im {
+        return passes(&others, at);
+    }
+    let sign: f64 = real(rest).map(|m| (m - at).signum()).product();
+    Some(sign * ((first.re - at) + (second.re - at)))
+}
+
 /// The modulus of the largest complex pair less one.
 pub(crate) fn pair(multipliers: &[Complex]) -> Option<f64> {
     (multipliers.iter())
@@ -87,5 +102,26 @@ mod tests {
         let (off, sum, rest) = neutral(&of(&[(0.6, 0.8), (0.6, -0.8), (0.2, 0.0)])).unwrap();
         assert!(off.abs() < 1e-15 && sum == 1.2 && rest == of(&[(0.2, 0.0)]));
         assert_eq!(pair(&before), None);
+    }
+
+    #[test]
+    fn a_double_multiplier_is_known_by_its_sum() {
+        // A double one, torn apart by the root of rounding, into a real or a complex pair.
+        for torn in [
+            of(&[(-1.0 + 1e-8, 0.0), (-1.0 - 1e-8, 0.0), (0.3, 0.0)]),
+            of(&[(-1.0, 1e-8), (-1.0, -1e-8), (0.3, 0.0)]),
+        ] {
+            assert!(passes_beside(&torn, -1.0).unwrap().abs() < 1e-15);
+        }
+        let (inside, outside) = (
+            of(&[(-1.0, 0.0), (-0.9, 0.0), (0.3, 0.0)]),
+            of(&[(-1.0, 0.0), (-1.2, 0.0), (0.3, 0.0)]),
+        );
+        for all in [inside, outside] {
+            let others = without_nearest(&all, -1.0);
+            assert!(
+                (passes_beside(&all, -1.0).unwrap() - passes(&others, -1.0).unwrap()).abs() < 1e-15
+            );
+        }
     }
 }

@@ -4,7 +4,9 @@ use crate::analysis::continuation::{Problem, Station};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::branch::SpecialKind;
 use crate::analysis::periodic::condition::Bordered;
-use crate::analysis::periodic::multipliers::{neutral, pair, passes, without_nearest};
+use crate::analysis::periodic::multipliers::{
+    neutral, pair, passes, passes_beside, without_nearest,
+};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::{Complex, dot, unit};
 
@@ -54,7 +56,7 @@ pub(super) fn tests(kind: SpecialKind, place: &Place<'_>) -> Vec<Test> {
             vec![
                 geometry(SpecialKind::Cusp, Some(along(place))),
                 multiplier(SpecialKind::FoldFlip, passes(&others, -1.0)),
-                multiplier(SpecialKind::Resonance11, passes(&others, 1.0)),
+                multiplier(SpecialKind::Resonance11, passes_beside(all, 1.0)),
                 multiplier(SpecialKind::FoldTorus, pair(&others)),
             ]
         }
@@ -63,7 +65,7 @@ pub(super) fn tests(kind: SpecialKind, place: &Place<'_>) -> Vec<Test> {
             vec![
                 geometry(SpecialKind::GeneralisedDoubling, side(place)),
                 multiplier(SpecialKind::FoldFlip, passes(&others, 1.0)),
-                multiplier(SpecialKind::Resonance12, passes(&others, -1.0)),
+                multiplier(SpecialKind::Resonance12, passes_beside(all, -1.0)),
                 multiplier(SpecialKind::FlipTorus, pair(&others)),
             ]
         }
