@@ -1,8 +1,9 @@
-//! Where a surface on which formulas change their form is touched: a crossing and the way back come in, or go out. The field is
-//! continuous there, or no such orbit is found.
+//! Where a surface on which formulas change their form is touched: a stay comes in, or goes out. Where the field is continuous it is on
+//! the other side, from a crossing to the way back; where the fields of both sides lead to the surface it is on the surface itself.
 
 use super::events::unfollowed;
 use super::graze::{THERE, moved};
+use super::holds::is_broken;
 use super::walker::{NOISE, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{
@@ -21,6 +22,15 @@ use crate::flow::leg::{Jump, Least, LegKind};
 const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 /// Between a crossing and the way back no time is left: less than this part of the period.
 const NO_TIME: f64 = 1e-2;
+
+/// A stay that begins where a surface is touched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stay {
+    /// On its other side.
+    Beyond,
+    /// On it.
+    On,
+}
 
 /// The guard that ends a stay beyond one that was crossed, where that is a matter of sides.
 pub(super) fn opposite(guard: GuardKind) -> Option<GuardKind> {
@@ -42,6 +52,19 @@ impl Shooting<f64> {
             .find(|&index| self.comes_back(index))
     }
 
+    /// Whether a guard ends a stay that a step leads to: back where that comes from.
+    fn ends_stay(&self, step: &Step, guard: Option<GuardKind>) -> bool {
+        let back = step.ends_at().and_then(opposite);
+        let origin = self.workshop.system.origin_of(step.mode());
+        let leaves = match (guard, origin) {
+            (Some(GuardKind::Leave(surface, side)), Some((_, sides, _))) => {
+                back == Some(GuardKind::Switch(surface)) && sides.get(surface) == side
+            }
+            _ => false,
+        };
+        back.is_some() && (guard == back || leaves)
+    }
+
     /// Whether a step ends with a crossing whose way back follows at once.
     pub(super) fn comes_back(&self, index: usize) -> bool {
         let count = self.steps.len();
@@ -53,10 +76,8 @@ impl Shooting<f64> {
         let is_leg =
             |step: &Step| matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None);
         let all = count > 1 && is_leg(step) && is_leg(next);
-        let back = step.ends_at().and_then(opposite);
         let stay = self.latest.get((index + 1) % count);
-        all && back.is_some()
-            && next.ends_at() == back
+        all && self.ends_stay(step, next.ends_at())
             && last.mode() == step.mode()
             && last.pieces == step.pieces
             && stay.is_some_and(|stay| stay.duration < NO_TIME * self.period())
@@ -122,12 +143,12 @@ impl Shooting<f64> {
         Ok((shooting, at, index))
     }
 
-    /// The same orbit with a stay of this duration on the other side of the surface that the end of a step touches, and where its
-    /// duration stands among the unknowns.
+    /// The same orbit with a stay of this duration at the surface that the end of a step touches, and where its duration stands among
+    /// the unknowns.
     fn with_stay(
         &self,
         at: &[f64],
-        (index, duration): (usize, f64),
+        (index, stay, duration): (usize, Stay, f64),
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let mut steps = self.current_steps(at);
         let count = steps.len();
@@ -140,17 +161,27 @@ impl Shooting<f64> {
             return Err(unfollowed("a touch of nothing"));
         };
         let mut pieces = steps[index].pieces.clone();
-        let mut mode = kind.mode;
+        let (mut mode, mut ends_at) = (kind.mode, opposite(guard));
         match guard {
             GuardKind::Switch(surface) => {
-                let other = match sides.get(surface) {
-                    Side::Above => Side::Below,
-                    Side::Below => Side::Above,
-                    Side::Sliding => return Err(unfollowed("a touch of a surface slid along")),
+                let side = sides.get(surface);
+                let other = match (side, stay) {
+                    (Side::Sliding, _) => {
+                        return Err(unfollowed("a touch of a surface slid along"));
+                    }
+                    (_, Stay::On) => Side::Sliding,
+                    (Side::Above, Stay::Beyond) => Side::Below,
+                    (Side::Below, Stay::Beyond) => Side::Above,
                 };
+                if stay == Stay::On {
+                    ends_at = Some(GuardKind::Leave(surface, side));
+                }
                 mode = system.meet(grip, sides.with(surface, other));
+                if system.program(mode).is_none() {
+                    return Err(unfollowed("a stay on what is not slid along"));
+                }
             }
-            GuardKind::Piece(lookup, side) => {
+            GuardKind::Piece(lookup, side) if stay == Stay::Beyond => {
                 pieces[lookup] += if side == Side::Above { 1 } else { -1 };
             }
             _ => return Err(unfollowed("a touch of what has no sides")),
@@ -180,7 +211,7 @@ impl Shooting<f64> {
         let stay = Step {
             passage: Passage::Leg(LegKind {
                 mode,
-                ends_at: opposite(guard),
+                ends_at,
                 jump: Jump::None,
             }),
             pieces,
@@ -273,33 +304,38 @@ impl Walker {
         touch.evaluate(&at).map_err(|left| told(&left))?;
         let period = touch.period();
         let mut failed = NewtonError::Singular;
-        for part in STAYS {
-            let (mut longer, guess, place) = touch
-                .with_stay(&at, (index, part * period))
-                .map_err(|error| told(&error))?;
+        for (stay, part) in [Stay::Beyond, Stay::On]
+            .into_iter()
+            .flat_map(|stay| STAYS.map(|part| (stay, part)))
+        {
+            let Ok((mut longer, guess, place)) = touch.with_stay(&at, (index, stay, part * period))
+            else {
+                continue;
+            };
             let fixed = Condition::fixed(guess.len(), place, guess[place]);
-            match newton(&mut longer, &guess, core::slice::from_ref(&fixed)) {
-                // What is solved elsewhere has nothing to do with the touch: where the field jumps there is no way back.
-                Ok(stays) if moved(&stays.at, &guess, longer.scales()) > THERE => {
-                    return Err(
-                        "a surface is touched, and beyond it only another place is found"
-                            .to_owned(),
-                    );
+            let stays = match newton(&mut longer, &guess, core::slice::from_ref(&fixed)) {
+                Ok(stays) => stays,
+                Err(error) => {
+                    failed = error;
+                    continue;
                 }
-                Ok(stays) => {
-                    let along = tangent(&mut longer, &stays.at, &fixed.row);
-                    let next = Station {
-                        tangent: along.map_err(|error| told(&error))?,
-                        at: stays.at,
-                        residual: stays.residual,
-                        correction: stays.correction,
-                        orientation: 0.0,
-                    };
-                    self.shooting = longer;
-                    return Ok(next);
-                }
-                Err(error) => failed = error,
+            };
+            // What is solved elsewhere has nothing to do with the touch, and what is solved by no motion is none.
+            let is_there = moved(&stays.at, &guess, longer.scales()) <= THERE
+                && is_broken(&mut longer, &stays.at).is_ok_and(|broken| !broken);
+            if !is_there {
+                continue;
             }
+            let along = tangent(&mut longer, &stays.at, &fixed.row);
+            let next = Station {
+                tangent: along.map_err(|error| told(&error))?,
+                at: stays.at,
+                residual: stays.residual,
+                correction: stays.correction,
+                orientation: 0.0,
+            };
+            self.shooting = longer;
+            return Ok(next);
         }
         Err(format!("a surface is touched, and beyond {failed}"))
     }

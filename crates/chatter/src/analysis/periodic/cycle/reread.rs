@@ -47,6 +47,15 @@ pub(crate) fn reread(
         [first, .., last] => a_period(first, last),
         _ => true,
     };
+    // Where it begins just before the event that it ends with, from that on.
+    if let [first, second, .., last] = &*instants
+        && second.time - first.time <= 2.0 * LATE * period
+        && second.guard == last.guard
+        && a_period(second, last)
+    {
+        ends = (second.state.clone(), last.state.clone());
+        instants.remove(0);
+    }
     if !closes(&instants) {
         // Nothing happens where it begins: from the first event on that comes again.
         tracer.follow((until + period, usize::MAX / 2), &mut instants, &mut quiet)?;

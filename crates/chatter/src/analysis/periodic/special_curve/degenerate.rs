@@ -143,6 +143,16 @@ fn along(place: &Place<'_>) -> f64 {
     dot(&before, &here)
 }
 
+/// Where the plane's part of a curve's direction is no larger than this, against what it was, the curve stands still there.
+const STANDS: f64 = 1e-4;
+
+/// Whether the curve stands still in the plane of parameters, as at a cusp, and does not only turn sharply.
+pub(super) fn stands(shooting: &Shooting<f64>, (from, station): (&Station, &Station)) -> bool {
+    let before = in_parameters(shooting, from);
+    let here = in_parameters(shooting, station);
+    dot(&here, &here).sqrt() <= STANDS * dot(&before, &before).sqrt()
+}
+
 /// Directions across the curve and along it in the plane of parameters, in units of their sizes.
 fn across_and_along(place: &Place<'_>) -> Option<([f64; 2], [f64; 2])> {
     let free = place.station.at.len() - place.shooting.parameters();

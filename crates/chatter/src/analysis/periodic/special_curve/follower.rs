@@ -267,7 +267,11 @@ impl Follower {
                 continue;
             }
             let there = multipliers(&self.shooting, &station.at, grazing);
-            if !test.of_multipliers || has_multipliers(test.kind, &there) {
+            let is_there = match test.kind {
+                SpecialKind::Cusp => degenerate::stands(&self.shooting, (from, &station)),
+                _ => !test.of_multipliers || has_multipliers(test.kind, &there),
+            };
+            if is_there {
                 found.push((test.kind, station, ahead, here));
             }
         }
