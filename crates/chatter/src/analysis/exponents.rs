@@ -1,11 +1,11 @@
 //! All Lyapunov exponents of a motion, from the derivative of its flow.
 //!
 //! Displacements are carried along by the variational equation through impacts, complete chatter, contact and release, and made
-//! orthogonal again after each interval (Benettin et al. 1980). What complete chatter or contact forgets has no exponent: it is
-//! minus infinity.
+//! orthogonal again after each interval (Benettin et al. 1980), or earlier where one has nearly become a combination of the others.
+//! What complete chatter, contact or sticking forgets has no exponent: it is minus infinity.
 
 use crate::analysis::periodic::PeriodicError;
-use crate::flow::{Column, Occurrence, Settings, System, Trajectory};
+use crate::flow::{Column, Occurrence, Settings, System, Trajectory, Workspace};
 use crate::model::Model;
 use crate::numerics::{Matrix, balance, unit};
 use core::ops::ControlFlow;
@@ -36,8 +36,13 @@ pub struct Exponents {
     pub intervals: u64,
 }
 
-/// A displacement that shrinks by this part, against those that it is made orthogonal to, is forgotten.
+/// A displacement that shrinks by this part, against those that it is made orthogonal to, is forgotten where something happened that
+/// forgets.
 const FORGOTTEN: f64 = 1e-11;
+/// One that shrinks by this part between events is made orthogonal at once: later nothing would be left of it but rounding; …
+const SHRUNK: f64 = 1e-4;
+/// … and one that shrinks by this part anyhow.
+const NEARLY_LOST: f64 = 1e-9;
 /// Parts of the time whose averages are compared.
 const PARTS: usize = 16;
 /// An exponent is zero that grows displacements by less than this in an interval, or is within so many standard errors of it.
@@ -82,13 +87,13 @@ pub fn exponents(
         if interval % 8 == 0 && observer(interval as f64 / total as f64).is_break() {
             break;
         }
-        let columns: Vec<f64> = (frame.iter())
-            .flat_map(|displacement| displacement.iter().zip(&units).map(|(y, unit)| y * unit))
-            .collect();
-        (trajectory.replace_columns(&system, &mut work, &columns)).map_err(PeriodicError::Ended)?;
+        put(&frame, &units, (&system, &mut work, &mut trajectory))?;
         trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
         let mut steps = 0;
         let mut latest: Option<(f64, usize)> = None;
+        let mut logarithms = vec![0.0; moving.len()];
+        let mut forgets = false;
+        let mut whole = frame.clone();
         loop {
             let told = (trajectory.advance_to_horizon(&system, &mut work))
                 .map_err(PeriodicError::Ended)?;
@@ -104,7 +109,27 @@ pub fn exponents(
                 latest = Some((time, contact));
             }
             if told == Some(Occurrence::Horizon) {
+                if interval == 0 && !forgets {
+                    take(&mut whole, &units, &trajectory, model);
+                }
                 break;
+            }
+            forgets |= told.is_some_and(|told| may_forget(model, &told));
+            if interval == 0 && !forgets {
+                take(&mut whole, &units, &trajectory, model);
+            }
+            if interval > 0 && trajectory.is_between_steps() {
+                let mut ahead = frame.clone();
+                take(&mut ahead, &units, &trajectory, model);
+                let grown = orthonormal(&mut ahead, &moving, forgets);
+                let least = (grown.iter()).fold(f64::INFINITY, |least, &x| least.min(libm::exp(x)));
+                let between = told.is_none() && !trajectory.follows_sequence();
+                if least < NEARLY_LOST || (between && least < SHRUNK) {
+                    frame = ahead;
+                    add(&mut logarithms, &grown);
+                    put(&frame, &units, (&system, &mut work, &mut trajectory))?;
+                    forgets = false;
+                }
             }
             if steps > MOST_STEPS {
                 return Err(PeriodicError::NotSettled {
@@ -113,25 +138,15 @@ pub fn exponents(
                 });
             }
         }
-        let columns = trajectory.state()[n..].chunks(n);
-        for (displacement, column) in frame.iter_mut().zip(columns) {
-            displacement.copy_from_slice(column);
-            // Displacements are compared at one time: what rounding leaves of another would never shrink.
-            if let Some(time) = model.time {
-                displacement[time] = 0.0;
-            }
-        }
+        take(&mut frame, &units, &trajectory, model);
         if interval == 0 {
-            // Lengths say what is forgotten in units that the motion itself takes for like ones.
-            units = natural_units(&frame, &moving, n);
+            // Lengths say what is forgotten in units that the motion itself takes for like ones, before it forgets any.
+            units = natural_units(&whole, &moving, n);
             for (displacement, &i) in frame.iter_mut().zip(&moving) {
-                displacement.iter_mut().for_each(|x| *x *= units[i]);
+                (displacement.iter_mut().zip(&units)).for_each(|(x, unit)| *x *= units[i] / unit);
             }
         }
-        for displacement in &mut frame {
-            (displacement.iter_mut().zip(&units)).for_each(|(x, unit)| *x /= unit);
-        }
-        let logarithms = orthonormal(&mut frame, &moving);
+        add(&mut logarithms, &orthonormal(&mut frame, &moving, forgets));
         if interval >= spec.transient {
             growth.push(logarithms);
         }
@@ -140,6 +155,55 @@ pub fn exponents(
         return Err(PeriodicError::Interrupted);
     }
     Ok(averaged(&growth, spec.interval))
+}
+
+/// Puts displacements, told in these units, beside a state.
+fn put(
+    frame: &[Vec<f64>],
+    units: &[f64],
+    (system, work, trajectory): (&System, &mut Workspace<f64>, &mut Trajectory<f64>),
+) -> Result<(), PeriodicError> {
+    let columns: Vec<f64> = (frame.iter())
+        .flat_map(|displacement| displacement.iter().zip(units).map(|(y, unit)| y * unit))
+        .collect();
+    (trajectory.replace_columns(system, work, &columns)).map_err(PeriodicError::Ended)
+}
+
+/// Takes them from there.
+fn take(frame: &mut [Vec<f64>], units: &[f64], trajectory: &Trajectory<f64>, model: &Model) {
+    let n = units.len();
+    for (displacement, column) in frame.iter_mut().zip(trajectory.state()[n..].chunks(n)) {
+        for ((x, y), unit) in displacement.iter_mut().zip(column).zip(units) {
+            *x = y / unit;
+        }
+        // Displacements are compared at one time: what rounding leaves of another would never shrink.
+        if let Some(time) = model.time {
+            displacement[time] = 0.0;
+        }
+    }
+}
+
+fn add(sums: &mut [f64], terms: &[f64]) {
+    (sums.iter_mut().zip(terms)).for_each(|(sum, term)| *sum += term);
+}
+
+/// Whether an event may take displacements that differ to ones that do not.
+fn may_forget(model: &Model, told: &Occurrence<f64>) -> bool {
+    match *told {
+        Occurrence::Impact {
+            contact, closes, ..
+        } => {
+            let contact = &model.contacts[contact];
+            closes || contact.friction.is_some() || contact.reset.is_some()
+        }
+        Occurrence::Accumulation { .. }
+        | Occurrence::Cascade { .. }
+        | Occurrence::Capture { .. }
+        | Occurrence::Slide { .. }
+        | Occurrence::Stick { .. }
+        | Occurrence::Reset { .. } => true,
+        _ => false,
+    }
 }
 
 /// Units of the states in which displacements, unit vectors an interval before, are of like size.
@@ -157,8 +221,8 @@ fn natural_units(frame: &[Vec<f64>], moving: &[usize], states: usize) -> Vec<f64
     units
 }
 
-/// Makes displacements orthogonal, of length one; the logarithms of the lengths that they had.
-fn orthonormal(frame: &mut [Vec<f64>], moving: &[usize]) -> Vec<f64> {
+/// Makes displacements orthogonal, of length one; the logarithms of the lengths that they had, one that was forgotten has none.
+fn orthonormal(frame: &mut [Vec<f64>], moving: &[usize], forgets: bool) -> Vec<f64> {
     let mut logarithms = Vec::with_capacity(frame.len());
     for k in 0..frame.len() {
         let (done, rest) = frame.split_at_mut(k);
@@ -175,7 +239,11 @@ fn orthonormal(frame: &mut [Vec<f64>], moving: &[usize]) -> Vec<f64> {
             }
         }
         let after = length(vector);
-        if after.is_finite() && after > FORGOTTEN * before.max(1.0) {
+        let is_left = match forgets {
+            true => after > FORGOTTEN * before.max(1.0),
+            false => after > 0.0,
+        };
+        if after.is_finite() && is_left {
             logarithms.push(libm::log(after));
             vector.iter_mut().for_each(|x| *x /= after);
             continue;
@@ -300,6 +368,25 @@ mod tests {
             "{found:?}"
         );
         assert_eq!(found.dimension, 0.0);
+    }
+
+    #[test]
+    fn what_shrinks_by_much_is_not_forgotten() {
+        let spec = Spec {
+            interval: 1.0,
+            transient: 4,
+            intervals: 64,
+        };
+        let found = of(
+            "[flight]\nx = '-x'\ny = 'x - 40*y'\nz = 'y - 400*z'\n[initial]\nx = 1\ny = 1\nz = 1\n",
+            &spec,
+        );
+        for (value, expected) in found.values.iter().zip([-1.0, -40.0, -400.0]) {
+            assert!(
+                (value - expected).abs() < 1e-9 * expected.abs(),
+                "{found:?}"
+            );
+        }
     }
 
     #[test]

@@ -160,6 +160,11 @@ impl<R: Real> ChatterTracker<R> {
         *self = Self::new(self.tail);
     }
 
+    /// Whether a sequence is being watched.
+    pub(crate) fn has_samples(&self) -> bool {
+        !self.samples.is_empty()
+    }
+
     /// Another event came between: the sequence so far is no geometric one.
     pub(crate) fn interrupt(&mut self) {
         self.contact = None;

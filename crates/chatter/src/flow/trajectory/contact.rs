@@ -370,6 +370,16 @@ impl<R: Real> Trajectory<R> {
         self.capture_columns(system, work)
     }
 
+    /// Whether impacts are being watched that may be a sequence of complete chatter.
+    pub(crate) fn follows_sequence(&self) -> bool {
+        self.tracker.has_samples()
+    }
+
+    /// Whether all that the latest step led to is told and done.
+    pub(crate) fn is_between_steps(&self) -> bool {
+        self.completion.is_none() && self.collisions.is_none() && self.pending.is_empty()
+    }
+
     /// Takes from the columns what would vary the gaps of closed contacts.
     fn hold_columns(&mut self, system: &System) -> Result<(), FlowError> {
         if self.closed == Closed::NONE {

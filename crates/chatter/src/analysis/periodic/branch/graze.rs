@@ -23,6 +23,32 @@ const SOLVED: f64 = 1e-12;
 const CAREFUL: f64 = 0.05;
 
 impl Walker {
+    /// Whether a gap has its least value where its rate turns at the end of a step, with the surface that ends it.
+    fn touches_at_turn(&mut self, station: &Station, index: usize, contact: usize) -> bool {
+        let Ok(least) = self.shooting.least(&station.at) else {
+            return false;
+        };
+        let (Some(all), Some(landing)) = (least.get(index), self.shooting.latest.get(index)) else {
+            return false;
+        };
+        let gaps = all.iter().filter(|l| l.guard == GuardKind::Gap(contact));
+        let least = gaps.min_by(|a, b| a.value.total_cmp(&b.value));
+        let left = least.map(|least| landing.duration - least.time);
+        self.shooting.turns(index) && left.is_some_and(|left| left <= NOT_QUITE * landing.duration)
+    }
+
+    /// Whether a step follows an impact that has no rate left.
+    fn follows_graze(&self, index: usize) -> bool {
+        let count = self.shooting.steps.len();
+        let before = (index + count - 1) % count;
+        let rate = |index: usize| {
+            let landing = self.shooting.latest.get(index);
+            landing.map_or(0.0, |landing| landing.surface_rate.abs())
+        };
+        let most = (0..count).map(rate).fold(0.0, f64::max);
+        self.shooting.steps[before].impact().is_some() && rate(before) <= NOT_QUITE * most
+    }
+
     /// Goes on past the first place where the sequence of events breaks.
     pub(super) fn pass(
         &mut self,
@@ -62,15 +88,22 @@ impl Walker {
             return Stop::End(End::Rounding(there.impacts.unwrap_or_default()));
         }
         let outcome = match broken {
-            Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
-            Broken::Event(index) => self.lose(&station, index, &there),
-            Broken::Early(index, GuardKind::Gap(contact)) if self.shooting.turns(index) => {
+            Broken::Inner(index, GuardKind::Gap(contact))
+            | Broken::Early(index, GuardKind::Gap(contact))
+                if self.touches_at_turn(&station, index, contact) =>
+            {
                 let longer = (self.shooting).with_impact_at_turn(&station.at, (index, contact));
                 let touched = longer.map_err(|error| error.to_string());
                 let touched = touched.and_then(Touched::solve);
                 touched.and_then(|touched| self.impact_comes_in(&station, touched, &there))
             }
-            // The rate that turns is that of the impact.
+            Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
+            Broken::Event(index) => self.lose(&station, index, &there),
+            // The rate that turns is that of the impact, and the flight after it begins where it does.
+            Broken::Beyond(index, GuardKind::Switch(_)) if self.follows_graze(index) => {
+                let before = (index + self.shooting.steps.len() - 1) % self.shooting.steps.len();
+                self.lose(&station, before, &there)
+            }
             Broken::Early(index, GuardKind::Switch(_))
                 if self.shooting.steps[index].impact().is_some() =>
             {

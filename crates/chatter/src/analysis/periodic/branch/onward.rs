@@ -1,7 +1,7 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
 use super::Point;
-use super::touch::Touched;
+use super::touch::{Touched, opposite};
 use super::walker::Walker;
 use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
 use crate::analysis::periodic::closure::Closure;
@@ -183,14 +183,25 @@ impl Walker {
             let inner = all.iter().filter(|l| is_wanted(l.guard) && !l.at_end);
             inner.map(move |least| (index, least))
         });
-        let smallest = inner.min_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
-        let touched = self.touched(&next.at, smallest).ok()?;
-        let value = touched.at.last().copied()?;
+        let smallest = inner.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
+        let touches = smallest.and_then(|touch| self.touched(&next.at, touch).ok());
+        // Or, where the surface is crossed, the flow beyond turns back to it as soon as it begins.
+        let crossings = self.shooting.steps.iter().enumerate();
+        let crossings = crossings.filter_map(|(index, step)| Some((index, step.ends_at()?)));
+        let turns =
+            crossings
+                .filter(|(_, guard)| is_wanted(*guard))
+                .filter_map(|(index, guard)| {
+                    let begins = ((index + 1) % self.shooting.steps.len(), opposite(guard)?);
+                    let turn = self.shooting.with_turn_at_start(&next.at, begins).ok()?;
+                    Touched::solve(turn).ok()
+                });
         let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
-        let error = touched.error;
-        ((low - error)..=(high + error))
-            .contains(&value)
-            .then_some(touched)
+        let is_between = |touched: &Touched| {
+            let value = touched.at.last().copied().unwrap_or(f64::NAN);
+            (low - touched.error..=high + touched.error).contains(&value)
+        };
+        touches.into_iter().chain(turns).find(is_between)
     }
 
     /// The orbit a little farther on, read off the motion itself, if it is one that is looked for.
