@@ -72,9 +72,9 @@ impl Aside {
     }
 }
 
-/// So far aside are the orbits that tell to which side a branch leaves, and half of it: what is left of the next order is
-/// taken out of both.
-const FAR: f64 = 6e-3;
+/// So far aside are the orbits that tell to which side a branch leaves, half and a quarter of it: what is left of the next two orders
+/// is taken out of all three. Nearer ones do where the farther are none.
+const FAR: [f64; 2] = [2e-2, 6e-3];
 
 /// How far the parameters of the orbits beside a singular one lie along a row, at the parameters that hold the other rows:
 /// in parts of the square of how far aside they are. Positive where the branch that leaves goes along the row.
@@ -91,5 +91,9 @@ pub(crate) fn shift(
         let found = aside.close(held)?;
         Some((dot(along, &found[found.len() - free..]) - here) / (far * far))
     };
-    Some((4.0 * of(0.5 * FAR)? - of(FAR)?) / 3.0)
+    FAR.into_iter().find_map(|far| {
+        let [far, half, quarter] = [of(far)?, of(0.5 * far)?, of(0.25 * far)?];
+        let (once, again) = ((4.0 * half - far) / 3.0, (4.0 * quarter - half) / 3.0);
+        Some((16.0 * again - once) / 15.0)
+    })
 }

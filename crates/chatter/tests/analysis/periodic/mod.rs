@@ -12,6 +12,7 @@ mod reference;
 mod resumed;
 mod rough_walls;
 mod steps;
+mod sticks;
 mod surfaces;
 mod together;
 mod told_from;

@@ -282,3 +282,18 @@ fn the_graze_of_the_valve_becomes_a_fold() {
     assert!((q - 0.124_932_043_217_728_5).abs() < 1e-12, "{q}");
     assert!((r - 0.725_770_333_687_182_5).abs() < 1e-11, "{r}");
 }
+
+/// Two multipliers that are the same are known to the root of rounding only, but their sum is known. By Newton's method on det = 1 and
+/// trace = -2 of the closed form of the flight, in thirty digits.
+#[test]
+fn a_double_multiplier_is_where_its_sum_says() {
+    let model = model("impact_oscillator", &[("omega", "3.0")]);
+    let found = over(&model, "zeta", (-0.15, 0.1), (40, 0.01));
+    let doubling = nearest(&found, &[SpecialKind::PeriodDoubling], -0.05);
+    let curve = curve(&model, ["zeta", "omega"], &doubling, ((2.1, 4.5), 0.01));
+    let [zeta, omega] = (of(&curve, SpecialKind::Resonance12).into_iter())
+        .min_by(|a, b| (a[1] - 3.104).abs().total_cmp(&(b[1] - 3.104).abs()))
+        .expect("a resonance");
+    assert!((zeta + 0.110_250_154_322_01).abs() < 1e-13, "{zeta}");
+    assert!((omega - 3.104_378_977_884_62).abs() < 1e-13, "{omega}");
+}

@@ -5,6 +5,7 @@ use super::kept::{Ledger, Of, Stand, Standing, Then, Walked, damaged};
 use super::limits::{End, Limits, station_at};
 use super::special::{Seed, Special};
 use super::{Point, SpecialKind};
+use crate::analysis::border::{Border, BorderSpec, borders_in};
 use crate::analysis::continuation::{Curve, Problem, Station, StepError};
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::diary::{Diary, Told};
@@ -37,6 +38,9 @@ const SAME_ORBIT: f64 = 1e-8;
 const MOST_GRAZES: usize = 4_000;
 /// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
 pub(super) const NOISE: f64 = 16.0;
+/// A branch comes this near to a border, in parts of the parameter; the border itself is looked for as far away as this.
+const BESIDE_BORDER: f64 = 1e-10;
+const LOOKED_AT: f64 = 1e-7;
 /// Close to a graze is this part of the next step.
 const CLOSE: f64 = 1e-4;
 /// A step of this part of the longest is on new ground.
@@ -143,13 +147,7 @@ impl Walker {
                         continue;
                     }
                     if leaves_at_border(&self.shooting, &curve.station.at, &error) {
-                        self.note(
-                            SpecialKind::ChatterBorder,
-                            &here,
-                            &curve.station.at,
-                            1e-13,
-                            0.0,
-                        );
+                        self.note_border(&here, &curve.station);
                         break End::ChatterBorder;
                     }
                     if self.stays_closed(&mut curve, &mut here) {
@@ -340,6 +338,32 @@ impl Walker {
     pub(super) fn tell_no_multipliers(&mut self) {
         if let Some(special) = self.special.last_mut() {
             special.point.multipliers.clear();
+        }
+    }
+
+    /// Notes a chatter border that a branch has come to: near it orbits are known the less the nearer they are, and the border orbit
+    /// itself is found by its own equations, where these can be set up.
+    fn note_border(&mut self, here: &Point, station: &Station) {
+        let value = station.parameter();
+        let error = BESIDE_BORDER * value.abs();
+        self.note(SpecialKind::ChatterBorder, here, &station.at, error, 0.0);
+        let workshop = &self.shooting.workshop;
+        let spec = BorderSpec::new(&workshop.model.parameters[workshop.free[0]].name);
+        let (low, high) = (
+            value - LOOKED_AT * value.abs(),
+            value + LOOKED_AT * value.abs(),
+        );
+        let found = borders_in::<f64>(&workshop.model, &spec, low, high);
+        let off = |border: &Border<f64>| (border.value.value - value).abs();
+        let borders = found.map_or_else(|_| Vec::new(), |found| found.borders);
+        let nearest = borders.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        if let (Some(border), Some(special)) = (nearest, self.special.last_mut()) {
+            special.error = border.value.error;
+            special.point.period = border.period.value;
+            special.point.state = border.release.state;
+            if let Some(parameter) = special.point.parameters.last_mut() {
+                *parameter = border.value.value;
+            }
         }
     }
 

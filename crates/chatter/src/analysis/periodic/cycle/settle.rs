@@ -250,6 +250,32 @@ impl Most {
     }
 }
 
+impl Most {
+    /// The same at instants: a state that is zero at all of them has the size of how far it moves between them.
+    fn sizes_at(
+        &self,
+        (workshop, parameters): (&Workshop, &[f64]),
+        instants: &[Instant],
+        turns: &[Turn<f64>],
+    ) -> Vec<f64> {
+        let mut sizes = self.sizes(states(instants), turns);
+        let model = &workshop.model;
+        for pair in instants.windows(2) {
+            let [from, to] = pair else { continue };
+            for (index, (size, state)) in sizes.iter_mut().zip(&model.states).enumerate() {
+                let rate = model
+                    .graph
+                    .evaluate(state.derivative, &from.state, parameters);
+                let moves = (rate * (to.time - from.time)).abs();
+                if moves.is_finite() && !is_phase(turns, index) {
+                    *size = size.max(moves);
+                }
+            }
+        }
+        sizes
+    }
+}
+
 /// Whether the latest of these states is next to nothing, against the most that states have been, and phases go round no more.
 fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &Most) -> bool {
     let [.., before, latest] = instants else {
@@ -380,7 +406,7 @@ pub(crate) fn settle(
                 return Ok(found);
             }
         } else if !instants.is_empty() {
-            let sizes = most.sizes(states(&instants), &turns);
+            let sizes = most.sizes_at((workshop, &parameters), &instants, &turns);
             match latest_return(workshop, &turns, (&instants, section), (&sizes, NEAR[0])) {
                 Ok(ends) => return returned(&instants, ends, &sizes),
                 Err(distance) => nearest = nearest.min(distance),
@@ -401,7 +427,7 @@ pub(crate) fn settle(
                 return Ok(found);
             }
         } else {
-            let sizes = most.sizes(states(&instants), &turns);
+            let sizes = most.sizes_at((workshop, &parameters), &instants, &turns);
             let found = latest_return(workshop, &turns, (&instants, section), (&sizes, *near));
             if let Ok(ends) = found {
                 return returned(&instants, ends, &sizes);

@@ -1,6 +1,7 @@
 //! A trajectory as the instants at which something happens, with the modes between them.
 
 use crate::analysis::periodic::error::PeriodicError;
+use crate::expressions::LookedUpIn;
 use crate::flow::{Closed, GuardKind, Occurrence, Settings, System, Trajectory, Workspace};
 use core::ops::ControlFlow;
 
@@ -76,7 +77,7 @@ pub(crate) struct Tracer<'s> {
     section: Option<usize>,
 }
 
-/// Times of an event and a section that differ by so many roundoffs are one instant.
+/// Of a knot of a table, where functions go on smoothly, and a section times that differ by so many roundoffs are one instant.
 pub(super) const ONE_INSTANT: f64 = 8.0;
 
 /// Whether a motion goes on is looked at for so many units of its time.
@@ -102,6 +103,13 @@ impl<'s> Tracer<'s> {
             trajectory,
             section,
         })
+    }
+
+    /// Whether this is a knot of a table.
+    fn is_knot(&self, guard: Option<GuardKind>) -> bool {
+        let lookups = &self.system.corners().lookups;
+        matches!(guard, Some(GuardKind::Piece(lookup, _))
+            if lookups.get(lookup).is_some_and(|lookup| matches!(lookup.within, LookedUpIn::Curve(_))))
     }
 
     /// Whether states change on a few steps more, by such a part of their size.
@@ -160,16 +168,22 @@ impl<'s> Tracer<'s> {
                 _ => false,
             };
             // A section that is crossed with an event is no event of its own: which comes first is chance.
-            let in_this = |last: &Instant| {
-                (last.time - time).abs() <= ONE_INSTANT * f64::EPSILON * time.abs()
+            let in_this = |last: &Instant, event: Option<GuardKind>| {
+                let roundoffs = if self.is_knot(event) {
+                    ONE_INSTANT
+                } else {
+                    0.0
+                };
+                (last.time - time).abs() <= roundoffs * f64::EPSILON * time.abs()
             };
-            let with_event = looks(guard) && instants.last().is_some_and(in_this);
+            let with_event =
+                looks(guard) && (instants.last()).is_some_and(|last| in_this(last, last.guard));
             if with_event {
                 steps = 0;
             } else if counts(guard) || matches!(told, Some(Occurrence::Accumulation { .. })) {
                 if instants
                     .last()
-                    .is_some_and(|last| in_this(last) && looks(last.guard))
+                    .is_some_and(|last| in_this(last, guard) && looks(last.guard))
                 {
                     instants.pop();
                 }

@@ -29,6 +29,8 @@ pub(super) struct Follower {
 const RENEWED: usize = 8;
 /// Errors are so many roundoffs of the parameter.
 const NOISE: f64 = 64.0;
+/// Where the side changes on which doubled orbits lie is known to this part of the parameter: it is extrapolated.
+const SIDE: f64 = 1e-9;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
 
@@ -290,9 +292,13 @@ impl Follower {
             return;
         }
         let point = self.told(station);
+        let part = match kind {
+            SpecialKind::GeneralisedDoubling => SIDE,
+            _ => NOISE * f64::EPSILON,
+        };
         self.special.push(Special {
             kind,
-            error: NOISE * f64::EPSILON * station.parameter().abs(),
+            error: part * station.parameter().abs(),
             residual,
             persists: None,
             above: None,
