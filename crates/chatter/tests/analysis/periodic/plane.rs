@@ -273,7 +273,7 @@ v = 0
 #[test]
 fn the_graze_of_the_valve_becomes_a_fold() {
     let valve = model("pressure_relief_valve", &[("q", "0.0203")]);
-    let found = over(&valve, "q", (0.02024, 0.02026), (40, 0.05));
+    let found = over(&valve, "q", (0.02024, 0.0203), (40, 0.02));
     let graze = nearest(&found, &[SpecialKind::ImpactGraze], 0.020_248_774_288);
     let grazes = curve(&valve, ["q", "r"], &graze, ((0.71, 0.81), 0.05));
     let [[q, r]] = of(&grazes, SpecialKind::GrazeFold)[..] else {

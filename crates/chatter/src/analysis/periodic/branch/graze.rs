@@ -158,7 +158,8 @@ impl Walker {
             .and_then(|mut exchanged| {
                 let direction = exchanged.direction(&station.tangent);
                 let guess = (&*exchanged.guess, &*direction);
-                let next = station_after(&mut exchanged.shooting, guess);
+                let grows = exchanged.grows();
+                let next = station_after(&mut exchanged.shooting, guess, grows);
                 let next = next.map_err(|error| error.to_string())?;
                 self.shooting = exchanged.shooting;
                 Ok(next)

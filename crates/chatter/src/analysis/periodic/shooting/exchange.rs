@@ -120,16 +120,37 @@ pub(crate) struct Exchanged {
     pub numbers: Vec<usize>,
     /// Where the last step stood among the unknowns, if it is the first one now.
     last: Option<usize>,
+    /// The step between both events.
+    between: usize,
 }
 
 impl Exchanged {
     /// A direction of the unknowns as they were, in the order that they have now.
     pub(crate) fn direction(&self, before: &[f64]) -> Vec<f64> {
-        let Some(last) = self.last else {
-            return before.to_vec();
+        let mut direction = match self.last {
+            None => before.to_vec(),
+            Some(last) => {
+                let (nodes, free) = before.split_at(before.len() - self.shooting.parameters());
+                [&nodes[last..], &nodes[..last], free].concat()
+            }
         };
-        let (nodes, free) = before.split_at(before.len() - self.shooting.parameters());
-        [&nodes[last..], &nodes[..last], free].concat()
+        let count = self.shooting.steps.len();
+        let place = |index: usize| self.shooting.duration_place(index % count);
+        if let Some(between) = place(self.between) {
+            let early = direction[between];
+            direction[between] = -early;
+            for beside in [self.between + count - 1, self.between + 1] {
+                if let Some(beside) = place(beside) {
+                    direction[beside] += early;
+                }
+            }
+        }
+        direction
+    }
+
+    /// Where the time between both events stands among the unknowns: it is to grow.
+    pub(crate) fn grows(&self) -> Option<usize> {
+        self.shooting.duration_place(self.between)
     }
 }
 
@@ -202,6 +223,7 @@ impl Shooting<f64> {
             guess,
             numbers,
             last,
+            between: index,
         })
     }
 
@@ -226,10 +248,12 @@ impl Shooting<f64> {
     }
 }
 
-/// A station of equations after an exchange, near a guess: the curve goes on in this direction.
+/// A station of equations after an exchange, near a guess: the curve goes on in this direction, or, where it bends sharply there, in
+/// that in which this unknown grows.
 pub(crate) fn station_after(
     problem: &mut dyn Problem<f64>,
     (guess, direction): (&[f64], &[f64]),
+    grows: Option<usize>,
 ) -> Result<Station, NewtonError> {
     let scales = problem.scales().to_vec();
     let row: Vec<f64> = (direction.iter().zip(&scales))
@@ -248,8 +272,12 @@ pub(crate) fn station_after(
             "an event passes the knot of a table at which something jumps",
         )));
     }
+    let mut along = tangent(problem, &found.at, &row)?;
+    if grows.is_some_and(|place| along[place] < 0.0) {
+        along.iter_mut().for_each(|x| *x = -*x);
+    }
     Ok(Station {
-        tangent: tangent(problem, &found.at, &row)?,
+        tangent: along,
         at: found.at,
         residual: found.residual,
         correction: found.correction,

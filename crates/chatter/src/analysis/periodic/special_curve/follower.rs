@@ -333,11 +333,13 @@ impl Follower {
         };
         let grazing = self.grazing.map(number);
         let direction = exchanged.direction(&station.tangent);
+        let grows = exchanged.grows();
         let shooting = &mut exchanged.shooting;
         let anew = condition.near(shooting, &exchanged.guess, None);
         let anew = anew.map_err(|left| lost(&left))?;
         let guess = (&*exchanged.guess, &*direction);
-        let next = station_after(&mut anew.of(shooting), guess).map_err(|error| lost(&error))?;
+        let next =
+            station_after(&mut anew.of(shooting), guess, grows).map_err(|error| lost(&error))?;
         self.shooting = exchanged.shooting;
         (self.condition, self.grazing) = (condition, grazing);
         self.shooting
