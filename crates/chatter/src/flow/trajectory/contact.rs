@@ -82,6 +82,12 @@ impl<R: Real> Trajectory<R> {
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
         self.put_right(system, None)?;
+        if !system.rubbing().is_empty() {
+            let touch = self.touch_values(system)?;
+            if self.jamming(system, (&touch, Closed::NONE.with(contact)))? == Some(contact) {
+                return Err(self.jammed(contact));
+            }
+        }
         let [_, _, mut acceleration, _] = self.local(system, contact)?;
         if acceleration.value.abs() <= acceleration.level()
             && self.hold_by_contacts(
@@ -155,6 +161,10 @@ impl<R: Real> Trajectory<R> {
     /// Forces and accelerations of contacts at rest, on the sides that hold now.
     fn forces_at_rest(&self, system: &System, contacts: &[usize]) -> Result<Forces<R>, FlowError> {
         let touch = self.touch_values(system)?;
+        let all = contacts.iter().fold(Closed::NONE, |all, &i| all.with(i));
+        if let Some(contact) = self.jamming(system, (&touch, all))? {
+            return Err(self.jammed(contact));
+        }
         let free: Vec<R> = (contacts.iter())
             .map(|&i| touch.acceleration[i].value)
             .collect();

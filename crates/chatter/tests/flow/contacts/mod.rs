@@ -5,5 +5,6 @@ mod chatter_limits;
 mod grazes;
 mod held_by_friction;
 mod nested_chatter;
+mod painleve;
 mod several_contacts;
 mod several_releases;

@@ -317,6 +317,10 @@ impl<R: Real> Trajectory<R> {
         candidate: Candidate,
         (touched, asked): (&[Corner], &mut Asked),
     ) -> Result<Option<Verdict<R>>, FlowError> {
+        if let Some(contact) = self.jam(system) {
+            asked.singular = Some(self.jammed(contact));
+            return Ok(None);
+        }
         let field = self.field_here(system)?;
         if !field.iter().all(|f| f.value.is_finite()) {
             asked.singular = self.singular_here(system);
