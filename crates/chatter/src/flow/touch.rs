@@ -390,6 +390,23 @@ pub(crate) fn with_terms<R: Real>(
     })
 }
 
+/// The series of a slot of a tape in a unit of time, each coefficient with its terms, to the highest order.
+pub(crate) fn series_with_terms<R: Real>(
+    tape: &Tape,
+    constants: &[R],
+    start: (&[R], &[R]),
+    (slot, unit): (usize, R),
+) -> Vec<WithTerms<R>> {
+    let mut expansion = Expansion::new(&[tape]);
+    let (state, low) = WithTerms::for_series(start.0, start.1);
+    let (numbers, _) = WithTerms::for_series(constants, &[]);
+    let (unit, _) = WithTerms::for_series(&[unit], &[]);
+    let order = R::ORDERS[R::ORDERS.len() - 1];
+    expansion.run(tape, &numbers, &state, &low, unit[0], order);
+    let series = expansion.series(slot).iter();
+    series.map(|&c| WithTerms::of_series(c)).collect()
+}
+
 struct Evaluation<'a, R> {
     tape: &'a Tape,
     constants: &'a [R],

@@ -118,7 +118,8 @@ impl<R: Real> Trajectory<R> {
                 }
                 continue;
             }
-            let goes_on = sliding.rate * sign >= R::ZERO || !self.slides_clearly(system, contact)?;
+            let goes_on =
+                sliding.rate * sign >= R::ZERO || !self.slides_clearly(system, contact)?;
             if sliding.can_slide(sign, rise) && goes_on {
                 return Ok(());
             }

@@ -171,7 +171,7 @@ impl<R: Real> Trajectory<R> {
         for (index, guard) in self.program(system)?.guards.iter().enumerate() {
             let roots = self.at_instant.get(index);
             let is_other = guard.closing().is_some_and(|other| other != contact);
-            if is_other && matches!(roots, 2 | 3) {
+            if is_other && roots > 1 {
                 self.touching.set(index, roots);
             }
         }

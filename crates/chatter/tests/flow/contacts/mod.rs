@@ -4,6 +4,7 @@ mod after_release;
 mod chatter_limits;
 mod grazes;
 mod held_by_friction;
+mod higher_orders;
 mod nested_chatter;
 mod painleve;
 mod several_contacts;
