@@ -91,7 +91,7 @@ impl<R: Real, const SERIES: bool> WithTerms<R, SERIES> {
         let level = self.level().to_f64();
         let secant = libm::pow(level, exponent) / level;
         let is_within = self.value.to_f64().abs() <= level && secant.is_finite();
-        let slope = if is_within && !(slope.abs() <= secant) {
+        let slope = if is_within && (slope.is_nan() || slope.abs() > secant) {
             secant
         } else {
             slope

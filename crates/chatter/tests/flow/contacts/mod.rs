@@ -2,6 +2,7 @@
 
 mod after_release;
 mod chatter_limits;
+mod collapse;
 mod grazes;
 mod held_by_friction;
 mod higher_orders;
