@@ -264,7 +264,7 @@ impl System {
         );
         let contacts = mechanics.contacts.clone();
         let stop = match kind.jump {
-            Jump::Stop(contact) => Some(stop(&mut mechanics, contact)?.1),
+            Jump::Stop(contact) => Some(stop(&mut mechanics, contact)?.stop),
             _ => None,
         };
         let mut graph = mechanics.graph;

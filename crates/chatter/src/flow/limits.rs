@@ -88,7 +88,7 @@ impl Limits {
         for rubbing in rubbing {
             let slides = sides.get(rubbing.surface) != Side::Sliding;
             if closed.contains(rubbing.contact) && slides {
-                let room = mechanics.contacts[rubbing.contact].rate_per_impulse;
+                let room = mechanics.room(rubbing.contact);
                 limits.jams.push((GuardKind::Jam(rubbing.contact), room));
             }
         }

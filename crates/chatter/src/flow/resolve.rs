@@ -361,6 +361,9 @@ fn first_closing<R: Real>(
     (noise, terms): (f64, R),
     left: bool,
 ) -> Result<Option<Root<R>>, Stuck> {
+    // What was left from rest by a higher derivative than roots are counted begins with more of them.
+    let more = p.iter().take_while(|&&c| left && c == R::ZERO).count();
+    let p = if more < p.len() { &p[more..] } else { p };
     let start = p[0];
     let noise_within = |end: R| magnitude(p, end) * R::splat(noise);
     let level = noise_within(width).max(terms * R::splat(noise));

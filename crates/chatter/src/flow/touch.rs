@@ -17,8 +17,7 @@ pub(crate) struct Touches {
     collisions: Vec<Tape>,
     /// The derivative of each gap along each column, contact by contact.
     slopes: Tape,
-    /// Per contact with friction: the rate of sliding, and the change of the state that makes it larger by one and leaves the
-    /// gap rate as it is.
+    /// Per contact with friction: what an impact there does along it.
     slidings: Vec<Option<Tape>>,
     graph: Graph,
     contacts: usize,
@@ -68,6 +67,8 @@ pub(crate) struct Touch<R> {
     pub restitution: Vec<WithTerms<R>>,
     /// Row i, column j: what an impulse at contact j that changes its own rate by one does to the rate of contact i.
     pub coupling: Vec<Vec<R>>,
+    /// What friction leaves of what the impulse of a contact does to its gap rate: negative where a contact that slides jams.
+    pub room: Vec<WithTerms<R>>,
     /// One row a contact: what that impulse does to the state.
     pub jump: Vec<Vec<R>>,
     /// One row a contact: the gradient of its gap, zero for time.
@@ -75,7 +76,27 @@ pub(crate) struct Touch<R> {
 }
 
 /// Outputs a contact before the rows.
-const SCALARS: usize = 4;
+const SCALARS: usize = 5;
+
+/// Outputs along friction before the change of the state.
+const SLIDING_SCALARS: usize = 5;
+
+/// Friction at an impact, on the sides where the state is.
+#[derive(Clone, Debug)]
+pub(crate) struct Sliding<R> {
+    /// v_t.
+    pub rate: R,
+    /// By how much the gap rate rises with a tangential impulse.
+    pub lift: R,
+    /// By how much the rate of sliding rises with one that leaves the gap rate as it is.
+    pub change: R,
+    /// By how much the gap rate rises with the normal impulse and the friction that it brings about here.
+    pub rise: R,
+    pub coefficient: R,
+    /// What a tangential impulse that stops the sliding and leaves the gap rate as it is adds to the state, and to columns at the
+    /// event's point.
+    pub stop: Vec<R>,
+}
 
 impl Touches {
     pub(crate) fn new(
@@ -87,12 +108,14 @@ impl Touches {
         let contacts = mechanics.contacts.clone();
         let coordinates = mechanics.field.len();
         let mut outputs: Vec<Expr> = Vec::new();
-        for contact in &contacts {
+        for (index, contact) in contacts.iter().enumerate() {
+            let room = mechanics.room(index);
             outputs.extend([
                 contact.gap,
                 contact.rate,
                 contact.acceleration,
                 contact.restitution,
+                room,
             ]);
         }
         for i in 0..contacts.len() {
@@ -223,20 +246,42 @@ impl Touches {
         slopes
     }
 
-    /// The rate of sliding of a contact with friction, and what stopping it adds to the state and its columns at the event's point.
+    /// Friction of a contact at an impact; none without any.
     pub(crate) fn sliding<R: Real>(
         &self,
         constants: &TouchConstants<R>,
         contact: usize,
         state: &[R],
         low: &[R],
-    ) -> Option<(R, Vec<R>)> {
+    ) -> Option<Sliding<R>> {
         let tape = self.slidings[contact].as_ref()?;
         let mut values = vec![R::ZERO; tape.outputs.len()];
         let own = &constants.slidings[contact];
         Expansion::new(&[tape]).evaluate(tape, own, state, low, &mut values);
-        let stop = values.split_off(1);
-        Some((values[0], stop))
+        let stop = values.split_off(SLIDING_SCALARS);
+        let &[rate, lift, change, rise, coefficient] = &values[..] else {
+            return None;
+        };
+        Some(Sliding {
+            rate,
+            lift,
+            change,
+            rise,
+            coefficient,
+            stop,
+        })
+    }
+
+    /// The rate of sliding of a contact with friction.
+    pub(crate) fn rate_of_sliding<R: Real>(
+        &self,
+        constants: &TouchConstants<R>,
+        contact: usize,
+        start: (&[R], &[R]),
+    ) -> Option<WithTerms<R>> {
+        let tape = self.slidings[contact].as_ref()?;
+        let values = with_terms(tape, &constants.slidings[contact], start);
+        values.first().copied()
     }
 
     /// Everything at a state and its rounding remainders.
@@ -261,6 +306,7 @@ impl Touches {
             rate: column(1),
             acceleration: column(2),
             restitution: column(3),
+            room: column(4),
             coupling: table(0, n),
             jump: table(n * n, dimension),
             gradient: table(n * n + n * dimension, dimension),
@@ -273,9 +319,16 @@ fn sliding(
     contact: usize,
     (coordinates, directions): (usize, &[Direction]),
 ) -> Option<Tape> {
-    let (rate, stop) = stop(mechanics, contact)?;
+    let Stop {
+        rate,
+        lift,
+        change,
+        stop,
+    } = stop(mechanics, contact)?;
+    let coefficient = (mechanics.rubs.iter().find(|rub| rub.contact == contact))?.coefficient;
+    let rise = mechanics.contacts[contact].rate_per_impulse;
     let graph = &mut mechanics.graph;
-    let mut outputs = vec![rate];
+    let mut outputs = vec![rate, lift, change, rise, coefficient];
     outputs.extend(&stop);
     for direction in directions {
         outputs.extend(direction.along(graph, coordinates, &stop));
@@ -284,9 +337,17 @@ fn sliding(
     Some(Tape::new(graph, dimension, &[], &outputs))
 }
 
+/// What stops the sliding of a contact, as expressions of what [`Sliding`] has the values of.
+pub(super) struct Stop {
+    rate: Expr,
+    lift: Expr,
+    change: Expr,
+    pub(super) stop: Vec<Expr>,
+}
+
 /// The rate of sliding of a contact with friction, and what a tangential impulse that stops it adds to the state while the gap rate
 /// stays as it is.
-pub(super) fn stop(mechanics: &mut Mechanics, contact: usize) -> Option<(Expr, Vec<Expr>)> {
+pub(super) fn stop(mechanics: &mut Mechanics, contact: usize) -> Option<Stop> {
     let rub = mechanics.rubs.iter().find(|rub| rub.contact == contact)?;
     let (rate, along) = (rub.rate, rub.along.clone());
     let gap_rate = mechanics.contacts[contact].rate;
@@ -308,7 +369,12 @@ pub(super) fn stop(mechanics: &mut Mechanics, contact: usize) -> Option<(Expr, V
             graph.neg(taken)
         })
         .collect();
-    Some((rate, stop))
+    Some(Stop {
+        rate,
+        lift,
+        change,
+        stop,
+    })
 }
 
 /// Outputs of a tape at a state and its rounding remainders, each with its terms.
@@ -322,6 +388,23 @@ pub(crate) fn with_terms<R: Real>(
         constants,
         start,
     })
+}
+
+/// The series of a slot of a tape in a unit of time, each coefficient with its terms, to the highest order.
+pub(crate) fn series_with_terms<R: Real>(
+    tape: &Tape,
+    constants: &[R],
+    start: (&[R], &[R]),
+    (slot, unit): (usize, R),
+) -> Vec<WithTerms<R>> {
+    let mut expansion = Expansion::new(&[tape]);
+    let (state, low) = WithTerms::for_series(start.0, start.1);
+    let (numbers, _) = WithTerms::for_series(constants, &[]);
+    let (unit, _) = WithTerms::for_series(&[unit], &[]);
+    let order = R::ORDERS[R::ORDERS.len() - 1];
+    expansion.run(tape, &numbers, &state, &low, unit[0], order);
+    let series = expansion.series(slot).iter();
+    series.map(|&c| WithTerms::of_series(c)).collect()
 }
 
 struct Evaluation<'a, R> {

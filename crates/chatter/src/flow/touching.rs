@@ -4,7 +4,8 @@ use crate::numerics::Real;
 use crate::numerics::polynomial::derivative_bound;
 
 /// How many roots of each guard lie exactly at the start of the next step: none, one after an impact or a section
-/// crossing, two where a contact is left from rest by its acceleration or after a graze, three at release.
+/// crossing, two where a contact is left from rest by its acceleration or after a graze, three at release, more where jerk and what
+/// follows vanish, too.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Touching([u64; WORDS]);
 
@@ -63,7 +64,7 @@ impl Touching {
         self.0.iter().any(|word| word & ALL_BUT_FIRST_BITS != 0)
     }
 
-    /// Sets the roots of a guard, at most three, or [`BALANCED`](Self::BALANCED).
+    /// Sets the roots of a guard, at most seven, which of what is no gap and no section means [`BALANCED`](Self::BALANCED).
     #[inline(always)]
     pub fn set(&mut self, guard: usize, roots: u8) {
         let (word, place) = (

@@ -8,9 +8,9 @@ use super::double_double::DoubleDouble;
 use super::scalar::{Real, Scalar};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A value and the size of its terms.
+/// A value and the size of its terms; with `SERIES` one that expansions in time may be computed with, and else values at a point alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WithTerms<R> {
+pub struct WithTerms<R, const SERIES: bool = false> {
     /// The number.
     pub value: R,
     /// How large the terms are that it is the sum of, in its own units.
@@ -35,10 +35,37 @@ impl<R: Real> WithTerms<R> {
         values.iter().copied().map(Self::exact).collect()
     }
 
+    /// Numbers that are one term each, and rounding remainders whose terms are counted there, for series.
+    pub(crate) fn for_series(
+        values: &[R],
+        remainders: &[R],
+    ) -> (Vec<WithTerms<R, true>>, Vec<WithTerms<R, true>>) {
+        let value = |&value: &R| WithTerms::single(value);
+        let remainder = |&value: &R| WithTerms { value, terms: 0.0 };
+        let remainders = remainders.iter().map(remainder).collect();
+        (values.iter().map(value).collect(), remainders)
+    }
+
+    /// Without what makes it one of a series.
+    pub(crate) fn of_series(value: WithTerms<R, true>) -> Self {
+        let WithTerms { value, terms } = value;
+        Self { value, terms }
+    }
+
     /// Rounding remainders of numbers: terms of theirs are counted there.
     pub fn remainders(values: &[R]) -> Vec<Self> {
         let remainder = |&value: &R| Self { value, terms: 0.0 };
         values.iter().map(remainder).collect()
+    }
+}
+
+impl<R: Real, const SERIES: bool> WithTerms<R, SERIES> {
+    /// The same of either kind.
+    fn single(value: R) -> Self {
+        Self {
+            value,
+            terms: value.to_f64().abs(),
+        }
     }
 
     /// Below this size the value cannot be told from zero.
@@ -58,12 +85,26 @@ impl<R: Real> WithTerms<R> {
         }
     }
 
+    /// A power of the number, of this value and slope, whose slope is infinite at zero: how far it may be off as long as the number
+    /// cannot be told from zero is the power of that.
+    fn steep(self, value: R, slope: f64, exponent: f64) -> Self {
+        let level = self.level().to_f64();
+        let secant = libm::pow(level, exponent) / level;
+        let is_within = self.value.to_f64().abs() <= level && secant.is_finite();
+        let slope = if is_within && (slope.is_nan() || slope.abs() > secant) {
+            secant
+        } else {
+            slope
+        };
+        self.sloped(value, slope)
+    }
+
     fn size(self) -> f64 {
         self.value.to_f64().abs()
     }
 }
 
-impl<R: Real> Add for WithTerms<R> {
+impl<R: Real, const SERIES: bool> Add for WithTerms<R, SERIES> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self {
@@ -73,14 +114,14 @@ impl<R: Real> Add for WithTerms<R> {
     }
 }
 
-impl<R: Real> Sub for WithTerms<R> {
+impl<R: Real, const SERIES: bool> Sub for WithTerms<R, SERIES> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self + -other
     }
 }
 
-impl<R: Real> Mul for WithTerms<R> {
+impl<R: Real, const SERIES: bool> Mul for WithTerms<R, SERIES> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         Self {
@@ -90,7 +131,7 @@ impl<R: Real> Mul for WithTerms<R> {
     }
 }
 
-impl<R: Real> Div for WithTerms<R> {
+impl<R: Real, const SERIES: bool> Div for WithTerms<R, SERIES> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
@@ -102,7 +143,7 @@ impl<R: Real> Div for WithTerms<R> {
     }
 }
 
-impl<R: Real> Neg for WithTerms<R> {
+impl<R: Real, const SERIES: bool> Neg for WithTerms<R, SERIES> {
     type Output = Self;
     fn neg(self) -> Self {
         Self {
@@ -112,36 +153,36 @@ impl<R: Real> Neg for WithTerms<R> {
     }
 }
 
-impl<R: Real> AddAssign for WithTerms<R> {
+impl<R: Real, const SERIES: bool> AddAssign for WithTerms<R, SERIES> {
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<R: Real> SubAssign for WithTerms<R> {
+impl<R: Real, const SERIES: bool> SubAssign for WithTerms<R, SERIES> {
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl<R: Real> MulAssign for WithTerms<R> {
+impl<R: Real, const SERIES: bool> MulAssign for WithTerms<R, SERIES> {
     fn mul_assign(&mut self, other: Self) {
         *self = *self * other;
     }
 }
 
-impl<R: Real> Scalar for WithTerms<R> {
+impl<R: Real, const SERIES: bool> Scalar for WithTerms<R, SERIES> {
     crate::numerics::scalar::is_its_own_part!();
     type Mask = bool;
     const ROUNDOFF: f64 = R::ROUNDOFF;
-    /// Values at a point are all that it is for.
-    const ORDERS: [usize; 6] = [0; 6];
+    /// Values at a point are all that it is for, unless it says that it is for series.
+    const ORDERS: [usize; 6] = if SERIES { R::ORDERS } else { [0; 6] };
 
     fn splat(value: f64) -> Self {
-        Self::exact(R::splat(value))
+        Self::single(R::splat(value))
     }
     fn from_double_double(value: DoubleDouble) -> Self {
-        Self::exact(R::from_double_double(value))
+        Self::single(R::from_double_double(value))
     }
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         Self {
@@ -167,7 +208,7 @@ impl<R: Real> Scalar for WithTerms<R> {
     }
     fn sqrt(self) -> Self {
         let root = self.value.sqrt();
-        self.sloped(root, 0.5 / root.to_f64())
+        self.steep(root, 0.5 / root.to_f64(), 0.5)
     }
     fn exp(self) -> Self {
         let value = self.value.exp();
@@ -211,10 +252,15 @@ impl<R: Real> Scalar for WithTerms<R> {
         let value = self.value.powf(exponent.value);
         let by_base = value.to_f64() * exponent.value.to_f64() / self.value.to_f64();
         let by_exponent = value.to_f64() * libm::log(self.value.to_f64());
-        let along = self.sloped(value, by_base);
+        let along = self.steep(value, by_base, exponent.value.to_f64());
+        let across = if value == R::ZERO {
+            0.0
+        } else {
+            exponent.sloped(R::ZERO, by_exponent).terms
+        };
         Self {
             value,
-            terms: along.terms + exponent.sloped(R::ZERO, by_exponent).terms,
+            terms: along.terms + across,
         }
     }
     fn less(self, other: Self) -> bool {
@@ -233,10 +279,10 @@ impl<R: Real> Scalar for WithTerms<R> {
         if mask { yes } else { no }
     }
     fn coarse_log2(self) -> Self {
-        Self::exact(self.value.coarse_log2())
+        Self::single(self.value.coarse_log2())
     }
     fn coarse_exp2(self) -> Self {
-        Self::exact(self.value.coarse_exp2())
+        Self::single(self.value.coarse_exp2())
     }
 }
 
@@ -285,5 +331,20 @@ mod tests {
         }
         let root = (at(4.0) - at(3.0)).sqrt();
         assert!((root.terms - 4.5).abs() < 1e-12, "{root:?}");
+    }
+
+    #[test]
+    fn a_root_of_what_is_zero_is_off_by_the_root_of_rounding() {
+        let nothing = at(1.1) - at(1.1);
+        for (root, exponent) in [
+            (nothing.sqrt(), 0.5),
+            (nothing.powf(at(0.25)), 0.25),
+            (nothing.powf(at(1.5)), 1.5),
+        ] {
+            let level = nothing.level().powf(exponent);
+            assert!((root.level() / level - 1.0).abs() < 1e-12, "{root:?}");
+            let force = at(-1.0) + root;
+            assert!(force.value < -force.level(), "{force:?}");
+        }
     }
 }

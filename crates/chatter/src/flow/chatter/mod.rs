@@ -193,6 +193,11 @@ impl<R: Real> ChatterTracker<R> {
         self.pace.rest(contact, R::splat(FOREVER))
     }
 
+    /// The same, at most, of impacts that only those of other contacts bring about; `Err` where they need not come to an end.
+    pub(crate) fn rest_of_collapse(&self, contact: usize) -> Result<R, ()> {
+        self.pace.rest_of_collapse(contact, R::splat(FOREVER))
+    }
+
     /// Whether an impact may belong to a sequence that can be completed; else what was seen before it is no such sequence.
     #[inline(always)]
     pub(crate) fn may_complete(&mut self, local: LocalPoint<R>) -> bool {

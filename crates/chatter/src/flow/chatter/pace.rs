@@ -8,6 +8,13 @@ pub(crate) const REMEMBERED: usize = 8;
 /// The estimate takes a sequence for one that slows down by this factor at least over the impacts remembered.
 const SLOWEST: f64 = 0.9;
 
+/// Flights no longer than so many roundoffs of the time are none.
+const TIME_ROUNDOFFS: f64 = 8.0;
+
+/// Flights of a collapse whose factors say what it comes to, and how many times as far as their latest change lets expect these may go.
+const FLIGHTS_COMPARED: usize = 3;
+const FACTOR_MARGIN: f64 = 3.0;
+
 /// The latest impacts of one contact.
 #[derive(Clone, Debug)]
 struct Recent<R> {
@@ -66,6 +73,67 @@ impl<R: Real> Pace<R> {
             self.others.resize(index + 1, Recent::NONE);
         }
         &mut self.others[index]
+    }
+
+    /// How long the impacts of a contact may still go on, at most, that nothing but those of others brings about: flights between its
+    /// own become shorter by a factor that changes from one to the next. `Err` where it may come to exceed one, so that they need not
+    /// end; nothing where fewer than two are remembered, or what was hit since falls back by itself.
+    pub(super) fn rest_of_collapse(&self, contact: usize, forever: R) -> Result<R, ()> {
+        let recent = match contact {
+            0 => Some(&self.first),
+            _ => self.others.get(contact - 1),
+        };
+        let Some(recent) = recent.filter(|recent| recent.count > 1) else {
+            return Ok(R::ZERO);
+        };
+        let at = |back: usize| recent.impacts[(recent.count - 1 - back) % REMEMBERED];
+        // What falls back by itself comes to rest, and what bounces on it with it.
+        let compared = (recent.count.min(REMEMBERED) - 1).min(FLIGHTS_COMPARED);
+        let falls_back = |other: &Recent<R>| {
+            let (then, rest) = other.impacts[other.count.wrapping_sub(1) % REMEMBERED];
+            other.count > 0 && then >= at(compared).0 && rest < forever
+        };
+        if falls_back(&self.first) || self.others.iter().any(falls_back) {
+            return Ok(R::ZERO);
+        }
+        let flights: Vec<R> = (0..compared)
+            .map(|back| at(back).0 - at(back + 1).0)
+            .collect();
+        let rounding = at(0).0.abs() * R::splat(TIME_ROUNDOFFS * R::ROUNDOFF);
+        if flights[0] <= rounding {
+            return Ok(rounding);
+        }
+        // What was met a few times and moves along by now is no collapse, and of more than two contacts flights take turns.
+        let met = |other: &&Recent<R>| {
+            let (then, _) = other.impacts[other.count.wrapping_sub(1) % REMEMBERED];
+            other.count > 0 && then >= at(compared).0
+        };
+        let all = core::iter::once(&self.first).chain(&self.others);
+        let together = all.filter(met).count();
+        let open = || match recent.count < REMEMBERED || together > 2 {
+            true => Ok(flights[0]),
+            false => Err(()),
+        };
+        let factor = match flights[..] {
+            [latest] => return Ok(latest),
+            [latest, before] => latest / before,
+            [latest, before, first, ..] => {
+                let (factor, earlier) = (latest / before, before / first);
+                if factor >= R::ONE {
+                    return open();
+                }
+                // Factors of a linear sequence converge as its flights do.
+                let still = (factor - earlier).abs() * factor / (R::ONE - factor);
+                still.mul_add(R::splat(FACTOR_MARGIN), factor)
+            }
+            [] => R::ZERO,
+        };
+        let ends = factor < R::ONE && flights[0] <= flights[flights.len() - 1];
+        if ends {
+            Ok(flights[0] * factor / (R::ONE - factor))
+        } else {
+            open()
+        }
     }
 
     /// How long the impacts of a contact may still go on: what its own sequence would take, or, where others come between

@@ -19,7 +19,7 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::Closed;
 use crate::flow::step::{FOREVER, Workspace, flight_time, legal_rates};
 use crate::flow::system::System;
-use crate::flow::touch::{Touch, TouchConstants, Touches};
+use crate::flow::touch::{Sliding, Touch, TouchConstants, Touches};
 use crate::model::Simultaneous;
 use crate::numerics::complementarity::complementary;
 use crate::numerics::{Real, WithTerms, two_sum};
@@ -115,7 +115,7 @@ impl<R: Real> Trajectory<R> {
             } else {
                 let impulses = match self.law {
                     Simultaneous::Binary => self.collide_one(system, &touch, fastest)?,
-                    Simultaneous::Moreau => self.moreau(&touch, touching)?,
+                    Simultaneous::Moreau => self.moreau(system, &touch, touching)?,
                 };
                 let made = impulses.len() as u64;
                 (impulses, made)
@@ -168,10 +168,15 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Vec<(usize, R, R)>, FlowError> {
         let restitution = touch.restitution[contact].value;
         self.check_restitution(contact, restitution)?;
-        (self.state, self.low) = self.after_collision(system, contact)?;
-        self.stop_sliding(system, contact)?;
         let rate = touch.rate[contact].value;
-        Ok(vec![(contact, rate, -(restitution * rate))])
+        let after = -(restitution * rate);
+        let hit = self.after_collision(system, contact)?;
+        let before = (
+            core::mem::replace(&mut self.state, hit.0),
+            core::mem::replace(&mut self.low, hit.1),
+        );
+        self.rub_at_impact(system, contact, (after - rate, Some(before)))?;
+        Ok(vec![(contact, rate, after)])
     }
 
     /// Carries on a cascade whose impulses change rates by constant amounts; returns how many collisions that were. The
@@ -198,6 +203,7 @@ impl<R: Real> Trajectory<R> {
     /// Moreau's impulses: contact, rate before and after of each that gets one. The state is moved.
     fn moreau(
         &mut self,
+        system: &System,
         touch: &Touch<R>,
         touching: Closed,
     ) -> Result<Vec<(usize, R, R)>, FlowError> {
@@ -214,6 +220,11 @@ impl<R: Real> Trajectory<R> {
         let Some(found) = complementary(&block, &q, &levels) else {
             return Err(self.dependent(&contacts));
         };
+        let pushed = (contacts.iter().enumerate()).filter(|&(k, _)| found.p[k] > levels[k]);
+        let pushed = pushed.fold(Closed::NONE, |pushed, (_, &i)| pushed.with(i));
+        if let Some(contact) = self.jamming(system, (touch, pushed))? {
+            return Err(self.jammed(contact));
+        }
         let mut impulses = Vec::new();
         for (k, &i) in contacts.iter().enumerate() {
             if found.p[k] > levels[k] {
@@ -451,7 +462,7 @@ impl<R: Real> Trajectory<R> {
             .ok_or_else(|| self.left_domain())
     }
 
-    fn after_collision(
+    pub(super) fn after_collision(
         &self,
         system: &System,
         contact: usize,
@@ -460,15 +471,24 @@ impl<R: Real> Trajectory<R> {
         Ok(touches.after_collision(constants, contact, &self.state, &self.low))
     }
 
-    /// The rate of sliding of a contact with friction, and the change of the state, and of columns at the event's point, that stops
-    /// it and leaves the gap rate as it is.
+    /// Friction of a contact at an impact; none without any.
     pub(super) fn sliding(
         &self,
         system: &System,
         contact: usize,
-    ) -> Result<Option<(R, Vec<R>)>, FlowError> {
+    ) -> Result<Option<Sliding<R>>, FlowError> {
         let (touches, constants) = self.touches(system)?;
         Ok(touches.sliding(constants, contact, &self.state, &self.low))
+    }
+
+    /// The rate of sliding of a contact with friction.
+    pub(super) fn rate_of_sliding(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<Option<WithTerms<R>>, FlowError> {
+        let (touches, constants) = self.touches(system)?;
+        Ok(touches.rate_of_sliding(constants, contact, (&self.state, &self.low)))
     }
 
     fn check_restitution(&self, contact: usize, value: R) -> Result<(), FlowError> {

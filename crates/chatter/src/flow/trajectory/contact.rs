@@ -11,7 +11,7 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, Grip, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
-use crate::flow::touch::with_terms;
+use crate::flow::touch::{series_with_terms, with_terms};
 use crate::flow::touching::{Left, Touching};
 use crate::numerics::complementarity::{Complementary, complementary};
 use crate::numerics::polynomial::magnitude;
@@ -22,6 +22,12 @@ const COLUMN_SWEEPS: usize = 60;
 
 /// A gap that no order of its expansion moves by more than this part of the state's own motion stays as it is.
 const BALANCE_ROUNDOFFS: f64 = 1024.0;
+
+/// Of a derivative that is the sum of forces in balance so many times as much may be left as rounding makes of its terms.
+const BALANCE_LEVELS: f64 = 32.0;
+
+/// Gap, rate, acceleration and jerk have been asked of a contact at rest.
+const ORDERS_AT_REST: usize = 4;
 
 /// What contacts at rest do: forces p and accelerations w, one of which is zero for each.
 struct Forces<R> {
@@ -62,8 +68,7 @@ impl<R: Real> Trajectory<R> {
 
     /// Contacts that are open, and at rest in this instant: what comes to rest beside them may keep them closed.
     fn just_left(&self, system: &System) -> Closed {
-        let at_rest =
-            |&contact: &usize| matches!(self.roots(system, GuardKind::Gap(contact)), 2 | 3);
+        let at_rest = |&contact: &usize| self.roots(system, GuardKind::Gap(contact)) > 1;
         (0..system.contacts())
             .filter(at_rest)
             .fold(Closed::NONE, Closed::with)
@@ -82,14 +87,20 @@ impl<R: Real> Trajectory<R> {
         let coordinates = self.coordinates;
         self.take(0..coordinates, &at_rest);
         self.put_right(system, None)?;
-        let [_, _, mut acceleration, _] = self.local(system, contact)?;
+        if !system.rubbing().is_empty() {
+            let touch = self.touch_values(system)?;
+            if self.jamming(system, (&touch, Closed::NONE.with(contact)))? == Some(contact) {
+                return Err(self.jammed(contact));
+            }
+        }
+        let mut acceleration = self.acceleration(system, contact)?;
         if acceleration.value.abs() <= acceleration.level()
             && self.hold_by_contacts(
                 system,
                 (Closed::NONE.with(contact), Closed::NONE.with(contact)),
             )?
         {
-            [_, _, acceleration, _] = self.local(system, contact)?;
+            acceleration = self.acceleration(system, contact)?;
         }
         if acceleration.value > acceleration.level() {
             self.leave_gap(system, contact, 2);
@@ -155,6 +166,10 @@ impl<R: Real> Trajectory<R> {
     /// Forces and accelerations of contacts at rest, on the sides that hold now.
     fn forces_at_rest(&self, system: &System, contacts: &[usize]) -> Result<Forces<R>, FlowError> {
         let touch = self.touch_values(system)?;
+        let all = contacts.iter().fold(Closed::NONE, |all, &i| all.with(i));
+        if let Some(contact) = self.jamming(system, (&touch, all))? {
+            return Err(self.jammed(contact));
+        }
         let free: Vec<R> = (contacts.iter())
             .map(|&i| touch.acceleration[i].value)
             .collect();
@@ -243,8 +258,8 @@ impl<R: Real> Trajectory<R> {
         self.capture_columns(system, work)
     }
 
-    /// A contact at rest without acceleration in the present mode: its jerk decides, or it is balanced. Returns whether it
-    /// is closed.
+    /// A contact at rest without acceleration in the present mode: its jerk decides, or the first derivative that can be told from
+    /// zero, or it is balanced. Returns whether it is closed.
     fn settle_by_jerk(
         &mut self,
         system: &System,
@@ -256,17 +271,55 @@ impl<R: Real> Trajectory<R> {
             self.leave_gap(system, contact, 3);
             return Ok(false);
         }
-        let balanced = jerk.value >= -jerk.level();
-        if balanced && !self.is_balanced(system, work, contact)? {
-            return Err(FlowError::UndecidedRelease {
-                time: self.time.to_f64(),
-                contact,
-            });
+        let mut roots = 1;
+        if jerk.value >= -jerk.level() {
+            match self.first_order(system, contact)? {
+                Some((order, rises)) => {
+                    let most = usize::from(Touching::BALANCED);
+                    if rises {
+                        self.leave_gap(system, contact, order.min(most) as u8);
+                        return Ok(false);
+                    }
+                    // Two of them are the force's own.
+                    roots = (order - 2).min(most - 1) as u8;
+                }
+                None if self.is_balanced(system, work, contact)? => roots = Touching::BALANCED,
+                None => {
+                    return Err(FlowError::UndecidedRelease {
+                        time: self.time.to_f64(),
+                        contact,
+                    });
+                }
+            }
         }
         self.enter(system, self.closed.with(contact))?;
-        let roots = if balanced { Touching::BALANCED } else { 1 };
         self.touch(system, GuardKind::Reaction(contact), roots);
         Ok(true)
+    }
+
+    /// The first order in which the field moves the gap of a contact at rest that neither acceleration nor jerk do, and whether it
+    /// rises; none that is computed can be told from zero by what is left of a balance of its terms.
+    fn first_order(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<Option<(usize, bool)>, FlowError> {
+        let program = self.program(system)?;
+        let guard = (program.guards.iter()).find(|guard| guard.closing() == Some(contact));
+        let (Some(constants), Some(Operand::Series(slot))) =
+            (&self.constants[self.mode], guard.map(|guard| guard.series))
+        else {
+            return Ok(None);
+        };
+        let start = (&self.state[..], &self.low[..]);
+        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
+        let series = series_with_terms(&program.tape, &constants.tape, start, (slot, unit));
+        let moves = |c: &WithTerms<R>| c.value.abs() > c.level() * R::splat(BALANCE_LEVELS);
+        let found = (series.iter().enumerate().skip(ORDERS_AT_REST)).find(|(_, c)| moves(c));
+        let is_finite = (series.iter()).all(|c| c.value.is_finite());
+        Ok(found
+            .filter(|_| is_finite)
+            .map(|(order, c)| (order, c.value > R::ZERO)))
     }
 
     /// Whether the gap of a contact at rest stays zero by itself: the field does not move it to any order that is
@@ -555,6 +608,30 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         contact: usize,
     ) -> Result<[WithTerms<R>; LOCAL_SCALARS], FlowError> {
+        let local = self.local_values(system, contact)?;
+        if local.iter().all(|value| value.value.is_finite()) {
+            Ok(local)
+        } else {
+            Err(self.left_domain())
+        }
+    }
+
+    /// The acceleration of a contact in the present mode, whose jerk may be infinite, as where a root begins.
+    fn acceleration(&self, system: &System, contact: usize) -> Result<WithTerms<R>, FlowError> {
+        let [gap, rate, acceleration, _] = self.local_values(system, contact)?;
+        let known = [gap, rate, acceleration];
+        if known.iter().all(|value| value.value.is_finite()) {
+            Ok(acceleration)
+        } else {
+            Err(self.left_domain())
+        }
+    }
+
+    fn local_values(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<[WithTerms<R>; LOCAL_SCALARS], FlowError> {
         let program = self.program(system)?;
         let mut local = [WithTerms::exact(R::ZERO); LOCAL_SCALARS];
         if let Some(constants) = &self.constants[self.mode] {
@@ -562,10 +639,6 @@ impl<R: Real> Trajectory<R> {
             let values = with_terms(&program.locals[contact], &constants.locals[contact], start);
             local.copy_from_slice(&values);
         }
-        if local.iter().all(|value| value.value.is_finite()) {
-            Ok(local)
-        } else {
-            Err(self.left_domain())
-        }
+        Ok(local)
     }
 }

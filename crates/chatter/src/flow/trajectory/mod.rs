@@ -9,6 +9,7 @@ mod cascade;
 mod collisions;
 mod contact;
 mod corners;
+mod friction;
 mod grazing;
 mod off_root;
 mod ordinary;
@@ -580,10 +581,7 @@ impl<R: Real> Trajectory<R> {
             }
             Transition::Meet(corner) => self.meet_corner(system, work, (corner, true)),
             Transition::Part(corner) => self.meet_corner(system, work, (corner, false)),
-            Transition::Jam { contact } => Err(FlowError::Jammed {
-                time: self.time.to_f64(),
-                contact,
-            }),
+            Transition::Jam { contact } => Err(self.jammed(contact)),
             Transition::Impact { contact } if result.crowd == Closed::NONE => {
                 self.flight_time = flight_time;
                 self.touching.set(index, 1);

@@ -146,15 +146,23 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
         mut impact: [R; IMPACT_SCALARS],
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        self.stop_sliding(system, contact)?;
         let fall = self.mode;
-        if self.settle_corners(system, None)? {
+        let has_slid = self.rub_at_impact(system, contact, (impact[1] - impact[0], None))?;
+        let changes = self.settle_corners(system, None)? || self.mode != fall;
+        if changes {
             self.keep_contacts(system, work)?;
-            // What follows is moved by another field.
-            let [_, _, acceleration, jerk] = self.local(system, contact)?;
+        }
+        if changes || !has_slid {
+            // What follows is moved by another field, or from another state.
+            let [_, rate, acceleration, jerk] = self.local(system, contact)?;
+            if !has_slid {
+                impact[1] = rate.value;
+            }
             impact[2] = acceleration.value;
             impact[3] = jerk.value;
             self.flight_time = flight_time(impact[1], impact[2], impact[3]);
+        }
+        if changes {
             if !self.note_top(fall) {
                 self.tracker.interrupt();
             }
@@ -164,38 +172,5 @@ impl<R: Real> Trajectory<R> {
         }
         let program = self.program(system)?;
         self.after_impact(system, work, program, (contact, &impact))
-    }
-
-    /// An impulse with full friction that has turned the sliding round was larger than what stops it: the contact sticks
-    /// during the impact, and slides no more after it, if there is any friction. With columns such an impact is one of several collisions, and they are those of
-    /// the event's point.
-    pub(super) fn stop_sliding(
-        &mut self,
-        system: &System,
-        contact: usize,
-    ) -> Result<(), FlowError> {
-        let Some(rubbing) = system.rubbing().iter().find(|r| r.contact == contact) else {
-            return Ok(());
-        };
-        let before = R::splat(self.regime.get(rubbing.surface).sign());
-        let Some((rate, stop)) = self.sliding(system, contact)? else {
-            return Ok(());
-        };
-        let turns = before == R::ZERO || rate * before < R::ZERO;
-        if turns && self.is_rough(system, contact) {
-            self.push(&stop, R::ONE);
-        }
-        Ok(())
-    }
-
-    /// Whether there is friction in a contact here.
-    fn is_rough(&self, system: &System, contact: usize) -> bool {
-        let model = system.model();
-        let friction = model.contacts[contact].friction.as_ref();
-        friction.is_some_and(|friction| {
-            let state = &self.state[..self.coordinates];
-            let coefficient = friction.coefficient;
-            model.graph.evaluate(coefficient, state, &self.parameters) > R::ZERO
-        })
     }
 }

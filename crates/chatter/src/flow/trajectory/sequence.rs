@@ -171,7 +171,7 @@ impl<R: Real> Trajectory<R> {
         for (index, guard) in self.program(system)?.guards.iter().enumerate() {
             let roots = self.at_instant.get(index);
             let is_other = guard.closing().is_some_and(|other| other != contact);
-            if is_other && matches!(roots, 2 | 3) {
+            if is_other && roots > 1 {
                 self.touching.set(index, roots);
             }
         }
@@ -255,17 +255,25 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero. What
-    /// impacts before it leave of the sequence is the error of its time.
+    /// impacts before it leave of the sequence is the error of its time: bodies that nothing presses together but others that bounce
+    /// on them come to rest at a rate that is rounding long before their gaps are closed, if at all.
     pub(super) fn end_here(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
         contact: usize,
     ) -> Result<Occurrence<R>, FlowError> {
+        let Ok(collapse) = self.tracker.rest_of_collapse(contact) else {
+            return Err(FlowError::UndecidedCollapse {
+                time: self.time.to_f64(),
+                contact,
+            });
+        };
+        let rest = self.tracker.rest_of_impacts(contact).max(collapse);
         let end = Accumulation {
             after: R::ZERO,
             change: vec![R::ZERO; self.state.len()],
-            error: self.tracker.rest_of_impacts(contact).to_f64(),
+            error: rest.to_f64(),
         };
         self.complete(system, work, contact, &end)
     }

@@ -23,6 +23,8 @@ pub(crate) struct Stick {
     pub rate: Expr,
     pub along: Vec<Expr>,
     pub coefficient: Expr,
+    /// The contact's impulse without friction.
+    pub impulse: Vec<Expr>,
 }
 
 impl Stick {
@@ -196,6 +198,7 @@ impl Mechanics {
             rate: friction.rate,
             along: friction.along.clone(),
             coefficient: friction.coefficient,
+            impulse: contact.impulse.clone(),
         };
         self.rubs.push(stick.clone());
         let against = match sides.get(rubbing.surface) {
@@ -210,6 +213,21 @@ impl Mechanics {
             let share = self.graph.mul(against, along);
             *component = self.graph.add(*component, share);
         }
+    }
+
+    /// What the impulse of a contact with the friction that sliding brings about does to the gap rate, in parts of what it does without:
+    /// where that is not positive, no force or impulse of a contact that pushes is determined (Painlevé).
+    pub(crate) fn room(&mut self, contact: usize) -> Expr {
+        let Some(rub) = self.rubs.iter().find(|rub| rub.contact == contact) else {
+            return self.graph.number(1.0);
+        };
+        let impulse = rub.impulse.clone();
+        let (rate, with) = (
+            self.contacts[contact].rate,
+            self.contacts[contact].rate_per_impulse,
+        );
+        let bare = self.graph.lie_derivative(rate, &impulse);
+        self.graph.div(with, bare)
     }
 
     /// Whether an expression vanishes, or is a number that is rounding of what it is a difference of.

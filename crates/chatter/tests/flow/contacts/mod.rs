@@ -2,8 +2,11 @@
 
 mod after_release;
 mod chatter_limits;
+mod collapse;
 mod grazes;
 mod held_by_friction;
+mod higher_orders;
 mod nested_chatter;
+mod painleve;
 mod several_contacts;
 mod several_releases;

@@ -105,3 +105,58 @@ fn what_becomes_negative_has_no_root() {
     let run = run::<f64>("[flight]\nx = \"-1 - sqrt(x)\"\n[initial]\nx = 1\n", 10.0);
     assert_eq!(run.outcome.name(), "singular", "{:?}", run.outcome);
 }
+
+/// A root of time itself begins while a contact is closed, or friction sticks: both hold until the force is as large as what holds.
+#[test]
+fn a_root_of_time_begins_where_something_is_held() {
+    let text = r#"
+        [flight]
+        y = "v"
+        v = "-1 + 2*sqrt(max(t - 1.1, 0))"
+        [[contact]]
+        name = "seat"
+        gap = "y"
+        impulse = { v = 1 }
+        restitution = 0.5
+        [initial]
+        y = 0
+        v = 0
+    "#;
+    for start in [0.0, 1.1] {
+        let text = format!("{text}\nt = {start}\n");
+        let pressed = run::<f64>(&text, 2.0);
+        assert_eq!(pressed.outcome, Outcome::Horizon, "{start}");
+        let released = (pressed.events.iter())
+            .find(|event| matches!(event.detail, Occurrence::Release { .. }))
+            .expect("it opens");
+        assert!((released.time - 1.35).abs() < 1e-12, "{}", released.time);
+        let since = 2.0_f64 - 1.1;
+        let rate = 0.25 - since + 4.0 / 3.0 * (since.powf(1.5) - 0.125);
+        assert!((pressed.state[1] - rate).abs() < 1e-12, "{rate}");
+    }
+    for (force, leaves) in [
+        ("2*sqrt(max(t - 1, 0))", Some(1.25)),
+        ("0.6*sqrt(abs(t - 1))", None),
+        ("2*max(t - 1, 0)^0.4", Some(1.0 + 0.5_f64.powf(2.5))),
+        ("-0.5*sqrt(abs(t - 1.1))", None),
+    ] {
+        let text = format!("[flight]\nv = \"{force} - sign(v)\"\n[initial]\nv = 0\n");
+        let stuck = run::<f64>(&text, 3.0);
+        assert_eq!(stuck.outcome, Outcome::Horizon, "{force}");
+        let left: Vec<f64> = (stuck.events.iter())
+            .filter(|event| matches!(event.detail, Occurrence::Leave { .. }))
+            .map(|event| event.time)
+            .collect();
+        assert_eq!(
+            left.len(),
+            usize::from(leaves.is_some()),
+            "{force}: {left:?}"
+        );
+        for (found, expected) in left.iter().zip(leaves) {
+            assert!((found - expected).abs() < 1e-12, "{force}: {found}");
+        }
+        if leaves.is_none() {
+            assert_eq!(stuck.state[0], 0.0, "{force}");
+        }
+    }
+}

@@ -66,6 +66,24 @@ pub(super) fn single(instant: &Instant) -> Option<LegKind> {
 /// A rate of sliding is zero that is no more than so many roundoffs of what any state has a part in it.
 const STOPPED_ROUNDOFFS: f64 = 16.0;
 
+/// Whether a contact slides the other way after an impact, against the friction of which the impact has no map of its own.
+fn slides_back((system, parameters): (&System, &[f64]), instant: &Instant, contact: usize) -> bool {
+    let model = system.model();
+    let rubbing = system.rubbing().iter().find(|r| r.contact == contact);
+    let friction = model.contacts[contact].friction.as_ref();
+    let (Some(rubbing), Some(friction), Some((_, sides, _))) =
+        (rubbing, friction, system.origin_of(instant.mode))
+    else {
+        return false;
+    };
+    let known = system.with_pieces(parameters, &instant.pieces);
+    let at = |of| model.graph.evaluate(of, &instant.state, &known);
+    let (rate, coefficient): (f64, f64) = (at(friction.rate), at(friction.coefficient));
+    coefficient > 0.0
+        && rate * sides.get(rubbing.surface).sign() < 0.0
+        && !stops((system, parameters), instant, contact)
+}
+
 /// Whether an impact has stopped the sliding of its contact by friction.
 fn stops((system, parameters): (&System, &[f64]), instant: &Instant, contact: usize) -> bool {
     let model = system.model();
@@ -97,7 +115,13 @@ const MOST_TOGETHER: usize = 3;
 impl Events {
     /// None where the instant is more than can be told apart.
     pub(super) fn of((system, parameters): (&System, &[f64]), instant: &Instant) -> Option<Self> {
-        let alone = single(instant).map(|mut first| {
+        let alone = single(instant);
+        if let Some(Jump::Impact(contact)) = alone.map(|first| first.jump)
+            && slides_back((system, parameters), instant, contact)
+        {
+            return None;
+        }
+        let alone = alone.map(|mut first| {
             if let Jump::Impact(contact) = first.jump
                 && stops((system, parameters), instant, contact)
             {

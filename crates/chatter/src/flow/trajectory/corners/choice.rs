@@ -317,6 +317,10 @@ impl<R: Real> Trajectory<R> {
         candidate: Candidate,
         (touched, asked): (&[Corner], &mut Asked),
     ) -> Result<Option<Verdict<R>>, FlowError> {
+        if let Some(contact) = self.jam(system) {
+            asked.singular = Some(self.jammed(contact));
+            return Ok(None);
+        }
         let field = self.field_here(system)?;
         if !field.iter().all(|f| f.value.is_finite()) {
             asked.singular = self.singular_here(system);
@@ -349,13 +353,14 @@ impl<R: Real> Trajectory<R> {
                 let moving = (orders.iter().enumerate().skip(1)).find(|(_, order)| {
                     !order.value.is_finite() || order.value.abs() > order.level()
                 });
+                // Nor does what is far from its end ask for them, as a share of fields along which a root begins.
+                if is_far && orders[0].value.is_finite() {
+                    continue;
+                }
                 let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
                 if !decides.into_iter().all(|order| order.value.is_finite()) {
                     asked.singular = self.singular_here(system);
                     return Ok(None);
-                }
-                if is_far {
-                    continue;
                 }
                 if (is_slid || !is_surface) && orders[0].value < -level {
                     return Ok(None);

@@ -56,6 +56,19 @@ pub(super) struct Candidate {
     pieces: Vec<i64>,
 }
 
+impl Candidate {
+    pub(super) fn side(&self, surface: usize) -> Side {
+        self.sides.get(surface)
+    }
+
+    pub(super) fn with_side(&self, surface: usize, side: Side) -> Self {
+        Self {
+            sides: self.sides.with(surface, side),
+            pieces: self.pieces.clone(),
+        }
+    }
+}
+
 /// How a trajectory stood to corners before something changed.
 #[derive(Clone, Debug)]
 pub(super) struct Earlier {
@@ -278,7 +291,10 @@ impl<R: Real> Trajectory<R> {
             self.choose_sides(system, (&touched, met))?;
             chosen.extend(touched);
         }
-        Ok(())
+        match self.jam(system) {
+            Some(contact) => Err(self.jammed(contact)),
+            None => Ok(()),
+        }
     }
 
     /// Tells of corners that are not as they were; whether there are any.
