@@ -13,6 +13,7 @@
 //! ```
 
 pub(crate) mod border_value;
+mod certificates;
 mod chatter;
 mod crossing;
 mod dense;

@@ -6,7 +6,6 @@
 
 use super::rows::Rows;
 use crate::flow::chatter::REMEMBERED;
-use crate::flow::flight::rest_of_sequence;
 use crate::flow::guard::Transition;
 use crate::flow::program::Program;
 use crate::flow::touching::Touching;
@@ -60,9 +59,8 @@ pub(super) struct Impacts<const L: usize> {
     /// How many a sequence has, and the rate of its latest.
     sequence: Lanes<L>,
     rate: Lanes<L>,
-    /// Of the latest steps, in turn, their ends, how long the flights after them are predicted to last, and the restitutions at rest:
-    /// how long the sequences may still go on is for whoever leaves.
-    latest: [(Lanes<L>, Lanes<L>, Lanes<L>); REMEMBERED],
+    /// Of the latest steps, in turn, their ends, and how long the sequences may still go on after them.
+    latest: [(Lanes<L>, Lanes<L>); REMEMBERED],
     /// How many steps the cohort has made, and had when each lane was boarded.
     steps: u64,
     boarded: [u64; L],
@@ -77,12 +75,7 @@ impl<const L: usize> Impacts<L> {
 
     /// Takes note of a step, which ended in an impact that passes in some lanes.
     #[inline(always)]
-    pub fn note(
-        &mut self,
-        passed: LaneMask<L>,
-        rate: Lanes<L>,
-        end: (Lanes<L>, Lanes<L>, Lanes<L>),
-    ) {
+    pub fn note(&mut self, passed: LaneMask<L>, rate: Lanes<L>, end: (Lanes<L>, Lanes<L>)) {
         let one = Lanes::splat(1.0);
         let longer = Lanes::select(self.rate.less(rate), self.sequence + one, one);
         self.allowed = Lanes::select(passed, self.allowed - one, self.allowed);
@@ -106,7 +99,7 @@ impl<const L: usize> Cohort<L> {
                 allowed: zero,
                 sequence: zero,
                 rate: zero,
-                latest: [(zero, zero, zero); REMEMBERED],
+                latest: [(zero, zero); REMEMBERED],
                 steps: 0,
                 boarded: [0; L],
             },
@@ -200,10 +193,8 @@ impl<const L: usize> Cohort<L> {
         };
         let guard = &program.guards[start.guard];
         trajectory.note_passed(guard, start.contact, passed, |number| {
-            let (time, flight_time, at_rest) =
-                &impacts.latest[(began + number) as usize % REMEMBERED];
-            let rest = rest_of_sequence(flight_time.0[lane], at_rest.0[lane]);
-            (time.0[lane], rest)
+            let (time, rest) = &impacts.latest[(began + number) as usize % REMEMBERED];
+            (time.0[lane], rest.0[lane])
         });
     }
 

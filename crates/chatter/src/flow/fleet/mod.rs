@@ -75,6 +75,8 @@ struct Fleet<'s, 't, const L: usize, V> {
     queues: Vec<Queue<L>>,
     /// The queue that was joined last: often the next one, too.
     joined: usize,
+    /// The queue and class whose vector made the latest step: as long as it is full, the next one, too.
+    stepped: (usize, usize),
 }
 
 impl<'s, 't, const L: usize, V> Fleet<'s, 't, L, V>
@@ -94,6 +96,7 @@ where
             single: system.workspace(settings),
             queues: Vec::new(),
             joined: 0,
+            stepped: (0, 0),
             system,
             trajectories,
             visit,
@@ -108,6 +111,7 @@ where
             && !stop.load(Ordering::Relaxed)
         {
             self.step(queue, class);
+            self.stepped = (queue, class);
         }
         for place in 0..self.queues.len() {
             for class in 0..ORDER_CLASSES {
@@ -121,6 +125,10 @@ where
 
     /// A queue and class that fill a vector, or else those with the most waiting.
     fn fullest(&self) -> Option<(usize, usize)> {
+        let (place, class) = self.stepped;
+        if (self.queues.get(place)).is_some_and(|queue| queue.cohorts[class].len() >= L) {
+            return Some((place, class));
+        }
         let mut best = None;
         let mut length = 0;
         for (place, queue) in self.queues.iter().enumerate() {

@@ -188,8 +188,8 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
         let (stays, are_ordinary) = (stays.set() & aboard, ordinary.set());
         if common.start.is_some() {
             let [rate, .., at_rest] = work.impact;
-            let end = (course.time, course.flight_time, at_rest);
-            cohort.impacts.note(passed, rate, end);
+            let rest = rest_of_sequence(course.flight_time, at_rest);
+            cohort.impacts.note(passed, rate, (course.time, rest));
             // The mode machine begins from the numbers before.
             let others = aboard.without(newcomers).without(are_ordinary);
             rows.scatter(&cohort.members, block, others);
@@ -217,10 +217,10 @@ fn load<const L: usize>(
     shared: &Shared<L>,
     (places, block): (Places, &[Lanes<L>]),
 ) {
-    work.state.copy_from_slice(&block[places.state()]);
-    work.low.copy_from_slice(&block[places.low()]);
-    work.sides.copy_from_slice(&block[places.sides()]);
-    work.reach.copy_from_slice(&block[places.reach()]);
+    copy(&mut work.state, &block[places.state()]);
+    copy(&mut work.low, &block[places.low()]);
+    copy(&mut work.sides, &block[places.sides()]);
+    copy(&mut work.reach, &block[places.reach()]);
     work.tau = block[places.unit()];
     let (tape, mut impacts) = block[places.constants()..].split_at(shared.varying_tape.len());
     for (&place, &value) in shared.varying_tape.iter().zip(tape) {
@@ -238,10 +238,20 @@ fn load<const L: usize>(
 /// Puts back what any step changes.
 #[inline(always)]
 fn store<const L: usize>(work: &Workspace<Lanes<L>>, (places, block): (Places, &mut [Lanes<L>])) {
-    block[places.state()].copy_from_slice(&work.state);
-    block[places.low()].copy_from_slice(&work.low);
-    block[places.sides()].copy_from_slice(&work.sides);
-    block[places.reach()].copy_from_slice(&work.reach);
+    copy(&mut block[places.state()], &work.state);
+    copy(&mut block[places.low()], &work.low);
+    copy(&mut block[places.sides()], &work.sides);
+    copy(&mut block[places.reach()], &work.reach);
+}
+
+/// Copies a few numbers, part by part: for so few a call of the library, which is what copying them whole becomes, costs more.
+#[inline(always)]
+fn copy<const L: usize>(to: &mut [Lanes<L>], from: &[Lanes<L>]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        for part in 0..Lanes::<L>::PARTS {
+            to.set_part(part, from.part(part));
+        }
+    }
 }
 
 #[inline(always)]

@@ -2,6 +2,7 @@
 
 use super::tail::Tail;
 use crate::analysis::map::CoordinateKind;
+use crate::numerics::dispatch::{Kernel, dispatch};
 use core::ops::Range;
 
 /// A coordinate that varies by less than this, relative to the largest of the point, does so by rounding errors.
@@ -80,12 +81,25 @@ impl Embedding {
 
     /// The other vector among these that is nearest to one, the first if there are several, and its distance.
     pub fn nearest(&self, to: usize, among: Range<usize>) -> Option<(f64, usize)> {
+        dispatch(Nearest {
+            points: self,
+            to,
+            among,
+        })
+    }
+
+    #[inline(always)]
+    fn find_nearest(&self, to: usize, among: Range<usize>) -> Option<(f64, usize)> {
         let mut nearest: Option<(f64, usize)> = None;
         let mut least = f64::INFINITY;
         for first in among.clone().step_by(ABREAST) {
             let others = first..among.end.min(first + ABREAST);
             let squares = self.squared_distances(to, others.clone());
-            if squares.iter().all(|&square| square > least) {
+            let mut any = false;
+            for square in squares {
+                any |= square <= least;
+            }
+            if !any {
                 continue;
             }
             for (other, square) in others.zip(squares) {
@@ -104,7 +118,7 @@ impl Embedding {
     }
 
     /// The squares of the distances of a vector from a few that follow each other. What is beyond these is as far as can be.
-    #[inline]
+    #[inline(always)]
     fn squared_distances(&self, to: usize, others: Range<usize>) -> [f64; ABREAST] {
         let mut squares = [0.0; ABREAST];
         for column in &self.columns {
@@ -140,6 +154,20 @@ impl Embedding {
             }
         }
         Some(sum / count)
+    }
+}
+
+struct Nearest<'a> {
+    points: &'a Embedding,
+    to: usize,
+    among: Range<usize>,
+}
+
+impl Kernel for Nearest<'_> {
+    type Output = Option<(f64, usize)>;
+    #[inline(always)]
+    fn run(self) -> Option<(f64, usize)> {
+        self.points.find_nearest(self.to, self.among)
     }
 }
 
