@@ -290,7 +290,7 @@ impl Walker {
         self.shooting = own;
     }
 
-    /// A flight touches a surface: a crossing and the way back come in. The new equations, at their first station.
+    /// A flight touches a surface: a stay at it comes in. The new equations, at their first station.
     pub(super) fn crosses(
         &mut self,
         station: &Station,
@@ -303,7 +303,7 @@ impl Walker {
         self.note_touch(there, touched);
         touch.evaluate(&at).map_err(|left| told(&left))?;
         let period = touch.period();
-        let mut failed = NewtonError::Singular;
+        let mut failed: Option<NewtonError> = None;
         for (stay, part) in [Stay::Beyond, Stay::On]
             .into_iter()
             .flat_map(|stay| STAYS.map(|part| (stay, part)))
@@ -316,7 +316,7 @@ impl Walker {
             let stays = match newton(&mut longer, &guess, core::slice::from_ref(&fixed)) {
                 Ok(stays) => stays,
                 Err(error) => {
-                    failed = error;
+                    failed = Some(error);
                     continue;
                 }
             };
@@ -337,6 +337,9 @@ impl Walker {
             self.shooting = longer;
             return Ok(next);
         }
-        Err(format!("a surface is touched, and beyond {failed}"))
+        Err(match failed {
+            Some(error) => format!("a surface is touched, and beyond {error}"),
+            None => "a surface is touched, and no stay at it begins there".to_owned(),
+        })
     }
 }
