@@ -108,15 +108,12 @@ pub fn exponents(
                 }
                 latest = Some((time, contact));
             }
-            if told == Some(Occurrence::Horizon) {
-                if interval == 0 && !forgets {
-                    take(&mut whole, &units, &trajectory, model);
-                }
-                break;
-            }
             forgets |= told.is_some_and(|told| may_forget(model, &told));
             if interval == 0 && !forgets {
                 take(&mut whole, &units, &trajectory, model);
+            }
+            if told == Some(Occurrence::Horizon) {
+                break;
             }
             if interval > 0 && trajectory.is_between_steps() {
                 let mut ahead = frame.clone();

@@ -84,8 +84,11 @@ impl Walker {
         // Where a stay on a surface shrinks to nothing the orbit beyond only touches it.
         let slides_on = self.shooting.slides();
         let between = [curve.station.parameter(), next.parameter()];
-        let left = |guard| matches!(guard, GuardKind::Switch(s) if slides[s] > slides_on[s]);
-        if let Some(touched) = self.touch_between(&next, between, left) {
+        let is_left = |surface: usize| slides[surface] > slides_on[surface];
+        let left = |guard| matches!(guard, GuardKind::Switch(surface) if is_left(surface));
+        if (0..slides.len()).any(is_left)
+            && let Some(touched) = self.touch_between(&next, between, left)
+        {
             let there = Point::new(&mut self.shooting, &next);
             self.note_touch(&there, touched);
             if let Some(special) = self.special.last_mut() {

@@ -248,9 +248,7 @@ impl Most {
         }
         sizes
     }
-}
 
-impl Most {
     /// The same at instants: a state that is zero at all of them has the size of how far it moves between them.
     fn sizes_at(
         &self,
