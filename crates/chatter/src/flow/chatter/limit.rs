@@ -123,6 +123,18 @@ impl SequenceTapes {
         }
     }
 
+    /// The restitution of an impact of vanishing rate at a state.
+    pub(crate) fn restitution<R: Real>(
+        &self,
+        work: &mut Workspace<R>,
+        constants: &SequenceConstants<R>,
+        state: (&[R], &[R]),
+    ) -> R {
+        let mut values = vec![R::ZERO; self.limit.outputs.len()];
+        work.values_at(&self.limit, &constants.limit, state, &mut values);
+        values[0]
+    }
+
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
         [&self.events, &self.limit].into_iter()
     }

@@ -97,6 +97,8 @@ pub(crate) struct Accumulation<R> {
     pub after: R,
     /// Change of the state from the latest impact to the end.
     pub change: Vec<R>,
+    /// The derivatives of the end's time, one a column; none where the latest impact is taken for the end.
+    pub late: Vec<R>,
     /// Estimated error of the time.
     pub error: f64,
 }
@@ -322,9 +324,11 @@ impl<R: Real> ChatterTracker<R> {
         let time = limits.time;
         let mut change: Vec<R> = limits.state.iter().map(|limit| limit.distance).collect();
         let count = map.coordinates();
+        let mut times = Vec::with_capacity(map.columns());
         let columns = limits.events.chunks(count + 1);
         for (index, (column, now)) in columns.zip(latest.events.chunks(count + 1)).enumerate() {
             let late = now[0] + column[0].distance;
+            times.push(late);
             for i in 0..count {
                 let place = (index + 1) * count + i;
                 // From the point's derivative to that at a fixed time, which the state holds.
@@ -336,6 +340,7 @@ impl<R: Real> ChatterTracker<R> {
         Some(Accumulation {
             after: time.distance,
             change,
+            late: times,
             error: time.error.max(time.expected).max(floor).to_f64(),
         })
     }

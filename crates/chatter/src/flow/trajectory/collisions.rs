@@ -12,7 +12,9 @@ use super::Trajectory;
 use super::cascade::Cascade;
 use super::corners::Earlier;
 use super::sequence::BURST;
+use super::tops::Tops;
 use crate::expressions::Tape;
+use crate::flow::chatter::LocalPoint;
 use crate::flow::error::FlowError;
 use crate::flow::flight;
 use crate::flow::occurrence::Occurrence;
@@ -43,6 +45,10 @@ pub(super) struct Collisions<R> {
     touching: Closed,
     /// How many there were so far.
     count: u64,
+    /// The rate before the latest.
+    latest: R,
+    /// The mode before them.
+    mode: usize,
     /// How the state stood to corners before them.
     sides: Earlier,
     /// The greatest rate that each contact of the system has had at this instant, in earlier collisions, too: from what a
@@ -71,6 +77,8 @@ impl<R: Real> Trajectory<R> {
         self.collisions = Some(Collisions {
             touching,
             count: 0,
+            latest: R::ZERO,
+            mode: self.mode,
             sides: self.standing_now(system),
             greatest: self.greatest_rates(system),
             shifts,
@@ -127,6 +135,9 @@ impl<R: Real> Trajectory<R> {
                 return Ok(None);
             };
             collisions.count = done;
+            if let Some(&(_, before, _)) = impulses.last() {
+                collisions.latest = before;
+            }
             collisions.note(&touch);
             let ended = collisions.fastest_closing(&touch).is_none();
             let error = collisions.rounding(&touch);
@@ -287,9 +298,40 @@ impl<R: Real> Trajectory<R> {
         }
         // At fixed time again, in the mode that follows.
         self.shift_columns(system, work, &collisions.shifts, -R::ONE)?;
+        let is_lone = collisions.is_lone() && separating == collisions.touching;
         self.rates_of_instant = collisions.greatest;
+        if is_lone && self.mode == collisions.mode {
+            return self.after_lone_collision(system, work, (separating, collisions.latest));
+        }
         self.burst += collisions.count as usize;
         self.after_collisions(system, work, separating)
+    }
+
+    /// One impact of one contact, which has changed no side: it goes on with a sequence like those that steps apply themselves.
+    fn after_lone_collision(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        (contacts, rate_before): (Closed, R),
+    ) -> Result<(), FlowError> {
+        for contact in contacts.contacts() {
+            let [_, rate, acceleration, jerk] = self.local(system, contact)?;
+            let flight = (rate.value, acceleration.value, jerk.value);
+            self.flight_time = flight_time(flight.0, flight.1, flight.2);
+            self.tops = Tops::NONE;
+            self.count_impact(contact, rate_before);
+            let program = self.program(system)?;
+            let at_rest = self.restitution_at_rest(work, program, contact);
+            let local = LocalPoint {
+                rate: flight.0,
+                acceleration: flight.1,
+                jerk: flight.2,
+                restitution: -(flight.0 / rate_before),
+                at_rest: at_rest.unwrap_or(R::ONE),
+            };
+            self.follow_sequence(system, work, program, (contact, local))?;
+        }
+        Ok(())
     }
 
     /// Predicts the next flight, and ends sequences of impacts whose flights have become shorter than rounding.
@@ -596,6 +638,11 @@ impl<R: Real> Trajectory<R> {
 }
 
 impl<R: Real> Collisions<R> {
+    /// Whether there was one, of one contact.
+    fn is_lone(&self) -> bool {
+        self.count == 1 && self.touching.contacts().count() == 1
+    }
+
     /// Takes note of the rates between two collisions.
     fn note(&mut self, touch: &Touch<R>) {
         for (greatest, rate) in self.greatest.iter_mut().zip(&touch.rate) {

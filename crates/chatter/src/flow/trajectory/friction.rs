@@ -6,6 +6,7 @@
 use super::Trajectory;
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
+use crate::flow::limits::Corner;
 use crate::flow::program::Closed;
 use crate::flow::system::System;
 use crate::flow::touch::{Sliding, Touch};
@@ -131,6 +132,19 @@ impl<R: Real> Trajectory<R> {
     fn slides_clearly(&self, system: &System, contact: usize) -> Result<bool, FlowError> {
         let rate = self.rate_of_sliding(system, contact)?;
         Ok(rate.is_some_and(|rate| rate.value.abs() > rate.level()))
+    }
+
+    /// The surface on which the latest impact of a contact has stopped its sliding, so that it comes to rest on that, too.
+    pub(super) fn has_stopped(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<Option<Corner>, FlowError> {
+        let Some(rubbing) = system.rubbing().iter().find(|r| r.contact == contact) else {
+            return Ok(None);
+        };
+        let slides = self.slides_clearly(system, contact)?;
+        Ok((!slides).then_some(Corner::Surface(rubbing.surface)))
     }
 
     /// The contact among these that slides, and whose force with the friction of that would not hold it.

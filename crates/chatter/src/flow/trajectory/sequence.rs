@@ -80,14 +80,34 @@ impl<R: Real> Trajectory<R> {
             self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
             return Ok(Some(told(self.closed.contains(contact))));
         }
+        let local = LocalPoint {
+            rate: rate_after,
+            acceleration,
+            jerk,
+            restitution,
+            at_rest,
+        };
+        self.follow_sequence(system, work, program, (contact, local))?;
+        Ok(Some(told(false)))
+    }
+
+    /// After an impact that was noted and from which the contact rebounds, its flight predicted: ends the sequence it belongs to where
+    /// that has become certain, or is shorter than rounding.
+    #[inline(always)]
+    pub(super) fn follow_sequence(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+        (contact, local): (usize, LocalPoint<R>),
+    ) -> Result<(), FlowError> {
         self.burst += 1;
-        let negligible = self.negligible();
-        let is_short = self.flight_time <= negligible;
+        let is_short = self.flight_time <= self.negligible();
         if system.contacts() > 1 && (is_short || self.burst.is_multiple_of(BURST)) {
             let ends = self.end_burst(system, work, self.burst_within_rounding())?
                 || (self.burst >= BURST && self.end_squeeze(system, work)?);
             if ends {
-                return Ok(Some(told(false)));
+                return Ok(());
             }
             if self.burst > LONGEST_BURST {
                 return Err(FlowError::ImpactsWithoutEnd {
@@ -96,23 +116,16 @@ impl<R: Real> Trajectory<R> {
                 });
             }
         }
-        let flight = (contact, rate_after, self.flight_time);
+        let flight = (contact, local.rate, self.flight_time);
         if system.contacts() > 1 && !is_short && self.end_stall(system, work, flight)? {
-            return Ok(Some(told(false)));
+            return Ok(());
         }
         if is_short && system.model().contacts[contact].reset.is_some() {
             return Err(self.resets_without_end(contact));
         }
-        let rest_of_sequence = flight::rest_of_sequence(self.flight_time, at_rest);
+        let rest_of_sequence = flight::rest_of_sequence(self.flight_time, local.at_rest);
         self.tracker.keep_pace(contact, self.time, rest_of_sequence);
-        let local = LocalPoint {
-            rate: rate_after,
-            acceleration,
-            jerk,
-            restitution,
-            at_rest,
-        };
-        let end = if at_rest < R::ONE {
+        let end = if local.at_rest < R::ONE {
             self.sequence_end(system, work, program, (contact, local))
         } else {
             None
@@ -121,17 +134,31 @@ impl<R: Real> Trajectory<R> {
             && self.ends_undisturbed(work, program, contact, &end)
         {
             self.completion = Some((contact, end));
-        } else if acceleration < R::ZERO && at_rest < R::ONE && is_short {
+        } else if local.acceleration < R::ZERO && local.at_rest < R::ONE && is_short {
             // What is left of the sequence is below rounding.
             let after = rest_of_sequence;
             let end = Accumulation {
                 after,
                 change: vec![R::ZERO; self.state.len()],
+                late: Vec::new(),
                 error: self.tracker.rest_of_impacts(contact).to_f64(),
             };
             self.completion = Some((contact, end));
         }
-        Ok(Some(told(false)))
+        Ok(())
+    }
+
+    /// The restitution of an impact of vanishing rate at the present state.
+    pub(super) fn restitution_at_rest(
+        &self,
+        work: &mut Workspace<R>,
+        program: &Program,
+        contact: usize,
+    ) -> Option<R> {
+        let tapes = program.sequences[contact].as_ref()?;
+        let constants = self.constants[self.mode].as_ref()?;
+        let constants = &constants.sequences[contact];
+        Some(tapes.restitution(work, constants, (&self.state, &self.low)))
     }
 
     /// An impact goes on with a sequence where it is slower than the one before, at the same contact.
@@ -273,6 +300,7 @@ impl<R: Real> Trajectory<R> {
         let end = Accumulation {
             after: R::ZERO,
             change: vec![R::ZERO; self.state.len()],
+            late: Vec::new(),
             error: rest.to_f64(),
         };
         self.complete(system, work, contact, &end)
@@ -296,6 +324,7 @@ impl<R: Real> Trajectory<R> {
         if system.model().contacts[contact].reset.is_some() {
             return Err(self.resets_without_end(contact));
         }
+        let stopped = self.has_stopped(system, contact)?;
         for ((x, low), &change) in self.state.iter_mut().zip(&mut self.low).zip(&end.change) {
             (*x, *low) = two_sum(*x, change + *low);
         }
@@ -304,7 +333,15 @@ impl<R: Real> Trajectory<R> {
         let walk = libm::sqrt(impacts as f64) * R::ROUNDOFF * WALK_ROUNDOFFS;
         let relative = walk.max(work.tail.precision);
         let error = relative.mul_add(self.time.to_f64().abs(), end.error);
+        // Friction may hold what comes to rest from this instant on: columns at fixed time are to be those of the motion that follows.
+        let rubs = !system.rubbing().is_empty();
+        let late = if rubs { &end.late[..] } else { &[] };
+        self.shift_columns(system, work, late, R::ONE)?;
+        if stopped.is_some() {
+            self.met = stopped;
+        }
         self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
+        self.shift_columns(system, work, late, -R::ONE)?;
         self.may_have_crossed = true;
         // The accumulation says more than the capture that ends it.
         self.pending

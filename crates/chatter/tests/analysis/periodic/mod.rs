@@ -1,6 +1,7 @@
 //! Periodic orbits, branches and exponents.
 
 mod branches;
+mod differences;
 mod drift;
 mod held;
 mod new_kinds;

@@ -1,6 +1,8 @@
 //! Impacts whose friction stops what slides along the wall.
 
-use super::{orbit, with};
+use super::differences::{agree, differences};
+use super::{nearest, orbit, over, with};
+use chatter::analysis::periodic::{End, SpecialKind};
 use chatter::numerics::Real;
 
 /// What can slide along the wall is at rest: a displacement of its rate is stopped by the next impact, one of its place swings from there
@@ -38,4 +40,100 @@ fn friction_stops_what_is_nearly_at_rest() {
     );
     assert!((m[2].re - swings).abs() < 1e-9, "{m:?} {swings}");
     assert_eq!(m[3].modulus(), 0.0);
+}
+
+/// A mass that bounces on a shaken table until it rests, and slides along it.
+const ROUGH_TABLE: &str = r#"
+[parameters]
+A = 1.2
+V = 5
+[flight]
+y = "v"
+v = "-1 - 0.4*y - 0.1*u"
+x = "u"
+u = "-0.3*u - 0.8*x + 0.2*cos(1.7*t)"
+[[contact]]
+name = "table"
+gap = "y - A*sin(1.7*t)/1.7^2"
+impulse = { v = 1 }
+restitution = 0.5
+friction = { coefficient = 0.3, along = { u = 1 }, rate = "u - V" }
+[initial]
+y = 0.8
+v = 0
+x = 0
+u = 0
+"#;
+
+/// Sliding all the time, or sticking between a stick and a slip, or from the end of chatter on.
+#[test]
+fn complete_chatter_at_a_rough_wall_has_the_multipliers_of_differences() {
+    for set in [
+        &[][..],
+        &[("V", "0.4")],
+        &[("V", "0.4"), ("A", "1.7")],
+        &[("V", "0.4"), ("A", "1.85")],
+    ] {
+        let model = with(ROUGH_TABLE, set);
+        let found = orbit(&model);
+        assert_eq!(found.impacts, None, "{set:?}");
+        assert!(found.residual < 1e-28, "{}", found.residual);
+        agree(&found, &differences(&model, &found));
+    }
+}
+
+/// What slides along feels nothing but the impulses of friction, which do not depend on it.
+#[test]
+fn friction_in_chatter_does_not_remember_the_rate_of_sliding() {
+    let free = ROUGH_TABLE.replace(" - 0.1*u", "").replace(" - 0.8*x", "");
+    let model = with(
+        &free
+            .replace("x = \"u\"\n", "")
+            .replace("x = 0\n", "")
+            .replace("0.3*u", "u"),
+        &[],
+    );
+    let found = orbit(&model);
+    let expected = (-found.period.to_f64()).exp();
+    assert!(
+        (found.multipliers[0].re - expected).abs() < 1e-13,
+        "{:?} {expected}",
+        found.multipliers
+    );
+}
+
+/// A parcel on a conveyor: each of its impacts stops its sliding, so that it sticks from the end of chatter on. How it bounces has
+/// nothing to do with how it slides, and the branch of what bounces alone ends at the same border.
+#[test]
+fn a_branch_goes_on_while_impacts_stop_the_sliding() {
+    let rough = r#"
+    [parameters]
+    B = 1.9
+    [flight]
+    u = "1.3*cos(t + 0.5)"
+    y = "v"
+    v = "B*cos(t) - 1"
+    [[contact]]
+    name = "trough"
+    gap = "y"
+    impulse = { v = 1 }
+    restitution = 0.2
+    friction = { coefficient = 0.4, along = { u = 1 } }
+    [initial]
+    u = 0
+    y = 0
+    v = 0
+    "#;
+    let smooth: String = (rough.lines())
+        .filter(|line| !line.contains("friction"))
+        .map(|line| line.replace("u = \"1.3*cos(t + 0.5)\"", "u = \"-u\"") + "\n")
+        .collect();
+    let border_of = |text: &str| {
+        let found = over(&with(text, &[]), "B", (1.7, 2.18425), (6, 0.01));
+        assert_eq!(found[0].ends, [End::Range, End::ChatterBorder]);
+        assert!(found[0].points.len() < 500, "{}", found[0].points.len());
+        super::value(&nearest(&found, &[SpecialKind::ChatterBorder], 2.18))
+    };
+    let (of_both, alone) = (border_of(rough), border_of(&smooth));
+    assert!((of_both - alone).abs() < 1e-9, "{of_both} {alone}");
 }

@@ -156,6 +156,23 @@ pub struct Special {
     pub(crate) seed: Option<Seed>,
 }
 
+/// States that are this near, against the largest of them, are those of one point.
+const SAME_POINT: f64 = 1e-8;
+
+impl Special {
+    /// Whether it is the same point of the same branch, as far as its parameter is known.
+    pub(super) fn is_that_of(&self, other: &Self) -> bool {
+        let (own, others) = (&self.point.state, &other.point.state);
+        let largest = own.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_POINT * largest;
+        let apart = (self.point.parameter() - other.point.parameter()).abs();
+        self.kind == other.kind
+            && self.point.impacts == other.point.impacts
+            && apart <= self.error + other.error
+            && own.iter().zip(others).all(near)
+    }
+}
+
 /// Equations and a solution of them.
 #[derive(Clone, Debug)]
 pub(crate) struct Seed {

@@ -36,6 +36,8 @@ impl Side {
 const SAME_ORBIT: f64 = 1e-8;
 /// A graze that leads back to itself this often is no way on.
 const MOST_GRAZES: usize = 4_000;
+/// So many special points, the same two in turn, are no way on.
+const TURNS: usize = 6;
 /// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
 pub(super) const NOISE: f64 = 16.0;
 /// A branch comes this near to a border, in parts of the parameter; the border itself is looked for as far away as this.
@@ -171,6 +173,9 @@ impl Walker {
                         }
                         if self.leaves(&here) {
                             break End::Range;
+                        }
+                        if let Some(impacts) = self.leads_back(ledger.special_points()) {
+                            break End::Rounding(impacts);
                         }
                         if here
                             .impacts
@@ -328,6 +333,22 @@ impl Walker {
     /// The landings of a station, which trials may have overwritten.
     pub(super) fn settle(&mut self, station: &Station) {
         let _ = self.shooting.evaluate(&station.at);
+    }
+
+    /// Whether the latest special points are the same two in turn: grazes that rounding does not tell apart, where the way on leads
+    /// back. Only the first of each is kept, beside those on `record`. Returns the fewest impacts among them.
+    fn leads_back(&mut self, record: usize) -> Option<u64> {
+        let count = self.special.len();
+        let first = count.checked_sub(TURNS)?;
+        let latest = &self.special[first..];
+        let in_turn = latest.windows(3).all(|of| of[0].is_that_of(&of[2]));
+        if !in_turn {
+            return None;
+        }
+        let impacts = latest.iter().filter_map(|special| special.point.impacts);
+        let fewest = impacts.min().unwrap_or_default();
+        self.special.truncate((first + 2).max(record));
+        Some(fewest)
     }
 
     fn leaves(&self, point: &Point) -> bool {

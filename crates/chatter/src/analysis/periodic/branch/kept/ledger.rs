@@ -73,6 +73,11 @@ impl<'a> Ledger<'a> {
         }
     }
 
+    /// How many special points are on record.
+    pub(in crate::analysis::periodic) fn special_points(&self) -> usize {
+        self.special
+    }
+
     /// Whether a record is due.
     pub(in crate::analysis::periodic) fn is_due(&self, stations: usize) -> bool {
         stations >= self.stations + STATIONS_A_RECORD
