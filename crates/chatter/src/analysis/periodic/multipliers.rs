@@ -40,6 +40,32 @@ pub(crate) fn passes_beside(multipliers: &[Complex], at: f64) -> Option<f64> {
     Some(sign * ((first.re - at) + (second.re - at)))
 }
 
+/// Beside a multiplier that is so many roundoffs of another nothing is left but rounding.
+const LOST_ROUNDOFFS: f64 = 64.0;
+
+/// Changes its sign where the product of two multipliers passes one, and vanishes there: where a complex pair passes the unit circle,
+/// or one real multiplier becomes the inverse of another. None where there are not two.
+pub(crate) fn passes_together(multipliers: &[Complex]) -> Option<f64> {
+    let largest = (multipliers.iter()).fold(0.0, |most: f64, m| most.max(m.modulus()));
+    let lost = LOST_ROUNDOFFS * f64::EPSILON * largest;
+    let products = multipliers.iter().enumerate().flat_map(|(i, a)| {
+        let others = multipliers[i + 1..].iter();
+        others.map(move |b| match a.modulus().min(b.modulus()) < lost {
+            true => Complex { re: 0.0, im: 0.0 },
+            false => Complex {
+                re: a.re * b.re - a.im * b.im,
+                // Of conjugate numbers it is real.
+                im: if a.re == b.re && a.im == -b.im {
+                    0.0
+                } else {
+                    a.re * b.im + a.im * b.re
+                },
+            },
+        })
+    });
+    passes(&products.collect::<Vec<Complex>>(), 1.0)
+}
+
 /// The modulus of the largest complex pair less one.
 pub(crate) fn pair(multipliers: &[Complex]) -> Option<f64> {
     (multipliers.iter())
@@ -102,6 +128,31 @@ mod tests {
         let (off, sum, rest) = neutral(&of(&[(0.6, 0.8), (0.6, -0.8), (0.2, 0.0)])).unwrap();
         assert!(off.abs() < 1e-15 && sum == 1.2 && rest == of(&[(0.2, 0.0)]));
         assert_eq!(pair(&before), None);
+    }
+
+    /// A pair that comes about and passes the circle between two stations, and one that passes it with rounding beside it.
+    #[test]
+    fn a_pair_passes_the_circle_wherever_it_comes_from() {
+        let real = of(&[(1.4, 0.0), (1.3, 0.0), (-0.5, 0.0)]);
+        let inside = of(&[(0.6, 0.7), (0.6, -0.7), (-0.5, 0.0)]);
+        let on = of(&[(0.6, 0.8), (0.6, -0.8), (-0.5, 0.0)]);
+        let value = |all: &[Complex]| passes_together(all).unwrap();
+        assert!(value(&real) * value(&inside) < 0.0);
+        assert!(value(&on).abs() < 1e-15);
+        let two = |half: f64| {
+            of(&[
+                (half, 0.0),
+                (1.0 / half + 0.1, 0.0),
+                (0.2, 0.3),
+                (0.2, -0.3),
+            ])
+        };
+        assert!(value(&two(2.0)) * value(&two(-2.0)) < 0.0);
+        for noise in [-1e-5, 1e-5] {
+            let all = of(&[(1e12, 0.0), (noise, 0.0)]);
+            assert!(value(&all) < 0.0);
+        }
+        assert_eq!(passes_together(&of(&[(0.9, 0.0)])), None);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::cycle::reread::reread;
 use super::cycle::settle::{Patience, loops};
 use super::cycle::trace::Tracer;
 use super::error::PeriodicError;
+use super::margins::MarginKind;
 use super::orbit::{Orbit, as_told, close, settled};
 use super::shooting::Workshop;
 use crate::analysis::diagram::Generator;
@@ -128,6 +129,13 @@ pub(crate) fn simplest(
     state: &[f64],
     free: &[f64],
 ) -> Result<Orbit, PeriodicError> {
+    // Closed from a return that is not near, equations may have a solution that is no motion.
+    let settled = settled.and_then(|orbit| match flies_through_a_wall(&orbit) {
+        true => motion(workshop, orbit).ok_or_else(|| PeriodicError::NoConvergence {
+            how: "a flight of what was found goes through a wall".to_owned(),
+        }),
+        false => Ok(orbit),
+    });
     let (start, longest) = match &settled {
         Ok(orbit) if orbit.is_stable() => return settled,
         Ok(orbit) => {
@@ -163,6 +171,16 @@ pub(crate) fn simplest(
         Some((_, orbit)) => Ok(orbit),
         None => settled,
     }
+}
+
+/// Gaps below zero by more than this part of the largest state are no rounding.
+const INSIDE: f64 = 1e-9;
+
+fn flies_through_a_wall(orbit: &Orbit) -> bool {
+    let sizes = orbit.shooting.state_sizes();
+    let inside = INSIDE * sizes.into_iter().fold(0.0, f64::max);
+    let mut gaps = (orbit.margins.iter()).filter(|margin| margin.kind == MarginKind::LeastGap);
+    gaps.any(|gap| gap.value < -inside)
 }
 
 /// An orbit of fewer periods is shorter than this part of another.

@@ -371,3 +371,37 @@ x = 0
     let x = -0.05 * 3.6 / (1.0 + 3.6 * 3.6);
     assert!((orbit.start[2].to_f64() - x).abs() < 1e-13);
 }
+
+/// A valve of five states, from a return that is not near: its equations have a solution whose flight goes through the seat.
+#[test]
+#[ignore = "takes ten seconds"]
+fn no_flight_of_an_orbit_goes_through_a_wall() {
+    let text = r#"
+[flight]
+y1 = "y2"
+y2 = "-0.3*y2 - y1 - 3 + y3"
+y3 = "4*(y4 - y1*sqrt(y3))"
+y4 = "(y5 - y3 - 0.2*y4)/1.5"
+y5 = "(0.76 - y4)/2"
+[[contact]]
+name = "seat"
+gap = "y1"
+impulse = { y2 = 1 }
+restitution = 0.7
+[section.open]
+surface = "y3 - 3"
+direction = "rising"
+[initial]
+y1 = 0.1
+y2 = 0
+y3 = 3
+y4 = 0.6
+y5 = 3.1
+"#;
+    let found = orbit(&with(text, &[]));
+    assert!(
+        found.margins.iter().all(|margin| margin.value > 0.0),
+        "{:?}",
+        found.margins
+    );
+}

@@ -124,3 +124,76 @@ v = 0
         assert!((touch(force, step) - known).abs() < 1e-12);
     }
 }
+
+/// A mass free in the slot of a forced oscillator. Beside a fold two real multipliers meet and pass the circle as a pair, all within one
+/// long step.
+#[test]
+fn a_pair_that_comes_about_within_a_step_passes_the_circle() {
+    let text = r#"
+[parameters]
+om = 1.084
+[flight]
+x = "u"
+u = "0.3*cos(om*t) - 0.04*u - x"
+y = "w"
+w = "-0.01*(w - u)"
+[[contact]]
+name = "left"
+gap = "y - x + 1"
+impulse = { w = 1, u = -0.1 }
+restitution = 0.6
+[[contact]]
+name = "right"
+gap = "1 - y + x"
+impulse = { w = -1, u = 0.1 }
+restitution = 0.6
+[section.s]
+surface = "sin(om*t)"
+direction = "rising"
+[initial]
+x = 0.2
+u = 0
+y = 0
+w = 0.5
+"#;
+    for step in [0.1, 0.8, 0.9] {
+        let found = over(&with(text, &[]), "om", (1.05, 1.1), (40, step));
+        let tori = (found[0].special.iter())
+            .filter(|special| special.kind == SpecialKind::NeimarkSacker)
+            .map(value);
+        let tori: Vec<f64> = tori.collect();
+        assert!(
+            matches!(tori[..], [at] if (at - 1.080_576_459_541_752).abs() < 1e-13),
+            "{step}: {tori:?}"
+        );
+    }
+}
+
+/// A graze beyond the range, before which the last step ends or not.
+#[test]
+fn nothing_is_told_beyond_the_range() {
+    let text = r#"
+[parameters]
+g = 0.25
+[flight]
+x = "v"
+v = "-g - 0.05*v*abs(v)"
+[[contact]]
+name = "plate"
+gap = "x - sin(t)"
+impulse = { v = 1 }
+restitution = 0.6
+[initial]
+x = 1.5
+v = 0.8
+"#;
+    let range = (0.15, 0.5);
+    let found = over(&with(text, &[]), "g", range, (40, 0.05));
+    assert!(found.len() > 1);
+    for branch in &found {
+        for special in &branch.special {
+            let at = value(special);
+            assert!(range.0 <= at && at <= range.1, "{special:?}");
+        }
+    }
+}

@@ -6,7 +6,7 @@ use super::{End, Point, SpecialKind};
 use crate::analysis::continuation::{Corrected, Held, Problem, Singular, Station, locate, newton};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::condition::Condition;
-use crate::analysis::periodic::multipliers::{pair, passes};
+use crate::analysis::periodic::multipliers::{neutral, passes, passes_together};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
 
@@ -78,7 +78,7 @@ impl Walker {
             (ends.0 * ends.1 < 0.0).then_some(ends)
         };
         kinds.extend(both(doubling).map(Passed::Doubling));
-        kinds.extend(both(pair).map(Passed::Torus));
+        kinds.extend(both(passes_together).map(Passed::Torus));
         let functions = self.shooting.workshop.monitors.len();
         for index in 0..functions {
             let ends = (here.monitors[index], there.monitors[index]);
@@ -146,7 +146,7 @@ impl Walker {
         let found = match passed {
             Passed::Fold(ends) => of(ends, &|_, station| station.tangent.last().copied()),
             Passed::Doubling(ends) => of(ends, &|reader, _| doubling(&reader.multipliers())),
-            Passed::Torus(ends) => of(ends, &|reader, _| pair(&reader.multipliers())),
+            Passed::Torus(ends) => of(ends, &|reader, _| passes_together(&reader.multipliers())),
             Passed::Monitor(index, ends) => of(ends, &|reader, station| {
                 reader.monitored(&station.at).get(index).copied()
             }),
@@ -230,14 +230,20 @@ impl Walker {
         let mut here = Point::new(&mut self.shooting, &refined);
         if residual.is_nan() {
             residual = match passed {
-                Passed::Torus(_) => pair(&here.multipliers).map_or(f64::NAN, f64::abs),
+                Passed::Torus(_) => {
+                    neutral(&here.multipliers).map_or(f64::NAN, |(off, ..)| off.abs())
+                }
                 _ => refined.residual,
             };
         }
         let is_it = match passed {
             Passed::Fold(_) => is_near(&here.multipliers, 1.0),
             Passed::Doubling(_) => is_near(&here.multipliers, -1.0),
-            _ => true,
+            // One of two real multipliers may as well be the inverse of the other.
+            Passed::Torus(_) => {
+                neutral(&here.multipliers).is_some_and(|(_, sum, _)| sum.abs() < 2.0)
+            }
+            Passed::Monitor(..) => true,
         };
         if !is_it {
             return;

@@ -19,6 +19,8 @@ const LEAST_HEIGHT: f64 = 1e4;
 pub(super) const THERE: f64 = 1e-3;
 /// Orbits of a branch are solved to so small a part of their size, and so are places that are told from their guards.
 const SOLVED: f64 = 1e-12;
+/// A part of a direction that is less than this is rounding.
+const FLAT: f64 = 1e-6;
 /// Where a new sequence begins its steps, against those before.
 const CAREFUL: f64 = 0.05;
 
@@ -64,6 +66,11 @@ impl Walker {
             let end = End::Lost("the sequence of events changes".to_owned());
             return Stop::Broken(end, Box::new(from));
         };
+        if let Some(edge) = self.limits.beyond(station.parameter())
+            && let Some(end) = self.to_edge((&from, &station), (reached, edge), here)
+        {
+            return Stop::End(end);
+        }
         if let Broken::Passed(index) = broken {
             return self.exchange((curve, step, reached), (station, index), here);
         }
@@ -125,7 +132,10 @@ impl Walker {
             Some(SpecialKind::Touch) => &from,
             _ => &station,
         };
-        let forward = turns.parameter_slope();
+        let forward = match self.is_flat(turns) {
+            true => station.parameter() - from.parameter(),
+            false => turns.parameter_slope(),
+        };
         // An orbit that goes twice around a simple one from here on: it has met that at its graze.
         if let (Broken::Event(_), Ok(next)) = (&broken, &outcome)
             && shorter(&self.shooting, &next.at).is_ok_and(|part| part.is_some())
@@ -226,6 +236,12 @@ impl Walker {
         height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
     }
 
+    /// Whether the parameter stands still to first order: it does over the rate of an impact that the orbit forgets.
+    fn is_flat(&self, station: &Station) -> bool {
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        station.parameter_slope().abs() <= FLAT * scale
+    }
+
     /// On from where the sequence of events changes, the parameter having gone so before.
     pub(super) fn goes_on(
         &mut self,
@@ -235,8 +251,13 @@ impl Walker {
     ) -> Stop {
         match outcome {
             Ok(next) => {
+                let onward = match self.is_flat(&next) {
+                    true => (next.ahead(&mut self.shooting, CAREFUL * curve.step))
+                        .map_or(forward, |(ahead, _)| ahead.parameter() - next.parameter()),
+                    false => next.parameter_slope(),
+                };
                 if let Some(special) = self.special.last_mut() {
-                    special.persists = Some(next.parameter_slope() * forward > 0.0);
+                    special.persists = Some(onward * forward > 0.0);
                 }
                 self.settle(&next);
                 self.begins_anew((next, CAREFUL * curve.step), curve, here);

@@ -230,16 +230,9 @@ impl Walker {
             let there = Point::new(&mut self.shooting, &next);
             let edge = self.limits.beyond(there.parameter());
             if let Some(edge) = edge
-                && let Some((station, step)) =
-                    station_at(&mut self.shooting, (&curve.station, &next), step, edge)
+                && let Some(end) = self.to_edge((&curve.station, &next), (step, edge), &here)
             {
-                self.settle(&station);
-                let last = Point::new(&mut self.shooting, &station);
-                if let Some(end) = self.between(&curve.station, &station, step, (&here, &last)) {
-                    break end;
-                }
-                self.points.push(last);
-                break End::Range;
+                break end;
             }
             let ends = (&curve.station, &next);
             let passed = match leaves_graze {
@@ -283,6 +276,23 @@ impl Walker {
         };
         let end = ledger.close((&self.points, &self.special), end, diary);
         Ok(self.side(end))
+    }
+
+    /// From a station to where, on the way to the next, the parameter leaves its range.
+    pub(super) fn to_edge(
+        &mut self,
+        (from, to): (&Station, &Station),
+        (step, edge): (f64, f64),
+        here: &Point,
+    ) -> Option<End> {
+        let (station, step) = station_at(&mut self.shooting, (from, to), step, edge)?;
+        self.settle(&station);
+        let last = Point::new(&mut self.shooting, &station);
+        if let Some(end) = self.between(from, &station, step, (here, &last)) {
+            return Some(end);
+        }
+        self.points.push(last);
+        Some(End::Range)
     }
 
     pub(super) fn side(self, end: End) -> Side {
