@@ -32,6 +32,9 @@ const TOLD: u64 = 64;
 /// A cascade has converged long before, whatever the restitution, unless one body is a million times as heavy as another.
 const MOST: u64 = 1_000_000;
 
+/// So often collisions of squeezed bodies may end in those of others that they squeeze, at one instant.
+const MOST_SQUEEZES: usize = 24;
+
 /// A cascade that is told as a whole stops where no rate is closing by more than rounding; what it would still do to the rates
 /// of contacts beside is a few times that.
 const SETTLED_LEVELS: f64 = 64.0;
@@ -434,8 +437,16 @@ impl<R: Real> Trajectory<R> {
         if !closes || touching.contacts().count() < 2 {
             return Ok(false);
         }
-        let told = self.collide(system, work, fastest, touching)?;
-        self.pending.extend(told);
+        if self.squeezes >= MOST_SQUEEZES {
+            return Err(FlowError::ImpactsWithoutEnd {
+                time: self.time.to_f64(),
+                count: self.squeezes,
+            });
+        }
+        self.squeezes += 1;
+        let told = self.collide(system, work, fastest, touching);
+        self.squeezes -= 1;
+        self.pending.extend(told?);
         Ok(true)
     }
 

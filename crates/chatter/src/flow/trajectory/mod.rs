@@ -106,6 +106,8 @@ pub struct Trajectory<R> {
     burst: usize,
     /// Those whose flights are longer, and lower than gaps are known.
     stall: Stall<R>,
+    /// Collisions of squeezed bodies within each other.
+    squeezes: usize,
     /// The greatest rates that contacts had in collisions since then.
     rates_of_instant: Vec<R>,
     /// Collisions that are still to come at this instant.

@@ -80,6 +80,7 @@ impl<R: Real> Trajectory<R> {
             longest_step: R::ZERO,
             burst: 0,
             stall: Stall::NONE,
+            squeezes: 0,
             rates_of_instant: Vec::new(),
             collisions: None,
             completion: None,

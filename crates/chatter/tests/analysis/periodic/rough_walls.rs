@@ -1,4 +1,4 @@
-//! Impacts whose friction stops what slides along the wall.
+//! Impacts whose friction stops what slides along the wall, and complete chatter that steps do not apply by themselves.
 
 use super::differences::{agree, differences};
 use super::{nearest, orbit, over, with};
@@ -136,4 +136,20 @@ fn a_branch_goes_on_while_impacts_stop_the_sliding() {
     };
     let (of_both, alone) = (border_of(rough), border_of(&smooth));
     assert!((of_both - alone).abs() < 1e-9, "{of_both} {alone}");
+}
+
+/// Where each flight crosses a surface of the field, as the top of a flight under drag does.
+#[test]
+fn complete_chatter_across_surfaces_has_the_multipliers_of_differences() {
+    for force in ["0.2*v*abs(v)", "0.08*sign(v - 0.3*cos(1.7*t))"] {
+        let text = format!(
+            "[flight]\ny = \"v\"\nv = \"-1 - {force} - 0.3*z\"\nz = \"v - z + 0.2*cos(1.7*t)\"\n\
+             [[contact]]\nname = \"table\"\ngap = \"y - 1.2*sin(1.7*t)/1.7^2\"\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n\
+             [initial]\ny = 0.8\nv = 0\nz = 0\n"
+        );
+        let model = with(&text, &[]);
+        let found = orbit(&model);
+        assert_eq!(found.impacts, None, "{force}");
+        agree(&found, &differences(&model, &found));
+    }
 }
