@@ -133,6 +133,11 @@ pub const LOOKUP_SLOTS: usize = 7;
 /// A piece without end goes on this far.
 const ENDLESS: f64 = 1e200;
 
+/// An argument is within a table that it leaves by no more than this part of its largest knot: as a start may be inside an
+/// obstacle, since states are stored and typed with twelve digits and more. So an impact at the end of a table, and what rests
+/// there, is within it.
+pub(crate) const BESIDE: f64 = 1e-12;
+
 /// All corners that a set of expressions may have.
 #[derive(Clone, Debug, Default)]
 pub struct Corners {
@@ -341,6 +346,29 @@ impl Corners {
         [graph.sub(argument, low), graph.sub(high, argument)]
     }
 
+    /// The arguments that a lookup has a value for, and how far beyond them its first and last piece go on; none where they have
+    /// no end.
+    pub fn bounds(&self, graph: &Graph, index: usize) -> Option<([DoubleDouble; 2], f64)> {
+        let LookedUpIn::Curve(id) = self.lookups[index].within else {
+            return None;
+        };
+        let bounds = graph.curve(id).bounds()?;
+        let size = |end: DoubleDouble| end.high().abs();
+        Some((bounds, BESIDE * size(bounds[0]).max(size(bounds[1]))))
+    }
+
+    /// Where an argument leaves what it is looked up in, as functions that are positive within: of the lower and the upper end;
+    /// none where there is no end. Pieces do not end there: nothing follows.
+    pub fn limits(&self, graph: &mut Graph, index: usize, argument: Expr) -> Option<[Expr; 2]> {
+        let ([first, last], beside) = self.bounds(graph, index)?;
+        let beside = DoubleDouble::from(beside);
+        let (low, high) = (
+            graph.number_exact(first - beside),
+            graph.number_exact(last + beside),
+        );
+        Some([graph.sub(argument, low), graph.sub(high, argument)])
+    }
+
     /// The side of every surface, and the piece of every lookup, by the values at a state.
     pub fn at<R: Real>(&self, graph: &Graph, states: &[R], parameters: &[R]) -> (Sides, Vec<i64>) {
         let surfaces = graph.evaluate_all(&self.surfaces, states, parameters);
@@ -366,11 +394,18 @@ impl Corners {
         }
     }
 
-    /// The piece of a lookup that holds a value of its argument, be there one or not.
+    /// The piece of a lookup that holds a value of its argument; beyond the end of a table the one next to it.
     pub fn piece_at(&self, graph: &Graph, index: usize, value: DoubleDouble) -> i64 {
         match self.lookups[index].within {
             LookedUpIn::WholeNumbers => floor(value).to_f64() as i64,
-            LookedUpIn::Curve(id) => graph.curve(id).piece_at(value),
+            LookedUpIn::Curve(id) => {
+                let curve = graph.curve(id);
+                let piece = curve.piece_at(value);
+                match curve.bounds() {
+                    Some([_, last]) => piece.clamp(0, curve.piece_at(last)),
+                    None => piece,
+                }
+            }
         }
     }
 
@@ -384,8 +419,12 @@ impl Corners {
                 Some(vec![low, low + R::ONE, zero, low, zero, zero, zero])
             }
             LookedUpIn::Curve(id) => {
-                let piece = graph.curve(id).piece(piece)?;
-                let end = |end: Option<DoubleDouble>, far: f64| end.map_or(R::splat(far), wide);
+                let curve = graph.curve(id);
+                let piece = curve.piece(piece)?;
+                let is_bound = |end: &DoubleDouble| curve.bounds().is_some_and(|b| b.contains(end));
+                let end = |end: Option<DoubleDouble>, far: f64| {
+                    (end.filter(|end| !is_bound(end))).map_or(R::splat(far), wide)
+                };
                 let mut slots = vec![
                     end(piece.low, -ENDLESS),
                     end(piece.high, ENDLESS),

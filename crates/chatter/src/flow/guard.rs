@@ -25,6 +25,8 @@ pub enum GuardKind {
     Leave(usize, Side),
     /// The argument of a lookup reaches the end of its piece on a side.
     Piece(usize, Side),
+    /// The argument of a lookup leaves what it is looked up in on a side.
+    Outside(usize, Side),
     /// The impulse of a contact that slides, with the friction that it brings about, ceases to change its rate.
     Jam(usize),
 }
@@ -48,6 +50,8 @@ pub(crate) enum Transition {
     Meet(Corner),
     /// As [`Meet`](Self::Meet), where sliding or sticking ends: the field goes on without a jump.
     Part(Corner),
+    /// The argument of a lookup has left its table: the run ends.
+    LeaveTable { lookup: usize },
     /// The impulse of a contact is not determined any more: the run ends.
     Jam { contact: usize },
 }
@@ -72,6 +76,7 @@ impl Transition {
             GuardKind::Section(section) => Self::Cross { section },
             GuardKind::Switch(index) => Self::Meet(Corner::Surface(index)),
             GuardKind::Piece(index, _) => Self::Meet(Corner::Lookup(index)),
+            GuardKind::Outside(lookup, _) => Self::LeaveTable { lookup },
             GuardKind::Leave(index, _) => Self::Part(Corner::Surface(index)),
             GuardKind::Jam(contact) => Self::Jam { contact },
         }

@@ -35,6 +35,8 @@ pub(crate) struct Limit {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Limits {
     pub corners: Vec<Limit>,
+    /// Where arguments leave the tables that they are looked up in.
+    pub ranges: Vec<(GuardKind, Expr)>,
     /// Of contacts that slide: what an impulse along friction does to the gap rate.
     pub jams: Vec<(GuardKind, Expr)>,
 }
@@ -84,6 +86,9 @@ impl Limits {
                 ],
                 surface: argument,
             });
+            let range = corners.limits(&mut mechanics.graph, index, argument);
+            let sides = [Side::Below, Side::Above].map(|side| GuardKind::Outside(index, side));
+            (limits.ranges).extend(sides.into_iter().zip(range.into_iter().flatten()));
         }
         for rubbing in rubbing {
             let slides = sides.get(rubbing.surface) != Side::Sliding;
@@ -98,7 +103,7 @@ impl Limits {
     /// All guards.
     pub(crate) fn guards(&self) -> impl Iterator<Item = (GuardKind, Expr)> {
         let corners = self.corners.iter().flat_map(|limit| &limit.guards);
-        corners.chain(&self.jams).copied()
+        corners.chain(&self.ranges).chain(&self.jams).copied()
     }
 }
 

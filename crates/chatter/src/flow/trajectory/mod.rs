@@ -581,6 +581,7 @@ impl<R: Real> Trajectory<R> {
             }
             Transition::Meet(corner) => self.meet_corner(system, work, (corner, true)),
             Transition::Part(corner) => self.meet_corner(system, work, (corner, false)),
+            Transition::LeaveTable { lookup } => self.leave_table(system, work, lookup),
             Transition::Jam { contact } => Err(self.jammed(contact)),
             Transition::Impact { contact } if result.crowd == Closed::NONE => {
                 self.flight_time = flight_time;

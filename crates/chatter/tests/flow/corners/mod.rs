@@ -3,4 +3,5 @@
 mod jumps;
 mod piecewise;
 mod roots;
+mod table_ends;
 mod tables;
