@@ -295,6 +295,7 @@ impl Unsettled {
             },
             Self::Stuck(guard) => match program.guards[guard].transition {
                 Transition::Impact { contact }
+                | Transition::AskImpact { contact }
                 | Transition::Collide { contact }
                 | Transition::HandOver { contact }
                 | Transition::Open { contact }

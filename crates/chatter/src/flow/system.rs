@@ -209,7 +209,7 @@ impl System {
         Mode {
             grip: Grip::NONE,
             sides,
-            surfaces: on_sides.active,
+            surfaces: on_sides.active.surfaces,
             program,
             graph: mechanics.graph,
             flight: Some(Box::new(Flight { on_sides, touches })),
@@ -226,7 +226,7 @@ impl System {
             grip,
             sides,
             surfaces: flight.map_or(Surfaces::all(self.corners.surfaces.len()), |flight| {
-                flight.on_sides.active
+                flight.on_sides.active.surfaces
             }),
             program,
             graph: mechanics.map_or_else(Graph::default, |mechanics| mechanics.graph),

@@ -1,5 +1,6 @@
 //! Equations that change their form: surfaces, sliding, tables.
 
+mod asked;
 mod jumps;
 mod piecewise;
 mod roots;

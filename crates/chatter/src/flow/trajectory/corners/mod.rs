@@ -22,7 +22,7 @@ use crate::numerics::{Real, WithTerms};
 
 /// Knots that are met within so many roundoffs of the time, or of the longest step before, are met at one instant, as those of
 /// arguments that are functions of each other: so much can rounding move a crossing.
-const INSTANT_ROUNDOFFS: f64 = 8.0;
+pub(super) const INSTANT_ROUNDOFFS: f64 = 8.0;
 
 /// How the state stands to a corner in a mode.
 struct Standing<R> {
@@ -53,8 +53,8 @@ impl<R: Real> Standing<R> {
 /// Sides and pieces that may hold.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Candidate {
-    sides: Sides,
-    pieces: Vec<i64>,
+    pub(super) sides: Sides,
+    pub(super) pieces: Vec<i64>,
 }
 
 impl Candidate {

@@ -10,7 +10,7 @@ use crate::flow::program::Closed;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;
 use crate::flow::trajectory::Trajectory;
-use crate::numerics::{DoubleDouble, Real};
+use crate::numerics::Real;
 
 impl<R: Real> Trajectory<R> {
     /// The argument of a lookup has left its table. Where the gap of a contact that closes cannot be told from zero there, its impact
@@ -47,22 +47,38 @@ impl<R: Real> Trajectory<R> {
         standings: &[Standing<R>],
     ) -> Result<(), FlowError> {
         for standing in standings {
-            let Some((lookup, bounds, beside)) = bounds(system, standing) else {
-                continue;
-            };
-            let beside = R::splat(beside).max(standing.surface_level());
-            let argument = standing.surface.value;
-            let [first, last] = bounds.map(R::from_double_double);
-            if argument < first - beside || last + beside < argument {
-                return Err(self.outside_table(system, lookup, argument));
+            if let Corner::Lookup(lookup) = standing.corner {
+                let argument = (standing.surface.value, standing.surface_level());
+                self.refuse_outside(system, lookup, argument)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Refuses an argument that is clearly, by more than `level`, out of the table that it is looked up in.
+    pub(in crate::flow::trajectory) fn refuse_outside(
+        &self,
+        system: &System,
+        lookup: usize,
+        (argument, level): (R, R),
+    ) -> Result<(), FlowError> {
+        let Some((bounds, beside)) = system.corners().bounds(&system.model().graph, lookup) else {
+            return Ok(());
+        };
+        let [first, last] = bounds.map(R::from_double_double);
+        let beside = R::splat(beside).max(level);
+        if argument < first - beside || last + beside < argument {
+            return Err(self.outside_table(system, lookup, argument));
         }
         Ok(())
     }
 
     /// That an argument has left its table: where it did so, a moment ago.
     fn outside(&self, system: &System, standing: &Standing<R>) -> Option<FlowError> {
-        let (lookup, bounds, _) = bounds(system, standing)?;
+        let Corner::Lookup(lookup) = standing.corner else {
+            return None;
+        };
+        let (bounds, _) = system.corners().bounds(&system.model().graph, lookup)?;
         let [first, last] = bounds.map(R::from_double_double);
         let argument = standing.surface.value;
         let end = if argument <= first { first } else { last };
@@ -88,16 +104,4 @@ impl<R: Real> Trajectory<R> {
             argument: argument.to_f64(),
         }
     }
-}
-
-/// A lookup, the ends of the table that is looked up in, and how far beyond them its pieces go on.
-fn bounds<R: Real>(
-    system: &System,
-    standing: &Standing<R>,
-) -> Option<(usize, [DoubleDouble; 2], f64)> {
-    let Corner::Lookup(index) = standing.corner else {
-        return None;
-    };
-    let (bounds, beside) = system.corners().bounds(&system.model().graph, index)?;
-    Some((index, bounds, beside))
 }
