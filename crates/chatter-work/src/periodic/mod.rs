@@ -68,7 +68,9 @@ impl Subject<'_> {
                 .get(surface)
                 .cloned()
                 .unwrap_or_else(|| format!("surface {surface}")),
-            GuardKind::Piece(lookup, _) => format!("table {lookup}"),
+            GuardKind::Piece(lookup, _) | GuardKind::Outside(lookup, _) => {
+                format!("table {lookup}")
+            }
         }
     }
 

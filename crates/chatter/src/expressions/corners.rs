@@ -93,6 +93,12 @@ impl Surfaces {
         Self(self.0 | other.0)
     }
 
+    /// What is not in the other set.
+    #[must_use]
+    pub fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// Whether it is in the set.
     pub fn contains(self, surface: usize) -> bool {
         self.0 >> surface & 1 == 1
@@ -106,6 +112,40 @@ impl Surfaces {
             rest &= rest - 1;
             Some(first)
         })
+    }
+}
+
+/// Surfaces, and lookups, that expressions depend on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Asked {
+    /// The surfaces on whose side they depend.
+    pub surfaces: Surfaces,
+    /// The lookups in them.
+    pub lookups: Surfaces,
+}
+
+impl Asked {
+    /// What is in either.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            surfaces: self.surfaces.or(other.surfaces),
+            lookups: self.lookups.or(other.lookups),
+        }
+    }
+
+    /// What is not in the other.
+    #[must_use]
+    pub fn without(self, other: Self) -> Self {
+        Self {
+            surfaces: self.surfaces.without(other.surfaces),
+            lookups: self.lookups.without(other.lookups),
+        }
+    }
+
+    /// Whether there is nothing.
+    pub fn is_empty(self) -> bool {
+        self == Self::default()
     }
 }
 
@@ -133,6 +173,11 @@ pub const LOOKUP_SLOTS: usize = 7;
 /// A piece without end goes on this far.
 const ENDLESS: f64 = 1e200;
 
+/// An argument is within a table that it leaves by no more than this part of its largest knot: as a start may be inside an
+/// obstacle, since states are stored and typed with twelve digits and more. So an impact at the end of a table, and what rests
+/// there, is within it.
+pub(crate) const BESIDE: f64 = 1e-12;
+
 /// All corners that a set of expressions may have.
 #[derive(Clone, Debug, Default)]
 pub struct Corners {
@@ -155,6 +200,13 @@ pub struct Smooth {
     pub surfaces: Surfaces,
     /// The lookups in them.
     pub lookups: Surfaces,
+}
+
+/// What becomes of an argument that is rounded down.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum WholeNumbers {
+    LookedUp,
+    Evaluated,
 }
 
 impl Corners {
@@ -206,6 +258,21 @@ impl Corners {
     /// The expressions on the given side of each surface, lookups as polynomials. Of a surface that is slid on the side
     /// above is taken.
     pub fn smooth(&self, graph: &mut Graph, sides: Sides, exprs: &[Expr]) -> Smooth {
+        self.on_sides(graph, sides, (exprs, WholeNumbers::LookedUp))
+    }
+
+    /// The same, but that whole parts are those of the numbers that they are taken of.
+    pub fn with_whole_parts(&self, graph: &mut Graph, sides: Sides, exprs: &[Expr]) -> Vec<Expr> {
+        self.on_sides(graph, sides, (exprs, WholeNumbers::Evaluated))
+            .exprs
+    }
+
+    fn on_sides(
+        &self,
+        graph: &mut Graph,
+        sides: Sides,
+        (exprs, whole_numbers): (&[Expr], WholeNumbers),
+    ) -> Smooth {
         let mut found = Smooth {
             exprs: Vec::with_capacity(exprs.len()),
             surfaces: Surfaces::default(),
@@ -217,39 +284,8 @@ impl Corners {
         }
         let parts = graph.reachable(exprs);
         let moves = graph.depend_on_state(&parts);
-        // What is needed, from the outside in: of a choice only the piece that holds.
-        let mut needed: FxHashMap<Expr, bool> = parts.iter().map(|&part| (part, false)).collect();
-        for expr in exprs {
-            needed.insert(*expr, true);
-        }
-        for (&part, &moves) in parts.iter().zip(&moves).rev() {
-            if !needed[&part] {
-                continue;
-            }
-            match (moves, graph.node(part)) {
-                (
-                    true,
-                    &Node::Switch {
-                        surface,
-                        above,
-                        below,
-                        ..
-                    },
-                ) => {
-                    if let Some(index) = self.surface(surface) {
-                        found.surfaces = found.surfaces.with(index);
-                        let chosen = match sides.get(index) {
-                            Side::Above | Side::Sliding => above,
-                            Side::Below => below,
-                        };
-                        needed.insert(chosen, true);
-                    }
-                }
-                _ => graph.for_each_operand(part, |operand| {
-                    needed.insert(operand, true);
-                }),
-            }
-        }
+        let (needed, surfaces) = self.needed(graph, sides, (exprs, &parts, &moves));
+        found.surfaces = surfaces;
         let mut known: FxHashMap<Expr, Expr> =
             FxHashMap::with_capacity_and_hasher(parts.len(), FxBuildHasher);
         for (&part, &moves) in parts.iter().zip(&moves) {
@@ -282,6 +318,9 @@ impl Corners {
                         _ => of(&above),
                     }
                 }
+                Node::Floor(argument) if whole_numbers == WholeNumbers::Evaluated => {
+                    graph.floor(of(&argument))
+                }
                 Node::Floor(argument) => {
                     self.piece(graph, part, of(&argument), 0, &mut found.lookups)
                 }
@@ -293,6 +332,85 @@ impl Corners {
         }
         found.exprs.extend(exprs.iter().map(|expr| known[expr]));
         found
+    }
+
+    /// Which parts of expressions are needed on the given sides, from the outside in: of a choice only the piece that holds. With
+    /// the surfaces that choose.
+    fn needed(
+        &self,
+        graph: &Graph,
+        sides: Sides,
+        (exprs, parts, moves): (&[Expr], &[Expr], &[bool]),
+    ) -> (FxHashMap<Expr, bool>, Surfaces) {
+        let mut surfaces = Surfaces::default();
+        let mut needed: FxHashMap<Expr, bool> = parts.iter().map(|&part| (part, false)).collect();
+        for expr in exprs {
+            needed.insert(*expr, true);
+        }
+        for (&part, &moves) in parts.iter().zip(moves).rev() {
+            if !needed[&part] {
+                continue;
+            }
+            match (moves, graph.node(part)) {
+                (
+                    true,
+                    &Node::Switch {
+                        surface,
+                        above,
+                        below,
+                        ..
+                    },
+                ) => {
+                    if let Some(index) = self.surface(surface) {
+                        surfaces = surfaces.with(index);
+                        let chosen = match sides.get(index) {
+                            Side::Above | Side::Sliding => above,
+                            Side::Below => below,
+                        };
+                        needed.insert(chosen, true);
+                    }
+                }
+                _ => graph.for_each_operand(part, |operand| {
+                    needed.insert(operand, true);
+                }),
+            }
+        }
+        (needed, surfaces)
+    }
+
+    /// What expressions depend on, on the given sides, and what that depends on in turn.
+    pub fn asked(&self, graph: &Graph, sides: Sides, exprs: &[Expr]) -> Asked {
+        let (mut asked, mut exprs) = (Asked::default(), exprs.to_vec());
+        while !(self.is_empty() || exprs.is_empty()) {
+            let parts = graph.reachable(&exprs);
+            let moves = graph.depend_on_state(&parts);
+            let (needed, surfaces) = self.needed(graph, sides, (&exprs, &parts, &moves));
+            let mut found = Asked {
+                surfaces,
+                ..Asked::default()
+            };
+            for (&part, _) in parts
+                .iter()
+                .zip(&moves)
+                .filter(|&(part, &moves)| moves && needed[part])
+            {
+                let place = lookup(graph, part)
+                    .and_then(|lookup| self.lookups.iter().position(|&known| known == lookup));
+                if let Some(index) = place {
+                    found.lookups = found.lookups.with(index);
+                }
+            }
+            let more = found.without(asked);
+            asked = asked.or(found);
+            exprs = (more.surfaces.members().map(|index| self.surfaces[index]))
+                .chain(
+                    more.lookups
+                        .members()
+                        .map(|index| self.lookups[index].argument),
+                )
+                .collect();
+        }
+        asked
     }
 
     /// The number of a surface.
@@ -341,6 +459,29 @@ impl Corners {
         [graph.sub(argument, low), graph.sub(high, argument)]
     }
 
+    /// The arguments that a lookup has a value for, and how far beyond them its first and last piece go on; none where they have
+    /// no end.
+    pub fn bounds(&self, graph: &Graph, index: usize) -> Option<([DoubleDouble; 2], f64)> {
+        let LookedUpIn::Curve(id) = self.lookups[index].within else {
+            return None;
+        };
+        let bounds = graph.curve(id).bounds()?;
+        let size = |end: DoubleDouble| end.high().abs();
+        Some((bounds, BESIDE * size(bounds[0]).max(size(bounds[1]))))
+    }
+
+    /// Where an argument leaves what it is looked up in, as functions that are positive within: of the lower and the upper end;
+    /// none where there is no end. Pieces do not end there: nothing follows.
+    pub fn limits(&self, graph: &mut Graph, index: usize, argument: Expr) -> Option<[Expr; 2]> {
+        let ([first, last], beside) = self.bounds(graph, index)?;
+        let beside = DoubleDouble::from(beside);
+        let (low, high) = (
+            graph.number_exact(first - beside),
+            graph.number_exact(last + beside),
+        );
+        Some([graph.sub(argument, low), graph.sub(high, argument)])
+    }
+
     /// The side of every surface, and the piece of every lookup, by the values at a state.
     pub fn at<R: Real>(&self, graph: &Graph, states: &[R], parameters: &[R]) -> (Sides, Vec<i64>) {
         let surfaces = graph.evaluate_all(&self.surfaces, states, parameters);
@@ -366,11 +507,18 @@ impl Corners {
         }
     }
 
-    /// The piece of a lookup that holds a value of its argument, be there one or not.
+    /// The piece of a lookup that holds a value of its argument; beyond the end of a table the one next to it.
     pub fn piece_at(&self, graph: &Graph, index: usize, value: DoubleDouble) -> i64 {
         match self.lookups[index].within {
             LookedUpIn::WholeNumbers => floor(value).to_f64() as i64,
-            LookedUpIn::Curve(id) => graph.curve(id).piece_at(value),
+            LookedUpIn::Curve(id) => {
+                let curve = graph.curve(id);
+                let piece = curve.piece_at(value);
+                match curve.bounds() {
+                    Some([_, last]) => piece.clamp(0, curve.piece_at(last)),
+                    None => piece,
+                }
+            }
         }
     }
 
@@ -384,8 +532,12 @@ impl Corners {
                 Some(vec![low, low + R::ONE, zero, low, zero, zero, zero])
             }
             LookedUpIn::Curve(id) => {
-                let piece = graph.curve(id).piece(piece)?;
-                let end = |end: Option<DoubleDouble>, far: f64| end.map_or(R::splat(far), wide);
+                let curve = graph.curve(id);
+                let piece = curve.piece(piece)?;
+                let is_bound = |end: &DoubleDouble| curve.bounds().is_some_and(|b| b.contains(end));
+                let end = |end: Option<DoubleDouble>, far: f64| {
+                    (end.filter(|end| !is_bound(end))).map_or(R::splat(far), wide)
+                };
                 let mut slots = vec![
                     end(piece.low, -ENDLESS),
                     end(piece.high, ENDLESS),

@@ -10,7 +10,9 @@ mod singularity;
 mod tape;
 mod text;
 
-pub use corners::{Corners, LOOKUP_SLOTS, LookedUpIn, Lookup, Side, Sides, Smooth, Surfaces};
+pub use corners::{
+    Asked, Corners, LOOKUP_SLOTS, LookedUpIn, Lookup, Side, Sides, Smooth, Surfaces,
+};
 pub use curve::{
     Axis, CURVE_KINDS, Curve, CurveError, CurveKind, MOST_KNOTS, OUTSIDES, Outside, Piece,
 };

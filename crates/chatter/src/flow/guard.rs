@@ -25,6 +25,8 @@ pub enum GuardKind {
     Leave(usize, Side),
     /// The argument of a lookup reaches the end of its piece on a side.
     Piece(usize, Side),
+    /// The argument of a lookup leaves what it is looked up in on a side.
+    Outside(usize, Side),
     /// The impulse of a contact that slides, with the friction that it brings about, ceases to change its rate.
     Jam(usize),
 }
@@ -38,6 +40,8 @@ pub(crate) enum Transition {
     Reset { section: usize },
     /// An impact that concerns one contact alone: the step that ends there applies it itself, where nothing else is met there.
     Impact { contact: usize },
+    /// The same, whose map has corners that nothing else asks for: which piece of it holds is found at the impact.
+    AskImpact { contact: usize },
     /// An impact that other contacts feel: one of several collisions.
     Collide { contact: usize },
     /// A contact opens.
@@ -48,6 +52,8 @@ pub(crate) enum Transition {
     Meet(Corner),
     /// As [`Meet`](Self::Meet), where sliding or sticking ends: the field goes on without a jump.
     Part(Corner),
+    /// The argument of a lookup has left its table: the run ends.
+    LeaveTable { lookup: usize },
     /// The impulse of a contact is not determined any more: the run ends.
     Jam { contact: usize },
 }
@@ -55,15 +61,18 @@ pub(crate) enum Transition {
 impl Transition {
     /// What the zero of a function leads to, in a mode with these closed contacts.
     ///
-    /// `is_alone` says of a contact whether its impulse leaves the rates of all closed ones as they are, `is_event` of a section
-    /// whether it has a reset.
+    /// `is_alone` says of a contact whether its impulse leaves the rates of all closed ones as they are, `asks` whether the map of its
+    /// impacts has corners of its own, `is_event` of a section whether it has a reset.
     pub fn new(
         kind: GuardKind,
         grip: Grip,
-        is_alone: impl Fn(usize) -> bool,
+        (is_alone, asks): (impl Fn(usize) -> bool, impl Fn(usize) -> bool),
         is_event: impl Fn(usize) -> bool,
     ) -> Self {
         match kind {
+            GuardKind::Gap(contact) if is_alone(contact) && asks(contact) => {
+                Self::AskImpact { contact }
+            }
             GuardKind::Gap(contact) if is_alone(contact) => Self::Impact { contact },
             GuardKind::Gap(contact) => Self::Collide { contact },
             GuardKind::Reaction(contact) if grip.has_idle() => Self::HandOver { contact },
@@ -72,6 +81,7 @@ impl Transition {
             GuardKind::Section(section) => Self::Cross { section },
             GuardKind::Switch(index) => Self::Meet(Corner::Surface(index)),
             GuardKind::Piece(index, _) => Self::Meet(Corner::Lookup(index)),
+            GuardKind::Outside(lookup, _) => Self::LeaveTable { lookup },
             GuardKind::Leave(index, _) => Self::Part(Corner::Surface(index)),
             GuardKind::Jam(contact) => Self::Jam { contact },
         }
@@ -99,7 +109,9 @@ impl Guard {
     #[inline(always)]
     pub fn closing(&self) -> Option<usize> {
         match self.transition {
-            Transition::Impact { contact } | Transition::Collide { contact } => Some(contact),
+            Transition::Impact { contact }
+            | Transition::AskImpact { contact }
+            | Transition::Collide { contact } => Some(contact),
             _ => None,
         }
     }

@@ -20,7 +20,7 @@ use super::touch::stop;
 use super::trajectory::Trajectory;
 use super::variation::{Column, Direction as Along, with_identity};
 use super::{Closed, Occurrence};
-use crate::expressions::{Expansion, Expr, Graph, Side, Symbol, Tape};
+use crate::expressions::{Asked, Expansion, Expr, Graph, Side, Symbol, Tape};
 use crate::model::{Direction, Model, Section};
 use crate::numerics::linear::solve_consistent;
 use crate::numerics::{Matrix, Real, dot, two_sum};
@@ -87,6 +87,8 @@ struct Watch {
     /// Stops where a guard's rate rises through zero, and at the section; none where nothing is watched.
     system: Option<System>,
     guards: Vec<GuardKind>,
+    /// How many of them: the others are asked for at the end alone.
+    on_the_way: usize,
     /// The section whose crossings are told, after the guards.
     section: Option<usize>,
     /// Guards that are events, whose functions may have either sign: after all others it is told where their rates fall through
@@ -184,6 +186,8 @@ struct Ending {
     surface: Option<Expr>,
     map: Vec<Expr>,
     held: Vec<Held>,
+    /// Of the corners that its event alone asks for what is positive where it is.
+    asked: Vec<(GuardKind, Expr)>,
 }
 
 /// A function that a mode holds at zero: gap and rate of a contact that is closed, the surface that is slid along.
@@ -288,7 +292,7 @@ impl System {
                 *after = graph.add(*after, added);
             }
         }
-        let slid_along = (on_sides.active.members())
+        let slid_along = (on_sides.followed.surfaces.members())
             .filter(|&index| sides.get(index) == Side::Sliding)
             .map(|index| Held {
                 function: on_sides.surfaces[index],
@@ -303,6 +307,12 @@ impl System {
                 })
             });
         let held = in_contact.chain(slid_along).collect();
+        let asked = match kind.jump {
+            Jump::None => Asked::default(),
+            Jump::Impact(contact) | Jump::Stop(contact) => limits.impacts[contact],
+            Jump::Reset(section) => limits.resets[section],
+        };
+        let asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
         Some(Ending {
             graph,
             field: exprs.field,
@@ -310,6 +320,7 @@ impl System {
             surface,
             map,
             held,
+            asked,
         })
     }
 
@@ -323,6 +334,7 @@ impl System {
             surface,
             map,
             held,
+            asked,
         } = self.ending(kind)?;
         let graph = &mut graph;
         let coordinates = field.len();
@@ -333,12 +345,14 @@ impl System {
             let of = |(guard, _): &&(GuardKind, Expr)| *guard == GuardKind::Section(section);
             Some((section, guards.iter().find(of)?.1))
         });
-        let watched: Vec<(GuardKind, Expr)> = (guards.into_iter())
+        let mut watched: Vec<(GuardKind, Expr)> = (guards.into_iter())
             .filter(|(guard, _)| match guard {
                 GuardKind::Section(index) => self.is_event(*index),
                 _ => true,
             })
             .collect();
+        let on_the_way = watched.len();
+        watched.extend(asked);
         let rates: Vec<Expr> = (watched.iter())
             .map(|&(_, function)| graph.lie_derivative(function, &field))
             .collect();
@@ -376,7 +390,8 @@ impl System {
             direction,
             reset: None,
         };
-        let turning = rates.iter().map(|&rate| surface(rate, Direction::Rising));
+        let turning = rates[..on_the_way].iter();
+        let turning = turning.map(|&rate| surface(rate, Direction::Rising));
         // A guard falls where its section is crossed.
         let crossing = crossed.map(|(section, function)| {
             let direction = match self.model().sections[section].direction {
@@ -400,6 +415,7 @@ impl System {
             watch: Watch {
                 system: watching,
                 guards: watched.iter().map(|&(guard, _)| guard).collect(),
+                on_the_way,
                 section: crossed.map(|(section, _)| section),
                 events,
                 graph: graph.clone(),
@@ -684,7 +700,8 @@ impl Leg {
             .map(|(value, rate)| value.abs().max((rate * duration).abs()))
             .collect();
         let mut values = vec![0.0; count];
-        let first_fall = count + usize::from(self.watch.section.is_some());
+        let on_the_way = self.watch.on_the_way;
+        let first_fall = on_the_way + usize::from(self.watch.section.is_some());
         for _ in 0..MOST_STEPS {
             let told = trajectory.advance_to_horizon(system, work)?;
             let Some(told) = told else { continue };
@@ -705,7 +722,9 @@ impl Leg {
             };
             let event = |guard: usize| events.iter().position(|event| event.guard == guard);
             match told {
-                Occurrence::Section { section } if section == count && section < first_fall => {
+                Occurrence::Section { section }
+                    if section == on_the_way && section < first_fall =>
+                {
                     found.extend(self.watch.section.map(|section| Least {
                         guard: GuardKind::Section(section),
                         time,
@@ -747,7 +766,7 @@ impl Leg {
                         let holds = ends_it(guard) && !matches!(guards[guard], GuardKind::Gap(_));
                         event(guard).is_none() && (holds || began[guard] < -JUST_OPENED * by)
                     };
-                    found.extend((0..count).filter(begins_beyond).map(|guard| Least {
+                    found.extend((0..on_the_way).filter(begins_beyond).map(|guard| Least {
                         time: 0.0,
                         state: x.to_vec(),
                         ..least(guard, began[guard], true)

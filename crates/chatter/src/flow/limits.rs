@@ -2,7 +2,7 @@
 
 use super::guard::GuardKind;
 use super::program::{Closed, ModeExprs};
-use crate::expressions::{Corners, Expr, Graph, Side, Sides};
+use crate::expressions::{Asked, Corners, Expr, Graph, Side, Sides};
 use crate::model::{Mechanics, OnSides, Rubbing};
 
 /// A corner that a mode depends on.
@@ -35,6 +35,13 @@ pub(crate) struct Limit {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Limits {
     pub corners: Vec<Limit>,
+    /// Where arguments leave the tables that they are looked up in.
+    pub ranges: Vec<(GuardKind, Expr)>,
+    /// What impacts at each contact and the reset of each section ask for, and the motion does not.
+    pub impacts: Vec<Asked>,
+    pub resets: Vec<Asked>,
+    /// All of these: surfaces, and arguments.
+    pub asked: Vec<(Corner, Expr)>,
     /// Of contacts that slide: what an impulse along friction does to the gap rate.
     pub jams: Vec<(GuardKind, Expr)>,
 }
@@ -47,7 +54,8 @@ impl Limits {
         mode: &ModeExprs,
     ) -> Self {
         let mut limits = Self::default();
-        for index in on_sides.active.members() {
+        let followed = on_sides.followed;
+        for index in followed.surfaces.members() {
             let surface = on_sides.surfaces[index];
             let rubs = rubbing.iter().find(|rubbing| rubbing.surface == index);
             let guards = match (sides.get(index), rubs) {
@@ -73,7 +81,7 @@ impl Limits {
                 surface,
             });
         }
-        for index in on_sides.looked_up.members() {
+        for index in followed.lookups.members() {
             let argument = on_sides.arguments[index];
             let [low, high] = corners.ends(&mut mechanics.graph, index, argument);
             limits.corners.push(Limit {
@@ -84,7 +92,19 @@ impl Limits {
                 ],
                 surface: argument,
             });
+            let range = corners.limits(&mut mechanics.graph, index, argument);
+            let sides = [Side::Below, Side::Above].map(|side| GuardKind::Outside(index, side));
+            (limits.ranges).extend(sides.into_iter().zip(range.into_iter().flatten()));
         }
+        let beside = |asked: &Asked| asked.without(followed);
+        limits.impacts = on_sides.at_impact.iter().map(beside).collect();
+        limits.resets = on_sides.at_reset.iter().map(beside).collect();
+        let only_asked = on_sides.active.without(followed);
+        let surfaces = only_asked.surfaces.members();
+        let surfaces = surfaces.map(|index| (Corner::Surface(index), on_sides.surfaces[index]));
+        let lookups = only_asked.lookups.members();
+        let lookups = lookups.map(|index| (Corner::Lookup(index), on_sides.arguments[index]));
+        limits.asked = surfaces.chain(lookups).collect();
         for rubbing in rubbing {
             let slides = sides.get(rubbing.surface) != Side::Sliding;
             if closed.contains(rubbing.contact) && slides {
@@ -98,7 +118,35 @@ impl Limits {
     /// All guards.
     pub(crate) fn guards(&self) -> impl Iterator<Item = (GuardKind, Expr)> {
         let corners = self.corners.iter().flat_map(|limit| &limit.guards);
-        corners.chain(&self.jams).copied()
+        corners.chain(&self.ranges).chain(&self.jams).copied()
+    }
+}
+
+impl OnSides {
+    /// What is positive while these corners are on the sides and pieces where they are.
+    pub(crate) fn guards_of(
+        &self,
+        graph: &mut Graph,
+        (corners, sides): (&Corners, Sides),
+        asked: Asked,
+    ) -> Vec<(GuardKind, Expr)> {
+        let surface = |graph: &mut Graph, index: usize| {
+            let surface = self.surfaces[index];
+            let guard = match sides.get(index) {
+                Side::Below => graph.neg(surface),
+                Side::Above | Side::Sliding => surface,
+            };
+            (GuardKind::Switch(index), guard)
+        };
+        let mut guards: Vec<(GuardKind, Expr)> = (asked.surfaces.members())
+            .map(|index| surface(graph, index))
+            .collect();
+        for index in asked.lookups.members() {
+            let ends = corners.ends(graph, index, self.arguments[index]);
+            let sides = [Side::Below, Side::Above].map(|side| GuardKind::Piece(index, side));
+            guards.extend(sides.into_iter().zip(ends));
+        }
+        guards
     }
 }
 

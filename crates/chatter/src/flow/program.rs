@@ -6,7 +6,7 @@ use super::limits::{Corner, Limits};
 use super::looked_up::LookedUp;
 use super::reset::ResetTapes;
 use super::variation::Direction as Along;
-use crate::expressions::{Expr, Graph, Names, Node, Symbol, Tape};
+use crate::expressions::{Asked, Expr, Graph, Names, Node, Symbol, Tape};
 use crate::model::{ContactMechanics, Direction, Mechanics, Section, Sticking};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
@@ -131,6 +131,12 @@ pub struct Program {
     pub(crate) residual_gradients: Tape,
     /// For each section what its event does, if it is one.
     pub(crate) resets: Vec<Option<ResetTapes>>,
+    /// What impacts at each contact and the reset of each section ask for, and the motion does not.
+    pub(crate) asked_at_impacts: Vec<Asked>,
+    pub(crate) asked_at_resets: Vec<Asked>,
+    /// All of these; of each the surface, or argument, and its rate.
+    pub(crate) asked: Vec<Corner>,
+    pub(crate) asked_values: Tape,
     /// What the mode asks of each corner.
     pub(crate) standings: Vec<StandingTapes>,
     /// The field of the model's own states, at a point.
@@ -154,6 +160,7 @@ pub(crate) struct ProgramConstants<R> {
     pub resets: Vec<[Vec<R>; 3]>,
     pub standings: Vec<[Vec<R>; 3]>,
     pub field: Vec<R>,
+    pub asked_values: Vec<R>,
 }
 
 fn next_edition() -> u64 {
@@ -359,7 +366,10 @@ impl Program {
                 transition: Transition::new(
                     kind,
                     *grip,
-                    |contact| alone.contains(contact),
+                    (
+                        |contact| alone.contains(contact),
+                        |contact| !limits.impacts[contact].is_empty(),
+                    ),
                     |section| sections[section].reset.is_some(),
                 ),
                 crossing,
@@ -432,6 +442,10 @@ impl Program {
                 }
             })
             .collect();
+        let asked: Vec<Expr> = (limits.asked.iter())
+            .flat_map(|&(_, value)| [value, graph.lie_derivative(value, field)])
+            .collect();
+        let asked_values = Tape::new(graph, dimension, &[], &asked);
         let at_point = Tape::new(graph, dimension, &[], &field[..mechanics.field.len()]);
         Self {
             tape,
@@ -446,6 +460,10 @@ impl Program {
             residuals,
             residual_gradients,
             resets,
+            asked_at_impacts: limits.impacts.clone(),
+            asked_at_resets: limits.resets.clone(),
+            asked: limits.asked.iter().map(|&(corner, _)| corner).collect(),
+            asked_values,
             standings,
             field: at_point,
             looked_up: LookedUp::default(),
@@ -486,6 +504,7 @@ impl Program {
                 .map(|standing| [&standing.values, &standing.slopes, &standing.lifts].map(of))
                 .collect(),
             field: of(&self.field),
+            asked_values: of(&self.asked_values),
         }
     }
 
@@ -513,6 +532,7 @@ impl Program {
             &self.residuals,
             &self.residual_gradients,
             &self.field,
+            &self.asked_values,
         ]
         .into_iter()
         .chain((self.standings.iter()).flat_map(|s| [&s.values, &s.slopes, &s.lifts]))
@@ -582,6 +602,7 @@ impl<R> ProgramConstants<R> {
             &mut self.residuals,
             &mut self.residual_gradients,
             &mut self.field,
+            &mut self.asked_values,
         ]
         .into_iter()
         .chain(self.standings.iter_mut().flatten())

@@ -3,7 +3,7 @@
 use super::crossing::SectionPath;
 use super::error::FlowError;
 use super::flight::reaches;
-use super::guard::{Guard, Transition};
+use super::guard::{Guard, GuardKind, Transition};
 use super::program::Program;
 use super::step::{GROWTH, LATE_ROUNDOFFS, LEAST_GROWTH, NO_EVENT, Workspace, least_step};
 use super::system::System;
@@ -109,6 +109,9 @@ fn first_event<R: Real>(
         let found = if let Some(section) = guard.section() {
             let path = section_path(work, program, guard, (p, section), touching.get(index));
             (path.first(width)).or_else(|| path.at_end(width, open).filter(|_| at_end))
+        } else if let GuardKind::Outside(..) = guard.kind {
+            let terms = size_of_terms(work, program, guard);
+            first_clearly_below(p, width, (Workspace::<R>::NOISE, terms))
         } else {
             let is_left = touching.get(index) > 0;
             let terms = if is_left || guard.is_affine {
@@ -292,6 +295,7 @@ impl Unsettled {
             },
             Self::Stuck(guard) => match program.guards[guard].transition {
                 Transition::Impact { contact }
+                | Transition::AskImpact { contact }
                 | Transition::Collide { contact }
                 | Transition::HandOver { contact }
                 | Transition::Open { contact }
@@ -303,8 +307,10 @@ impl Unsettled {
                     time: time.to_f64(),
                     surfaces: vec![system.corner_name(corner)],
                 },
-                // Sections may have either sign, and are never stuck.
-                Transition::Cross { .. } | Transition::Reset { .. } => FlowError::NoMode {
+                // Sections may have either sign, and are never stuck; nor are the ends of tables, which nothing leaves.
+                Transition::Cross { .. }
+                | Transition::Reset { .. }
+                | Transition::LeaveTable { .. } => FlowError::NoMode {
                     time: time.to_f64(),
                     surfaces: Vec::new(),
                 },
@@ -348,6 +354,22 @@ fn risen<R: Real>(p: &[R], count: usize) -> Vec<R> {
         .chain(p[count..].iter().copied())
         .skip(zeros)
         .collect()
+}
+
+/// Where a function is first below zero by more than rounding, its value at the start being the sum of terms of this size: what is no
+/// surface, but a place to keep to.
+fn first_clearly_below<R: Real>(p: &[R], width: R, (noise, terms): (f64, R)) -> Option<Root<R>> {
+    let level = magnitude(p, width).max(terms) * R::splat(noise);
+    let mut above = p.to_vec();
+    above[0] += level + level;
+    if above[0] <= R::ZERO {
+        return Some(Root {
+            at: R::ZERO,
+            kind: RootKind::Crossing,
+        });
+    }
+    first_root(&above, width, Crossing::Falling, level)
+        .filter(|root| root.kind == RootKind::Crossing)
 }
 
 /// A guard that was just left does not grow.

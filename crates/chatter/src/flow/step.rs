@@ -502,7 +502,7 @@ impl<S: Scalar> Workspace<S> {
 
     /// Applies the impact map (M1) of a contact in the lanes of `here`, and predicts how long the next flight lasts.
     #[inline(always)]
-    fn collide_at(&mut self, program: &Program, contact: usize, here: S::Mask) {
+    pub(crate) fn collide_at(&mut self, program: &Program, contact: usize, here: S::Mask) {
         let Some(impact) = program.impacts[contact].as_ref() else {
             return;
         };

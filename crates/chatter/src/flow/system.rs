@@ -82,9 +82,11 @@ impl System {
     /// As for [`new`](Self::new).
     pub fn with_columns(model: &Model, columns: &[Column]) -> Result<Self, SystemError> {
         let (corners, rubbing) = model.corners();
-        // A closed contact that sticks has three guards, a lookup two.
+        // A closed contact that sticks has three guards, a lookup two, and two more where it has an end.
         let guards = 3 * model.contacts.len() + model.sections.len();
-        let count = guards + 2 * (corners.surfaces.len() + corners.lookups.len());
+        let ends = (0..corners.lookups.len())
+            .filter(|&index| corners.bounds(&model.graph, index).is_some());
+        let count = guards + 2 * (corners.surfaces.len() + corners.lookups.len() + ends.count());
         let plain = model.contacts.len() + model.sections.len();
         let count = if corners.is_empty() { plain } else { count };
         let corner_count = corners.surfaces.len().max(corners.lookups.len());
@@ -207,7 +209,7 @@ impl System {
         Mode {
             grip: Grip::NONE,
             sides,
-            surfaces: on_sides.active,
+            surfaces: on_sides.active.surfaces,
             program,
             graph: mechanics.graph,
             flight: Some(Box::new(Flight { on_sides, touches })),
@@ -224,7 +226,7 @@ impl System {
             grip,
             sides,
             surfaces: flight.map_or(Surfaces::all(self.corners.surfaces.len()), |flight| {
-                flight.on_sides.active
+                flight.on_sides.active.surfaces
             }),
             program,
             graph: mechanics.map_or_else(Graph::default, |mechanics| mechanics.graph),

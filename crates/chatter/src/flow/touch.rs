@@ -451,12 +451,12 @@ impl<R: Real> Kernel for Evaluation<'_, R> {
 
 impl<R: Real> Touch<R> {
     /// Whether everything is a finite number, but for restitutions where nothing hits: a root of the incoming rate has no value
-    /// on the way out.
+    /// on the way out, and what falls with a power of it none at rest.
     pub(crate) fn is_finite(&self) -> bool {
         let scalars = [&self.gap, &self.rate, &self.acceleration];
         let hits = |contact: usize| {
-            let beyond = |of: &[WithTerms<R>]| of[contact].value > of[contact].level();
-            !beyond(&self.gap) && !beyond(&self.rate)
+            let (gap, rate) = (&self.gap[contact], &self.rate[contact]);
+            gap.value <= gap.level() && rate.value < -rate.level()
         };
         (scalars.into_iter().flatten()).all(|value| value.value.is_finite())
             && (self.restitution.iter().enumerate())

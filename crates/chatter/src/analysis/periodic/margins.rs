@@ -217,6 +217,7 @@ fn followed(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<
         state: start.to_vec(),
         closed: Closed::NONE,
         mode_after: tracer.trajectory.mode,
+        in_one_mode: true,
     }];
     let mut quiet = |_: f64| ControlFlow::Continue(());
     let until = time + 3.0 * shooting.period();

@@ -70,6 +70,11 @@ impl Curve {
         [self.knots[0], self.knots[self.knots.len() - 1]]
     }
 
+    /// Where its arguments end, the first and the last knot; `None` where it goes on beyond them.
+    pub fn bounds(&self) -> Option<[DoubleDouble; 2]> {
+        (self.outside == Some(Outside::Error)).then(|| self.range())
+    }
+
     /// The period of a periodic curve.
     pub fn period(&self) -> Option<DoubleDouble> {
         let [first, last] = self.range();

@@ -306,6 +306,16 @@ mod tests {
     const DRILL: &str = include_str!("../../../../../models/percussive_drill.toml");
     const BALL: &str = include_str!("../../../../../models/bouncing_ball_on_table.toml");
 
+    /// A stop where the table of the force on a body ends.
+    const TABLE: &str = "[parameters]\na = 0.5\n[table.force]\nx = [0, 0.5, 9]\ny = [1, 1.25, 4]\n\
+        [flight]\ny = \"v\"\nv = \"a*cos(t) - force(y)\"\n[[contact]]\nname = \"seat\"\ngap = \"y\"\n\
+        impulse = { v = 1 }\nrestitution = 0.6\n[initial]\ny = 0.4\nv = 0\n";
+
+    /// A restitution whose corner only impacts ask for.
+    const JOHNSON: &str = "[parameters]\na = 0.5\n[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"table\"\n\
+        gap = \"y - a*cos(2*t)\"\nimpulse = { v = 1 }\nrestitution = \"min(0.8, 0.5*abs(v + 2*a*sin(2*t))^(-0.25))\"\n\
+        [initial]\ny = 2\nv = 0\n";
+
     /// Time and state of every trajectory after so many occurrences, to the bit.
     type End = (u64, Vec<u64>);
 
@@ -392,6 +402,8 @@ mod tests {
             (CAM, 1.5, 2.5, 100),
             (BELT, 0.1, 0.5, 40),
             (DRILL, 0.1, 0.2, 40),
+            (TABLE, 1.2, 2.0, 100),
+            (JOHNSON, 0.3, 0.9, 100),
             // The table's amplitude is defined through gravity.
             (BALL, 9.0, 10.0, 100),
         ];

@@ -101,6 +101,8 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         loop {
+            let touching = (self.collisions.as_ref()).map_or(Closed::NONE, |all| all.touching);
+            self.ask_at_impacts(system, touching)?;
             let touch = self.touch_values(system)?;
             let Some(collisions) = &mut self.collisions else {
                 return Ok(None);
@@ -120,6 +122,7 @@ impl<R: Real> Trajectory<R> {
             let can_carry_on = self.law == Simultaneous::Binary
                 && system.rubbing().is_empty()
                 && self.touches(system)?.0.is_linear()
+                && self.asks_nothing(system, touching)?
                 && self.state.len() == self.coordinates;
             let (impulses, made) = if count >= TOLD && can_carry_on {
                 (Vec::new(), self.carry_on(&touch)?)

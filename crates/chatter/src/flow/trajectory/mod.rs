@@ -5,6 +5,7 @@
 //! it, one at the start does not.
 
 mod alone;
+mod asked;
 mod cascade;
 mod collisions;
 mod contact;
@@ -118,6 +119,8 @@ pub struct Trajectory<R> {
     may_have_crossed: bool,
     /// The guard whose zero ended the latest step.
     ended_by: Option<GuardKind>,
+    /// The mode and the pieces in which the map of the latest impact or reset was found, where it asks for corners of its own.
+    asked_in: Option<(usize, Vec<i64>)>,
     pending: VecDeque<Occurrence<R>>,
     untold: Untold<R>,
 }
@@ -179,6 +182,12 @@ impl<R: Real> Trajectory<R> {
     /// The guard whose zero ended the latest step, if one did.
     pub(crate) fn ended_by(&self) -> Option<GuardKind> {
         self.ended_by
+    }
+
+    /// Mode and pieces that the map of the event at the end of the latest step belongs to, if it asks for corners of its own.
+    pub(crate) fn asked_in(&self) -> Option<(usize, &[i64])> {
+        let (mode, pieces) = self.asked_in.as_ref()?;
+        Some((*mode, pieces))
     }
 
     /// On which side of each section it is known to be, as bits.
@@ -268,6 +277,7 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         work.step = R::ZERO;
         self.ended_by = None;
+        self.asked_in = None;
         if let Some(occurrence) = self.pending.pop_front() {
             return Ok(Some(occurrence));
         }
@@ -583,6 +593,7 @@ impl<R: Real> Trajectory<R> {
             }
             Transition::Meet(corner) => self.meet_corner(system, work, (corner, true)),
             Transition::Part(corner) => self.meet_corner(system, work, (corner, false)),
+            Transition::LeaveTable { lookup } => self.leave_table(system, work, lookup),
             Transition::Jam { contact } => Err(self.jammed(contact)),
             Transition::Impact { contact } if result.crowd == Closed::NONE => {
                 self.flight_time = flight_time;
@@ -596,7 +607,12 @@ impl<R: Real> Trajectory<R> {
                 }
                 self.after_impact_at_corners(system, work, contact, impact)
             }
-            Transition::Impact { contact } | Transition::Collide { contact } => {
+            Transition::AskImpact { contact } if result.crowd == Closed::NONE => {
+                self.ask_impact(system, work, (index, contact))
+            }
+            Transition::Impact { contact }
+            | Transition::AskImpact { contact }
+            | Transition::Collide { contact } => {
                 let touching = Closed(self.closed.0 | result.crowd.0).with(contact);
                 self.collide(system, work, contact, touching)
             }

@@ -114,6 +114,7 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         section: usize,
     ) -> Result<Vec<R>, FlowError> {
+        let by_motion = self.ask_at_reset(system, section)?;
         let program = self.program(system)?;
         let (Some(Some(tapes)), Some(constants)) =
             (program.resets.get(section), &self.constants[self.mode])
@@ -131,6 +132,16 @@ impl<R: Real> Trajectory<R> {
         let mut after = self.state.clone();
         let start = (&self.state[..], &self.low[..]);
         work.values_at(&tapes.after, &constants[0], start, &mut after);
+        // A whole part jumps at a whole number: where no motion says which, it is that of the very number that it is taken of.
+        if !by_motion
+            && let Some((_, _, on_sides)) = system.origin_of(self.mode)
+            && let Some(Some(whole)) = on_sides.whole_resets.get(section)
+        {
+            let graph = &on_sides.mechanics.graph;
+            let state = &self.state[..self.coordinates];
+            let values = graph.evaluate_all(whole, state, &self.parameters);
+            after[..values.len()].copy_from_slice(&values);
+        }
         if !after.iter().all(|x| x.is_finite()) {
             return Err(self.left_domain());
         }

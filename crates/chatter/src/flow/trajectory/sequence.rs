@@ -131,7 +131,7 @@ impl<R: Real> Trajectory<R> {
             None
         };
         if let Some(end) = end
-            && self.ends_undisturbed(work, program, contact, &end)
+            && self.ends_undisturbed((system, work), program, contact, &end)
         {
             self.completion = Some((contact, end));
         } else if local.acceleration < R::ZERO && local.at_rest < R::ONE && is_short {
@@ -236,14 +236,14 @@ impl<R: Real> Trajectory<R> {
     /// shorter. A section that contains the state at rest is crossed without end, and never in the way.
     fn ends_undisturbed(
         &self,
-        work: &mut Workspace<R>,
+        (system, work): (&System, &mut Workspace<R>),
         program: &Program,
         contact: usize,
         end: &Accumulation<R>,
     ) -> bool {
         /// Flights back and forth may change a guard by more than one free flight of the same length does.
         const MARGIN: f64 = 2.0;
-        if end.after > self.remaining() {
+        if end.after > self.remaining() || !self.ends_alike(system, contact, end) {
             return false;
         }
         let Some(constants) = &self.constants[self.mode] else {
@@ -279,6 +279,15 @@ impl<R: Real> Trajectory<R> {
         moving
             .iter()
             .all(|&(slot, change)| work.point.series(slot)[0].abs() <= change * R::splat(AT_REST))
+    }
+
+    /// Whether impacts at the end of a sequence have the map of the latest, on the same side of the corners that only they ask for.
+    fn ends_alike(&self, system: &System, contact: usize, end: &Accumulation<R>) -> bool {
+        let parts = self.state.iter().zip(&self.low).zip(&end.change);
+        let rest: Vec<R> = (parts.take(self.coordinates))
+            .map(|((&x, &low), &change)| x + (low + change))
+            .collect();
+        self.asks_alike(system, contact, &rest)
     }
 
     /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero. What

@@ -86,6 +86,7 @@ impl<R: Real> Trajectory<R> {
             completion: None,
             may_have_crossed: false,
             ended_by: None,
+            asked_in: None,
             pending: VecDeque::new(),
             untold: Untold::NONE,
         };

@@ -1,7 +1,7 @@
 //! Mechanics on given sides of all surfaces: there every expression is smooth (MATH.md 9).
 
 use super::{Mechanics, MechanicsError};
-use crate::expressions::{Corners, Expr, Folding, Side, Sides, Surfaces};
+use crate::expressions::{Asked, Corners, Expr, Folding, Graph, LookedUpIn, Side, Sides};
 use crate::model::{Contact, Model, Section};
 
 /// A surface that is slid along.
@@ -51,8 +51,15 @@ pub(crate) struct OnSides {
     pub surfaces: Vec<Expr>,
     pub arguments: Vec<Expr>,
     /// The surfaces, and the lookups, that anything depends on here.
-    pub active: Surfaces,
-    pub looked_up: Surfaces,
+    pub active: Asked,
+    /// Those of them that the motion depends on.
+    pub followed: Asked,
+    /// Of each contact those that the restitution of its impacts depends on, …
+    pub at_impact: Vec<Asked>,
+    /// … and of each section those that its reset does; and its formulas by which whole parts are those of the numbers in them, if it
+    /// takes any.
+    pub at_reset: Vec<Asked>,
+    pub whole_resets: Vec<Option<Vec<Expr>>>,
 }
 
 impl Mechanics {
@@ -70,14 +77,8 @@ impl Mechanics {
         sides: Sides,
     ) -> Result<OnSides, MechanicsError> {
         let mut graph = model.graph.clone();
-        let mut active = Surfaces::default();
-        let mut looked_up = Surfaces::default();
-        let mut smooth = |graph: &mut _, sides: Sides, exprs: &[Expr]| {
-            let found = corners.smooth(graph, sides, exprs);
-            active = active.or(found.surfaces);
-            looked_up = looked_up.or(found.lookups);
-            found.exprs
-        };
+        let smooth =
+            |graph: &mut _, sides: Sides, exprs: &[Expr]| corners.smooth(graph, sides, exprs).exprs;
         let field = smooth(&mut graph, sides, &model.field());
         let mut contacts: Vec<Contact> = Vec::with_capacity(model.contacts.len());
         for contact in &model.contacts {
@@ -115,33 +116,16 @@ impl Mechanics {
         for lookup in &corners.lookups {
             arguments.push(corners.smooth(&mut graph, sides, &[lookup.argument]).exprs[0]);
         }
-        for rubbing in rubbing {
-            active = active.with(rubbing.surface);
-        }
-        // So may those that what was found depends on.
-        loop {
-            let before = (active, looked_up);
-            for index in before.0.members() {
-                let inner = corners.smooth(&mut graph, sides, &[corners.surfaces[index]]);
-                active = active.or(inner.surfaces);
-                looked_up = looked_up.or(inner.lookups);
-            }
-            for index in before.1.members() {
-                let argument = corners.lookups[index].argument;
-                let inner = corners.smooth(&mut graph, sides, &[argument]);
-                active = active.or(inner.surfaces);
-                looked_up = looked_up.or(inner.lookups);
-            }
-            if before == (active, looked_up) {
-                break;
-            }
-        }
+        let whole_resets = (model.sections.iter())
+            .map(|section| whole_reset(corners, &mut graph, sides, section.reset.as_deref()?))
+            .collect();
+        let asked = AskedFor::new(model, (corners, rubbing), &graph, sides);
         graph.set_folding(Folding::Continued);
         let is_rubbing = |index: usize| rubbing.iter().any(|rubbing| rubbing.surface == index);
         let mut slides = Vec::new();
         let mut unheld = field.clone();
         let slid = |index: &usize| sides.get(*index) == Side::Sliding && !is_rubbing(*index);
-        for index in active.members().filter(slid) {
+        for index in asked.followed.surfaces.members().filter(slid) {
             let below = sides.with(index, Side::Below);
             let below = corners.smooth(&mut graph, below, &model.field()).exprs;
             let half = graph.number(0.5);
@@ -183,8 +167,11 @@ impl Mechanics {
             sections,
             surfaces,
             arguments,
-            active,
-            looked_up,
+            active: asked.all(),
+            followed: asked.followed,
+            at_impact: asked.at_impact,
+            at_reset: asked.at_reset,
+            whole_resets,
         })
     }
 
@@ -270,6 +257,67 @@ impl Mechanics {
         }
         Ok(())
     }
+}
+
+/// Who asks for corners on given sides.
+struct AskedFor {
+    followed: Asked,
+    at_impact: Vec<Asked>,
+    at_reset: Vec<Asked>,
+}
+
+impl AskedFor {
+    fn new(
+        model: &Model,
+        (corners, rubbing): (&Corners, &[Rubbing]),
+        graph: &Graph,
+        sides: Sides,
+    ) -> Self {
+        let asked = |exprs: &[Expr]| corners.asked(graph, sides, exprs);
+        let mut followed = model.field();
+        followed.extend(model.sections.iter().map(|section| section.surface));
+        // An impulse is a direction of forces, too.
+        for contact in &model.contacts {
+            followed.push(contact.gap);
+            followed.extend(&contact.impulse);
+            followed.extend(contact.reset.iter().flatten());
+            if let Some(friction) = &contact.friction {
+                followed.extend([friction.coefficient, friction.rate]);
+                followed.extend(&friction.along);
+            }
+        }
+        let mut followed = asked(&followed);
+        for rubbing in rubbing {
+            followed.surfaces = followed.surfaces.with(rubbing.surface);
+        }
+        Self {
+            followed,
+            at_impact: (model.contacts.iter())
+                .map(|contact| asked(&[contact.restitution]))
+                .collect(),
+            at_reset: (model.sections.iter())
+                .map(|section| asked(section.reset.as_deref().unwrap_or_default()))
+                .collect(),
+        }
+    }
+
+    fn all(&self) -> Asked {
+        let parts = self.at_impact.iter().chain(&self.at_reset);
+        parts.fold(self.followed, |all, &part| all.or(part))
+    }
+}
+
+/// A reset with whole parts that are those of the numbers in it; none where it takes no whole part.
+fn whole_reset(
+    corners: &Corners,
+    graph: &mut Graph,
+    sides: Sides,
+    reset: &[Expr],
+) -> Option<Vec<Expr>> {
+    let lookups = corners.asked(graph, sides, reset).lookups;
+    let is_whole = |index: usize| corners.lookups[index].within == LookedUpIn::WholeNumbers;
+    let mut all = lookups.members();
+    (all.any(is_whole)).then(|| corners.with_whole_parts(graph, sides, reset))
 }
 
 fn both(pair: Vec<Expr>) -> [Expr; 2] {

@@ -1,5 +1,6 @@
 //! Periodic orbits, branches and exponents.
 
+mod asked;
 mod branches;
 mod differences;
 mod drift;

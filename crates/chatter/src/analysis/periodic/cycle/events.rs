@@ -139,11 +139,11 @@ impl Events {
     fn collisions(system: &System, instant: &Instant) -> Option<Self> {
         let (grip, sides, on_sides) = system.origin_of(instant.mode)?;
         let (_, sides_after, _) = system.origin_of(instant.mode_after)?;
-        let mut active = on_sides.active.members();
+        let mut active = on_sides.followed.surfaces.members();
         let slides = active.any(|k| sides.get(k) == Side::Sliding);
         let is_met = matches!(instant.guard, Some(GuardKind::Gap(_)));
         let by_two = system.simultaneous() == Simultaneous::Binary && system.rubbing().is_empty();
-        if !by_two || sides != sides_after || slides || !is_met {
+        if !by_two || !instant.in_one_mode || sides != sides_after || slides || !is_met {
             return None;
         }
         let flight = system.meet(Grip::NONE, sides);

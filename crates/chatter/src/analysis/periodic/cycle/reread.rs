@@ -31,6 +31,7 @@ pub(crate) fn reread(
         state: state.clone(),
         closed: Closed::NONE,
         mode_after: tracer.trajectory.mode,
+        in_one_mode: true,
     }];
     let mut quiet = |_: f64| ControlFlow::Continue(());
     let until = start + period * (1.0 + LATE);

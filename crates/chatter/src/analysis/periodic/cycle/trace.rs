@@ -19,6 +19,8 @@ pub(crate) struct Instant {
     pub state: Vec<f64>,
     pub closed: Closed,
     pub mode_after: usize,
+    /// Whether the maps of all its impacts are those of that mode and these pieces.
+    pub in_one_mode: bool,
 }
 
 impl Instant {
@@ -141,6 +143,10 @@ impl<'s> Tracer<'s> {
             let told = (self.trajectory)
                 .advance_to_horizon(self.system, &mut self.work)
                 .map_err(PeriodicError::Ended)?;
+            // The map of an event may depend on what only it asks for.
+            let asked_in = self.trajectory.asked_in();
+            let asked_in = asked_in.map(|(mode, pieces)| (mode, pieces.to_vec()));
+            let (mode, pieces) = asked_in.clone().unwrap_or((mode, pieces));
             steps += 1;
             if steps % 64 == 0 && observer(self.trajectory.time()).is_break() {
                 return Err(PeriodicError::Interrupted);
@@ -199,9 +205,12 @@ impl<'s> Tracer<'s> {
                     state: Vec::new(),
                     closed: Closed::NONE,
                     mode_after: 0,
+                    in_one_mode: true,
                 });
                 steps = 0;
             } else if happens && let (Some(last), Some(told)) = (instants.last_mut(), told) {
+                last.in_one_mode &=
+                    asked_in.is_none() || (mode, &pieces) == (last.mode, &last.pieces);
                 last.told.push(told);
             }
             if let Some(last) = instants.last_mut()

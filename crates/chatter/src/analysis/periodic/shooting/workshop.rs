@@ -130,6 +130,9 @@ impl Workshop {
                     corner(Corner::Surface(index))
                 )
             }
+            GuardKind::Outside(index, _) => {
+                format!("the end of a table at {}", corner(Corner::Lookup(index)))
+            }
             GuardKind::Piece(index, _) => {
                 format!("the end of a piece at {}", corner(Corner::Lookup(index)))
             }

@@ -7,9 +7,10 @@
 mod choice;
 mod met;
 mod opening;
+mod range;
 
 use super::{StandingTapes, Trajectory};
-use crate::expressions::{LookedUpIn, Side, Sides, Surfaces};
+use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
@@ -21,7 +22,7 @@ use crate::numerics::{Real, WithTerms};
 
 /// Knots that are met within so many roundoffs of the time, or of the longest step before, are met at one instant, as those of
 /// arguments that are functions of each other: so much can rounding move a crossing.
-const INSTANT_ROUNDOFFS: f64 = 8.0;
+pub(super) const INSTANT_ROUNDOFFS: f64 = 8.0;
 
 /// How the state stands to a corner in a mode.
 struct Standing<R> {
@@ -52,8 +53,8 @@ impl<R: Real> Standing<R> {
 /// Sides and pieces that may hold.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Candidate {
-    sides: Sides,
-    pieces: Vec<i64>,
+    pub(super) sides: Sides,
+    pub(super) pieces: Vec<i64>,
 }
 
 impl Candidate {
@@ -116,16 +117,10 @@ impl<R: Real> Trajectory<R> {
         let mut parameters = Vec::with_capacity(corners.slots());
         for (index, &piece) in candidate.pieces.iter().enumerate() {
             let Some(slots) = corners.slots_of::<R>(graph, index, piece) else {
-                let LookedUpIn::Curve(id) = corners.lookups[index].within else {
-                    return Err(self.left_domain());
-                };
                 let state = &self.state[..self.coordinates];
                 let argument = corners.lookups[index].argument;
-                return Err(FlowError::OutsideTable {
-                    time: self.time.to_f64(),
-                    table: graph.curve(id).name().to_owned(),
-                    argument: graph.evaluate(argument, state, &self.parameters).to_f64(),
-                });
+                let argument = graph.evaluate(argument, state, &self.parameters);
+                return Err(self.outside_table(system, index, argument));
             };
             parameters.extend(slots);
         }
@@ -276,6 +271,7 @@ impl<R: Real> Trajectory<R> {
                 .map(|standing| standing.corner)
                 .collect();
             if touched.is_empty() {
+                self.check_ranges(system, &standings)?;
                 break;
             }
             // What is slid along is held by fields that may jump here.
