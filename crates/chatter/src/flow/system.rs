@@ -9,10 +9,10 @@ use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
 use crate::expressions::{
-    Backend, Corners, Expr, Graph, Names, Sides, Singularity, Surfaces, Symbol, Tape,
+    Backend, Corners, Expr, Graph, Names, Node, Sides, Singularity, Surfaces, Symbol, Tape,
 };
 use crate::model::{Mechanics, MechanicsError, Model, OnSides, Rubbing, Simultaneous};
-use crate::numerics::{Real, Scalar};
+use crate::numerics::{DoubleDouble, Real, Scalar};
 use core::fmt;
 use std::sync::Arc;
 
@@ -46,6 +46,8 @@ pub struct System {
     /// Its graph continues the model's by what the columns need.
     model: Arc<Model>,
     corners: Corners,
+    /// Those that only jumps change.
+    counted: Vec<Corner>,
     /// Whether a gap is a function of corners: it may jump there.
     gaps_have_corners: bool,
     rubbing: Vec<Rubbing>,
@@ -116,6 +118,7 @@ impl System {
         let gaps: Vec<Expr> = model.contacts.iter().map(|contact| contact.gap).collect();
         let own = Corners::of(&model.graph, &gaps, model.parameters.len());
         let system = Self {
+            counted: counted(&model, &corners),
             gaps_have_corners: !own.is_empty(),
             names: [
                 model.states.iter().map(|s| s.name.clone()).collect(),
@@ -346,6 +349,11 @@ impl System {
         self.model.sections[section].reset.is_some()
     }
 
+    /// Corners at which nothing moves the state but resets: of what counts.
+    pub(crate) fn counted(&self) -> &[Corner] {
+        &self.counted
+    }
+
     /// What is zero at a corner, or looked up there, as it was written. Of two, what the other is a function of comes first.
     pub(crate) fn corner_expr(&self, corner: Corner) -> Expr {
         match corner {
@@ -422,3 +430,40 @@ impl fmt::Display for SystemError {
 }
 
 impl core::error::Error for SystemError {}
+
+/// The corners of functions of states that neither the flow nor contacts change.
+fn counted(model: &Model, corners: &Corners) -> Vec<Corner> {
+    let graph = &model.graph;
+    let stands = |expr: Expr| graph.as_number(expr) == Some(DoubleDouble::ZERO);
+    let is_counter = |index: usize| {
+        let held = model
+            .contacts
+            .iter()
+            .filter(|contact| contact.reset.is_none());
+        let mut forces = held.flat_map(|contact| {
+            let along = contact
+                .friction
+                .as_ref()
+                .map(|friction| friction.along[index]);
+            along.into_iter().chain([contact.impulse[index]])
+        });
+        stands(model.states[index].derivative) && forces.all(stands)
+    };
+    let counts = |expr: Expr| {
+        let states: Vec<usize> = (graph.reachable(&[expr]).into_iter())
+            .filter_map(|node| match graph.node(node) {
+                &Node::Symbol(Symbol::State(index)) => Some(index),
+                _ => None,
+            })
+            .collect();
+        !states.is_empty() && states.into_iter().all(is_counter)
+    };
+    let surfaces = corners.surfaces.iter().enumerate();
+    let surfaces = surfaces.map(|(index, &expr)| (Corner::Surface(index), expr));
+    let lookups = corners.lookups.iter().enumerate();
+    let lookups = lookups.map(|(index, lookup)| (Corner::Lookup(index), lookup.argument));
+    (surfaces.chain(lookups))
+        .filter(|&(_, expr)| counts(expr))
+        .map(|(corner, _)| corner)
+        .collect()
+}

@@ -38,13 +38,16 @@ impl<R: Real> Trajectory<R> {
         if residuals.iter().all(|&value| value == R::ZERO) {
             return Ok(());
         }
+        if self.closed != Closed::NONE {
+            self.project(system, self.closed)?;
+        }
+        // Last: impulses that make rates of contacts zero move what friction holds beside them.
         if slides {
             self.stay_on_surfaces(system)?;
         }
         if self.closed == Closed::NONE {
             return Ok(());
         }
-        self.project(system, self.closed)?;
         self.watch_idle(system)
     }
 
@@ -52,6 +55,7 @@ impl<R: Real> Trajectory<R> {
     /// displacement that leaves gaps and rates of closed contacts as they are.
     pub(super) fn stay_on_surfaces(&mut self, system: &System) -> Result<(), FlowError> {
         let first = 2 * self.grip().carrying().contacts().count();
+        let mut sizes: Option<Vec<R>> = None;
         for _ in 0..CORRECTIONS {
             let program = self.program(system)?;
             let Some(constants) = &self.constants[self.mode] else {
@@ -66,7 +70,7 @@ impl<R: Real> Trajectory<R> {
             let mut values = at(&program.residuals, &constants.residuals);
             values[..first].fill(R::ZERO);
             if values.iter().all(|&value| value == R::ZERO) {
-                return Ok(());
+                break;
             }
             let gradients = at(&program.residual_gradients, &constants.residual_gradients);
             let squared = |gradient| (gradient, dot(gradient, gradient));
@@ -82,7 +86,7 @@ impl<R: Real> Trajectory<R> {
             };
             let rows: Vec<Vec<R>> = held.iter().map(|(gradient, _)| row(gradient)).collect();
             let Some(parts) = solve_consistent(&rows, &right) else {
-                return Ok(());
+                break;
             };
             let mut by = vec![WithTerms::exact(R::ZERO); self.coordinates];
             for (&(gradient, square), part) in held.iter().zip(parts) {
@@ -101,9 +105,25 @@ impl<R: Real> Trajectory<R> {
                     }
                 })
                 .collect();
+            let sizes = sizes.get_or_insert_with(|| vec![R::ZERO; self.coordinates]);
+            for ((size, x), by) in sizes.iter_mut().zip(&self.state).zip(&by) {
+                *size = size.max(x.abs()).max(by.abs());
+            }
             self.push(&by, R::ONE);
         }
+        if let Some(sizes) = sizes {
+            self.drop_rounding(&sizes);
+        }
         Ok(())
+    }
+
+    /// What is left of coordinates that were moved, if it is rounding of what they have become the sum of, is nothing.
+    fn drop_rounding(&mut self, sizes: &[R]) {
+        for ((x, low), &size) in self.state.iter_mut().zip(&mut self.low).zip(sizes) {
+            if x.abs() <= size * R::splat(LEFT_ROUNDOFFS * R::ROUNDOFF) {
+                (*x, *low) = (R::ZERO, R::ZERO);
+            }
+        }
     }
 
     /// Makes gaps and rates of these contacts zero: gaps by the least displacement, rates along the impulses.
@@ -117,11 +137,7 @@ impl<R: Real> Trajectory<R> {
             let directions = contacts.iter().map(|&i| &touch.jump[i]);
             self.take_back(directions.zip(pushes), &mut sizes);
         }
-        for ((x, low), size) in self.state.iter_mut().zip(&mut self.low).zip(sizes) {
-            if x.abs() <= size * R::splat(LEFT_ROUNDOFFS * R::ROUNDOFF) {
-                (*x, *low) = (R::ZERO, R::ZERO);
-            }
-        }
+        self.drop_rounding(&sizes);
         Ok(())
     }
 

@@ -80,3 +80,42 @@ fn a_ball_stays_on_a_platform_that_friction_stops() {
         assert!(run.state[1].abs() < 1e-15, "{speed}: {:?}", run.state);
     }
 }
+
+/// A hammer drives a pile that dry friction holds in between: it comes to rest on the pile by chatter, the pile sticks, and the hammer
+/// lifts off. T is the unit of time alone; the place after two units is by an integrator of our own, in long doubles.
+#[test]
+fn a_hammer_lifts_off_a_pile_that_friction_holds() {
+    for unit in ["1e-3", "0.1", "1", "10", "50"] {
+        let text = format!(
+            r#"
+            [parameters]
+            T = {unit}
+            [flight]
+            x = "v/T"
+            v = "(9.81 + 35*sin(21*t/T) - 750*(x - 0.02))/T"
+            s = "u/T"
+            u = "(9.81 - 39*sign(u) - 2000*max(s - 0.001, 0) - 50*max(u, 0))/T"
+            [[contact]]
+            name = "anvil"
+            gap = "s - x"
+            impulse = {{ v = "-1/400", u = "1/900" }}
+            restitution = 0.25
+            [initial]
+            x = -0.05
+            v = 0
+            s = 0
+            u = 0
+            "#
+        );
+        let until: f64 = unit.parse().expect("a number");
+        let run = run(&text, 2.0 * until);
+        assert_eq!(run.outcome, Outcome::Horizon, "{unit}");
+        let counts = (run.counts.accumulations, run.counts.releases);
+        assert_eq!(counts, (7, 7), "{unit}");
+        assert!(
+            (run.state[0] - 0.014_752_527_292_4).abs() < 1e-12,
+            "{unit}: {:?}",
+            run.state
+        );
+    }
+}

@@ -3,7 +3,7 @@
 use chatter::analysis::simulate::{
     Event, EventKind, Outcome, Sampling, Simulation, Spec, Stop, simulate,
 };
-use chatter::flow::Occurrence;
+use chatter::flow::{FlowError, Occurrence};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 use proptest::prelude::*;
@@ -480,6 +480,10 @@ proptest! {
             moreau,
         };
         let run = chain.run::<f64>(20.0, vec![]);
+        // Near the least restitution with which bodies part again, double precision may not say whether they do.
+        if let Outcome::Failed(FlowError::UndecidedCollapse { .. }) = run.outcome {
+            return Ok(());
+        }
         chain.check(&run)?;
     }
 

@@ -243,6 +243,7 @@ impl<R: Real> Trajectory<R> {
         if system.corners().is_empty() {
             return Ok(());
         }
+        self.follow_counters(system)?;
         let count = system.corners().surfaces.len() + system.corners().lookups.len();
         let mut chosen: Vec<Corner> = Vec::new();
         for _ in 0..4 * count + 4 {
@@ -291,6 +292,28 @@ impl<R: Real> Trajectory<R> {
             Some(contact) => Err(self.jammed(contact)),
             None => Ok(()),
         }
+    }
+
+    /// What only jumps change is on the side, and in the piece, where plain evaluation says: no motion has led there.
+    fn follow_counters(&mut self, system: &System) -> Result<(), FlowError> {
+        if system.counted().is_empty() {
+            return Ok(());
+        }
+        let mut counted = self.standing_sides();
+        let state = &self.state[..self.coordinates];
+        let (sides, pieces) = (system.corners()).at(&system.model().graph, state, &self.parameters);
+        for &corner in system.counted() {
+            match corner {
+                Corner::Surface(index) => {
+                    counted.sides = counted.sides.with(index, sides.get(index));
+                }
+                Corner::Lookup(index) => counted.pieces[index] = pieces[index],
+            }
+        }
+        if counted != self.standing_sides() {
+            self.try_sides(system, &counted)?;
+        }
+        Ok(())
     }
 
     /// Tells of corners that are not as they were; whether there are any.
