@@ -10,6 +10,9 @@ use crate::numerics::{DoubleDouble, Real, Scalar};
 /// Most knots of a curve: a hundred bytes each, and far more than a measurement has that is not to be thinned first.
 pub const MOST_KNOTS: usize = 1 << 20;
 
+/// The slopes of a spline are solutions of equations, good to so many roundoffs of the secants around.
+const SLOPE_ROUNDOFFS: f64 = 64.0;
+
 fn number(value: f64) -> DoubleDouble {
     DoubleDouble::from(value)
 }
@@ -33,8 +36,8 @@ impl Curve {
         let slopes = match kind {
             CurveKind::Steps | CurveKind::Linear => Vec::new(),
             CurveKind::Pchip => monotone_slopes(&secants),
-            CurveKind::Cubic => spline_slopes(&secants, slopes),
-            CurveKind::PeriodicCubic => periodic_slopes(&secants),
+            CurveKind::Cubic => secants.without_rounding(spline_slopes(&secants, slopes)),
+            CurveKind::PeriodicCubic => secants.without_rounding(periodic_slopes(&secants)),
         };
         let zero = DoubleDouble::ZERO;
         let mut coefficients = Vec::with_capacity(secants.lengths.len());
@@ -142,6 +145,21 @@ impl Secants {
             .map(|(rise, &length)| rise / length)
             .collect();
         Self { lengths, slopes }
+    }
+
+    /// A slope that is rounding of those around it is none: what rests at the top of a cam would be moved by it.
+    fn without_rounding(&self, mut slopes: Vec<DoubleDouble>) -> Vec<DoubleDouble> {
+        let size = |piece: Option<usize>| {
+            let secant = piece.and_then(|piece| self.slopes.get(piece));
+            secant.map_or(DoubleDouble::ZERO, |secant| secant.abs())
+        };
+        for (k, slope) in slopes.iter_mut().enumerate() {
+            let around = size(k.checked_sub(1)) + size(Some(k));
+            if slope.abs() <= number(SLOPE_ROUNDOFFS * DoubleDouble::ROUNDOFF) * around {
+                *slope = DoubleDouble::ZERO;
+            }
+        }
+        slopes
     }
 
     /// Lengths and secant slopes on both sides of inner knot `k`.

@@ -42,6 +42,21 @@ const X: [f64; 6] = [0.0, 0.5, 1.25, 2.0, 3.5, 4.0];
 const Y: [f64; 6] = [1.0, 2.0, -0.5, -0.75, 3.0, 1.0];
 const AT: [f64; 6] = [0.1, 0.5, 0.8, 1.9, 2.75, 3.9];
 
+/// By symmetry a cam has no slope at its ends of travel, and rounding of the spline's equations gives it none.
+#[test]
+fn a_slope_that_is_rounding_is_none() {
+    let cam = curve(
+        CurveKind::PeriodicCubic,
+        &[0.0, 90.0, 180.0, 270.0, 360.0],
+        &[0.0, 2.5, 4.0, 2.5, 0.0],
+    );
+    for at in [0.0, 180.0, 360.0] {
+        assert_eq!(cam.value(at, 1), 0.0);
+        assert_eq!(cam.value(DoubleDouble::from(at), 1), DoubleDouble::ZERO);
+    }
+    assert!(cam.value(90.0, 1) > 0.02);
+}
+
 #[test]
 fn values_and_slopes_are_those_of_scipy() {
     let table: [(&str, Curve, [f64; 6], [f64; 6]); 4] = [
