@@ -67,7 +67,7 @@ impl Walker {
             return Stop::Broken(end, Box::new(from));
         };
         if let Some(edge) = self.limits.beyond(station.parameter())
-            && let Some(end) = self.to_edge((&from, &station), (reached, edge), here)
+            && let Some(end) = self.ends_at_edge((&from, &station), (reached, edge), here)
         {
             return Stop::End(end);
         }

@@ -230,7 +230,7 @@ impl Walker {
             let there = Point::new(&mut self.shooting, &next);
             let edge = self.limits.beyond(there.parameter());
             if let Some(edge) = edge
-                && let Some(end) = self.to_edge((&curve.station, &next), (step, edge), &here)
+                && let Some(end) = self.ends_at_edge((&curve.station, &next), (step, edge), &here)
             {
                 break end;
             }
@@ -279,7 +279,7 @@ impl Walker {
     }
 
     /// From a station to where, on the way to the next, the parameter leaves its range.
-    pub(super) fn to_edge(
+    pub(super) fn ends_at_edge(
         &mut self,
         (from, to): (&Station, &Station),
         (step, edge): (f64, f64),
