@@ -279,8 +279,9 @@ fn a_table_that_only_impacts_ask_ends_at_them() {
 /// What only resets change is where plain evaluation says: no motion has brought it to the whole number that it stands at.
 #[test]
 fn counters_are_where_plain_evaluation_says() {
+    type Rate = fn(f64) -> f64;
     let ticks = |k: usize| k as f64 * core::f64::consts::FRAC_PI_3 - 0.1;
-    let counted: [(&str, fn(f64) -> f64); 5] = [
+    let counted: [(&str, Rate); 5] = [
         ("floor(n)", |n| n),
         ("mod(n, 3)", |n| n % 3.0),
         ("floor(n/2)", |n| (n / 2.0).floor()),
