@@ -141,7 +141,7 @@ pub trait Scalar:
     fn coarse_log2(self) -> Self;
     /// Inverse of [`coarse_log2`](Self::coarse_log2); arguments below -1000 give a number that is as good as zero.
     fn coarse_exp2(self) -> Self;
-    /// The nearest number of [`SHORT_DIGITS`] binary digits, so that products with other short ones are exact.
+    /// The nearest number of 24 binary digits, so that products with other short ones are exact.
     fn short(self) -> Self;
 }
 
