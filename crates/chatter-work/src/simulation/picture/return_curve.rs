@@ -94,7 +94,10 @@ impl ReturnCurve {
             false if high != 0.0 => ROOM * high.abs(),
             false => 0.1,
         };
-        let (name, level) = (&model.states[free].name, first[held]);
+        let (name, level) = (
+            &model.states[free].name,
+            on_surface(model, surface, (held, first)),
+        );
         let (from, to) = (readable(low - room), readable(high + room));
         let (section, kind) = match at {
             At::Section(section) => (Some(model.sections[section].name.clone()), None),
@@ -141,6 +144,21 @@ impl ReturnCurve {
         }
         points.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
         Ok(points.into_iter().unzip())
+    }
+}
+
+/// The value of a state at which a surface that depends on it alone is met, from one that is there but for rounding: what starts a
+/// roundoff before the surface would meet it at once.
+fn on_surface(model: &Model, surface: Expr, (held, state): (usize, &[f64])) -> f64 {
+    let mut graph = model.graph.clone();
+    let slope = graph.derivative(surface, Symbol::State(held));
+    let parameters = model.parameter_values(&[]);
+    let [value, slope] = [surface, slope].map(|expr| graph.evaluate(expr, state, &parameters));
+    let level = state[held] - value / slope;
+    if level.is_finite() {
+        level
+    } else {
+        state[held]
     }
 }
 
