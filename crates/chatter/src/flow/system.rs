@@ -399,6 +399,11 @@ impl System {
         &self.rubbing
     }
 
+    /// The friction of a contact, if it has any.
+    pub(crate) fn rubbing_at(&self, contact: usize) -> Option<&Rubbing> {
+        self.rubbing.iter().find(|rubs| rubs.contact == contact)
+    }
+
     /// The law of simultaneous impacts.
     pub(crate) fn simultaneous(&self) -> Simultaneous {
         self.model.simultaneous

@@ -17,6 +17,20 @@ impl Complex {
     pub fn modulus(self) -> f64 {
         libm::hypot(self.re, self.im)
     }
+
+    /// The product with another; that of conjugate numbers is real.
+    #[must_use]
+    pub fn times(self, other: Self) -> Self {
+        let conjugate = self.re == other.re && self.im == -other.im;
+        Self {
+            re: self.re * other.re - self.im * other.im,
+            im: if conjugate {
+                0.0
+            } else {
+                self.re * other.im + self.im * other.re
+            },
+        }
+    }
 }
 
 /// Steps of the QR iteration for each eigenvalue: a few are usual.

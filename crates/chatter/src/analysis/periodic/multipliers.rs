@@ -52,15 +52,7 @@ pub(crate) fn passes_together(multipliers: &[Complex]) -> Option<f64> {
         let others = multipliers[i + 1..].iter();
         others.map(move |b| match a.modulus().min(b.modulus()) < lost {
             true => Complex { re: 0.0, im: 0.0 },
-            false => Complex {
-                re: a.re * b.re - a.im * b.im,
-                // Of conjugate numbers it is real.
-                im: if a.re == b.re && a.im == -b.im {
-                    0.0
-                } else {
-                    a.re * b.im + a.im * b.re
-                },
-            },
+            false => a.times(*b),
         })
     });
     passes(&products.collect::<Vec<Complex>>(), 1.0)
@@ -96,7 +88,7 @@ pub(crate) fn neutral(multipliers: &[Complex]) -> Option<(f64, f64, Vec<Complex>
             if a.im != -b.im {
                 continue;
             }
-            let off = a.re * b.re - a.im * b.im - 1.0;
+            let off = a.times(*b).re - 1.0;
             if best.is_none_or(|(known, ..)| off.abs() < known.abs()) {
                 best = Some((off, a.re + b.re, i, k));
             }

@@ -130,9 +130,19 @@ impl SequenceTapes {
         constants: &SequenceConstants<R>,
         state: (&[R], &[R]),
     ) -> R {
+        self.limit_values(work, constants, state)[0]
+    }
+
+    /// Restitution, its derivatives and the field at a state.
+    fn limit_values<R: Real>(
+        &self,
+        work: &mut Workspace<R>,
+        constants: &SequenceConstants<R>,
+        state: (&[R], &[R]),
+    ) -> Vec<R> {
         let mut values = vec![R::ZERO; self.limit.outputs.len()];
         work.values_at(&self.limit, &constants.limit, state, &mut values);
-        values[0]
+        values
     }
 
     pub(crate) fn tapes(&self) -> impl Iterator<Item = &Tape> {
@@ -195,10 +205,7 @@ impl<R: Real> SequenceMap<'_, R> {
 
     /// What holds at a point, given with the derivatives of its coordinates.
     pub(super) fn at(&mut self, point: &[R], low: &[R]) -> LimitPoint<R> {
-        let mut values = vec![R::ZERO; self.tapes.limit.outputs.len()];
-        let (tape, constants) = (&self.tapes.limit, &self.constants.limit);
-        self.work
-            .values_at(tape, constants, (point, low), &mut values);
+        let mut values = (self.tapes).limit_values(self.work, self.constants, (point, low));
         let columns = self.columns();
         let of_impacts = values[0];
         if let Some(turn) = self.turn {

@@ -37,11 +37,7 @@ impl<R: Real> Trajectory<R> {
         let impact = work.impact;
         self.flight_time = work.flight_time;
         self.leave_gap(system, contact, 1);
-        if impact[2] > R::ZERO && self.only_touches(&impact) {
-            return self.pass_by(system, (index, contact), &impact);
-        }
-        self.touched_at = self.time;
-        self.after_impact_at_corners(system, work, contact, impact)
+        self.meet_contact(system, work, (index, contact), impact)
     }
 
     /// Finds what impacts at these contacts ask for.

@@ -304,10 +304,10 @@ impl<R: Real> Trajectory<R> {
         }
         // At fixed time again, in the mode that follows.
         self.shift_columns(system, work, &collisions.shifts, -R::ONE)?;
-        let is_lone = collisions.is_lone() && separating == collisions.touching;
+        let lone = (collisions.lone()).filter(|_| separating == collisions.touching);
         self.rates_of_instant = collisions.greatest;
-        if is_lone && self.mode == collisions.mode {
-            return self.after_lone_collision(system, work, (separating, collisions.latest));
+        if let Some(contact) = lone.filter(|_| self.mode == collisions.mode) {
+            return self.after_lone_collision(system, work, (contact, collisions.latest));
         }
         self.burst += collisions.count as usize;
         self.after_collisions(system, work, separating)
@@ -318,26 +318,22 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-        (contacts, rate_before): (Closed, R),
+        (contact, rate_before): (usize, R),
     ) -> Result<(), FlowError> {
-        for contact in contacts.contacts() {
-            let [_, rate, acceleration, jerk] = self.local(system, contact)?;
-            let flight = (rate.value, acceleration.value, jerk.value);
-            self.flight_time = flight_time(flight.0, flight.1, flight.2);
-            self.tops = Tops::NONE;
-            self.count_impact(contact, rate_before);
-            let program = self.program(system)?;
-            let at_rest = self.restitution_at_rest(work, program, contact);
-            let local = LocalPoint {
-                rate: flight.0,
-                acceleration: flight.1,
-                jerk: flight.2,
-                restitution: -(flight.0 / rate_before),
-                at_rest: at_rest.unwrap_or(R::ONE),
-            };
-            self.follow_sequence(system, work, program, (contact, local))?;
-        }
-        Ok(())
+        let [_, rate, acceleration, jerk] = self.local(system, contact)?.map(|term| term.value);
+        self.flight_time = flight_time(rate, acceleration, jerk);
+        self.tops = Tops::NONE;
+        self.count_impact(contact, rate_before);
+        let program = self.program(system)?;
+        let at_rest = self.restitution_at_rest(work, program, contact);
+        let local = LocalPoint {
+            rate,
+            acceleration,
+            jerk,
+            restitution: -(rate / rate_before),
+            at_rest: at_rest.unwrap_or(R::ONE),
+        };
+        self.follow_sequence(system, work, program, (contact, local))
     }
 
     /// Predicts the next flight, and ends sequences of impacts whose flights have become shorter than rounding.
@@ -652,9 +648,11 @@ impl<R: Real> Trajectory<R> {
 }
 
 impl<R: Real> Collisions<R> {
-    /// Whether there was one, of one contact.
-    fn is_lone(&self) -> bool {
-        self.count == 1 && self.touching.contacts().count() == 1
+    /// The contact, if there was one collision of one.
+    fn lone(&self) -> Option<usize> {
+        let mut members = self.touching.contacts();
+        let alone = members.next().filter(|_| members.next().is_none());
+        alone.filter(|_| self.count == 1)
     }
 
     /// Takes note of the rates between two collisions.

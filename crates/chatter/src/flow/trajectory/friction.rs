@@ -59,7 +59,7 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
         (rise, before): (R, Option<Place<R>>),
     ) -> Result<bool, FlowError> {
-        let Some(rubbing) = system.rubbing().iter().find(|r| r.contact == contact) else {
+        let Some(rubbing) = system.rubbing_at(contact) else {
             return Ok(true);
         };
         let side = R::splat(self.regime.get(rubbing.surface).sign());
@@ -140,7 +140,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         contact: usize,
     ) -> Result<Option<Corner>, FlowError> {
-        let Some(rubbing) = system.rubbing().iter().find(|r| r.contact == contact) else {
+        let Some(rubbing) = system.rubbing_at(contact) else {
             return Ok(None);
         };
         let slides = self.slides_clearly(system, contact)?;

@@ -28,7 +28,7 @@ use super::flight::{self, Outcome};
 use super::guard::{GuardKind, Transition};
 use super::limits::Corner;
 use super::occurrence::Occurrence;
-use super::program::{Closed, Grip, Program, ProgramConstants, StandingTapes};
+use super::program::{Closed, Grip, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes};
 use super::resolve::{Resolution, Unsettled, crossed_here, resolve};
 use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
@@ -598,14 +598,7 @@ impl<R: Real> Trajectory<R> {
             Transition::Impact { contact } if result.crowd == Closed::NONE => {
                 self.flight_time = flight_time;
                 self.touching.set(index, 1);
-                if impact[2] > R::ZERO && self.only_touches(&impact) {
-                    return self.pass_by(system, (index, contact), &impact);
-                }
-                self.touched_at = self.time;
-                if system.corners().is_empty() {
-                    return self.after_impact(system, work, program, (contact, &impact));
-                }
-                self.after_impact_at_corners(system, work, contact, impact)
+                self.meet_contact(system, work, (index, contact), impact)
             }
             Transition::AskImpact { contact } if result.crowd == Closed::NONE => {
                 self.ask_impact(system, work, (index, contact))
@@ -617,6 +610,25 @@ impl<R: Real> Trajectory<R> {
                 self.collide(system, work, contact, touching)
             }
         }
+    }
+
+    /// An impact that the step which ended there has applied.
+    fn meet_contact(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        (index, contact): (usize, usize),
+        impact: [R; IMPACT_SCALARS],
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        if impact[2] > R::ZERO && self.only_touches(&impact) {
+            return self.pass_by(system, (index, contact), &impact);
+        }
+        self.touched_at = self.time;
+        if system.corners().is_empty() {
+            let program = self.program(system)?;
+            return self.after_impact(system, work, program, (contact, &impact));
+        }
+        self.after_impact_at_corners(system, work, contact, impact)
     }
 
     /// What is left of a predicted flight after a step that did not end it.

@@ -38,17 +38,18 @@ impl<R: Real> Trajectory<R> {
         if residuals.iter().all(|&value| value == R::ZERO) {
             return Ok(());
         }
-        if self.closed != Closed::NONE {
+        let rests = self.closed != Closed::NONE;
+        if rests {
             self.project(system, self.closed)?;
         }
         // Last: impulses that make rates of contacts zero move what friction holds beside them.
         if slides {
             self.stay_on_surfaces(system)?;
         }
-        if self.closed == Closed::NONE {
-            return Ok(());
+        if rests {
+            self.watch_idle(system)?;
         }
-        self.watch_idle(system)
+        Ok(())
     }
 
     /// Puts the state back onto the surfaces that it slides along, and rates of sliding that stick to zero: by the least

@@ -346,9 +346,7 @@ impl<R: Real> Trajectory<R> {
         let rubs = !system.rubbing().is_empty();
         let late = if rubs { &end.late[..] } else { &[] };
         self.shift_columns(system, work, late, R::ONE)?;
-        if stopped.is_some() {
-            self.met = stopped;
-        }
+        self.met = stopped.or(self.met);
         self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
         self.shift_columns(system, work, late, -R::ONE)?;
         self.may_have_crossed = true;

@@ -1,19 +1,10 @@
 //! Corners that only impacts and resets ask for: they are decided at that instant, by the values there, and are no part of the motion
 //! between.
 
-use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use super::run;
+use chatter::analysis::simulate::Outcome;
 use chatter::flow::{FlowError, Occurrence};
-use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
-use std::ops::ControlFlow;
-
-fn run<R: Real>(text: &str, until: f64) -> Simulation<R> {
-    let model = Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"));
-    simulate::<R>(&model, &Spec::until(until), &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .unwrap_or_else(|error| panic!("{error:?}"))
-}
 
 /// A ball on a floor that falls with 2, so that a flight takes as long as the rate that it begins with.
 fn ball(tables: &str, restitution: &str, start: (f64, f64)) -> String {

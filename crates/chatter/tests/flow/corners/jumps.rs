@@ -1,18 +1,9 @@
 //! Impacts take the state across corners: what then holds is what holds on the other side.
 
-use chatter::analysis::simulate::{Event, Outcome, Simulation, Spec, simulate};
+use super::run;
+use chatter::analysis::simulate::{Event, Outcome};
 use chatter::flow::Occurrence;
-use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
-use std::ops::ControlFlow;
-
-fn run<R: Real>(text: &str, until: f64) -> Simulation<R> {
-    let model = Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"));
-    simulate::<R>(&model, &Spec::until(until), &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .expect("a legal start")
-}
 
 /// v' = -1 - a sqrt(|v| + c) sign(v): the expression of each side has no value on the other one. With s = sqrt(v + c) a rise
 /// from v to rest takes the integral of 2 s/(1 + a s).

@@ -6,3 +6,17 @@ mod piecewise;
 mod roots;
 mod table_ends;
 mod tables;
+
+use chatter::analysis::simulate::{Simulation, Spec, simulate};
+use chatter::model::Model;
+use chatter::numerics::Real;
+use std::ops::ControlFlow;
+
+/// What a model does from its initial state until a time.
+fn run<R: Real>(text: &str, until: f64) -> Simulation<R> {
+    let model = Model::from_toml(text, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
+    simulate::<R>(&model, &Spec::until(until), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap_or_else(|error| panic!("{error:?}"))
+}

@@ -1,20 +1,11 @@
 //! Forces that are roots and powers of how far a state is beyond a surface: Hertzian contacts, flow through an orifice. No series in time
 //! begins on the surface, nor does one reach it, and motion goes through.
 
-use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use super::run;
+use chatter::analysis::simulate::{Outcome, Simulation};
 use chatter::flow::Occurrence;
-use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 use core::f64::consts::PI;
-use std::ops::ControlFlow;
-
-fn run<R: Real>(text: &str, until: f64) -> Simulation<R> {
-    let model = Model::from_toml(text, "test").unwrap_or_else(|errors| panic!("{errors:?}"));
-    simulate(&model, &Spec::until(until), &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .expect("a legal start")
-}
 
 fn switches<R: Real>(run: &Simulation<R>) -> Vec<f64> {
     (run.events.iter())

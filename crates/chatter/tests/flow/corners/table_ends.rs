@@ -1,19 +1,14 @@
 //! Tables whose range ends where a wall is, as a force that was measured over the lift of a valve: motions are those of the formula
 //! that such a table is.
 
-use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use super::run;
+use chatter::analysis::simulate::{Outcome, Simulation};
 use chatter::flow::{FlowError, Occurrence};
-use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
-use std::ops::ControlFlow;
 
 /// What happens, and when.
 fn events<R: Real>(text: &str, until: f64) -> (Simulation<R>, Vec<(f64, Occurrence<R>)>) {
-    let model = Model::from_toml(text, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
-    let end = simulate::<R>(&model, &Spec::until(until), &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    let end = run::<R>(text, until);
     let events = (end.events.iter())
         .map(|event| (event.time.to_f64(), event.detail))
         .collect();

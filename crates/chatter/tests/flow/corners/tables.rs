@@ -1,12 +1,12 @@
 //! Tables in models: from a file, from arrays, from Rust code, and the same to the bit; and motions that are known
 //! otherwise.
 
-use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
+use super::run;
+use chatter::analysis::simulate::Outcome;
 use chatter::expressions::{CurveKind, Outside};
 use chatter::flow::FlowError;
 use chatter::model::{Model, ModelBuilder, Table};
 use chatter::numerics::{DoubleDouble, Real, Scalar};
-use std::ops::ControlFlow;
 
 const REST: &str = "[flight]\ny = \"lift(y)\"\n[initial]\ny = 0\n";
 
@@ -78,14 +78,6 @@ fn a_table_without_a_value_is_told_where_it_is_asked() {
                 [flight]\ny = \"c\"\n[initial]\ny = 0\n";
     let errors = Model::from_toml(text, "model.toml").unwrap_err();
     assert_eq!(errors.errors()[0].line_and_column(), (5, 5), "{errors}");
-}
-
-fn run<R: Real>(text: &str, until: f64) -> Simulation<R> {
-    let model = Model::from_toml(text, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
-    simulate(&model, &Spec::until(until), &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .unwrap()
 }
 
 /// An oscillator with this force, and tables before it.

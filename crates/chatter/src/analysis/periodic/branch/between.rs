@@ -228,11 +228,11 @@ impl Walker {
         }
         self.settle(&refined);
         let mut here = Point::new(&mut self.shooting, &refined);
+        let neutral = neutral(&here.multipliers);
         if residual.is_nan() {
-            residual = match passed {
-                Passed::Torus(_) => {
-                    neutral(&here.multipliers).map_or(f64::NAN, |(off, ..)| off.abs())
-                }
+            residual = match (passed, &neutral) {
+                (Passed::Torus(_), Some((off, ..))) => off.abs(),
+                (Passed::Torus(_), None) => f64::NAN,
                 _ => refined.residual,
             };
         }
@@ -240,9 +240,7 @@ impl Walker {
             Passed::Fold(_) => is_near(&here.multipliers, 1.0),
             Passed::Doubling(_) => is_near(&here.multipliers, -1.0),
             // One of two real multipliers may as well be the inverse of the other.
-            Passed::Torus(_) => {
-                neutral(&here.multipliers).is_some_and(|(_, sum, _)| sum.abs() < 2.0)
-            }
+            Passed::Torus(_) => neutral.is_some_and(|(_, sum, _)| sum.abs() < 2.0),
             Passed::Monitor(..) => true,
         };
         if !is_it {

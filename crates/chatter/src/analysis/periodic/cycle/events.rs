@@ -69,7 +69,7 @@ const STOPPED_ROUNDOFFS: f64 = 16.0;
 /// Whether a contact slides the other way after an impact, against the friction of which the impact has no map of its own.
 fn slides_back((system, parameters): (&System, &[f64]), instant: &Instant, contact: usize) -> bool {
     let model = system.model();
-    let rubbing = system.rubbing().iter().find(|r| r.contact == contact);
+    let rubbing = system.rubbing_at(contact);
     let friction = model.contacts[contact].friction.as_ref();
     let (Some(rubbing), Some(friction), Some((_, sides, _))) =
         (rubbing, friction, system.origin_of(instant.mode))
