@@ -72,12 +72,6 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
             number(*time),
             name(*contact)
         ),
-        FlowError::UndecidedCollapse { time, contact } => format!(
-            "at time {} {} is met at a rate below rounding, and the impacts before do not say whether the bodies that \
-             bounce there come to rest or part",
-            number(*time),
-            name(*contact)
-        ),
         FlowError::TooManySurfaces { .. }
         | FlowError::ImpactsWithoutEnd { .. }
         | FlowError::NotUnique { .. }

@@ -106,14 +106,6 @@ pub enum FlowError {
         /// Index of the contact.
         contact: usize,
     },
-    /// Bodies that bounce between each other have come to rates below rounding, and their flights do not become shorter such that
-    /// they must come to rest on each other: they may, or part.
-    UndecidedCollapse {
-        /// Time of the latest impact.
-        time: f64,
-        /// Index of the contact.
-        contact: usize,
-    },
     /// Impacts follow each other ever faster at a contact whose reset does not say what they come to.
     ResetsWithoutEnd {
         /// Time of the latest.
@@ -148,7 +140,6 @@ impl FlowError {
             Self::OutsideTable { .. } => "outside_table",
             Self::SwitchesWithoutEnd { .. } => "switches_without_end",
             Self::Jammed { .. } => "jammed",
-            Self::UndecidedCollapse { .. } => "undecided_collapse",
             Self::ResetsWithoutEnd { .. } => "resets_without_end",
         }
     }
@@ -232,12 +223,6 @@ impl fmt::Display for FlowError {
                 out,
                 "at time {time} friction jams contact {}: the contact force cannot hold it, so that there is no motion \
                  or there are several (Painlevé)",
-                contact + 1
-            ),
-            Self::UndecidedCollapse { time, contact } => write!(
-                out,
-                "at time {time} contact {} is met at a rate below rounding, and the impacts before do not say whether the \
-                 bodies that bounce there come to rest or part",
                 contact + 1
             ),
             Self::ResetsWithoutEnd { time, contact } => write!(

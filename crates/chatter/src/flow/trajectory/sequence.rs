@@ -188,6 +188,17 @@ impl<R: Real> Trajectory<R> {
         if self.sequence > 0 {
             return self.end_here(system, work, contact);
         }
+        self.graze_at_rest(system, work, contact, rate)
+    }
+
+    /// A contact is met with a rate that is rounding, and nothing says what led to it: a graze.
+    fn graze_at_rest(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        rate: R,
+    ) -> Result<Occurrence<R>, FlowError> {
         self.rest_as_before(system, contact)?;
         self.bring_to_rest(system, work, Closed::NONE.with(contact))?;
         Ok(Occurrence::Graze { contact, rate })
@@ -292,7 +303,8 @@ impl<R: Real> Trajectory<R> {
 
     /// Ends a chatter sequence whose rates have sunk into the rounding of the equations: none can be told from zero. What
     /// impacts before it leave of the sequence is the error of its time: bodies that nothing presses together but others that bounce
-    /// on them come to rest at a rate that is rounding long before their gaps are closed, if at all.
+    /// on them come to rest at a rate that is rounding long before their gaps are closed, if at all. Where they may as well part, with
+    /// rates that are rounding, no end is told: what touches without a rate grazes.
     pub(super) fn end_here(
         &mut self,
         system: &System,
@@ -300,10 +312,8 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
     ) -> Result<Occurrence<R>, FlowError> {
         let Ok(collapse) = self.tracker.rest_of_collapse(contact) else {
-            return Err(FlowError::UndecidedCollapse {
-                time: self.time.to_f64(),
-                contact,
-            });
+            let rate = self.local(system, contact)?[1].value;
+            return self.graze_at_rest(system, work, contact, rate);
         };
         let rest = self.tracker.rest_of_impacts(contact).max(collapse);
         let end = Accumulation {

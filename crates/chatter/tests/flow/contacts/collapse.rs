@@ -2,7 +2,7 @@
 //! other (inelastic collapse), above it they part after a finite number of impacts.
 
 use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
-use chatter::flow::{Closed, FlowError, Occurrence};
+use chatter::flow::{Closed, Occurrence};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real, Scalar};
 use std::ops::ControlFlow;
@@ -116,19 +116,14 @@ fn the_time_of_a_collapse_is_as_good_as_is_told() {
 fn balls_that_part_in_the_end_are_not_said_to_collapse() {
     for restitution in [0.0719, 0.072, 0.0725, 0.073, 0.08, 0.2] {
         assert_eq!(collapse(restitution), None, "{restitution}");
-        for run in [
-            run::<f64>(restitution).outcome,
-            run::<DoubleDouble>(restitution).outcome,
-        ] {
-            let honest = matches!(
-                run,
-                Outcome::Horizon | Outcome::Failed(FlowError::UndecidedCollapse { .. })
-            );
-            assert!(honest, "{restitution}: {run:?}");
+        let (short, long) = (run::<f64>(restitution), run::<DoubleDouble>(restitution));
+        for (outcome, counts) in [(short.outcome, short.counts), (long.outcome, long.counts)] {
+            assert_eq!(outcome, Outcome::Horizon, "{restitution}");
+            assert_eq!(counts.accumulations, 0, "{restitution}");
         }
-        let counts = run::<f64>(restitution).counts;
-        assert_eq!(counts.accumulations, 0, "{restitution}");
-        let counts = run::<DoubleDouble>(restitution).counts;
-        assert_eq!(counts.accumulations, 0, "{restitution}");
+        // They part at rates that may be rounding: then they are told to graze, and are as near to each other as can be told.
+        for (x, fine) in short.state.iter().zip(&long.state) {
+            assert!((x - fine.to_f64()).abs() < 1e-14, "{restitution}: {x}");
+        }
     }
 }
