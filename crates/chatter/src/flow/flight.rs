@@ -19,8 +19,9 @@ pub(crate) const ASKED_ROUNDOFFS: f64 = 1024.0;
 /// What a step came to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outcome<S> {
-    /// How long it was.
+    /// How long it was, and the rounding remainder of that.
     pub step: S,
+    pub step_low: S,
     /// After an impact: rate before and after, acceleration, jerk, restitution here and that of an impact of vanishing rate.
     pub impact: [S; IMPACT_SCALARS],
     /// After an impact the predicted length of the flight, else [`FOREVER`].
@@ -45,7 +46,19 @@ pub(crate) fn plan<S: Scalar>(flight_time: S, reach: &[S; ORDER_CLASSES]) -> (S,
         class = S::select(covers, S::splat(index as f64), class);
         unit = S::select(covers, flight_time, unit);
     }
-    (class, unit)
+    (class, divisible(unit))
+}
+
+/// The nearest unit of time that orders divide: it over any of the first sixteen is a double, and so are products with few digits.
+///
+/// A coefficient is a rate times the unit over its order. Were that rounded, it would be in the same direction at each step with this
+/// unit, and a periodic motion would gain or lose by it in each period. The reciprocal of an order up to sixteen is off by half a
+/// roundoff at most, so that the product with it is rounded to the quotient.
+#[inline(always)]
+fn divisible<S: Scalar>(unit: S) -> S {
+    // What all of these divide, but for a power of two.
+    const ODD: f64 = (5 * 7 * 9 * 11 * 13) as f64;
+    (unit * S::splat(1.0 / ODD)).short() * S::splat(ODD)
 }
 
 /// What is left of a predicted flight after a step that did not end it.
@@ -89,11 +102,12 @@ pub(crate) fn negligible<S: Scalar>(time: S, longest_step: S) -> S {
     time.abs().max(longest_step) * S::splat(S::ROUNDOFF)
 }
 
-/// A later time, as a sum of two numbers.
+/// A later time, as a sum of two numbers, of which a step is another. Steps of a periodic motion are rounded in the same direction in
+/// each period: without the remainder of that, time would drift away from the states.
 #[inline(always)]
-pub(crate) fn later<S: Scalar>((time, low): (S, S), step: S) -> (S, S) {
+pub(crate) fn later<S: Scalar>((time, low): (S, S), (step, step_low): (S, S)) -> (S, S) {
     let (time, error) = two_sum(time, step);
-    two_sum(time, error + low)
+    two_sum(time, error + (low + step_low))
 }
 
 /// What an ordinary step asks of a trajectory beside its state.
@@ -142,7 +156,7 @@ impl<S: Scalar> Flight<S> {
         let (zero, one) = (S::splat(0.0), S::splat(1.0));
         let step = outcome.step;
         let [rate, after, acceleration, jerk, restitution, at_rest] = outcome.impact;
-        let (time, time_low) = later((self.time, self.time_low), step);
+        let (time, time_low) = later((self.time, self.time_low), (step, outcome.step_low));
         let longest_step = self.longest_step.max(step);
         let is_step = negligible(time, self.longest_step).less(step);
         let glides = nowhere & !reaches(step, self.remaining());
@@ -167,5 +181,27 @@ impl<S: Scalar> Flight<S> {
             longest_step,
         };
         (course, is_step & (glides | bounces))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn orders_divide_units_of_time(unit in 1e-280_f64..1.0, exponent in -60_i32..60) {
+            let near = unit * f64::from(exponent).exp2();
+            let unit = divisible(near);
+            prop_assert!((unit / near - 1.0).abs() < 1e-7);
+            prop_assert_eq!(divisible(unit), unit);
+            for order in 1..=16 {
+                let order = f64::from(order);
+                let share = unit * (1.0 / order);
+                prop_assert_eq!(share.mul_add(order, -unit), 0.0);
+                prop_assert_eq!(share.mul_add(8.5, -(share * 8.5)), 0.0);
+            }
+        }
     }
 }

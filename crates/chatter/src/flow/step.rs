@@ -6,7 +6,7 @@
 
 use super::certificates::{Ahead, SignCount, coefficient, falls_by_leading, falls_steadily};
 use super::chatter::Tail;
-use super::flight::{Outcome, reaches};
+use super::flight::{Outcome, later, reaches};
 use super::guard::Transition;
 use super::program::{IMPACT_SCALARS, Program, ProgramConstants};
 use super::system::Settings;
@@ -92,6 +92,8 @@ pub struct Workspace<S: Scalar> {
     /// State before the step, overwritten by the state after it; `low` is its rounding remainder.
     pub(crate) state: Vec<S>,
     pub(crate) low: Vec<S>,
+    /// The state that is the time, if there is one.
+    clock: Option<usize>,
     /// For each section its side, 1 or -1, or 0 where that is not known: before the step, then after it.
     pub(crate) sides: Vec<S>,
     /// For each section where it may be met in the step.
@@ -114,6 +116,8 @@ pub struct Workspace<S: Scalar> {
     /// Results: the scaled and the true length of the step, the index of the guard that ended it or [`NO_EVENT`].
     pub(crate) scaled_step: S,
     pub(crate) step: S,
+    /// The rounding remainder of that length.
+    pub(crate) step_low: S,
     pub(crate) event: S,
     /// After an impact: rate before and after, acceleration, jerk, restitution here and at rest, predicted length of the
     /// flight.
@@ -129,7 +133,7 @@ impl<S: Scalar> Workspace<S> {
     /// Scratch space for programs whose tapes are given.
     pub(crate) fn new<'a>(
         tapes: impl Iterator<Item = &'a Tape>,
-        (dimension, sections): (usize, usize),
+        (dimension, clock, sections): (usize, Option<usize>, usize),
         settings: &Settings,
     ) -> Self {
         let zero = S::splat(0.0);
@@ -144,6 +148,7 @@ impl<S: Scalar> Workspace<S> {
             edition: None,
             state: vec![zero; dimension],
             low: vec![zero; dimension],
+            clock,
             sides: vec![zero; sections],
             met: vec![S::Mask::splat(false); sections],
             tau: zero,
@@ -155,6 +160,7 @@ impl<S: Scalar> Workspace<S> {
             growth: zero,
             scaled_step: zero,
             step: zero,
+            step_low: zero,
             event: zero,
             impact: [zero; IMPACT_SCALARS],
             flight_time: zero,
@@ -171,6 +177,7 @@ impl<S: Scalar> Workspace<S> {
     pub(crate) fn outcome(&self) -> Outcome<S> {
         Outcome {
             step: self.step,
+            step_low: self.step_low,
             impact: self.impact,
             flight_time: self.flight_time,
         }
@@ -202,19 +209,25 @@ impl<S: Scalar> Workspace<S> {
                 self.expansion.tail_ratios(slot, class + 1, &mut worst);
             }
         }
+        let mut growth = S::splat(GROWTH);
         for (m, &worst) in worst.iter().enumerate().take(class + 1) {
             let exponent = (S::splat(self.log_tolerance) - worst.coarse_log2())
                 * S::splat(1.0 / S::ORDERS[m] as f64);
-            let growth = exponent.coarse_exp2().min(S::splat(GROWTH));
+            growth = exponent.coarse_exp2().min(S::splat(GROWTH));
             self.reach[m] = self.tau * growth;
         }
-        let resolved = (self.expansion).resolved(&program.tape, &self.constants, GROWTH);
-        self.reach[class] = self.reach[class].min(self.tau * resolved);
-        let wanted = (self.reach[class]).min(self.horizon) / self.tau;
+        growth = growth.min((self.expansion).resolved(&program.tape, &self.constants, GROWTH));
+        self.reach[class] = self.tau * growth;
+        let mut wanted = growth;
+        let is_cut = self.horizon.less(self.reach[class]);
+        if is_cut.any() {
+            wanted = S::select(is_cut, self.horizon / self.tau, growth);
+        }
         let (regular, clear) =
             (self.expansion).regular(&program.tape, &self.constants, wanted, &mut self.bernstein);
-        self.reach[class] = S::select(regular.less(wanted), self.tau * regular, self.reach[class]);
-        self.growth = self.reach[class] / self.tau;
+        let is_near = regular.less(wanted);
+        self.reach[class] = S::select(is_near, self.tau * regular, self.reach[class]);
+        self.growth = S::select(is_near, regular, growth);
         self.scaled_step = regular;
         self.clear = clear & self.is_finite();
     }
@@ -296,7 +309,11 @@ impl<S: Scalar> Workspace<S> {
             // A section is hardly ever crossed, and a gap closes where its leading terms say so.
             let mut guess = None;
             let mut is_expected = false;
-            if must_be_positive {
+            if touching.get(index) == 1 && guard.closing().is_some() {
+                // The unit of time of a flight that has just begun is its predicted length.
+                guess = Some(S::splat(1.0).min(end));
+                is_expected = leading_quadratic(p, end).less(S::splat(0.0)).any();
+            } else if must_be_positive {
                 let (root, is_real) = quadratic_root(p);
                 is_expected = (is_real & is_inside(root, end)).any();
                 guess = Some(root);
@@ -464,11 +481,16 @@ impl<S: Scalar> Workspace<S> {
     #[inline(always)]
     pub(crate) fn travel(&mut self) {
         let s = self.scaled_step;
+        self.step = s * self.tau;
+        self.step_low = s.mul_add(self.tau, -self.step);
         for (slot, (state, low)) in self.state.iter_mut().zip(&mut self.low).enumerate() {
+            if self.clock == Some(slot) {
+                (*state, *low) = later((*state, *low), (self.step, self.step_low));
+                continue;
+            }
             let increment = horner(&self.expansion.series(slot)[1..], s).mul_add(s, *low);
             (*state, *low) = two_sum(*state, increment);
         }
-        self.step = s * self.tau;
         self.flight_time = S::splat(FOREVER);
         self.keep_unit();
     }
@@ -546,13 +568,19 @@ pub(crate) fn legal_rates<S: Scalar>(before: S, after: S) -> S::Mask {
 #[inline(always)]
 pub(crate) fn flight_time<S: Scalar>(rate: S, acceleration: S, jerk: S) -> S {
     let nu = -acceleration;
-    let u = jerk * rate / (nu * nu);
-    let radicand = u.mul_add(S::splat(-8.0 / 3.0), S::splat(1.0));
+    // That of the equation, times nu^2.
+    let radicand = (jerk * rate).mul_add(S::splat(-8.0 / 3.0), nu * nu);
     let root = radicand.max(S::splat(0.0)).sqrt();
-    let time = S::splat(4.0) * rate / (nu * (S::splat(1.0) + root));
+    let time = S::splat(4.0) * rate / (nu + root);
     let falls_back =
         S::splat(0.0).less(nu) & S::splat(0.0).at_most(radicand) & S::splat(0.0).at_most(rate);
     S::select(falls_back & time.is_finite(), time, S::splat(FOREVER))
+}
+
+/// The quadratic that p begins with, at s.
+#[inline(always)]
+fn leading_quadratic<S: Scalar>(p: &[S], s: S) -> S {
+    coefficient(p, 2).mul_add(s, p[1]).mul_add(s, p[0])
 }
 
 /// The smaller positive root of the leading quadratic, the next impact in the flight of eq. (3), and where it is one; elsewhere
@@ -600,19 +628,33 @@ fn newton_of_part<S: Scalar>(
     let mut at = S::Part::select(usable, guess, end);
     let mut done = !usable;
     // The leading terms bring the guess close at a part of the cost: a few of them where it may be far, more when it is near.
+    let mut inverse = zero;
     if p.len() >= 2 * NEWTON_LEADING {
-        let next = chebyshev_of_part(&p[..NEWTON_LEADING], at, part);
+        let next;
+        (next, inverse) = chebyshev_of_part(&p[..NEWTON_LEADING], at, part);
         at = S::Part::select(usable & is_inside(next, far), next, at);
         let (value, slope) = horner_with_slope_of_part(&p[..2 * NEWTON_LEADING], at, part);
-        let next = at - value / slope;
+        // From where the step of Chebyshev's began: twice, since it was a long one. What comes of slopes that differ more is mended below.
+        for _ in 0..2 {
+            inverse = nearer_inverse(inverse, slope).0;
+        }
+        let next = at - value * inverse;
         at = S::Part::select(usable & is_inside(next, far), next, at);
     }
     let mut last_slope = zero;
-    // The square of what double-double has to reach is not reached by what suffices for a double.
-    let least = S::Part::splat(NEWTON_DONE * (S::ROUNDOFF * 1e16).sqrt());
+    // The square of what double-double has to reach is not reached by what suffices for a double; nor is that of the error of an
+    // inverse by more than its root.
+    let least = NEWTON_DONE * (S::ROUNDOFF * 1e16).sqrt();
+    let (least, close) = (S::Part::splat(least), S::Part::splat(least.sqrt()));
     for _ in 0..NEWTON_STEPS {
         let (value, slope) = horner_with_slope_of_part(p, at, part);
-        let correction = value / slope;
+        let (nearer, miss) = nearer_inverse(inverse, slope);
+        let is_close = miss.abs().at_most(close);
+        inverse = nearer;
+        if !is_close.all() {
+            inverse = S::Part::select(is_close, nearer, S::Part::splat(1.0) / slope);
+        }
+        let correction = value * inverse;
         last_slope = S::Part::select(done, last_slope, slope);
         at = S::Part::select(done, at, at - correction);
         let small = correction.abs().at_most(at.abs() * least);
@@ -624,17 +666,25 @@ fn newton_of_part<S: Scalar>(
     (at, done & usable, last_slope)
 }
 
-/// A step of Chebyshev's method on a few terms: it triples the digits where Newton's doubles them.
+/// The inverse of a slope from that of one nearby, and by what part that was off, of which the square is left.
 #[inline(always)]
-fn chebyshev_of_part<S: Scalar>(p: &[S], at: S::Part, part: usize) -> S::Part {
+fn nearer_inverse<S: Scalar>(nearby: S, slope: S) -> (S, S) {
+    let miss = (-slope).mul_add(nearby, S::splat(1.0));
+    (nearby.mul_add(miss, nearby), miss)
+}
+
+/// A step of Chebyshev's method on a few terms: it triples the digits where Newton's doubles them. With the inverse of the slope.
+#[inline(always)]
+fn chebyshev_of_part<S: Scalar>(p: &[S], at: S::Part, part: usize) -> (S::Part, S::Part) {
     let mut half_bend = S::Part::splat(0.0);
     for k in (2..p.len()).rev() {
         let weight = S::Part::splat((k * (k - 1) / 2) as f64);
         half_bend = half_bend.mul_add(at, p[k].part(part) * weight);
     }
     let (value, slope) = horner_with_slope_of_part(p, at, part);
-    let (newton, bend) = (value / slope, half_bend / slope);
-    at - (newton * newton).mul_add(bend, newton)
+    let inverse = S::Part::splat(1.0) / slope;
+    let (newton, bend) = (value * inverse, half_bend * inverse);
+    (at - (newton * newton).mul_add(bend, newton), inverse)
 }
 
 /// What one trajectory asks for beside its steps: one kernel, so that the interpreter is compiled once.

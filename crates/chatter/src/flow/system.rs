@@ -412,7 +412,11 @@ impl System {
     /// Scratch space for steps of this system.
     pub fn workspace<S: Scalar>(&self, settings: &Settings) -> Workspace<S> {
         let tapes = self.program(FLIGHT).into_iter().flat_map(Program::tapes);
-        Workspace::new(tapes, (self.dimension, self.sections()), settings)
+        Workspace::new(
+            tapes,
+            (self.dimension, self.model.time, self.sections()),
+            settings,
+        )
     }
 }
 

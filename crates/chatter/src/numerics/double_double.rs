@@ -3,7 +3,7 @@
 //! Error-free transformations after Dekker and Knuth; the product by fused multiply-add. Used to verify the double
 //! runs, and where the user asks for more digits.
 
-use super::scalar::{Real, Scalar, coarse_exp2, coarse_log2};
+use super::scalar::{Real, Scalar, coarse_exp2, coarse_log2, short};
 use core::cmp::Ordering;
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -361,6 +361,9 @@ impl Scalar for DoubleDouble {
     }
     fn coarse_exp2(self) -> Self {
         Self::from(coarse_exp2(self.high))
+    }
+    fn short(self) -> Self {
+        Self::from(short(self.high))
     }
 }
 

@@ -4,7 +4,7 @@
 //! operation is the scalar one lane by lane, so a lane holds exactly the bits a scalar run would.
 
 use super::DoubleDouble;
-use super::scalar::{Mask, Scalar, coarse_exp2, coarse_log2};
+use super::scalar::{Mask, Scalar, coarse_exp2, coarse_log2, short};
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
 /// An array by index. A macro, since a closure is a function of its own, which need not be inlined and so compiled for the features of
@@ -366,5 +366,9 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[inline(always)]
     fn coarse_exp2(self) -> Self {
         self.each(coarse_exp2)
+    }
+    #[inline(always)]
+    fn short(self) -> Self {
+        self.each(short)
     }
 }

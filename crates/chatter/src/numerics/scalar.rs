@@ -141,6 +141,8 @@ pub trait Scalar:
     fn coarse_log2(self) -> Self;
     /// Inverse of [`coarse_log2`](Self::coarse_log2); arguments below -1000 give a number that is as good as zero.
     fn coarse_exp2(self) -> Self;
+    /// The nearest number of 24 binary digits, so that products with other short ones are exact.
+    fn short(self) -> Self;
 }
 
 /// For an implementation of [`Scalar`]: a number with a single lane is its own part.
@@ -200,6 +202,15 @@ pub(super) fn coarse_exp2(value: f64) -> f64 {
     let clamped = if value > -1000.0 { value } else { -1000.0 };
     let clamped = if clamped < 1000.0 { clamped } else { 1000.0 };
     f64::from_bits(((clamped + BIAS).mul_add(TWO_40, TWO_52)).to_bits() << 12)
+}
+
+/// Binary digits of a [`short`](Scalar::short) number.
+const SHORT_DIGITS: u32 = 24;
+
+#[inline(always)]
+pub(super) fn short(value: f64) -> f64 {
+    const DROPPED: u64 = 1 << (f64::MANTISSA_DIGITS - SHORT_DIGITS);
+    f64::from_bits(value.to_bits().wrapping_add(DROPPED / 2) & !(DROPPED - 1))
 }
 
 impl Scalar for f64 {
@@ -288,6 +299,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn coarse_exp2(self) -> Self {
         coarse_exp2(self)
+    }
+    #[inline(always)]
+    fn short(self) -> Self {
+        short(self)
     }
 }
 

@@ -284,6 +284,9 @@ impl<R: Real, const SERIES: bool> Scalar for WithTerms<R, SERIES> {
     fn coarse_exp2(self) -> Self {
         Self::single(self.value.coarse_exp2())
     }
+    fn short(self) -> Self {
+        Self::single(self.value.short())
+    }
 }
 
 /// sqrt(1 - x^2).

@@ -439,6 +439,7 @@ impl<'a, const L: usize> Vector<'a, L> {
         let event = (event > NO_EVENT).then_some(event as usize);
         let mut outcome = Outcome {
             step: work.step.0[lane],
+            step_low: work.step_low.0[lane],
             impact: [0.0; IMPACT_SCALARS],
             flight_time: work.flight_time.0[lane],
         };

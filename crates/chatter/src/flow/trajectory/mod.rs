@@ -415,7 +415,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(None);
         };
         let mut result = self.result(work);
-        result.outcome.step = R::ZERO;
+        (result.outcome.step, result.outcome.step_low) = (R::ZERO, R::ZERO);
         result.event = Some(work.event.to_f64() as usize);
         result.jumped = jumped;
         self.keep_sides(work);
@@ -512,10 +512,11 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Option<Occurrence<R>>, FlowError> {
         let Outcome {
             step,
+            step_low,
             impact,
             flight_time,
         } = result.outcome;
-        self.advance_time(step);
+        self.advance_time((step, step_low));
         self.met = None;
         let undisturbed =
             (result.event).is_none_or(|index| program.guards[index].section().is_some());
@@ -650,7 +651,7 @@ impl<R: Real> Trajectory<R> {
         balanced
     }
 
-    fn advance_time(&mut self, step: R) {
+    fn advance_time(&mut self, step: (R, R)) {
         (self.time, self.time_low) = flight::later((self.time, self.time_low), step);
     }
 

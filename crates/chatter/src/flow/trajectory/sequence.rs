@@ -347,7 +347,7 @@ impl<R: Real> Trajectory<R> {
         for ((x, low), &change) in self.state.iter_mut().zip(&mut self.low).zip(&end.change) {
             (*x, *low) = two_sum(*x, change + *low);
         }
-        self.advance_time(end.after);
+        self.advance_time((end.after, R::ZERO));
         let impacts = self.sequence;
         let walk = libm::sqrt(impacts as f64) * R::ROUNDOFF * WALK_ROUNDOFFS;
         let relative = walk.max(work.tail.precision);
