@@ -123,7 +123,7 @@ impl Tape {
         let mut slots = Vec::new();
         for (slot, kind, exponent) in named.into_iter().chain(others).chain(divisions) {
             slots.clear();
-            zeros_of(slot, &producers, &mut slots);
+            self.zeros_of(slot, &producers, &mut slots);
             for &slot in &slots {
                 let known = (self.singular.iter()).any(|known| {
                     known.slot == slot && known.exponent.is_none_or(|e| exponent == Some(e))
@@ -168,14 +168,8 @@ impl Tape {
         }
         let vanishes = |of: usize| {
             let mut zeros = Vec::new();
-            zeros_of(of, &producers, &mut zeros);
+            self.zeros_of(of, &producers, &mut zeros);
             zeros.contains(&slot)
-        };
-        let is_root = |of: usize| {
-            matches!(
-                producers[of],
-                Some(Op::SquareRoot { .. } | Op::Power { .. })
-            )
         };
         let mut tape = self.clone();
         let mut roots = 0;
@@ -205,9 +199,9 @@ impl Tape {
                 } if vanishes(denominator) => {
                     let both = matches!(numerator, Operand::Series(slot) if vanishes(slot));
                     match negligible {
-                        Negligible::Zero if both && is_root(denominator) => {}
+                        Negligible::Zero if both && is_root(producers[denominator].as_ref()) => {}
                         Negligible::Zero => continue,
-                        Negligible::Integrable if is_root(denominator) => {}
+                        Negligible::Integrable if is_root(producers[denominator].as_ref()) => {}
                         Negligible::Integrable => return None,
                     }
                     out
@@ -229,26 +223,44 @@ impl Tape {
     }
 }
 
-/// The series whose zeros are those of a series.
-fn zeros_of(slot: usize, producers: &[Option<Op>], into: &mut Vec<usize>) {
-    match producers[slot] {
-        Some(Op::Square { base, .. } | Op::Power { base, .. }) => zeros_of(base, producers, into),
-        Some(Op::SquareRoot { radicand, .. }) => zeros_of(radicand, producers, into),
-        Some(Op::Multiply { left, right, .. }) => {
-            zeros_of(left, producers, into);
-            zeros_of(right, producers, into);
-        }
-        Some(Op::Divide { numerator, .. }) => {
-            if let Operand::Series(numerator) = numerator {
-                zeros_of(numerator, producers, into);
+impl Tape {
+    /// The series whose zeros are those of a series.
+    fn zeros_of(&self, slot: usize, producers: &[Option<Op>], into: &mut Vec<usize>) {
+        match producers[slot] {
+            Some(Op::Square { base, .. } | Op::Power { base, .. }) => {
+                self.zeros_of(base, producers, into);
             }
+            Some(Op::SquareRoot { radicand, .. }) => self.zeros_of(radicand, producers, into),
+            Some(Op::Multiply { left, right, .. }) => {
+                self.zeros_of(left, producers, into);
+                self.zeros_of(right, producers, into);
+            }
+            Some(Op::Divide { numerator, .. }) => {
+                if let Operand::Series(numerator) = numerator {
+                    self.zeros_of(numerator, producers, into);
+                }
+            }
+            // A multiple of something that is not smooth where it vanishes, under another root.
+            Some(Op::Linear {
+                offset: None,
+                first,
+                end,
+                ..
+            }) if end - first == 1 && is_root(producers[self.terms[first].1].as_ref()) => {
+                self.zeros_of(self.terms[first].1, producers, into);
+            }
+            Some(Op::Integral {
+                function: Function::Exp | Function::Cosh,
+                ..
+            }) => {}
+            _ => into.push(slot),
         }
-        Some(Op::Integral {
-            function: Function::Exp | Function::Cosh,
-            ..
-        }) => {}
-        _ => into.push(slot),
     }
+}
+
+/// Whether a series is that of a root or a power.
+fn is_root(producer: Option<&Op>) -> bool {
+    matches!(producer, Some(Op::SquareRoot { .. } | Op::Power { .. }))
 }
 
 impl<R: Real> Expansion<R> {

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! but for a part of what is added that is as small as d is against the motion's own time, and as rounding is against the base at d: both
-//! are least where d is the root of rounding. From there on series reach, at first not far.
+//! are least where d is the root of rounding. Where the root adds much in that time, g is asked again on the state so moved, and what is
+//! new of it added likewise. From there on series reach, at first not far.
 
 use super::Trajectory;
 use crate::expressions::Negligible;
@@ -28,6 +29,8 @@ const LONGER: f64 = 8.0;
 const LENGTHENED: usize = 6;
 /// What a power adds may grow with any exponent above -1; this far above it its integral is known.
 const LEAST_EXPONENT: f64 = -0.99;
+/// What a force adds to a rate has moved a place in the next round, and changed the force in the one after.
+const ROUNDS: usize = 3;
 
 impl<R: Real> Trajectory<R> {
     /// Moves the workspace off the point where one of the program's singular points vanishes, if that begins to grow there: where the motion
@@ -102,7 +105,8 @@ impl<R: Real> Trajectory<R> {
         !impact && (corner || self.started_at == self.time)
     }
 
-    /// Adds what the root has added to the state by the end of the step that was made without it.
+    /// Adds what the root has added to the state by the end of the step that was made without it: what it adds along the motion without
+    /// it, what that in turn changes, and so on.
     fn add_root(&self, work: &mut Workspace<R>, (program, plain): (&Program, &Program)) {
         let Some(constants) = &self.constants[self.mode] else {
             return;
@@ -110,28 +114,65 @@ impl<R: Real> Trajectory<R> {
         let step = work.step;
         let size = work.state.len();
         let low = vec![R::ZERO; size];
-        let mut added = |fraction: f64| -> Vec<R> {
-            let state: Vec<R> = (0..size)
-                .map(|i| work.dense().state(i, R::splat(fraction)))
-                .collect();
-            let mut moved = |program: &Program| -> Vec<R> {
-                work.expand_at(&program.tape, &constants.tape, (&state, &low), step);
+        let parts = [R::ONE, R::splat(0.5)];
+        let path = parts
+            .map(|part| -> Vec<R> { (0..size).map(|i| work.dense().state(i, part)).collect() });
+        let mut moved = path.clone();
+        let mut rates = |program: &Program, states: &[Vec<R>; 2]| {
+            [0, 1].map(|k| -> Vec<R> {
+                work.expand_at(&program.tape, &constants.tape, (&states[k], &low), step);
                 (0..size).map(|i| work.point.series(i)[1]).collect()
-            };
-            let (with, without) = (moved(program), moved(plain));
-            with.iter().zip(&without).map(|(&a, &b)| a - b).collect()
+            })
         };
-        let (all, half) = (added(1.0), added(0.5));
-        for (i, (&all, &half)) in all.iter().zip(&half).enumerate() {
-            let exponent = libm::log2((all / half).to_f64());
-            if all == R::ZERO || !(exponent > LEAST_EXPONENT && exponent.is_finite()) {
-                continue;
+        let mut known = rates(plain, &path);
+        let mut by = vec![R::ZERO; size];
+        for _ in 0..ROUNDS {
+            let found = rates(program, &moved);
+            for i in 0..size {
+                let [end, middle] = [0, 1].map(|k| found[k][i] - known[k][i]);
+                let grown = Grown::new(end, middle);
+                by[i] += grown.by(R::ONE);
+                for (state, part) in moved.iter_mut().zip(parts) {
+                    state[i] += grown.by(part);
+                }
             }
-            let by = all / R::splat(exponent + 1.0);
+            known = found;
+        }
+        for (i, by) in by.into_iter().enumerate() {
             (work.state[i], work.low[i]) = two_sum(work.state[i], work.low[i] + by);
         }
         // Series reach about as far as the base is from zero.
         work.reach.iter_mut().for_each(|reach| *reach = step);
+    }
+}
+
+/// The integral of a rate that grows as a power of time from the start of a step, where it has a finite one.
+struct Grown<R> {
+    whole: R,
+    /// That of time in the integral.
+    power: f64,
+}
+
+impl<R: Real> Grown<R> {
+    /// From the rate at the end of the step, times its length, and in its middle.
+    fn new(end: R, middle: R) -> Self {
+        let exponent = libm::log2((end / middle).to_f64());
+        if end == R::ZERO || !(exponent > LEAST_EXPONENT && exponent.is_finite()) {
+            return Self {
+                whole: R::ZERO,
+                power: 1.0,
+            };
+        }
+        let power = exponent + 1.0;
+        Self {
+            whole: end / R::splat(power),
+            power,
+        }
+    }
+
+    /// After a part of the step.
+    fn by(&self, part: R) -> R {
+        self.whole * R::splat(libm::pow(part.to_f64(), self.power))
     }
 }
 

@@ -25,6 +25,7 @@ fn a_ball_on_hertzian_ground_keeps_its_energy() {
         ("max(-x, 0)^(10/9)", 10.0 / 9.0),
         ("max(-x, 0)^2.5", 2.5),
         ("max(-x, 0)^0.7", 0.7),
+        ("0.5*sqrt(4*sqrt(max(-x, 0)))", 0.25),
     ];
     for (force, power) in forms {
         let text = format!(
@@ -75,7 +76,10 @@ fn an_oscillator_that_a_root_drives_crosses_zero_on_time() {
 fn doubles_agree_with_twice_their_digits() {
     let stop = "[flight]\nx = \"v\"\nv = \"0.5*cos(1.3*t) - 0.2*v - x - 5*max(x - 0.3, 0)^1.5\"\n[initial]\nx = 0.1\nv = 0\n";
     let orifice = "[flight]\np = \"0.3*cos(t) - sign(p)*sqrt(abs(p))\"\n[initial]\np = 0.2\n";
-    for text in [stop, orifice] {
+    // Jankowski's law of pounding.
+    let pounding = "[flight]\nx = \"v\"\nv = \"2*sin(2*t) - x - 50*max(x - 0.5, 0)^1.5 - 0.6*sqrt(2*sqrt(max(x - 0.5, 0)))*v\"\n\
+        [initial]\nx = 0\nv = 0\n";
+    for text in [stop, orifice, pounding] {
         let (short, long) = (run::<f64>(text, 60.0), run::<DoubleDouble>(text, 60.0));
         assert_eq!(short.outcome, Outcome::Horizon);
         assert_eq!(long.outcome, Outcome::Horizon);
