@@ -171,38 +171,27 @@ impl Tape {
             self.zeros_of(of, &producers, &mut zeros);
             zeros.contains(&slot)
         };
+        let degree = |of: usize| self.degree(of, &producers, constants, slot);
+        let is_negligible = |degree: f64, least: f64| match negligible {
+            Negligible::Zero => Some(degree >= least),
+            Negligible::Integrable => (degree > -1.0).then_some(true),
+        };
         let mut tape = self.clone();
         let mut roots = 0;
         for op in &mut tape.ops {
             let out = match *op {
                 Op::SquareRoot { out, radicand, .. } if vanishes(radicand) => out,
-                Op::Power {
-                    out,
-                    base,
-                    exponent,
-                    ..
-                } if vanishes(base) => {
-                    let exponent = constants[exponent].to_f64();
-                    match negligible {
-                        Negligible::Zero if exponent > 0.0 => {}
-                        Negligible::Zero => continue,
-                        Negligible::Integrable if exponent > -1.0 => {}
-                        Negligible::Integrable => return None,
+                Op::Power { out, base, .. } if vanishes(base) => {
+                    if !is_negligible(degree(out), f64::MIN_POSITIVE)? {
+                        continue;
                     }
                     out
                 }
                 Op::Divide {
-                    out,
-                    numerator,
-                    denominator,
-                    ..
+                    out, denominator, ..
                 } if vanishes(denominator) => {
-                    let both = matches!(numerator, Operand::Series(slot) if vanishes(slot));
-                    match negligible {
-                        Negligible::Zero if both && is_root(producers[denominator].as_ref()) => {}
-                        Negligible::Zero => continue,
-                        Negligible::Integrable if is_root(producers[denominator].as_ref()) => {}
-                        Negligible::Integrable => return None,
+                    if !is_negligible(degree(out), 0.0)? {
+                        continue;
                     }
                     out
                 }
@@ -254,6 +243,42 @@ impl Tape {
                 ..
             }) => {}
             _ => into.push(slot),
+        }
+    }
+}
+
+impl Tape {
+    /// The power of a series of which another is a multiple where that vanishes, as far as it is made of products, quotients and powers;
+    /// 0 where it does not vanish with it.
+    fn degree<R: Real>(
+        &self,
+        of: usize,
+        producers: &[Option<Op>],
+        constants: &[R],
+        vanishing: usize,
+    ) -> f64 {
+        let degree = |slot: usize| self.degree(slot, producers, constants, vanishing);
+        match producers[of] {
+            _ if of == vanishing => 1.0,
+            Some(Op::Square { base, .. }) => 2.0 * degree(base),
+            Some(Op::SquareRoot { radicand, .. }) => 0.5 * degree(radicand),
+            Some(Op::Power { base, exponent, .. }) => constants[exponent].to_f64() * degree(base),
+            Some(Op::Multiply { left, right, .. }) => degree(left) + degree(right),
+            Some(Op::Divide {
+                numerator,
+                denominator,
+                ..
+            }) => match numerator {
+                Operand::Series(numerator) => degree(numerator) - degree(denominator),
+                Operand::Constant(_) => -degree(denominator),
+            },
+            Some(Op::Linear {
+                offset: None,
+                first,
+                end,
+                ..
+            }) if end - first == 1 => degree(self.terms[first].1),
+            _ => 0.0,
         }
     }
 }
