@@ -14,6 +14,9 @@ use crate::numerics::{Real, WithTerms};
 /// So many modes are asked at a corner of several surfaces, not more.
 const MOST_CANDIDATES: usize = 81;
 
+/// What is zero at a touched corner, and in another mode so many times what cannot be told from zero, has jumped there.
+const JUMPS: f64 = 1024.0;
+
 /// What may become of one corner.
 #[derive(Clone, Copy, Debug)]
 enum Choice {
@@ -346,9 +349,11 @@ impl<R: Real> Trajectory<R> {
                 return Ok(None);
             }
             for (kind, orders) in &standing.guards {
-                // The surface of a side is touched, whatever rounding says; the ends of sliding or of a piece may be far.
-                let level = standing.level(orders);
-                let is_far = orders[0].value > level && (is_slid || !is_surface);
+                // The surface of a side is touched, whatever rounding says, unless what is zero there jumps at another corner; the ends
+                // of sliding or of a piece may be far.
+                let is_end = is_slid || !is_surface;
+                let level = standing.level(orders) * R::splat(if is_end { 1.0 } else { JUMPS });
+                let is_far = orders[0].value > level;
                 // What follows the first that decides may be infinite, as the derivative of a root that begins here.
                 let moving = (orders.iter().enumerate().skip(1)).find(|(_, order)| {
                     !order.value.is_finite() || order.value.abs() > order.level()
@@ -362,7 +367,7 @@ impl<R: Real> Trajectory<R> {
                     asked.singular = self.singular_here(system);
                     return Ok(None);
                 }
-                if (is_slid || !is_surface) && orders[0].value < -level {
+                if orders[0].value < -level {
                     return Ok(None);
                 }
                 match moving {
