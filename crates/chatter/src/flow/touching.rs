@@ -108,9 +108,19 @@ impl<R: Real> Left<R> {
         }
     }
 
+    /// Roots that a guard had when it was left.
+    pub fn roots(&self, guard: usize) -> u8 {
+        self.guards.get(guard)
+    }
+
+    /// The same with guards in other places, those of another mode.
+    pub fn of(self, guards: Touching) -> Self {
+        Self { guards, ..self }
+    }
+
     /// How many of the lowest coefficients of a guard are known not to be negative, from its series in units of `tau`.
     pub fn positive_coefficients(&self, guard: usize, series: &[R], tau: R) -> usize {
-        let roots = usize::from(self.guards.get(guard));
+        let roots = usize::from(self.roots(guard));
         if roots < 2 || roots >= series.len() {
             return 0;
         }

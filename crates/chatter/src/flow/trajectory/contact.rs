@@ -49,6 +49,7 @@ impl<R: Real> Trajectory<R> {
         self.tracker.interrupt();
         self.sequence = 0;
         self.latest_impact = None;
+        self.left = Left::NONE;
         self.flight_time = R::splat(FOREVER);
         let resting = Closed(resting.0 | self.just_left(system).0);
         let all = Closed(self.closed.0 | resting.0);
@@ -465,13 +466,20 @@ impl<R: Real> Trajectory<R> {
         roots: u8,
     ) -> Result<(), FlowError> {
         self.enter(system, self.closed.without(contact))?;
+        // Others that were left in this instant are left still, if that is what their gaps do without this contact's force.
+        for other in self.just_left(system).contacts() {
+            let [.., jerk] = self.local(system, other)?;
+            if jerk.value <= jerk.level() {
+                self.leave_gap(system, other, 0);
+            }
+        }
         self.leave_gap(system, contact, roots);
         self.flight_time = R::splat(FOREVER);
         self.settle_corners(system, None)?;
         Ok(())
     }
 
-    /// Changes the mode; guards that both modes have keep their roots at the present state.
+    /// Changes the mode; guards that both modes have keep their roots at the present state, and what was left is left still.
     pub(super) fn enter(&mut self, system: &System, closed: Closed) -> Result<(), FlowError> {
         self.flight = system.meet(Grip::NONE, self.regime);
         self.load_constants(system, self.flight);
@@ -493,7 +501,7 @@ impl<R: Real> Trajectory<R> {
         self.load_constants(system, self.mode);
         let program = self.program(system)?;
         self.touching = Touching::NONE;
-        self.left = Left::NONE;
+        let mut left = Touching::NONE;
         for (index, guard) in program.guards.iter().enumerate() {
             // On the other side of a surface its guard is another function, and what closes may take the state back to it.
             let turned = |surface: usize| {
@@ -510,7 +518,11 @@ impl<R: Real> Trajectory<R> {
             if !guard.is_balanced(roots) {
                 self.touching.set(index, roots);
             }
+            if let Some(place) = same {
+                left.set(index, self.left.roots(place));
+            }
         }
+        self.left = self.left.of(left);
         Ok(())
     }
 

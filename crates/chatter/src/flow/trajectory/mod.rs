@@ -521,7 +521,11 @@ impl<R: Real> Trajectory<R> {
         let undisturbed =
             (result.event).is_none_or(|index| program.guards[index].section().is_some());
         self.may_have_crossed = !undisturbed || result.touched.is_some();
-        self.left = if undisturbed {
+        // As a contact opens nothing jumps: what another has left, at the same instant perhaps, it has left still.
+        let opens = (result.event).is_some_and(|index| {
+            matches!(program.guards[index].transition, Transition::Open { .. })
+        });
+        self.left = if undisturbed || opens {
             self.left.after(self.touching, step)
         } else {
             Left::NONE
@@ -533,7 +537,7 @@ impl<R: Real> Trajectory<R> {
         } else {
             self.touching
         };
-        if !undisturbed {
+        if !(undisturbed || opens) {
             self.touching = Touching::NONE;
         } else if step > negligible {
             self.touching = balanced;

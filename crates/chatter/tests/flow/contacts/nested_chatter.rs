@@ -331,3 +331,40 @@ v2 = "A*omega*cos(phi)"
         );
     }
 }
+
+/// Two balls on a shaken table do what one does: what has left it in an instant has left it still when the other does.
+#[test]
+fn balls_beside_each_other_fly_as_one_does() {
+    let ball = |name: &str| {
+        format!(
+            "[[contact]]\ngap = \"x{name} - 5e-3*sin(w*t)\"\nimpulse = {{ v{name} = 1 }}\nrestitution = 0\n"
+        )
+    };
+    let flight = |name: &str| format!("x{name} = \"v{name}\"\nv{name} = \"-9.81\"\n");
+    let start = |name: &str| format!("x{name} = 0\nv{name} = \"5e-3*w\"\n");
+    let text = |names: &[&str], w: u32| {
+        let all = |part: &dyn Fn(&str) -> String| -> String {
+            names.iter().map(|name| part(name)).collect()
+        };
+        let (flights, contacts, starts) = (all(&flight), all(&ball), all(&start));
+        format!("[parameters]\nw = {w}\n[flight]\n{flights}{contacts}[initial]\n{starts}")
+    };
+    let run = |names: &[&str], w: u32| {
+        let model = chatter::model::Model::from_toml(&text(names, w), "balls").unwrap();
+        simulate::<f64>(
+            &model,
+            &Spec::until(1.0),
+            &mut |_| ControlFlow::Continue(()),
+        )
+        .unwrap()
+    };
+    for w in 45..90 {
+        let (one, two) = (run(&["a"], w), run(&["a", "b"], w));
+        assert_eq!(two.outcome, one.outcome, "{w}");
+        assert_eq!((two.counts.grazes, one.counts.grazes), (0, 0), "{w}");
+        assert_eq!(two.counts.releases, 2 * one.counts.releases, "{w}");
+        for (x, expected) in two.state[..4].iter().zip(one.state[..2].iter().cycle()) {
+            assert!((x - expected).abs() < 1e-13, "{w}: {x} {expected}");
+        }
+    }
+}

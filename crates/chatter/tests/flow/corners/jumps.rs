@@ -329,3 +329,34 @@ fn an_impact_takes_a_state_off_the_surface_that_it_slides_along() {
     assert!((slid.state[2] - rest).abs() < 1e-15);
     assert_eq!(run.counts.accumulations, 0);
 }
+
+/// A spring and damper that do not pull: their force jumps to c v where they are touched, and is cut off where it has sunk to zero,
+/// however that is written.
+#[test]
+fn a_force_that_is_cut_off_at_zero_may_begin_with_a_jump() {
+    let motion = |force: &str| {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-x - 0.05*v + cos(1.7*t) - ({force})\"\n[initial]\nx = 0\nv = 0\n"
+        );
+        run::<f64>(&text, 20.0)
+    };
+    let inside = "5e4*(x - 0.3) + 30*v";
+    let plain = motion(&format!("if(x > 0.3 and {inside} > 0, {inside}, 0)"));
+    // Calculated with 34 digits by extrapolation.
+    let expected = [-2.438_081_578_360_15, -1.104_407_246_577_52];
+    for (x, expected) in plain.state.iter().zip(expected) {
+        assert!((x - expected).abs() < 1e-12, "{x} {expected}");
+    }
+    for force in [
+        format!("max(0, if(x > 0.3, {inside}, 0))"),
+        format!("-min(0, -if(x > 0.3, {inside}, 0))"),
+        format!("max(step(x - 0.3)*({inside}), 0)"),
+        format!("clamp(if(x > 0.3, {inside}, 0), 0, 1e6)"),
+        "max(5e4*max(x - 0.3, 0) + 30*v*step(x - 0.3), 0)".into(),
+    ] {
+        let run = motion(&force);
+        for (x, expected) in run.state.iter().zip(&plain.state) {
+            assert!((x - expected).abs() < 1e-12, "{force}: {x} {expected}");
+        }
+    }
+}
