@@ -155,3 +155,33 @@ fn a_root_of_time_begins_where_something_is_held() {
         }
     }
 }
+
+/// Laws of impact that do not pull: what is cut off begins as a root of the depth itself, so that no derivative says its sign.
+#[test]
+fn forces_with_roots_may_be_cut_off_at_zero() {
+    let motion = |force: &str| {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-x - 0.05*v + cos(1.7*t) - {force}\"\n[initial]\nx = 0\nv = 0\n"
+        );
+        run::<f64>(&text, 20.0)
+    };
+    let d = "max(x - 0.3, 0)";
+    for (cut, plain) in [
+        // Kuwabara and Kono's, Hunt and Crossley's.
+        (
+            format!("max(5e4*{d}^1.5 + 30*sqrt({d})*v, 0)"),
+            "if(x > 0.3 and 5e4*(x - 0.3) + 30*v > 0, 5e4*(x - 0.3)^1.5 + 30*sqrt(x - 0.3)*v, 0)",
+        ),
+        (
+            format!("max(5e3*{d}^1.5*(1 + 4*v), 0)"),
+            "if(x > 0.3 and 1 + 4*v > 0, 5e3*(x - 0.3)^1.5*(1 + 4*v), 0)",
+        ),
+    ] {
+        let (cut, plain) = (motion(&cut), motion(plain));
+        assert_eq!(cut.outcome, Outcome::Horizon);
+        assert!(switches(&cut).len() > 5);
+        for (x, expected) in cut.state.iter().zip(&plain.state) {
+            assert!((x - expected).abs() < 1e-12, "{x} {expected}");
+        }
+    }
+}

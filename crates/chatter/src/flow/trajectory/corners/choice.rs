@@ -9,7 +9,7 @@ use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::Trajectory;
-use crate::numerics::{Real, WithTerms};
+use crate::numerics::{Real, WithTerms, two_sum};
 
 /// So many modes are asked at a corner of several surfaces, not more.
 const MOST_CANDIDATES: usize = 81;
@@ -364,8 +364,18 @@ impl<R: Real> Trajectory<R> {
                 }
                 let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
                 if !decides.into_iter().all(|order| order.value.is_finite()) {
-                    asked.singular = self.singular_here(system);
-                    return Ok(None);
+                    let begins = (standing.corner, *kind);
+                    match self.rises_by_a_root(system, begins, &verdict.field)? {
+                        Some(true) => {
+                            verdict.roots.push((*kind, 1));
+                            continue;
+                        }
+                        Some(false) => return Ok(None),
+                        None => {
+                            asked.singular = self.singular_here(system);
+                            return Ok(None);
+                        }
+                    }
                 }
                 if orders[0].value < -level {
                     return Ok(None);
@@ -385,6 +395,30 @@ impl<R: Real> Trajectory<R> {
         }
         verdict.contacts_stay = self.contacts_stay(system);
         Ok(Some(verdict))
+    }
+
+    /// Whether a guard without a derivative, the root of something that vanishes here, is positive a moment later, as long as steps off
+    /// roots are; none if that cannot be told.
+    fn rises_by_a_root(
+        &self,
+        system: &System,
+        (corner, kind): (Corner, GuardKind),
+        field: &[WithTerms<R>],
+    ) -> Result<Option<bool>, FlowError> {
+        let unit = (self.reach.iter()).fold(self.longest_step, |most, &reach| most.max(reach));
+        let moment = unit * R::splat(R::ROUNDOFF).sqrt();
+        let (mut state, mut low) = (self.state.clone(), self.low.clone());
+        for ((x, low), f) in state.iter_mut().zip(&mut low).zip(field) {
+            (*x, *low) = two_sum(*x, f.value.mul_add(moment, *low));
+        }
+        let standings = self.standings_at(system, (&state, &low))?;
+        let value = (standings.iter().filter(|s| s.corner == corner))
+            .flat_map(|standing| &standing.guards)
+            .find(|(other, _)| *other == kind)
+            .map(|(_, orders)| orders[0]);
+        Ok(value
+            .filter(|value| value.value.abs() > value.level())
+            .map(|value| value.value > R::ZERO))
     }
 
     /// That what must not vanish in the present mode does so.

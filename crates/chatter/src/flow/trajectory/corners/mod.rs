@@ -172,11 +172,19 @@ impl<R: Real> Trajectory<R> {
     }
 
     fn standings(&self, system: &System) -> Result<Vec<Standing<R>>, FlowError> {
+        self.standings_at(system, (&self.state, &self.low))
+    }
+
+    /// How another state stands to the corners of the present mode.
+    fn standings_at(
+        &self,
+        system: &System,
+        start: (&[R], &[R]),
+    ) -> Result<Vec<Standing<R>>, FlowError> {
         let program = self.program(system)?;
         let Some(constants) = &self.constants[self.mode] else {
             return Ok(Vec::new());
         };
-        let start = (&self.state[..], &self.low[..]);
         let is_met = |corner: Corner| {
             let expr = |corner: Corner| system.corner_expr(corner);
             self.met.is_some_and(|met| expr(corner) == expr(met))
