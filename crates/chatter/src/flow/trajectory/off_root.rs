@@ -13,7 +13,8 @@
 //! new of it added likewise. From there on series reach, at first not far.
 
 use super::Trajectory;
-use crate::expressions::Negligible;
+use crate::expressions::{Negligible, Operand};
+use crate::flow::guard::Guard;
 use crate::flow::program::Program;
 use crate::flow::resolve::{Resolution, resolve};
 use crate::flow::step::{NO_EVENT, Workspace};
@@ -33,18 +34,15 @@ const LEAST_EXPONENT: f64 = -0.99;
 const ROUNDS: usize = 3;
 
 impl<R: Real> Trajectory<R> {
-    /// Moves the workspace off the point where one of the program's singular points vanishes, if that begins to grow there: where the motion
-    /// begins or has just crossed a surface. On a leg
-    /// that goes past everything also on where it is negative, as if the root were nothing there.
+    /// Moves the workspace off the point where one of the program's singular points vanishes, if that begins to grow there: where the
+    /// motion begins or has just crossed a surface, or where a step has led from there but for rounding; or meets the surface that a step
+    /// has so led to. On a leg that goes past everything also on where it is negative, as if the root were nothing there.
     pub(super) fn step_off_root(
         &self,
         system: &System,
         work: &mut Workspace<R>,
         (program, which): (&Program, usize),
     ) -> Option<Resolution> {
-        if !(system.goes_past_roots() || self.has_come_to_a_corner(program)) {
-            return None;
-        }
         let constants = &self.constants[self.mode].as_ref()?.tape;
         let plain = Program {
             tape: (program.tape).without_roots(which, constants, Negligible::Integrable)?,
@@ -69,6 +67,14 @@ impl<R: Real> Trajectory<R> {
         let noise = R::splat(Workspace::<R>::NOISE);
         let slot = program.tape.singular[which].slot;
         let terms = work.expansion.size_of_terms(&plain.tape, constants, slot);
+        let is_side = |guard: &Guard| guard.meets_corner() && guard.series == Operand::Series(slot);
+        let is_here = base[0].abs() <= terms * noise && program.guards.iter().any(is_side);
+        let (falls, rises) = (base[1] < R::ZERO, base[1] > R::ZERO);
+        let begins = (is_here && rises) || self.has_come_to_a_corner(program);
+        let ends_here = is_here && falls;
+        if !(system.goes_past_roots() || begins || ends_here) {
+            return None;
+        }
         let least = base[0].abs().max(terms * noise) * R::splat(GROWS);
         let mut s = reach * R::splat(R::ROUNDOFF).sqrt();
         for _ in 0..LENGTHENED {
@@ -81,6 +87,7 @@ impl<R: Real> Trajectory<R> {
         let ends = match grows {
             true => s,
             false if system.goes_past_roots() => negative_until(&base, reach)?,
+            false if ends_here => s,
             false => return None,
         };
         load(work);
@@ -90,6 +97,10 @@ impl<R: Real> Trajectory<R> {
         let undisturbed = work.event == R::splat(NO_EVENT) && resolution.touched.is_none();
         if grows && undisturbed {
             self.add_root(work, (program, &plain));
+        }
+        let meets = work.event != R::splat(NO_EVENT);
+        if !grows && !meets && !system.goes_past_roots() {
+            return None;
         }
         Some(resolution)
     }

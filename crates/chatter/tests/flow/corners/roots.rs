@@ -185,3 +185,19 @@ fn forces_with_roots_may_be_cut_off_at_zero() {
         }
     }
 }
+
+/// The depth is a sum that moves: a step may end a rounding error past the surface that it leads to.
+#[test]
+fn a_hertzian_contact_of_a_moving_base_is_left_in_thirty_digits() {
+    let text = "[definitions]\nbase = \"1e-3*(sin(60*pi*t) + 0.3*sin(120*pi*t + 0.7)) + 0.02\"\n\
+        speed = \"1e-3*60*pi*(cos(60*pi*t) + 0.6*cos(120*pi*t + 0.7))\"\n\
+        [flight]\ny = \"v\"\nv = \"-9.81 + 2e7*max(base - y, 0)^1.5*(1 + 0.45*(speed - v))\"\n[initial]\ny = 0.05\nv = 0\n";
+    let (short, long) = (run::<f64>(text, 0.6), run::<DoubleDouble>(text, 0.6));
+    assert_eq!(long.outcome, Outcome::Horizon);
+    assert!(switches(&long).len() > 8);
+    assert_eq!(switches(&long).len(), switches(&short).len());
+    // By a program of its own, in 34 digits.
+    let left = 0.363_005_055_292_968_2;
+    let off = |time: &f64| (time - left).abs() < 1e-15;
+    assert!(switches(&long).iter().any(off), "{:?}", switches(&long));
+}
