@@ -13,6 +13,7 @@
 //! touch        the same for a crossing and the way back
 //! turn         the same where the flow turns with the rate of the impact
 //! onward       past what equations can say, and where they may not go on
+//! saddle       where the period grows without bound
 //! between      special points between two stations
 //! branch_point those where branches meet
 //! kept/        how far a side has come, for another walk to go on from
@@ -27,6 +28,7 @@ mod kept;
 mod limits;
 mod onward;
 mod point;
+mod saddle;
 mod special;
 mod touch;
 mod turn;
@@ -35,6 +37,7 @@ mod walker;
 pub use kept::Record;
 pub use limits::{End, Limits};
 pub use point::Point;
+pub use saddle::Saddle;
 pub(super) use special::Near;
 pub use special::{Special, SpecialKind};
 

@@ -193,7 +193,9 @@ impl Walker {
                         at_graze = true;
                         continue;
                     }
-                    break End::Lost(error.to_string());
+                    self.settle(&curve.station);
+                    let saddle = self.shooting.saddle(&curve.station.at);
+                    break saddle.map_or_else(|| End::Lost(error.to_string()), End::Saddle);
                 }
             };
             // The landings of the last correction belong to a point that differs by less than its square.

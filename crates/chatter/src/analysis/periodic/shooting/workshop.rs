@@ -95,7 +95,7 @@ impl Workshop {
         })
     }
 
-    pub(super) fn leg(&self, kind: LegKind) -> Option<Arc<Leg>> {
+    pub(in crate::analysis::periodic) fn leg(&self, kind: LegKind) -> Option<Arc<Leg>> {
         let mut known = self.legs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, leg)) = known.iter().find(|(of, _)| *of == kind) {
             return Some(leg.clone());
