@@ -282,9 +282,19 @@ impl Closure {
     pub(crate) fn difference(
         &self,
         turns: &[Turn<f64>],
-        (before, after): (&[f64], &[f64]),
+        states: (&[f64], &[f64]),
         sizes: &[f64],
     ) -> Difference {
+        self.apart(turns, states, sizes).1
+    }
+
+    /// The same, and by how much in each state, after whole turns.
+    pub(crate) fn apart(
+        &self,
+        turns: &[Turn<f64>],
+        (before, after): (&[f64], &[f64]),
+        sizes: &[f64],
+    ) -> (Vec<f64>, Difference) {
         let mut rest: Vec<f64> = after.iter().zip(before).map(|(a, b)| a - b).collect();
         for free in &self.idle {
             for &(other, times) in &free.others {
@@ -302,10 +312,11 @@ impl Closure {
         }
         let distance =
             (rest.iter().zip(sizes)).fold(0.0_f64, |most, (x, size)| most.max(x.abs() / size));
-        Difference {
+        let difference = Difference {
             distance,
             turns: counts,
-        }
+        };
+        (rest, difference)
     }
 
     /// A state so many turns of each phase later.

@@ -4,7 +4,7 @@
 //! which the orbits were found: a function of the parameter alone vanishes there, so that the orbit is located as any special point
 //! is. A branch that does not pass that value is known by its special points, but for those at which branches meet.
 
-use super::branch::{Branch, Special, SpecialKind};
+use super::branch::{Branch, Near, Seed, Special};
 use super::cycle::reread::reread;
 use super::error::PeriodicError;
 use super::orbit::{Orbit, close};
@@ -18,10 +18,6 @@ use std::sync::Arc;
 
 /// Two orbits at one value are one if a node of one comes this near to a node of the other, against their size: no two share a state.
 const SAME: f64 = 1e-7;
-/// Special points this near, in parts of the range, …
-const NEAR: f64 = 1e-9;
-/// … are one if nodes of theirs are this near, against their size: where orbits fold they change much with the parameter.
-const SAME_SPECIAL: f64 = 1e-5;
 
 /// An orbit that a branch is followed from: a state on it, and its period.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,11 +47,11 @@ pub struct Distinct {
     spec: Spec,
     workshop: Arc<Workshop>,
     value: f64,
-    near: f64,
+    near: Near,
     sizes: Vec<f64>,
     /// Orbits at the value.
     orbits: Vec<Nodes>,
-    special: Vec<(SpecialKind, f64, Nodes)>,
+    special: Vec<Special>,
 }
 
 impl Distinct {
@@ -65,7 +61,8 @@ impl Distinct {
     /// What is asked does not fit the model.
     pub fn new(model: &Model, spec: &Spec, what: &BranchSpec) -> Result<Self, PeriodicError> {
         let value = model.parameter_values::<f64>(&[])[what.parameter];
-        let (low, high) = what.limits.range;
+        let range = what.limits.range;
+        let (low, high) = range;
         let name = &model.parameters[what.parameter].name;
         let mut spec = spec.clone();
         spec.monitors.push(format!("{name} - ({value:?})"));
@@ -73,7 +70,7 @@ impl Distinct {
             workshop: workshop(model, &spec, (&[what.parameter], &[high - low]))?,
             spec,
             value,
-            near: NEAR * (high - low),
+            near: Near::over(range),
             sizes: Vec::new(),
             orbits: Vec::new(),
             special: Vec::new(),
@@ -115,26 +112,21 @@ impl Distinct {
         for (index, mut branch) in branches.into_iter().enumerate() {
             let marks: Vec<Nodes> = (branch.special.iter())
                 .filter(|special| is_mark(special))
-                .filter_map(nodes)
-                .collect();
-            let special: Vec<(SpecialKind, f64, Nodes)> = (branch.special.iter())
-                .filter(|special| !is_mark(special) && !meets(special.kind))
-                .filter_map(|special| {
-                    let nodes = nodes(special)?;
-                    Some((special.kind, special.point.parameter(), nodes))
-                })
+                .filter_map(|special| special.seed.as_ref().map(Seed::landmarks))
                 .collect();
             let is_known = match (index, marks.first()) {
                 (0, _) => false,
                 (_, Some(orbit)) => self.has(orbit)?,
-                (_, None) => self.has_any(&special)?,
+                (_, None) => branch.shares_special(&self.special, self.near),
             };
             if is_known {
                 continue;
             }
             self.orbits.extend(marks);
-            self.special.extend(special);
             branch.special.retain(|special| !is_mark(special));
+            let told = branch.special.iter();
+            let alone = told.filter(|special| !special.kind.meets());
+            self.special.extend(alone.cloned());
             let points = branch.points.iter_mut();
             let special = branch.special.iter_mut();
             for point in points.chain(special.map(|special| &mut special.point)) {
@@ -165,36 +157,10 @@ impl Distinct {
         Ok(false)
     }
 
-    fn has_any(&self, special: &[(SpecialKind, f64, Nodes)]) -> Result<bool, PeriodicError> {
-        for (kind, value, nodes) in special {
-            for (known_kind, known_value, known) in &self.special {
-                let fits = kind == known_kind && (value - known_value).abs() <= self.near;
-                if fits && self.share(nodes, known, SAME_SPECIAL)? {
-                    return Ok(true);
-                }
-            }
-        }
-        Ok(false)
-    }
-
     /// Whether two orbits share a state.
     fn share(&self, one: &Nodes, other: &Nodes, near: f64) -> Result<bool, PeriodicError> {
         let closure = &self.workshop.closure;
         let turns = closure.turns(&self.workshop.parameters(&[self.value]))?;
         Ok(closure.share(&turns, (one, other), &self.sizes, near))
     }
-}
-
-/// Whether more than one branch goes through special points of this kind.
-fn meets(kind: SpecialKind) -> bool {
-    matches!(
-        kind,
-        SpecialKind::BranchPoint | SpecialKind::PeriodDoubling | SpecialKind::Monitor
-    )
-}
-
-fn nodes(special: &Special) -> Option<Nodes> {
-    let seed = special.seed.as_ref()?;
-    let mut shooting = seed.shooting.clone();
-    Some(shooting.landmarks(&seed.at))
 }

@@ -43,7 +43,7 @@ mod shooting;
 mod special_curve;
 mod survey;
 
-pub use branch::{Branch, End, Limits, Point, Record, Special, SpecialKind};
+pub use branch::{Branch, End, Limits, Point, Record, Saddle, Special, SpecialKind};
 pub use cycle::settle::Patience;
 pub use diary::Told;
 pub use distinct::{Distinct, Start};

@@ -2,7 +2,7 @@
 //! special points.
 
 use super::aside::Aside;
-use super::branch::{Branch, End, Limits, Point, Special, SpecialKind, follow};
+use super::branch::{Branch, End, Limits, Near, Point, Special, SpecialKind, follow};
 use super::cycle::settle::Patience;
 use super::diary::Diary;
 use super::error::PeriodicError;
@@ -30,8 +30,6 @@ const FARTHER: [f64; 4] = [0.1, 0.2, 0.4, 0.7];
 const MOST_HOPS: usize = 8;
 /// The first displacement along a branch that leaves another, against the size of the orbit.
 const ASIDE: f64 = 2e-3;
-/// Two special points this near, in parts of the range, are one.
-const SAME: f64 = 1e-9;
 
 /// The branches, the first through the orbit at a solution.
 pub(crate) fn survey(
@@ -79,7 +77,8 @@ pub(crate) fn survey(
                 }
                 if !is_known(&branches, beyond, orbit.impacts) {
                     hops += 1;
-                    branches.push(follow(&orbit.shooting, &orbit.at, limits, diary)?);
+                    let found = follow(&orbit.shooting, &orbit.at, limits, diary)?;
+                    add(&mut branches, found, limits);
                 }
                 break;
             }
@@ -111,6 +110,21 @@ fn ends(branch: &Branch) -> Vec<(End, f64, f64)> {
     found
 }
 
+/// Adds a branch, unless it was followed before and is only reached once more: from another of its orbits, or another turn of their
+/// phases. Whether it is new.
+fn add(branches: &mut Vec<Branch>, found: Branch, limits: &Limits) -> bool {
+    let near = Near::over(limits.range);
+    let is_broken_off = found.ends.contains(&End::Interrupted);
+    let is_new = is_broken_off
+        || !branches
+            .iter()
+            .any(|b| found.shares_special(&b.special, near));
+    if is_new {
+        branches.push(found);
+    }
+    is_new
+}
+
 /// Whether a branch is known to have such an orbit there.
 fn is_known(branches: &[Branch], value: f64, impacts: Option<u64>) -> bool {
     branches.iter().any(|branch| {
@@ -130,7 +144,8 @@ fn leave(
     // Branch, and how often a branch has been left on the way to it.
     let mut open: Vec<(usize, usize, usize)> =
         (0..branches.len()).map(|index| (index, 0, 0)).collect();
-    let mut passed: Vec<(SpecialKind, f64)> = Vec::new();
+    let near = Near::over(limits.range);
+    let mut passed: Vec<Special> = Vec::new();
     let mut next = 0;
     while next < open.len() {
         let (index, doublings, branch_points) = open[next];
@@ -146,26 +161,25 @@ fn leave(
                 }
                 _ => continue,
             };
-            let value = special.point.parameter();
-            let near = SAME * (limits.range.1 - limits.range.0);
-            let is_passed = |(kind, at): &(SpecialKind, f64)| {
-                *kind == special.kind && (at - value).abs() <= near
-            };
-            if passed.iter().any(is_passed) {
+            let is_passed =
+                |known: &Special| known.kind == special.kind && known.shares_orbit(special, near);
+            // What leaves here may have come by itself: the far end of a doubled branch is a doubling of the same one again, and a
+            // branch without a symmetry begins and ends where that is lost.
+            let is_met =
+                |known: &Special| meet(known, special) && known.shares_orbit(special, near);
+            let others = branches.iter().enumerate().filter(|other| other.0 != index);
+            let of_others = others.flat_map(|(_, other)| &other.special);
+            if passed.iter().any(is_passed) || { of_others }.any(is_met) {
                 continue;
             }
-            passed.push((special.kind, value));
+            passed.push(special.clone());
             let Some((shooting, at)) = leaving(special, sign) else {
                 continue;
             };
             if let Ok(branch) = follow(&shooting, &at, limits, diary) {
-                // The far end of a doubled branch is a doubling of the same one again.
-                for end in &branch.special {
-                    if end.kind == SpecialKind::BranchPoint {
-                        passed.push((SpecialKind::PeriodDoubling, end.point.parameter()));
-                    }
+                if !add(branches, branch, limits) {
+                    continue;
                 }
-                branches.push(branch);
                 open.push((branches.len() - 1, deeper.0, deeper.1));
                 if matches!(branches.last(), Some(b) if b.ends.contains(&End::Interrupted)) {
                     return Ok(());
@@ -174,6 +188,17 @@ fn leave(
         }
     }
     Ok(())
+}
+
+/// Whether two branches that have such special points for one orbit meet there: each is what leaves the other.
+fn meet(one: &Special, other: &Special) -> bool {
+    let kinds = [one.kind, other.kind];
+    kinds.iter().all(|kind| is_left_at(*kind)) && kinds.contains(&SpecialKind::BranchPoint)
+}
+
+/// Whether other branches leave there.
+const fn is_left_at(kind: SpecialKind) -> bool {
+    matches!(kind, SpecialKind::BranchPoint | SpecialKind::PeriodDoubling)
 }
 
 /// An orbit on the branch that leaves another at a special point: once, or twice around it.

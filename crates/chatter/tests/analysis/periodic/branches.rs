@@ -306,3 +306,37 @@ fn there_and_back_is_the_same_branch() {
     assert_eq!(of(&a), of(&b));
     assert!(a[0].special.len() >= 4);
 }
+
+/// A wheel without a rim that walks downhill: on the flattest slope on which it does each step just passes over the top, where it could
+/// stand for ever.
+#[test]
+fn a_branch_ends_where_its_orbit_comes_to_a_saddle() {
+    const WHEEL: &str = r#"
+[parameters]
+slope = 0.08
+[flight]
+th = "om"
+om = "sin(th)"
+[[event]]
+name = "spoke"
+surface = "th - 0.25 - slope"
+direction = "rising"
+reset = { th = "th - 0.5", om = "om*cos(0.5)" }
+[initial]
+th = -0.17
+om = 0.4
+"#;
+    let found = over(&with(WHEEL, &[]), "slope", (0.01, 0.2), (20, 0.02));
+    let End::Saddle(saddle) = &found[0].ends[0] else {
+        panic!("{:?}", found[0].ends);
+    };
+    assert_eq!(saddle.names, ["th", "om"]);
+    assert_eq!(saddle.state, [0.0, 0.0]);
+    assert!((saddle.rate - 1.0).abs() < 1e-12, "{saddle:?}");
+    assert!(saddle.period > 20.0, "{saddle:?}");
+    // The energy at the top is nothing: of what a step loses by its impact the slope gives back.
+    let slope = found[0].points[0].parameter();
+    let top = 1.0 - (0.25 - slope).cos();
+    let before = top + (slope - 0.25).cos() - (slope + 0.25).cos();
+    assert!((before * 0.5_f64.cos().powi(2) - top).abs() < 1e-8);
+}

@@ -405,3 +405,36 @@ y5 = 3.1
         found.margins
     );
 }
+
+/// A pendulum that comes to rest kicks a wheel, on which nothing depends and which turns on. What is left of the pendulum crosses its section
+/// for ever, in numbers that are next to nothing.
+#[test]
+fn what_comes_to_rest_beside_a_wheel_that_turns_has_no_period() {
+    const WHEEL: &str = r#"
+[parameters]
+drag = 0
+[flight]
+th = "om"
+om = "-sin(th) - 0.1*om"
+phi = "w"
+w = "-drag*w"
+[[contact]]
+name = "kick"
+gap = "th + 0.2"
+impulse = { om = 1, w = -0.3 }
+restitution = 0.5
+[section.middle]
+surface = "th"
+direction = "rising"
+[initial]
+th = 1
+om = 0
+phi = 0
+w = 0.3
+"#;
+    for drag in ["0", "0.001"] {
+        let found = settles(&with(WHEEL, &[("drag", drag)]));
+        let is_told = matches!(found, Err(PeriodicError::Eventless { time }) if time < 1e3);
+        assert!(is_told, "{drag}: {found:?}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Special points that are passed once are told once, with the period and the multipliers of the orbit there.
 
-use super::{GRAZES, nearest, over, value, with};
-use chatter::analysis::periodic::{End, SpecialKind};
+use super::{GRAZES, branch_spec, nearest, orbit, over, value, with};
+use chatter::analysis::periodic::{Beside, Branch, Distinct, End, Spec, SpecialKind, Start};
 
 /// Dry friction on the second of two masses: where its rate turns between two crossings of another surface a crossing comes in. Orbits
 /// found on both sides of each of these values have one stay more or less.
@@ -262,4 +262,85 @@ q = 0
             "{ends:?}"
         );
     }
+}
+
+/// A branch without the symmetry of another leaves that at one branch point and comes back at a second one, goes on as its own mirror
+/// image, and closes: beside a fold, which steps go past. It is listed once, and gone around once.
+#[test]
+fn a_branch_between_two_branch_points_is_listed_once() {
+    const STOPS: &str = r#"
+[parameters]
+omega = 2
+[flight]
+x = "v"
+v = "cos(omega*t) - 0.1*v - x"
+[[contact]]
+name = "right"
+gap = "0.5 - x"
+impulse = { v = -1 }
+restitution = 0.7
+[[contact]]
+name = "left"
+gap = "0.5 + x"
+impulse = { v = 1 }
+restitution = 0.7
+[initial]
+x = 0
+v = 0.5
+"#;
+    let found = over(&with(STOPS, &[]), "omega", (0.5, 3.5), (20, 0.01));
+    let ends: Vec<_> = found.iter().map(|branch| &branch.ends).collect();
+    let closed = [End::Closed, End::Closed];
+    assert_eq!(ends.len(), 3, "{ends:?}");
+    assert!(ends[1..].iter().all(|ends| **ends == closed), "{ends:?}");
+    for branch in &found[1..] {
+        let met = branch.special.iter();
+        let met = met.filter(|special| special.kind == SpecialKind::BranchPoint);
+        assert_eq!(met.count(), 2);
+    }
+}
+
+/// Followed from two places, a branch has some of its special points a turn of the forcing further, which at another frequency
+/// takes another time.
+#[test]
+fn a_branch_is_known_whatever_the_turn_of_its_phase() {
+    const STOP: &str = r#"
+[parameters]
+omega = 1.5
+s = 1
+[flight]
+x = "v"
+v = "cos(omega*t + s) - 0.1*v - x"
+[[contact]]
+name = "stop"
+gap = "0.5 - x"
+impulse = { v = -1 }
+restitution = 0.7
+[initial]
+x = 0
+v = 0.5
+"#;
+    const RANGE: (f64, f64) = (0.5, 3.0);
+    let model = with(STOP, &[]);
+    let what = branch_spec(&model, ("omega", RANGE), (20, 0.05), Beside::default());
+    let start = Start::from(&orbit(&model));
+    let mut distinct = Distinct::new(&model, &Spec::default(), &what).unwrap();
+    let from = |omega: &str| over(&with(STOP, &[("omega", omega)]), "omega", RANGE, (20, 0.05));
+    let (one, other) = (from("1.5").swap_remove(0), from("2.2").swap_remove(0));
+    let fold = |branch: &Branch| {
+        let folds = branch
+            .special
+            .iter()
+            .filter(|s| s.kind == SpecialKind::Fold);
+        folds
+            .min_by(|a, b| value(a).total_cmp(&value(b)))
+            .cloned()
+            .unwrap()
+            .point
+    };
+    let turn = (fold(&one).state[2] - fold(&other).state[2]) / fold(&one).period;
+    assert!((turn - 1.0).abs() < 1e-6, "{turn}");
+    assert_eq!(distinct.add(&start, vec![one.clone()]).unwrap().len(), 1);
+    let again = distinct.add(&start, vec![one, other]);
+    assert_eq!(again.unwrap().len(), 1);
 }

@@ -1,6 +1,6 @@
 //! Within what branches are followed, and how they end.
 
-use super::SpecialKind;
+use super::{Saddle, SpecialKind};
 use crate::analysis::continuation::{Problem, Settings, Station, locate};
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +21,8 @@ pub enum End {
     Interrupted,
     /// The equations have no solution beyond, for this reason.
     Lost(String),
+    /// The orbit comes to a saddle, and its period grows without bound.
+    Saddle(Saddle),
     /// No such points lie beyond a point of this kind.
     At(SpecialKind),
     /// It came back to where it began.
@@ -40,6 +42,7 @@ impl core::fmt::Display for End {
             Self::Points => write!(out, "as many points as allowed"),
             Self::Interrupted => write!(out, "broken off"),
             Self::Lost(why) => out.write_str(why),
+            Self::Saddle(saddle) => saddle.fmt(out),
             Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
             Self::Closed => write!(out, "where it began"),
         }

@@ -13,6 +13,7 @@
 //! touch        the same for a crossing and the way back
 //! turn         the same where the flow turns with the rate of the impact
 //! onward       past what equations can say, and where they may not go on
+//! saddle       where the period grows without bound
 //! between      special points between two stations
 //! branch_point those where branches meet
 //! kept/        how far a side has come, for another walk to go on from
@@ -27,6 +28,7 @@ mod kept;
 mod limits;
 mod onward;
 mod point;
+mod saddle;
 mod special;
 mod touch;
 mod turn;
@@ -35,11 +37,14 @@ mod walker;
 pub use kept::Record;
 pub use limits::{End, Limits};
 pub use point::Point;
+pub use saddle::Saddle;
+pub(super) use special::Near;
 pub use special::{Special, SpecialKind};
 
 pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
 pub(super) use kept::{Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
+pub(super) use special::Seed;
 pub(super) use walker::Side;
 
 use super::diary::Diary;
@@ -57,6 +62,14 @@ pub struct Branch {
     pub special: Vec<Special>,
     /// How its first and last ends came about.
     pub ends: [End; 2],
+}
+
+impl Branch {
+    /// Whether it goes through one of these special points of other branches, but for those at which branches meet.
+    pub(super) fn shares_special(&self, others: &[Special], near: Near) -> bool {
+        let mut own = self.special.iter().filter(|own| !own.kind.meets());
+        own.any(|own| others.iter().any(|other| own.is_that_of(other, near)))
+    }
 }
 
 /// Follows a branch from one of its orbits to both sides.

@@ -123,6 +123,14 @@ impl SpecialKind {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
+    /// Whether more than one branch goes through special points of this kind: a monitor vanishes wherever it does.
+    pub(in crate::analysis::periodic) const fn meets(self) -> bool {
+        matches!(
+            self,
+            Self::BranchPoint | Self::PeriodDoubling | Self::Monitor
+        )
+    }
+
     /// Whether an impact or a flight grazes.
     pub const fn is_graze(self) -> bool {
         matches!(self, Self::ImpactGraze | Self::FlightGraze)
@@ -156,20 +164,60 @@ pub struct Special {
     pub(crate) seed: Option<Seed>,
 }
 
-/// States that are this near, against the largest of them, are those of one point.
-const SAME_POINT: f64 = 1e-8;
+/// How near two special points are that are one.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::analysis::periodic) struct Near {
+    /// Their parameters.
+    pub parameter: f64,
+    /// States of their orbits, against their size.
+    pub state: f64,
+}
+
+impl Near {
+    /// On branches that were followed from different orbits over such a range: where orbits fold they change much with the parameter.
+    pub(in crate::analysis::periodic) fn over((low, high): (f64, f64)) -> Self {
+        Self {
+            parameter: 1e-9 * (high - low),
+            state: 1e-5,
+        }
+    }
+
+    /// On one branch: as far as both parameters are known.
+    pub(super) fn known(one: &Special, other: &Special) -> Self {
+        Self {
+            parameter: one.error + other.error,
+            state: 1e-8,
+        }
+    }
+}
 
 impl Special {
-    /// Whether it is the same point of the same branch, as far as its parameter is known.
-    pub(super) fn is_that_of(&self, other: &Self) -> bool {
-        let (own, others) = (&self.point.state, &other.point.state);
-        let largest = own.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_POINT * largest;
-        let apart = (self.point.parameter() - other.point.parameter()).abs();
+    /// Whether it is the same point of the same branch.
+    pub(in crate::analysis::periodic) fn is_that_of(&self, other: &Self, near: Near) -> bool {
+        let (own, others) = (self.point.period, other.point.period);
         self.kind == other.kind
             && self.point.impacts == other.point.impacts
-            && apart <= self.error + other.error
-            && own.iter().zip(others).all(near)
+            && (own - others).abs() <= near.state * own.abs()
+            && self.shares_orbit(other, near)
+    }
+
+    /// Whether both have one orbit, be it that one of them goes around it more often. It may be told from any of its events, and of
+    /// whatever turn of its phases.
+    pub(in crate::analysis::periodic) fn shares_orbit(&self, other: &Self, near: Near) -> bool {
+        if (self.point.parameter() - other.point.parameter()).abs() > near.parameter {
+            return false;
+        }
+        let (Some(own), Some(others)) = (&self.seed, &other.seed) else {
+            return false;
+        };
+        let shooting = &own.shooting;
+        let parameters = shooting.workshop.parameters(shooting.free(&own.at));
+        let closure = &shooting.workshop.closure;
+        let Ok(turns) = closure.turns(&parameters) else {
+            return false;
+        };
+        let states = (&*own.landmarks(), &*others.landmarks());
+        closure.share(&turns, states, &shooting.state_sizes(), near.state)
     }
 }
 
@@ -178,4 +226,11 @@ impl Special {
 pub(crate) struct Seed {
     pub shooting: Shooting<f64>,
     pub at: Vec<f64>,
+}
+
+impl Seed {
+    /// The states that its orbit is known by.
+    pub(in crate::analysis::periodic) fn landmarks(&self) -> Vec<Vec<f64>> {
+        self.shooting.clone().landmarks(&self.at)
+    }
 }

@@ -3,10 +3,10 @@
 use super::holds::broken;
 use super::kept::{Ledger, Of, Stand, Standing, Then, Walked, damaged};
 use super::limits::{End, Limits, station_at};
-use super::special::{Seed, Special};
+use super::special::{Near, Seed, Special};
 use super::{Point, SpecialKind};
 use crate::analysis::border::{Border, BorderSpec, borders_in};
-use crate::analysis::continuation::{Curve, Problem, Station, StepError};
+use crate::analysis::continuation::{Curve, Problem, Station, StepError, locate};
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
@@ -70,6 +70,43 @@ pub(super) enum Stop {
 /// What an orbit's sequence of events is.
 fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
     shooting.steps.iter().map(|step| step.passage).collect()
+}
+
+/// Where a station is, seen from an orbit.
+struct Past {
+    /// How far past it, along the tangent of the station.
+    along: f64,
+    /// How far away, against the size of the orbit.
+    distance: f64,
+}
+
+impl Shooting<f64> {
+    /// Where a station is, seen from an orbit whose events come in this order but for so many that it is told later. Phases may be
+    /// turns further.
+    fn past(&self, station: &Station, (origin, by): (&[f64], usize)) -> Option<Past> {
+        let parameters = self.workshop.parameters(self.free(&station.at));
+        let turns = self.workshop.closure.turns(&parameters).ok()?;
+        let (sizes, scales) = (self.state_sizes(), self.scales());
+        let last = station.at.len() - 1;
+        let gone = (station.at[last] - origin[last]) / scales[last];
+        let mut past = Past {
+            along: gone * station.tangent[last] / scales[last],
+            distance: gone.abs(),
+        };
+        let count = self.steps.len();
+        for k in 0..count {
+            let own = (k + by) % count;
+            let nodes = (self.node(origin, k), self.node(&station.at, own));
+            let (rest, difference) = self.workshop.closure.apart(&turns, nodes, &sizes);
+            past.distance = past.distance.max(difference.distance);
+            let tangent = self.node(&station.tangent, own);
+            let parts = rest.iter().zip(tangent).zip(&sizes);
+            past.along += parts
+                .map(|((x, by), size)| x / size * (by / size))
+                .sum::<f64>();
+        }
+        Some(past)
+    }
 }
 
 impl Walker {
@@ -156,7 +193,9 @@ impl Walker {
                         at_graze = true;
                         continue;
                     }
-                    break End::Lost(error.to_string());
+                    self.settle(&curve.station);
+                    let saddle = self.shooting.saddle(&curve.station.at);
+                    break saddle.map_or_else(|| End::Lost(error.to_string()), End::Saddle);
                 }
             };
             // The landings of the last correction belong to a point that differs by less than its square.
@@ -304,7 +343,8 @@ impl Walker {
     }
 
     /// Where the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events; and how
-    /// far that is from the first.
+    /// far that is from the first. The parameter alone does not tell: where the branch began beside a fold a step goes past it, and to the
+    /// same side of where it began.
     fn returns(
         &mut self,
         (from, to): (&Station, &Station),
@@ -313,31 +353,34 @@ impl Walker {
     ) -> Option<(Station, f64)> {
         let own = passages(&self.shooting);
         let (origin, kinds) = (&began.origin, &began.passages);
-        let target = origin[origin.len() - 1];
-        let between = (from.parameter() - target) * (to.parameter() - target) <= 0.0;
-        if !between || own.len() != kinds.len() {
+        let count = own.len();
+        if count != kinds.len() {
             return None;
         }
-        let (here, ahead) = station_at(&mut self.shooting, (from, to), step, target)?;
-        let shooting = &self.shooting;
-        let parameters = shooting.workshop.parameters(shooting.free(&here.at));
-        let turns = shooting.workshop.closure.turns(&parameters).ok()?;
-        let sizes = shooting.state_sizes();
-        let count = own.len();
-        let is_same = (0..count).any(|by| {
-            let same = (0..count).all(|k| own[(k + by) % count] == kinds[k]);
-            // Phases may be turns further.
-            let near = |k: usize| {
-                let nodes = (
-                    shooting.node(origin, k),
-                    shooting.node(&here.at, (k + by) % count),
-                );
-                let difference = shooting.workshop.closure.difference(&turns, nodes, &sizes);
-                difference.distance <= SAME_ORBIT
+        let rotations =
+            (0..count).filter(|by| (0..count).all(|k| own[(k + by) % count] == kinds[k]));
+        let shooting = &mut self.shooting;
+        for by in rotations {
+            let ends = (
+                shooting.past(from, (origin, by))?,
+                shooting.past(to, (origin, by))?,
+            );
+            if !(ends.0.along < 0.0 && ends.1.along >= 0.0) {
+                continue;
+            }
+            let reader = shooting.clone();
+            let mut past = |_: &mut dyn Problem<f64>, station: &Station| {
+                Some(-reader.past(station, (origin, by))?.along)
             };
-            same && (0..count).all(near)
-        });
-        is_same.then_some((here, ahead))
+            let ends = (-ends.0.along, -ends.1.along);
+            let Some((here, ahead)) = locate(shooting, from, step, ends, &mut past) else {
+                continue;
+            };
+            if shooting.past(&here, (origin, by))?.distance <= SAME_ORBIT {
+                return Some((here, ahead));
+            }
+        }
+        None
     }
 
     /// The landings of a station, which trials may have overwritten.
@@ -351,7 +394,8 @@ impl Walker {
         let count = self.special.len();
         let first = count.checked_sub(TURNS)?;
         let latest = &self.special[first..];
-        let in_turn = latest.windows(3).all(|of| of[0].is_that_of(&of[2]));
+        let is_one = |a: &Special, b: &Special| a.is_that_of(b, Near::known(a, b));
+        let in_turn = latest.windows(3).all(|of| is_one(&of[0], &of[2]));
         if !in_turn {
             return None;
         }

@@ -274,8 +274,13 @@ impl Most {
     }
 }
 
-/// Whether the latest of these states is next to nothing, against the most that states have been, and phases go round no more.
-fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &Most) -> bool {
+/// Whether the latest of these states is next to nothing, against the most that states have been, and phases go round no more; as far
+/// as what happens depends on them.
+fn is_next_to_nothing(
+    instants: &[Instant],
+    (turns, matters): (&[Turn<f64>], &[bool]),
+    most: &Most,
+) -> bool {
     let [.., before, latest] = instants else {
         return false;
     };
@@ -283,9 +288,17 @@ fn is_next_to_nothing(instants: &[Instant], turns: &[Turn<f64>], most: &Most) ->
         let turned = latest.state[turn.state] - before.state[turn.state];
         turned.abs() <= DIED_OUT * turn.period
     };
+    let size = |state: &[f64]| {
+        let all = state.iter().zip(matters);
+        let seen: Vec<f64> = all
+            .map(|(x, &matters)| if matters { *x } else { 0.0 })
+            .collect();
+        size(&seen, turns)
+    };
     // Zero itself is what a reset makes of a state.
-    let size = size(&latest.state, turns);
-    size > 0.0 && size <= DIED_OUT * self::size(&most.0, turns) && turns.iter().all(stands)
+    let here = size(&latest.state);
+    let mut seen = turns.iter().filter(|turn| matters[turn.state]);
+    here > 0.0 && here <= DIED_OUT * size(&most.0) && seen.all(stands)
 }
 
 /// The cycle between two instants, where states have these sizes.
@@ -378,18 +391,19 @@ pub(crate) fn settle(
                 }
                 total += instants.len() - before;
                 most.take_in(states(&instants[before..]));
-                if is_next_to_nothing(&instants[before..], &turns, &most) {
+                if is_next_to_nothing(&instants[before..], (&turns, &workshop.matters), &most) {
                     let time = tracer.trajectory.time();
-                    return Err(PeriodicError::Equilibrium { time });
+                    let rest = workshop.matters.iter().map(|matters| !matters);
+                    let others_move =
+                        tracer.moves((NEAR[1], &rest.collect::<Vec<_>>()), observer)?;
+                    return Err(comes_to_rest(time, !others_move));
                 }
                 let quiet = instants.last().map_or(start, |instant| instant.time);
                 let all = tracer.trajectory.time() - start;
                 if instants.len() - before < chunk && tracer.trajectory.time() - quiet > 0.5 * all {
-                    let goes_on = tracer.moves(NEAR[1], observer)?;
-                    return Err(match goes_on {
-                        true => PeriodicError::Eventless { time: quiet },
-                        false => PeriodicError::Equilibrium { time: quiet },
-                    });
+                    let all = vec![true; state.len()];
+                    let goes_on = tracer.moves((NEAR[1], &all), observer)?;
+                    return Err(comes_to_rest(quiet, !goes_on));
                 }
                 chunk = (2 * chunk).min(CHUNK);
             }
@@ -438,6 +452,14 @@ pub(crate) fn settle(
         });
     }
     Err(PeriodicError::NotSettled { time: end, nearest })
+}
+
+/// Why a motion on which nothing happens from a time on has no period.
+fn comes_to_rest(time: f64, rests: bool) -> PeriodicError {
+    match rests {
+        true => PeriodicError::Equilibrium { time },
+        false => PeriodicError::Eventless { time },
+    }
 }
 
 /// A cycle of so many periods of the forcing on which nothing happens.

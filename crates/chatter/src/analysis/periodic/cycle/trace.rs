@@ -114,18 +114,19 @@ impl<'s> Tracer<'s> {
             if lookups.get(lookup).is_some_and(|lookup| matches!(lookup.within, LookedUpIn::Curve(_))))
     }
 
-    /// Whether states change on a few steps more, by such a part of their size.
+    /// Whether some of the states change on a few steps more, by such a part of the size of all.
     pub(crate) fn moves(
         &mut self,
-        part: f64,
+        (part, some): (f64, &[bool]),
         observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<bool, PeriodicError> {
         let before = self.trajectory.state().to_vec();
         let until = self.trajectory.time() + STEPS_MORE * self.trajectory.pace();
         self.follow((until, usize::MAX / 2), &mut Vec::new(), observer)?;
         let size = crate::numerics::dot(&before, &before).sqrt();
-        let moved = self.trajectory.state().iter().zip(&before);
-        Ok(moved.map(|(x, y)| (x - y).abs()).any(|by| by > part * size))
+        let moved = self.trajectory.state().iter().zip(&before).zip(some);
+        let mut by = moved.map(|((x, y), &counts)| if counts { (x - y).abs() } else { 0.0 });
+        Ok(by.any(|by| by > part * size))
     }
 
     /// Follows up to a time, or until so many instants are known, and adds them to the list. The observer may break off.

@@ -315,7 +315,7 @@ impl<R: Real> Shooting<R> {
     }
 
     /// The model's parameters followed by those of a step's pieces.
-    fn parameters_of(&self, parameters: &[R], step: &Step) -> Vec<R> {
+    pub(super) fn parameters_of(&self, parameters: &[R], step: &Step) -> Vec<R> {
         self.workshop.system.with_pieces(parameters, &step.pieces)
     }
 

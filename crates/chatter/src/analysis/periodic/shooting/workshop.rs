@@ -2,7 +2,7 @@
 
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::expressions::{Expr, Graph, Symbol};
+use crate::expressions::{Expr, Graph, Node, Symbol};
 use crate::flow::leg::{Leg, LegKind, Stretch, StretchKind};
 use crate::flow::{Corner, GuardKind, System};
 use crate::model::Model;
@@ -25,6 +25,8 @@ pub(crate) struct Workshop {
     pub section: Option<usize>,
     /// Contacts whose restitution is a matter of parameters alone, the free ones among them.
     pub restitution_follows: Vec<usize>,
+    /// Whether what happens depends on a state, be it through others: not on the angle of a wheel that is only kicked, nor on its rate.
+    pub matters: Vec<bool>,
     legs: Mutex<Vec<(LegKind, Arc<Leg>)>>,
     stretches: Mutex<Vec<(StretchKind, Arc<Stretch>)>>,
 }
@@ -80,6 +82,7 @@ impl Workshop {
         };
         Ok(Self {
             restitution_follows: (0..model.contacts.len()).filter(follows).collect(),
+            matters: matters(&model),
             system,
             model,
             monitors,
@@ -92,7 +95,7 @@ impl Workshop {
         })
     }
 
-    pub(super) fn leg(&self, kind: LegKind) -> Option<Arc<Leg>> {
+    pub(in crate::analysis::periodic) fn leg(&self, kind: LegKind) -> Option<Arc<Leg>> {
         let mut known = self.legs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, leg)) = known.iter().find(|(of, _)| *of == kind) {
             return Some(leg.clone());
@@ -158,4 +161,54 @@ fn depends_on(model: &Model, formula: Expr, parameters: &[usize]) -> bool {
         (rates.iter().enumerate())
             .any(|(index, &rate)| rate != zero && used.contains(&Symbol::Parameter(index)))
     })
+}
+
+/// The states that events depend on, be it through others: what guards, and formulas that change their form, are made of, and what changes
+/// these by the flow or by a jump.
+fn matters(model: &Model) -> Vec<bool> {
+    let graph = &model.graph;
+    let changes_form = |expr: &Expr| {
+        let parts = graph.reachable(&[*expr]);
+        let is_corner = |part: &Expr| {
+            matches!(
+                graph.node(*part),
+                Node::Switch { .. } | Node::Floor(_) | Node::Curve(..)
+            )
+        };
+        parts.iter().any(is_corner)
+    };
+    let mut open: Vec<Expr> = model.field().into_iter().filter(changes_form).collect();
+    open.extend(model.sections.iter().map(|section| section.surface));
+    for contact in &model.contacts {
+        open.extend([contact.gap, contact.restitution]);
+        open.extend(
+            contact
+                .friction
+                .iter()
+                .flat_map(|f| [f.coefficient, f.rate]),
+        );
+    }
+    let mut found = vec![false; model.states.len()];
+    while let Some(expr) = open.pop() {
+        for symbol in graph.symbols(expr) {
+            let Symbol::State(state) = symbol else {
+                continue;
+            };
+            if core::mem::replace(&mut found[state], true) {
+                continue;
+            }
+            open.push(model.states[state].derivative);
+            for contact in &model.contacts {
+                let along = contact.friction.iter().map(|friction| &friction.along);
+                let jumps = along.chain([&contact.impulse]).chain(&contact.reset);
+                open.extend(jumps.filter_map(|jump| jump.get(state)));
+            }
+            let resets = model
+                .sections
+                .iter()
+                .filter_map(|section| section.reset.as_ref());
+            open.extend(resets.filter_map(|reset| reset.get(state)));
+        }
+    }
+    found
 }
