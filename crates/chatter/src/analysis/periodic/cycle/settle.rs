@@ -26,6 +26,11 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
+    /// How long it takes.
+    pub(crate) fn duration(&self) -> f64 {
+        self.steps.iter().map(|step| step.duration).sum()
+    }
+
     /// Begins the cycle at the section, if it is crossed.
     pub(crate) fn begin_at_section(
         &mut self,
@@ -636,7 +641,7 @@ fn near_returns(
     };
     let sizes = sizes(states(instants), turns);
     let end = &instants[last];
-    let mut found: Vec<(usize, f64)> = (0..last)
+    let mut found: Vec<(usize, f64)> = (last.saturating_sub(MOST_LOOSE)..last)
         .filter(|&first| {
             let begin = &instants[first];
             begin.guard == end.guard && begin.mode_after == end.mode_after
