@@ -159,6 +159,9 @@ pub(crate) fn simplest(
             break;
         };
         for (index, cycle) in loops.cycles.into_iter().enumerate() {
+            if cycle.duration() >= TWICE * longest {
+                continue;
+            }
             let other = close(workshop, cycle, free).ok();
             let shorter = other.filter(|other| other.period.to_f64() < longest);
             if let Some(other) = shorter.and_then(|other| motion(workshop, other)) {
@@ -185,6 +188,9 @@ fn flies_through_a_wall(orbit: &Orbit) -> bool {
 
 /// An orbit of fewer periods is shorter than this part of another.
 const SHORTER: f64 = 0.75;
+/// A loop may go around a shorter orbit so often. To close a longer one takes seconds, in chaos where nothing marks a period, and
+/// leads to no shorter orbit.
+const TWICE: f64 = 2.0;
 
 /// Orbits that were found, each with the states that it is known by.
 type Found = Vec<(Orbit, Vec<Vec<f64>>)>;

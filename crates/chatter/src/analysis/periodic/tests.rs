@@ -44,3 +44,23 @@ fn complete_chatter_forgets_two_directions() {
     assert!((orbit.period.to_f64() - 3.526_655_749_659_584).abs() < 1e-12);
     assert!(orbit.multipliers.iter().all(|m| m.modulus() == 0.0));
 }
+
+/// A valve behind a line in chaos, where nothing marks a period: the equations of a return after hundreds of impacts took ten seconds each.
+#[test]
+fn loops_of_chaos_are_short() {
+    let text = "[flight]\ny1 = \"y2\"\ny2 = \"-1.25*y2 - y1 - 10 + y5\"\ny3 = \"20*(1.5 - y4)\"\n\
+                y4 = \"20*(y3 - y5)\"\ny5 = \"20*(y4 - y1*sqrt(y5))\"\n\
+                [[contact]]\nname = \"seat\"\ngap = \"y1\"\nimpulse = { y2 = 1 }\nrestitution = 0.8\n\
+                [initial]\ny1 = 0.3\ny2 = 0\ny3 = 10\ny4 = 0.5\ny5 = 10\n";
+    let model = Model::from_toml(text, "valve").unwrap();
+    let workshop = workshop(&model, &Spec::default(), (&[], &[])).unwrap();
+    let state = model.initial_state(&model.parameter_values::<f64>(&[]));
+    let loops = cycle::settle::loops(&workshop, &[], &state, (9, 2)).unwrap();
+    assert_eq!(loops.cycles.len(), 2);
+    let legs = loops.cycles.iter().map(|cycle| cycle.steps.len());
+    assert!(
+        legs.clone().all(|legs| legs <= 240),
+        "{:?}",
+        legs.collect::<Vec<_>>()
+    );
+}

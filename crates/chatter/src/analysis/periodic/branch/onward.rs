@@ -90,10 +90,7 @@ impl Walker {
             && let Some(touched) = self.touch_between(&next, between, left)
         {
             let there = Point::new(&mut self.shooting, &next);
-            self.note_touch(&there, touched);
-            if let Some(special) = self.special.last_mut() {
-                special.persists = Some(true);
-            }
+            self.note_passed_touch(&there, touched);
         }
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
@@ -166,10 +163,7 @@ impl Walker {
         };
         // Told of the orbit that stays.
         let resting = Point::new(&mut self.shooting, &next);
-        self.note_touch(&resting, touched);
-        if let Some(special) = self.special.last_mut() {
-            special.persists = Some(true);
-        }
+        self.note_passed_touch(&resting, touched);
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
     }

@@ -273,6 +273,14 @@ impl Walker {
         Touched::solve(longer.map_err(|error| error.to_string())?)
     }
 
+    /// Notes a touch that the branch has passed, with its own equations.
+    pub(super) fn note_passed_touch(&mut self, there: &Point, touched: Touched) {
+        self.note_touch(there, touched);
+        if let Some(special) = self.special.last_mut() {
+            special.persists = Some(true);
+        }
+    }
+
     /// Notes a touch with its own equations.
     pub(super) fn note_touch(&mut self, there: &Point, touched: Touched) {
         let is_slow = self.shooting.crosses_slowly();

@@ -7,7 +7,7 @@ use super::rotate::rotate;
 use super::trace::{Instant, ONE_INSTANT, Tracer};
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::{Shooting, Workshop, without_zeros};
+use crate::analysis::periodic::shooting::{Shooting, Workshop, take_in_moves, without_zeros};
 use crate::flow::GuardKind;
 use crate::numerics::stored::number;
 use core::ops::ControlFlow;
@@ -26,6 +26,11 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
+    /// How long it takes.
+    pub(crate) fn duration(&self) -> f64 {
+        self.steps.iter().map(|step| step.duration).sum()
+    }
+
     /// Begins the cycle at the section, if it is crossed.
     pub(crate) fn begin_at_section(
         &mut self,
@@ -257,18 +262,13 @@ impl Most {
         turns: &[Turn<f64>],
     ) -> Vec<f64> {
         let mut sizes = self.sizes(states(instants), turns);
-        let model = &workshop.model;
         for pair in instants.windows(2) {
             let [from, to] = pair else { continue };
-            for (index, (size, state)) in sizes.iter_mut().zip(&model.states).enumerate() {
-                let rate = model
-                    .graph
-                    .evaluate(state.derivative, &from.state, parameters);
-                let moves = (rate * (to.time - from.time)).abs();
-                if moves.is_finite() && !is_phase(turns, index) {
-                    *size = size.max(moves);
-                }
-            }
+            let way = (&*from.state, to.time - from.time);
+            take_in_moves(&mut sizes, (&workshop.model, parameters), way);
+        }
+        for turn in turns {
+            sizes[turn.state] = turn.period;
         }
         sizes
     }
@@ -636,7 +636,7 @@ fn near_returns(
     };
     let sizes = sizes(states(instants), turns);
     let end = &instants[last];
-    let mut found: Vec<(usize, f64)> = (0..last)
+    let mut found: Vec<(usize, f64)> = (last.saturating_sub(MOST_LOOSE)..last)
         .filter(|&first| {
             let begin = &instants[first];
             begin.guard == end.guard && begin.mode_after == end.mode_after

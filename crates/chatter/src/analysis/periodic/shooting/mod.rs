@@ -34,6 +34,7 @@ use super::error::PeriodicError;
 use crate::analysis::continuation::Left;
 use crate::flow::leg::{Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch};
 use crate::flow::{Closed, Settings};
+use crate::model::Model;
 use crate::numerics::Real;
 use std::sync::Arc;
 
@@ -45,6 +46,21 @@ pub(crate) fn without_zeros(mut sizes: Vec<f64>) -> Vec<f64> {
         *size = usual;
     }
     sizes
+}
+
+/// Sizes of states, each no less than how far it moves from a state in a time: a position is zero at all its impacts, yet has a size.
+pub(crate) fn take_in_moves(
+    sizes: &mut [f64],
+    (model, parameters): (&Model, &[f64]),
+    (state, time): (&[f64], f64),
+) {
+    for (size, of) in sizes.iter_mut().zip(&model.states) {
+        let rate = model.graph.evaluate(of.derivative, state, parameters);
+        let moves = (rate * time).abs();
+        if moves.is_finite() {
+            *size = size.max(moves);
+        }
+    }
 }
 
 /// How the parts of an orbit are computed.
@@ -160,16 +176,11 @@ impl<R: Real> Shooting<R> {
         let model = &self.workshop.model;
         let parameters = self.workshop.parameters::<f64>(&[]);
         for step in &self.steps {
-            for ((size, x), state) in sizes.iter_mut().zip(&step.start).zip(&model.states) {
-                // A position is zero at all its impacts, yet has a size: that of how far it moves.
-                let rate = model
-                    .graph
-                    .evaluate(state.derivative, &step.start, &parameters);
-                let moves = (rate * step.duration).abs();
-                *size = size
-                    .max(x.abs())
-                    .max(if moves.is_finite() { moves } else { 0.0 });
+            for (size, x) in sizes.iter_mut().zip(&step.start) {
+                *size = size.max(x.abs());
             }
+            let way = (&*step.start, step.duration);
+            take_in_moves(&mut sizes, (model, &parameters), way);
         }
         // Nor is one next to nothing that vanishes at all nodes together with its rate, but for rounding: others move it. (What is followed
         // as a whole shrinks to nothing where chatter begins.)
