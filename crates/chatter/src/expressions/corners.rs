@@ -244,6 +244,18 @@ impl Corners {
         self.surfaces.len() - 1
     }
 
+    /// Whether a surface has corners itself, where it may jump.
+    pub fn is_nested(&self, graph: &Graph, surface: usize) -> bool {
+        let parts = graph.reachable(&[self.surfaces[surface]]);
+        let is_corner = |&part: &Expr| {
+            matches!(
+                graph.node(part),
+                Node::Switch { .. } | Node::Floor(_) | Node::Curve(..)
+            )
+        };
+        parts.iter().any(is_corner)
+    }
+
     /// Whether there is none.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {

@@ -190,6 +190,36 @@ fn functions_of_the_user_are_watched() {
     assert_eq!(zero.monitor, Some(0));
 }
 
+/// An orbit with events is told at the section, where the function is the user's, with its whole period.
+#[test]
+fn functions_of_the_user_vanish_at_the_section() {
+    use chatter::analysis::periodic::{Beside, BranchSpec, branches};
+    let model = model("impact_oscillator", &[("sigma", "0")]);
+    let spec = Spec {
+        monitors: vec!["v - 0.025".to_owned()],
+        ..Spec::default()
+    };
+    let what = BranchSpec {
+        parameter: model.parameter_index("omega").unwrap(),
+        limits: Limits {
+            range: (2.4, 3.0),
+            impacts: 40,
+            points: 1000,
+            longest_step: 0.05,
+        },
+        beside: Beside::default(),
+    };
+    let found = branches(&model, &spec, &what, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let zero = nearest(&found, &[SpecialKind::Monitor], 2.843_261_324_753);
+    let omega = value(&zero);
+    assert!((omega - 2.843_261_324_753_44).abs() < 1e-12, "{omega}");
+    assert!((zero.point.state[1] - 0.025).abs() < 1e-13);
+    assert!((zero.point.period - 4.0 * std::f64::consts::PI / omega).abs() < 1e-12);
+}
+
 /// A mass between two walls, as in a harvester. Where it grazes one of them it is told of a graze that no event ends.
 #[test]
 fn a_graze_between_two_walls_is_found_again() {

@@ -216,13 +216,11 @@ impl Walker {
                 return;
             }
             let here = Point::new(&mut shooting, &refined);
-            let at = refined.at.clone();
-            self.note(passed.kind(), &here, &at, error, residual);
-            if let Some(special) = self.special.last_mut() {
-                special.seed = Some(Seed { shooting, at });
-                if let Passed::Monitor(index, _) = passed {
-                    special.monitor = Some(index);
-                }
+            let at = refined.at;
+            let seed = Seed { shooting, at };
+            self.note_with(passed.kind(), here, seed, (error, residual));
+            if let (Some(special), Passed::Monitor(index, _)) = (self.special.last_mut(), passed) {
+                special.monitor = Some(index);
             }
             return;
         }

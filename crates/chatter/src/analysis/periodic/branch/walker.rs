@@ -452,7 +452,20 @@ impl Walker {
         error: f64,
         residual: f64,
     ) {
-        let point = point.moved(&mut self.shooting.clone(), at);
+        let mut shooting = self.shooting.clone();
+        let point = point.moved(&mut shooting, at);
+        let at = at.to_vec();
+        self.note_with(kind, point, Seed { shooting, at }, (error, residual));
+    }
+
+    /// The same of an orbit whose equations are others than the branch's.
+    pub(super) fn note_with(
+        &mut self,
+        kind: SpecialKind,
+        point: Point,
+        seed: Seed,
+        (error, residual): (f64, f64),
+    ) {
         self.special.push(Special {
             kind,
             point,
@@ -462,10 +475,7 @@ impl Walker {
             above: None,
             monitor: None,
             place: self.points.len(),
-            seed: Some(Seed {
-                shooting: self.shooting.clone(),
-                at: at.to_vec(),
-            }),
+            seed: Some(seed),
         });
     }
 }

@@ -14,7 +14,7 @@ use crate::numerics::{Real, WithTerms, two_sum};
 /// So many modes are asked at a corner of several surfaces, not more.
 const MOST_CANDIDATES: usize = 81;
 
-/// What is zero at a touched corner, and in another mode so many times what cannot be told from zero, has jumped there.
+/// A surface that may jump, and is so many times what cannot be told from zero, has jumped.
 const JUMPS: f64 = 1024.0;
 
 /// What may become of one corner.
@@ -349,11 +349,13 @@ impl<R: Real> Trajectory<R> {
                 return Ok(None);
             }
             for (kind, orders) in &standing.guards {
-                // The surface of a side is touched, whatever rounding says, unless what is zero there jumps at another corner; the ends
-                // of sliding or of a piece may be far.
+                // The surface of a side is touched, whatever rounding says, unless it has jumped at another corner; the ends of sliding
+                // or of a piece may be far.
                 let is_end = is_slid || !is_surface;
                 let level = standing.level(orders) * R::splat(if is_end { 1.0 } else { JUMPS });
-                let is_far = orders[0].value > level;
+                let is_clear = orders[0].value.abs() > level
+                    && (is_end || self.may_jump(system, standing.corner));
+                let is_far = is_clear && orders[0].value > level;
                 // What follows the first that decides may be infinite, as the derivative of a root that begins here.
                 let moving = (orders.iter().enumerate().skip(1)).find(|(_, order)| {
                     !order.value.is_finite() || order.value.abs() > order.level()
@@ -377,7 +379,7 @@ impl<R: Real> Trajectory<R> {
                         }
                     }
                 }
-                if orders[0].value < -level {
+                if is_clear && orders[0].value < -level {
                     return Ok(None);
                 }
                 match moving {
@@ -395,6 +397,14 @@ impl<R: Real> Trajectory<R> {
         }
         verdict.contacts_stay = self.contacts_stay(system);
         Ok(Some(verdict))
+    }
+
+    /// Whether what is zero at a corner has corners itself.
+    fn may_jump(&self, system: &System, corner: Corner) -> bool {
+        match corner {
+            Corner::Surface(index) => (system.corners()).is_nested(&system.model().graph, index),
+            Corner::Lookup(_) => false,
+        }
     }
 
     /// Whether a guard without a derivative, the root of something that vanishes here, is positive a moment later, as long as steps off
