@@ -327,3 +327,21 @@ fn a_double_multiplier_is_where_its_sum_says() {
     assert!((zeta + 0.110_250_154_322_01).abs() < 1e-13, "{zeta}");
     assert!((omega - 3.104_378_977_884_62).abs() < 1e-13, "{omega}");
 }
+
+/// Two impact oscillators that are coupled. Where the pair of multipliers crosses the unit circle is followed wherever rows that were
+/// taken at random lie on the way.
+#[test]
+fn a_curve_of_tori_goes_through() {
+    let text = "[parameters]\nr2 = 0.6\nomega = 2.2\n[flight]\nx = 'v'\n\
+                v = 'cos(omega*t) - x - 2*(x - y) - 0.08*v - 0.08*(v - w)'\ny = 'w'\n\
+                w = '(-1.3*y + 2*(x - y) - 0.08*w + 0.08*(v - w))/1.7'\n\
+                [[contact]]\nname = 'one'\ngap = '0.35 - x'\nimpulse = { v = -1 }\nrestitution = 0.75\n\
+                [[contact]]\nname = 'two'\ngap = '0.5 - y'\nimpulse = { w = -1 }\nrestitution = 'r2'\n\
+                [section.strobe]\nsurface = 'sin(omega*t)'\ndirection = 'rising'\n\
+                [initial]\nx = 0\nv = 0.1\ny = 0\nw = 0\n";
+    let model = with(text, &[]);
+    let found = over(&model, "omega", (2.0, 3.2), (10, 0.05));
+    let torus = nearest(&found, &[SpecialKind::NeimarkSacker], 2.71);
+    let curve = curve(&model, ["omega", "r2"], &torus, ((0.3, 0.95), 0.03));
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+}

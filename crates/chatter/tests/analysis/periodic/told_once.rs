@@ -344,3 +344,45 @@ v = 0.5
     let again = distinct.add(&start, vec![one, other]);
     assert_eq!(again.unwrap().len(), 1);
 }
+
+/// A free mass in a cavity of a driven one: below its first graze the branch of the symmetric orbit goes around by way of unsymmetric ones,
+/// and comes back along itself. Above where it began it goes on.
+#[test]
+fn a_branch_that_comes_back_along_itself_has_another_side() {
+    const DAMPER: &str = r#"
+[parameters]
+omega = 1.6
+[flight]
+x = "v"
+v = "cos(omega*t) - 0.04*v - x"
+y = "w"
+w = "-0.01*w"
+[[contact]]
+name = "right"
+gap = "1.2 - (y - x)"
+impulse = { v = 0.15, w = -1 }
+restitution = 0.7
+[[contact]]
+name = "left"
+gap = "1.2 + (y - x)"
+impulse = { v = -0.15, w = 1 }
+restitution = 0.7
+[initial]
+x = 0
+v = 0.5
+y = 0
+w = 0.3
+"#;
+    let found = over(&with(DAMPER, &[]), "omega", (0.8, 2.4), (20, 0.01));
+    assert_eq!(found[0].ends, [End::Back, End::Range]);
+    let last = found[0].points.last().unwrap();
+    assert!((last.parameter() - 2.4).abs() < 1e-9);
+    // By return maps with forty digits.
+    let tori = (found[0].special.iter()).filter(|s| s.kind == SpecialKind::NeimarkSacker);
+    let tori: Vec<f64> = tori.map(value).filter(|&omega| omega > 1.6).collect();
+    let off = |omega: f64| tori.iter().any(|found| (found - omega).abs() < 1e-11);
+    assert!(
+        off(1.759_999_879_288_5) && off(2.195_679_128_249_7),
+        "{tori:?}"
+    );
+}

@@ -27,6 +27,8 @@ pub enum End {
     At(SpecialKind),
     /// It came back to where it began.
     Closed,
+    /// It came back to where it began along itself, by way of its mirror image, say: its other side is another.
+    Back,
 }
 
 impl core::fmt::Display for End {
@@ -45,6 +47,7 @@ impl core::fmt::Display for End {
             Self::Saddle(saddle) => saddle.fmt(out),
             Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
             Self::Closed => write!(out, "where it began"),
+            Self::Back => write!(out, "where it began, back along itself"),
         }
     }
 }

@@ -118,6 +118,7 @@ impl Walker {
             of: Of::Branch(Walked {
                 origin: station.at.clone(),
                 passages: passages(&self.shooting),
+                rises: station.parameter_slope() > 0.0,
                 grazes: 0,
                 hops: 0,
                 since_kept: f64::INFINITY,
@@ -252,7 +253,8 @@ impl Walker {
                 self.settle(&last);
                 let there = Point::new(&mut self.shooting, &last);
                 let end = self.between(&curve.station, &last, ahead, (&here, &there));
-                break end.unwrap_or(End::Closed);
+                let comes_back = (last.parameter_slope() > 0.0) != walked.rises;
+                break end.unwrap_or(if comes_back { End::Back } else { End::Closed });
             }
             if let Some((contact, station, ahead)) = self.leaves_theory(&curve.station, &next, step)
             {

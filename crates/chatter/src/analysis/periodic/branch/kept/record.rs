@@ -85,6 +85,8 @@ pub(in crate::analysis::periodic) struct Walked {
     #[serde(with = "list")]
     pub origin: Vec<f64>,
     pub passages: Vec<Passage>,
+    /// Whether the parameter grew from there.
+    pub rises: bool,
     pub grazes: usize,
     /// How often it went on past its equations with no step of note since.
     pub hops: usize,
