@@ -246,14 +246,7 @@ impl Corners {
 
     /// Whether a surface has corners itself, where it may jump.
     pub fn is_nested(&self, graph: &Graph, surface: usize) -> bool {
-        let parts = graph.reachable(&[self.surfaces[surface]]);
-        let is_corner = |&part: &Expr| {
-            matches!(
-                graph.node(part),
-                Node::Switch { .. } | Node::Floor(_) | Node::Curve(..)
-            )
-        };
-        parts.iter().any(is_corner)
+        graph.has_corner(&[self.surfaces[surface]])
     }
 
     /// Whether there is none.

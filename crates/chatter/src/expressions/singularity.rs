@@ -245,9 +245,7 @@ impl Tape {
             _ => into.push(slot),
         }
     }
-}
 
-impl Tape {
     /// The power of a series of which another is a multiple where that vanishes, as far as it is made of products, quotients and powers;
     /// 0 where it does not vanish with it.
     fn degree<R: Real>(

@@ -68,6 +68,17 @@ impl Edge {
 }
 
 impl Graph {
+    /// Whether any of the expressions is made of a choice, a whole part or a curve.
+    pub fn has_corner(&self, exprs: &[Expr]) -> bool {
+        let is_corner = |&part: &Expr| {
+            matches!(
+                self.node(part),
+                Node::Switch { .. } | Node::Floor(_) | Node::Curve(..)
+            )
+        };
+        self.reachable(exprs).iter().any(is_corner)
+    }
+
     /// `above` where `surface` is positive, `below` where it is negative.
     ///
     /// A surface and its negative, its multiples by numbers, and the same terms in another order are one surface.

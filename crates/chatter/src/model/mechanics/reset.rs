@@ -1,7 +1,7 @@
 //! Impacts given by what they make of the state.
 
 use super::identically_zero::is_identically_zero;
-use crate::expressions::{Expr, Graph, Node, Symbol};
+use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Contact, State};
 
 impl Contact {
@@ -70,15 +70,7 @@ impl Contact {
                 graph.div(part, square)
             })
             .collect();
-        let smooth = graph
-            .reachable(&[&reset[..], &[rate]].concat())
-            .iter()
-            .all(|&part| {
-                !matches!(
-                    graph.node(part),
-                    Node::Switch { .. } | Node::Floor(_) | Node::Curve(..)
-                )
-            });
+        let smooth = !graph.has_corner(&[&reset[..], &[rate]].concat());
         let is_impulse = smooth
             && (changes.iter().zip(&parts)).all(|(&change, &part)| {
                 let whole = graph.mul(rate, part);

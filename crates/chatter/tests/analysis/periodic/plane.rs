@@ -2,7 +2,8 @@
 
 use super::{GRAZES, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
-    End, Known, Limits, Spec, Special, SpecialCurve, SpecialKind, special_curve,
+    Beside, Branch, BranchSpec, End, Known, Limits, Spec, Special, SpecialCurve, SpecialKind,
+    branches, special_curve,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -159,31 +160,38 @@ fn the_border_of_the_valve_in_two_parameters() {
     assert!((last.parameters[0] - 0.014_453_978_036_535_98).abs() < 1e-11);
 }
 
-/// A function of the user's vanishes where it should, and its zeros are a curve.
-#[test]
-fn functions_of_the_user_are_watched() {
-    use chatter::analysis::periodic::{Beside, BranchSpec, branches};
-    let text = "[parameters]\nw = 1.3\nc = 0.1\n[flight]\nx = 'v'\nv = '-x - c*v + cos(w*t)'\n[section.top]\n\
-                surface = 'v'\ndirection = 'falling'\n[initial]\nx = 0\nv = 0\n";
-    let model = with(text, &[]);
+/// Branches over a parameter, with the zeros of a function of the user's.
+fn watched(
+    model: &Model,
+    monitor: &str,
+    name: &str,
+    (range, impacts): ((f64, f64), u64),
+) -> Vec<Branch> {
     let spec = Spec {
-        monitors: vec!["x - 2".to_owned()],
+        monitors: vec![monitor.to_owned()],
         ..Spec::default()
     };
     let what = BranchSpec {
-        parameter: model.parameter_index("w").unwrap(),
+        parameter: model.parameter_index(name).unwrap(),
         limits: Limits {
-            range: (1.1, 1.5),
-            impacts: 5,
+            range,
+            impacts,
             points: 1000,
             longest_step: 0.05,
         },
         beside: Beside::default(),
     };
-    let found = branches(&model, &spec, &what, Vec::new(), &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    let mut quiet = |_: chatter::analysis::periodic::Told<'_>| ControlFlow::Continue(());
+    branches(model, &spec, &what, Vec::new(), &mut quiet).unwrap()
+}
+
+/// A function of the user's vanishes where it should, and its zeros are a curve.
+#[test]
+fn functions_of_the_user_are_watched() {
+    let text = "[parameters]\nw = 1.3\nc = 0.1\n[flight]\nx = 'v'\nv = '-x - c*v + cos(w*t)'\n[section.top]\n\
+                surface = 'v'\ndirection = 'falling'\n[initial]\nx = 0\nv = 0\n";
+    let model = with(text, &[]);
+    let found = watched(&model, "x - 2", "w", ((1.1, 1.5), 5));
     let zero = nearest(&found, &[SpecialKind::Monitor], 1.2);
     let amplitude = |w: f64| 1.0 / ((1.0 - w * w).powi(2) + (0.1 * w).powi(2)).sqrt();
     assert!((amplitude(value(&zero)) - 2.0).abs() < 1e-11);
@@ -193,26 +201,8 @@ fn functions_of_the_user_are_watched() {
 /// An orbit with events is told at the section, where the function is the user's, with its whole period.
 #[test]
 fn functions_of_the_user_vanish_at_the_section() {
-    use chatter::analysis::periodic::{Beside, BranchSpec, branches};
     let model = model("impact_oscillator", &[("sigma", "0")]);
-    let spec = Spec {
-        monitors: vec!["v - 0.025".to_owned()],
-        ..Spec::default()
-    };
-    let what = BranchSpec {
-        parameter: model.parameter_index("omega").unwrap(),
-        limits: Limits {
-            range: (2.4, 3.0),
-            impacts: 40,
-            points: 1000,
-            longest_step: 0.05,
-        },
-        beside: Beside::default(),
-    };
-    let found = branches(&model, &spec, &what, Vec::new(), &mut |_| {
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    let found = watched(&model, "v - 0.025", "omega", ((2.4, 3.0), 40));
     let zero = nearest(&found, &[SpecialKind::Monitor], 2.843_261_324_753);
     let omega = value(&zero);
     assert!((omega - 2.843_261_324_753_44).abs() < 1e-12, "{omega}");

@@ -2,7 +2,7 @@
 
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::expressions::{Expr, Graph, Node, Symbol};
+use crate::expressions::{Expr, Graph, Symbol};
 use crate::flow::leg::{Leg, LegKind, Stretch, StretchKind};
 use crate::flow::{Corner, GuardKind, System};
 use crate::model::Model;
@@ -167,16 +167,7 @@ fn depends_on(model: &Model, formula: Expr, parameters: &[usize]) -> bool {
 /// these by the flow or by a jump.
 fn matters(model: &Model) -> Vec<bool> {
     let graph = &model.graph;
-    let changes_form = |expr: &Expr| {
-        let parts = graph.reachable(&[*expr]);
-        let is_corner = |part: &Expr| {
-            matches!(
-                graph.node(*part),
-                Node::Switch { .. } | Node::Floor(_) | Node::Curve(..)
-            )
-        };
-        parts.iter().any(is_corner)
-    };
+    let changes_form = |expr: &Expr| graph.has_corner(&[*expr]);
     let mut open: Vec<Expr> = model.field().into_iter().filter(changes_form).collect();
     open.extend(model.sections.iter().map(|section| section.surface));
     for contact in &model.contacts {
