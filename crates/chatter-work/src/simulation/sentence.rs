@@ -72,12 +72,17 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
             number(*time),
             name(*contact)
         ),
+        FlowError::ResetsWithoutEnd { time, contact } => format!(
+            "at time {} impacts follow each other ever faster at {}, and its `reset` changes the state however small their \
+             rates are: it does not say what they come to",
+            number(*time),
+            name(*contact)
+        ),
         FlowError::TooManySurfaces { .. }
         | FlowError::ImpactsWithoutEnd { .. }
         | FlowError::NotUnique { .. }
         | FlowError::NoMode { .. }
         | FlowError::OutsideTable { .. }
-        | FlowError::SwitchesWithoutEnd { .. }
-        | FlowError::ResetsWithoutEnd { .. } => error.to_string(),
+        | FlowError::SwitchesWithoutEnd { .. } => error.to_string(),
     }
 }

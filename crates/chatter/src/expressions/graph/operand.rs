@@ -216,9 +216,14 @@ impl Parser<'_> {
             }
             _ => {
                 let (before, after) = (self.written(self.at - 1), self.written(self.at));
+                // As in `a if b else c`, which is no product.
+                let suggestion = match after.as_str() {
+                    "if" => "if(condition, value, other)".to_owned(),
+                    _ => format!("{before}*{after}"),
+                };
                 ParseError {
                     span: self.lexemes[self.at - 1].span.start..self.span().end,
-                    suggestion: Some(format!("{before}*{after}")),
+                    suggestion: Some(suggestion),
                     kind: ParseErrorKind::MissingOperator { before, after },
                 }
             }

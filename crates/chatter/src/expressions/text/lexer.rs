@@ -85,7 +85,7 @@ pub(in crate::expressions) fn tokens(text: &str) -> Result<Vec<Lexeme>, ParseErr
                 return Err(ParseError {
                     span: at..at + character.len_utf8(),
                     kind: ParseErrorKind::StrayCharacter(character),
-                    suggestion: suggest::for_character(character),
+                    suggestion: suggest::for_character(rest),
                 });
             }
         };

@@ -197,8 +197,9 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .map(|(_, candidate)| candidate.to_string())
 }
 
-/// What to write for a character that other keyboards and notations offer.
-pub(in crate::expressions) fn for_character(character: char) -> Option<String> {
+/// What to write for the character that a text begins with, one that other keyboards and notations offer.
+pub(in crate::expressions) fn for_character(text: &str) -> Option<String> {
+    let character = text.chars().next()?;
     let meant = match character {
         '−' | '–' | '—' | '‐' | '‑' => "-",
         '·' | '×' | '⋅' | '∙' | '•' | '∗' => "*",
@@ -208,7 +209,8 @@ pub(in crate::expressions) fn for_character(character: char) -> Option<String> {
         '√' => "sqrt",
         '=' => ">=",
         '&' => "and",
-        '|' => "or",
+        '|' if text.starts_with("||") => "or",
+        '|' => "abs(x)",
         '!' | '¬' => "not",
         '%' => "mod(x, m)",
         '[' | '{' => "(",

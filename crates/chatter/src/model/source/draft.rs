@@ -29,6 +29,12 @@ pub(in crate::model) struct Place {
 }
 
 impl Place {
+    /// Whether another is a part of it.
+    pub fn holds(&self, other: &Self) -> bool {
+        let (outer, inner) = (&self.span, &other.span);
+        self.source == other.source && outer.start <= inner.start && inner.end <= outer.end
+    }
+
     /// A place without text, known by name only.
     pub fn named(name: &str) -> Self {
         Self::whole(name, "")

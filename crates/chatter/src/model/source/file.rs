@@ -2,7 +2,8 @@
 
 use super::data_file::Loader;
 use super::draft::{
-    ContactDraft, Draft, FrictionDraft, ImpulseDraft, LabelDraft, Name, SectionDraft, TableDraft,
+    ContactDraft, Draft, FrictionDraft, ImpulseDraft, LabelDraft, Name, Place, SectionDraft,
+    TableDraft,
 };
 use super::syntax::syntax_error;
 use super::table::{Item, TableReader};
@@ -79,6 +80,15 @@ impl Model {
             // What else seems wrong may follow from a line that could not be read, except for errors within expressions.
             errors.retain(|error| error.kind.is_local());
         }
+        // Quotes alone do not make an expression of what is none.
+        let no_expressions: Vec<Place> = (errors.iter())
+            .filter(|error| error.kind.is_no_expression())
+            .map(|error| error.place.clone())
+            .collect();
+        errors.retain(|error| {
+            !matches!(*error.kind, ModelErrorKind::Unquoted { .. })
+                || !no_expressions.iter().any(|part| error.place.holds(part))
+        });
         errors.sort_by_key(|error| error.within(name));
         Err(ModelErrors::new(errors))
     }
@@ -448,6 +458,14 @@ impl ModelErrorKind {
             | Self::MissingValue => true,
             Self::DuplicateKey { .. } => true,
             Self::DataFile { .. } | Self::Curve { .. } | Self::TableNotConstant { .. } => true,
+            Self::Expression { .. } => self.is_no_expression(),
+            _ => false,
+        }
+    }
+
+    /// Whether it is a text that would be no expression with any names.
+    fn is_no_expression(&self) -> bool {
+        match self {
             Self::Expression { error, .. } => !matches!(error.kind, ParseErrorKind::UnknownName(_)),
             _ => false,
         }
