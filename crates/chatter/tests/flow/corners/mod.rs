@@ -4,6 +4,7 @@ mod asked;
 mod jumps;
 mod piecewise;
 mod roots;
+mod soft_ground;
 mod table_ends;
 mod tables;
 

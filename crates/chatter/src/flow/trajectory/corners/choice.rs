@@ -1,10 +1,11 @@
 //! Which sides and pieces follow at corners that the state lies on: all that could are asked whether they hold.
 
-use super::{Candidate, Standing};
+use super::{Candidate, INSTANT_ROUNDOFFS, Standing};
 use crate::expressions::{Side, Sides};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
+use crate::flow::program::STANDING_ORDERS;
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::touching::Touching;
@@ -79,9 +80,7 @@ impl<R: Real> Trajectory<R> {
             let mut verdicts: Vec<Verdict<R>> = Vec::new();
             let mut more = None;
             for candidate in candidates {
-                if !self.ask(system, &candidate, &mut asked)?
-                    || !self.pass_others(system, &touched, &mut asked)?
-                {
+                if !self.ask_beside(system, &candidate, (&touched, &mut asked))? {
                     continue;
                 }
                 let standings = self.standings(system)?;
@@ -160,9 +159,13 @@ impl<R: Real> Trajectory<R> {
         let mut candidates = vec![now.clone()];
         for &corner in touched {
             let mut wider: Vec<Candidate> = Vec::new();
-            for base in &candidates {
-                let options = self.options(system, (corner, met), base, asked)?;
-                wider.extend(options.into_iter().map(|option| option.made(base)));
+            for mut base in candidates {
+                // What is slid along may be so on the right sides of other corners only.
+                if self.ask_beside(system, &base, (touched, asked))? {
+                    base = self.standing_sides();
+                }
+                let options = self.options(system, (corner, met), &base, (touched, asked))?;
+                wider.extend(options.into_iter().map(|option| option.made(&base)));
             }
             if wider.len() > MOST_CANDIDATES {
                 return Err(self.no_mode(system, touched));
@@ -202,6 +205,16 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
+    /// As [`ask`](Self::ask), with all other corners put right.
+    fn ask_beside(
+        &mut self,
+        system: &System,
+        candidate: &Candidate,
+        (touched, asked): (&[Corner], &mut Asked),
+    ) -> Result<bool, FlowError> {
+        Ok(self.ask(system, candidate, asked)? && self.pass_others(system, touched, asked)?)
+    }
+
     /// Puts the present candidate right where it says that other corners are clearly passed. Whether that is possible.
     fn pass_others(
         &mut self,
@@ -228,32 +241,100 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         index: usize,
-        (base, asked): (&Candidate, &mut Asked),
+        (base, touched, asked): (&Candidate, &[Corner], &mut Asked),
     ) -> Result<bool, FlowError> {
         if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
             return Ok(self.grip().carrying().contains(rubs.contact));
         }
+        let mut fields = self.fields_beside(system, index, (base, touched, asked))?;
+        if fields.len() < 2 {
+            // What is slid along elsewhere may be so on one of these sides only.
+            let free = base.sliding_nowhere();
+            fields = self.fields_beside(system, index, (&free, touched, asked))?;
+        }
+        match &fields[..] {
+            [above, below] if vanishes(above, below) => {
+                self.is_held_by_nothing(system, index, (base, touched, asked))
+            }
+            _ => Ok(true),
+        }
+    }
+
+    /// The fields on the sides of a surface, as far as there are modes, at the state and an [instant](Self::instant) later.
+    fn fields_beside(
+        &mut self,
+        system: &System,
+        index: usize,
+        (base, touched, asked): (&Candidate, &[Corner], &mut Asked),
+    ) -> Result<Vec<[Vec<WithTerms<R>>; 2]>, FlowError> {
         let mut fields = Vec::with_capacity(2);
+        let mut later: Option<(Vec<R>, Vec<R>)> = None;
         for side in [Side::Above, Side::Below] {
-            let mut candidate = base.clone();
-            candidate.sides = base.sides.with(index, side);
-            if self.ask(system, &candidate, asked)? {
-                fields.push(self.field_here(system)?);
+            if self.ask_beside(system, &base.with_side(index, side), (touched, asked))? {
+                let field = self.field_here(system)?;
+                let (state, low) = later.get_or_insert_with(|| self.after(self.instant(), &field));
+                let then = self.field_at(system, (state, low))?;
+                fields.push([field, then]);
             }
         }
-        Ok(match &fields[..] {
-            [above, below] => !same_field(above, below),
-            _ => true,
-        })
+        Ok(fields)
+    }
+
+    /// How long it may be until, or since, a corner is met: nothing where none was.
+    fn instant(&self) -> R {
+        match self.met {
+            Some(_) => self.negligible() * R::splat(INSTANT_ROUNDOFFS),
+            None => R::ZERO,
+        }
+    }
+
+    /// The state, with its remainders, after so short a time along a field.
+    fn after(&self, time: R, field: &[WithTerms<R>]) -> (Vec<R>, Vec<R>) {
+        let (mut state, mut low) = (self.state.clone(), self.low.clone());
+        for ((x, low), f) in state.iter_mut().zip(&mut low).zip(field) {
+            (*x, *low) = two_sum(*x, f.value.mul_add(time, *low));
+        }
+        (state, low)
+    }
+
+    /// Whether sliding along a surface on which both fields agree is not at its end, as where friction begins that has nothing to hold
+    /// yet: its share of either side is no quotient of what vanishes.
+    fn is_held_by_nothing(
+        &mut self,
+        system: &System,
+        index: usize,
+        (base, touched, asked): (&Candidate, &[Corner], &mut Asked),
+    ) -> Result<bool, FlowError> {
+        let candidate = base.with_side(index, Side::Sliding);
+        if !self.ask_beside(system, &candidate, (touched, asked))? {
+            return Ok(false);
+        }
+        let standings = self.standings(system)?;
+        let own = (standings.iter()).find(|s| s.corner == Corner::Surface(index));
+        Ok(own.is_some_and(|own| {
+            let lasts = |(_, orders): &(_, [WithTerms<R>; STANDING_ORDERS])| {
+                let is_smooth = orders.iter().all(|order| order.value.is_finite());
+                is_smooth && orders[0].value > own.level(orders)
+            };
+            !own.guards.is_empty() && own.guards.iter().all(lasts)
+        }))
     }
 
     /// The field of the present mode at the state.
     fn field_here(&self, system: &System) -> Result<Vec<WithTerms<R>>, FlowError> {
+        self.field_at(system, (&self.state, &self.low))
+    }
+
+    /// The field of the present mode at another state.
+    fn field_at(
+        &self,
+        system: &System,
+        start: (&[R], &[R]),
+    ) -> Result<Vec<WithTerms<R>>, FlowError> {
         let program = self.program(system)?;
         let Some(constants) = &self.constants[self.mode] else {
             return Ok(Vec::new());
         };
-        let start = (&self.state[..], &self.low[..]);
         Ok(with_terms(&program.field, &constants.field, start))
     }
 
@@ -263,11 +344,11 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         (corner, met): (Corner, Option<Corner>),
         base: &Candidate,
-        asked: &mut Asked,
+        (touched, asked): (&[Corner], &mut Asked),
     ) -> Result<Vec<Choice>, FlowError> {
         match corner {
             Corner::Surface(index) => {
-                let jumps = self.jumps(system, index, (base, asked))?;
+                let jumps = self.jumps(system, index, (base, touched, asked))?;
                 let sides = [Side::Above, Side::Below, Side::Sliding];
                 let possible = &sides[..if jumps { 3 } else { 2 }];
                 Ok((possible.iter())
@@ -338,7 +419,10 @@ impl<R: Real> Trajectory<R> {
             is_plain: true,
             field,
         };
-        for standing in self.standings(system)? {
+        // Where a corner was met is known to an instant: what that changes says nothing yet.
+        let (state, low) = self.after(self.instant(), &verdict.field);
+        let later = self.standings_at(system, (&state, &low))?;
+        for (standing, later) in self.standings(system)?.iter().zip(&later) {
             if !touched.contains(&standing.corner) {
                 continue;
             }
@@ -348,7 +432,7 @@ impl<R: Real> Trajectory<R> {
             if is_slid && standing.guards.is_empty() {
                 return Ok(None);
             }
-            for (kind, orders) in &standing.guards {
+            for ((kind, orders), (_, later)) in standing.guards.iter().zip(&later.guards) {
                 // The surface of a side is touched, whatever rounding says, unless it has jumped at another corner; the ends of sliding
                 // or of a piece may be far.
                 let is_end = is_slid || !is_surface;
@@ -357,8 +441,11 @@ impl<R: Real> Trajectory<R> {
                     && (is_end || self.may_jump(system, standing.corner));
                 let is_far = is_clear && orders[0].value > level;
                 // What follows the first that decides may be infinite, as the derivative of a root that begins here.
-                let moving = (orders.iter().enumerate().skip(1)).find(|(_, order)| {
-                    !order.value.is_finite() || order.value.abs() > order.level()
+                let moving = (orders.iter().enumerate().skip(1)).find(|&(k, order)| {
+                    let change = (later[k].value - order.value).abs();
+                    let change = Some(change).filter(|change| change.is_finite());
+                    let level = order.level().max(change.unwrap_or(R::ZERO));
+                    !order.value.is_finite() || order.value.abs() > level
                 });
                 // Nor does what is far from its end ask for them, as a share of fields along which a root begins.
                 if is_far && orders[0].value.is_finite() {
@@ -389,7 +476,7 @@ impl<R: Real> Trajectory<R> {
                         verdict.is_balanced = true;
                         verdict.opens_there &=
                             is_slid || self.opens_there(system, standing.corner)?;
-                        verdict.is_plain &= is_slid || self.is_plain(system, &standing);
+                        verdict.is_plain &= is_slid || self.is_plain(system, standing);
                         verdict.roots.push((*kind, Touching::BALANCED));
                     }
                 }
@@ -417,10 +504,7 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Option<bool>, FlowError> {
         let unit = (self.reach.iter()).fold(self.longest_step, |most, &reach| most.max(reach));
         let moment = unit * R::splat(R::ROUNDOFF).sqrt();
-        let (mut state, mut low) = (self.state.clone(), self.low.clone());
-        for ((x, low), f) in state.iter_mut().zip(&mut low).zip(field) {
-            (*x, *low) = two_sum(*x, f.value.mul_add(moment, *low));
-        }
+        let (state, low) = self.after(moment, field);
         let standings = self.standings_at(system, (&state, &low))?;
         let value = (standings.iter().filter(|s| s.corner == corner))
             .flat_map(|standing| &standing.guards)
@@ -468,6 +552,17 @@ impl<R: Real> Trajectory<R> {
 /// Whether two fields move the state alike.
 fn same_field<R: Real>(a: &[WithTerms<R>], b: &[WithTerms<R>]) -> bool {
     (a.iter().zip(b)).all(|(a, b)| (a.value - b.value).abs() <= a.level() + b.level())
+}
+
+/// Whether two fields, each now and an instant later, move the state alike: their difference is rounding, or no larger than what an
+/// instant changes it by.
+fn vanishes<R: Real>(a: &[Vec<WithTerms<R>>; 2], b: &[Vec<WithTerms<R>>; 2]) -> bool {
+    let later = a[1].iter().zip(&b[1]);
+    (a[0].iter().zip(&b[0]).zip(later)).all(|((a, b), (a_later, b_later))| {
+        let (now, then) = (a.value - b.value, a_later.value - b_later.value);
+        let change = Some((then - now).abs()).filter(|change| change.is_finite());
+        now.abs() <= change.unwrap_or(R::ZERO).max(a.level() + b.level())
+    })
 }
 
 fn names(system: &System, corners: &[Corner]) -> Vec<String> {

@@ -68,6 +68,12 @@ impl Candidate {
             pieces: self.pieces.clone(),
         }
     }
+
+    /// The same, above whatever it slides along.
+    pub(super) fn sliding_nowhere(&self) -> Self {
+        let slid = (0..Sides::MOST).filter(|&k| self.side(k) == Side::Sliding);
+        slid.fold(self.clone(), |free, k| free.with_side(k, Side::Above))
+    }
 }
 
 /// How a trajectory stood to corners before something changed.
