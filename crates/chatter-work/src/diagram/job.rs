@@ -187,8 +187,11 @@ impl Ready {
     /// # Errors
     /// What is asked does not fit the model.
     pub fn new(model: Model, returns: &ReturnSpec, diagram: &Spec) -> Result<Self, Refusal> {
-        let map = ReturnMap::new(&amid(&model, &diagram.sweeps), returns)
-            .map_err(|error| look_failure(&error))?;
+        let swept: Vec<usize> = (diagram.sweeps.iter())
+            .filter_map(|range| model.parameter_index(&range.parameter))
+            .collect();
+        let amid = amid(&model, &diagram.sweeps).with_whole_exponents(&swept);
+        let map = ReturnMap::new(&amid, returns).map_err(|error| look_failure(&error))?;
         let sweep = Sweep::new(&map, diagram).map_err(|error| refused(&error, &model))?;
         check_restitution(&model, &sweep)?;
         Ok(Self { model, map, sweep })

@@ -11,6 +11,7 @@ mod check;
 mod direction;
 mod drawing;
 mod error;
+mod exponents;
 mod mechanics;
 #[expect(
     clippy::module_inception,

@@ -161,6 +161,28 @@ impl Model {
             .collect()
     }
 
+    /// Shows every expression that a trajectory is made by, so that it may be another one.
+    pub(super) fn for_each_equation<'a>(&'a mut self, mut show: impl FnMut(&'a mut Expr)) {
+        for state in &mut self.states {
+            show(&mut state.derivative);
+        }
+        for contact in &mut self.contacts {
+            show(&mut contact.gap);
+            contact.impulse.iter_mut().for_each(&mut show);
+            show(&mut contact.restitution);
+            contact.reset.iter_mut().flatten().for_each(&mut show);
+            if let Some(friction) = &mut contact.friction {
+                show(&mut friction.coefficient);
+                friction.along.iter_mut().for_each(&mut show);
+                show(&mut friction.rate);
+            }
+        }
+        for section in &mut self.sections {
+            show(&mut section.surface);
+            section.reset.iter_mut().flatten().for_each(&mut show);
+        }
+    }
+
     /// The vector field of free flight, one component a state.
     pub fn field(&self) -> Vec<Expr> {
         self.states.iter().map(|state| state.derivative).collect()

@@ -251,7 +251,8 @@ impl<R: Real, const SERIES: bool> Scalar for WithTerms<R, SERIES> {
     fn powf(self, exponent: Self) -> Self {
         let value = self.value.powf(exponent.value);
         let by_base = value.to_f64() * exponent.value.to_f64() / self.value.to_f64();
-        let by_exponent = value.to_f64() * libm::log(self.value.to_f64());
+        // A negative base has powers with whole exponents.
+        let by_exponent = value.to_f64() * libm::log(self.value.to_f64().abs());
         let along = self.steep(value, by_base, exponent.value.to_f64());
         let across = if value == R::ZERO {
             0.0

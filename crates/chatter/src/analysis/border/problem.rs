@@ -44,7 +44,7 @@ impl Problem {
             let count = model.states.len();
             return Err(BorderError::States { count });
         }
-        let mut model = model.clone();
+        let mut model = model.with_whole_exponents(&[index]);
         // Sections would only cut the flights, but for those that change the state.
         model.sections.retain(|section| section.reset.is_some());
         let mechanics = |error: MechanicsError| BorderError::System(SystemError::Model(error));

@@ -84,7 +84,7 @@ fn workshop(
     spec: &Spec,
     (free, sizes): (&[usize], &[f64]),
 ) -> Result<Arc<Workshop>, PeriodicError> {
-    let mut model = model.clone();
+    let mut model = model.with_whole_exponents(free);
     let given = match &spec.period {
         Some(text) => {
             let expr = (model.parse_expression(text)).map_err(|_| PeriodicError::NoPeriod)?;

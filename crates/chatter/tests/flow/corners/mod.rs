@@ -3,6 +3,7 @@
 mod asked;
 mod jumps;
 mod piecewise;
+mod powers;
 mod roots;
 mod soft_ground;
 mod table_ends;

@@ -1,0 +1,61 @@
+//! Powers whose exponents are parameters: with a whole one they are smooth where their base vanishes.
+
+use super::run;
+use chatter::analysis::simulate::{Outcome, Simulation};
+use chatter::numerics::{DoubleDouble, Real};
+
+/// The motion of a model with the parameter n, and that with the number in its place.
+fn both<R: Real>(model: &str, exponent: u32, until: f64) -> [Simulation<R>; 2] {
+    let with_parameter = format!("[parameters]\nn = {exponent}\n{model}");
+    // With brackets, so that -n is no sign before a power.
+    let literal = model.replace("^n", &format!("^({exponent})"));
+    let literal = literal.replace("(n - 1)", &format!("({exponent} - 1)"));
+    [with_parameter, literal].map(|text| run::<R>(&text, until))
+}
+
+#[test]
+fn a_whole_exponent_may_be_a_parameter() {
+    let one = |field: &str, start: f64| {
+        format!("[flight]\nz = \"{field}\"\n[initial]\nz = {start}\n")
+    };
+    let wen = "[flight]\nx = \"v\"\nv = \"-0.1*v - z + 2*cos(1.6*t)\"\n\
+        z = \"v - 0.5*abs(v)*z*abs(z)^(n - 1) - 0.5*v*abs(z)^n\"\n[initial]\nx = 0\nv = 0\nz = 0\n";
+    let thrown = "[flight]\ny = \"v\"\nv = \"-9.81 - 0.1*sign(v)*abs(v)^n\"\n[[contact]]\ngap = \"y\"\n\
+        impulse = { v = 1 }\nrestitution = 0.8\n[initial]\ny = 0\nv = 10\n";
+    for model in [
+        one("cos(t) - if(z > 0, z^n, z/2)", -0.5),
+        one("1 + 2*sin(t) - z - 0.3*max(z - cos(t), 0)^n", 0.2),
+        one("cos(t) - max(z, 0)^n", 0.0),
+        one("1 - abs(z)^n - 0.5*abs(z)", -0.5),
+        wen.to_owned(),
+        thrown.to_owned(),
+    ] {
+        for exponent in 1..=3 {
+            let [found, expected] = both::<f64>(&model, exponent, 5.0);
+            assert_eq!(found.outcome, Outcome::Horizon, "{model} {exponent}");
+            assert_eq!(found.events.len(), expected.events.len(), "{model}");
+            assert_eq!(found.state, expected.state, "{model} {exponent}");
+        }
+        let [found, expected] = both::<DoubleDouble>(&model, 2, 2.0);
+        assert_eq!(found.state, expected.state, "{model}");
+    }
+}
+
+/// v' = -g - c v |v| from v on: up for atan(w)/sqrt(c g) with w = v sqrt(c/g), by h = log(1 + w^2)/(2 c); and down from there.
+#[test]
+fn a_ball_thrown_up_falls_as_drag_lets_it() {
+    let (g, v): (f64, f64) = (9.81, 10.0);
+    for c in [0.05, 0.1, 0.2] {
+        let text = format!(
+            "[parameters]\na = 2\n[flight]\ny = \"v\"\nv = \"-{g} - {c}*sign(v)*abs(v)^a\"\n[[contact]]\ngap = \"y\"\n\
+             impulse = {{ v = 1 }}\nrestitution = 0.8\n[initial]\ny = 0\nv = {v}\n"
+        );
+        let run = run::<f64>(&text, 3.0);
+        let root = (c * g).sqrt();
+        let height = (c / g * v * v).ln_1p() / (2.0 * c);
+        let fall = (c * height).exp().acosh() / root;
+        let lands = (v * (c / g).sqrt()).atan() / root + fall;
+        let is_impact = |time: f64| (time - lands).abs() < 1e-13;
+        assert!(run.events.iter().any(|event| is_impact(event.time)), "{c}");
+    }
+}
