@@ -15,9 +15,8 @@ fn both<R: Real>(model: &str, exponent: u32, until: f64) -> [Simulation<R>; 2] {
 
 #[test]
 fn a_whole_exponent_may_be_a_parameter() {
-    let one = |field: &str, start: f64| {
-        format!("[flight]\nz = \"{field}\"\n[initial]\nz = {start}\n")
-    };
+    let one =
+        |field: &str, start: f64| format!("[flight]\nz = \"{field}\"\n[initial]\nz = {start}\n");
     let wen = "[flight]\nx = \"v\"\nv = \"-0.1*v - z + 2*cos(1.6*t)\"\n\
         z = \"v - 0.5*abs(v)*z*abs(z)^(n - 1) - 0.5*v*abs(z)^n\"\n[initial]\nx = 0\nv = 0\nz = 0\n";
     let thrown = "[flight]\ny = \"v\"\nv = \"-9.81 - 0.1*sign(v)*abs(v)^n\"\n[[contact]]\ngap = \"y\"\n\
