@@ -461,7 +461,7 @@ impl Walker {
 }
 
 /// How far a solution is from where it was looked for, against the sizes of the unknowns.
-pub(super) fn moved(found: &[f64], from: &[f64], sizes: &[f64]) -> f64 {
+pub(in crate::analysis::periodic) fn moved(found: &[f64], from: &[f64], sizes: &[f64]) -> f64 {
     let parts = found.iter().zip(from).zip(sizes);
     parts.fold(0.0_f64, |most, ((x, from), size)| {
         most.max((x - from).abs() / size)

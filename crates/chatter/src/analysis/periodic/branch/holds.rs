@@ -50,7 +50,7 @@ impl Broken {
     }
 
     /// Positive while the sequence holds.
-    pub(super) fn value(&self, shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Option<f64> {
+    pub(crate) fn value(&self, shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Option<f64> {
         let smallest = |step: usize, guard: GuardKind, at_end: bool| {
             (least.get(step)?.iter())
                 .filter(|l| l.guard == guard && l.at_end == at_end)

@@ -39,7 +39,7 @@ const MOST_GRAZES: usize = 4_000;
 /// So many special points, the same two in turn, are no way on.
 const TURNS: usize = 6;
 /// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
-pub(super) const NOISE: f64 = 16.0;
+pub(in crate::analysis::periodic) const NOISE: f64 = 16.0;
 /// A branch comes this near to a border, in parts of the parameter; the border itself is looked for as far away as this.
 const BESIDE_BORDER: f64 = 1e-10;
 const LOOKED_AT: f64 = 1e-7;
