@@ -128,7 +128,7 @@ impl Walker {
             return Stop::Over(End::Lost(why.clone()));
         }
         // Where crossings come or go the equations themselves turn.
-        let turns = match self.special.last().map(|special| special.kind) {
+        let turns = match self.latest_change().map(|special| special.kind) {
             Some(SpecialKind::Touch) => &from,
             _ => &station,
         };
@@ -256,7 +256,7 @@ impl Walker {
                         .map_or(forward, |(ahead, _)| ahead.parameter() - next.parameter()),
                     false => next.parameter_slope(),
                 };
-                if let Some(special) = self.special.last_mut() {
+                if let Some(special) = self.latest_change() {
                     special.persists = Some(onward * forward > 0.0);
                 }
                 self.settle(&next);

@@ -411,6 +411,13 @@ impl Walker {
         self.limits.beyond(point.parameter()).is_some()
     }
 
+    /// The latest special point where the sequence of events changes.
+    pub(super) fn latest_change(&mut self) -> Option<&mut Special> {
+        let changes = |kind: SpecialKind| kind.is_graze() || kind == SpecialKind::Touch;
+        let mut all = self.special.iter_mut().rev();
+        all.find(|special| changes(special.kind))
+    }
+
     /// Of the latest special point multipliers have a pole, or few digits.
     pub(super) fn tell_no_multipliers(&mut self) {
         if let Some(special) = self.special.last_mut() {
