@@ -336,11 +336,25 @@ impl Walker {
         Some(End::Range)
     }
 
-    pub(super) fn side(self, end: End) -> Side {
+    pub(super) fn side(mut self, end: End) -> Side {
+        if end == End::Back {
+            self.forget_way_back();
+        }
         Side {
             points: self.points,
             special: self.special,
             end,
+        }
+    }
+
+    /// What has come back along itself, by way of its mirror image, is told as far as where it turned: its special points say where.
+    fn forget_way_back(&mut self) {
+        let (all, count) = (&self.special, self.special.len());
+        let near = Near::over(self.limits.range);
+        let is_image = |k: usize| all[k].is_like(&all[count - 1 - k], near);
+        if count > 0 && (0..count / 2).all(is_image) {
+            self.points.truncate(all[count / 2].place);
+            self.special.truncate(count.div_ceil(2));
         }
     }
 
