@@ -191,7 +191,7 @@ fn listed(subject: &Subject, branches: &[(String, &Branch)]) -> String {
             "multipliers",
         ]);
         let mut rows: Vec<Vec<String>> = vec![heading.map(str::to_owned).collect()];
-        rows.extend(branch.special.iter().map(row));
+        rows.extend((branch.special.iter()).map(|special| row(subject, special)));
         let mut sides = vec![Side::Left; 1 + subject.free.len()];
         sides.extend([Side::Right, Side::Right, Side::Left, Side::Left]);
         text += &aligned(&rows, &sides);
@@ -259,9 +259,15 @@ fn by_impacts(branch: &Branch, name: &str) -> String {
     aligned(&rows, &sides)
 }
 
-fn row(special: &Special) -> Vec<String> {
+fn row(subject: &Subject, special: &Special) -> Vec<String> {
     let point = &special.point;
     let mut kind = special.kind.name().replace('_', " ");
+    if let Some(function) = special
+        .monitor
+        .and_then(|index| subject.monitors.get(index))
+    {
+        kind += &format!(" {function}");
+    }
     if special.persists == Some(false) {
         kind += ", turns back";
     }

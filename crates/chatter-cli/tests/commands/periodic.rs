@@ -147,6 +147,12 @@ fn branches_are_watched_and_drawn_over_a_diagram() {
         1e-12,
     );
     assert!(folder.bytes("b.svg").len() > 1000);
+    // Several are told by their names, one that is a state, or is given twice, too.
+    let line = "continue m.toml --sweep w=1.1:1.5 --step 0.1 --monitor x-1 --monitor x-1.2 --monitor x --monitor x-1 --out c.npz";
+    let told = folder.succeeds("", line);
+    for name in ["monitor x-1  ", "monitor x-1.2  "] {
+        assert_eq!(told.matches(name).count(), 1, "{told}");
+    }
     // Its zeros in two parameters.
     let line = "continue m.toml --from b.npz:1 --free w,c --sweep c=0.3:0.5 --step 0.1 --plot c.svg --json";
     let curve: Value = serde_json::from_str(&folder.succeeds("", line)).unwrap();

@@ -64,7 +64,7 @@ fn one(subject: &Subject, branch: &Branch) -> Object {
             column(&|point| Json::Number(point.state[index])),
         );
     }
-    for (index, text) in subject.monitors.iter().enumerate() {
+    for (index, text) in subject.watched() {
         columns = columns.with(text, column(&|point| Json::Number(point.monitors[index])));
     }
     columns = columns

@@ -56,7 +56,28 @@ pub struct Subject<'a> {
     pub digits: Digits,
 }
 
+/// Columns that tables and documents of branches have beside parameters and states.
+const COLUMNS: [&str; 7] = [
+    "branch",
+    "period",
+    "impacts",
+    "stable",
+    "multipliers",
+    "residual",
+    "error",
+];
+
 impl Subject<'_> {
+    /// The functions that are watched, by their place, that have a column of their own: one that is a state or a free parameter has
+    /// that of it.
+    pub(crate) fn watched(&self) -> impl Iterator<Item = (usize, &str)> {
+        let texts = self.monitors.iter().map(String::as_str).enumerate();
+        texts.filter(|(_, text)| {
+            let is_state = self.model.states.iter().any(|state| state.name == *text);
+            !is_state && !self.names().contains(text) && !COLUMNS.contains(text)
+        })
+    }
+
     /// Name and place of a guard: a contact, a surface or an event.
     pub fn place(&self, guard: GuardKind) -> String {
         match guard {

@@ -40,7 +40,12 @@ pub fn specification(
     (section, monitors): (Option<&str>, &[String]),
 ) -> Result<Spec, Refusal> {
     model.check_defined()?;
+    let mut watched: Vec<String> = Vec::new();
     for text in monitors {
+        if watched.contains(text) {
+            continue;
+        }
+        watched.push(text.clone());
         let known: Vec<&str> = (model.state_names().into_iter())
             .chain(model.parameter_names())
             .collect();
@@ -55,7 +60,7 @@ pub fn specification(
     Ok(Spec {
         period: period.map(str::to_owned),
         section: section_of(model, section)?,
-        monitors: monitors.to_vec(),
+        monitors: watched,
         ..Spec::default()
     })
 }

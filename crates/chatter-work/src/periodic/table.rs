@@ -85,7 +85,7 @@ fn columns(subject: &Subject, table: Table, prefix: &str, points: &[(i64, &Point
     for (index, state) in subject.model.states.iter().enumerate() {
         table = table.column(name(&state.name), numbers(&|point| point.state[index]));
     }
-    for (index, text) in subject.monitors.iter().enumerate() {
+    for (index, text) in subject.watched() {
         table = table.column(name(text), numbers(&|point| point.monitors[index]));
     }
     let most = points

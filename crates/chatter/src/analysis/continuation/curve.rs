@@ -162,6 +162,14 @@ impl<R: Real> Station<R> {
         Ok((station, found.steps))
     }
 
+    /// How far ahead a point is, along the tangent.
+    pub fn reach(&self, to: &[R], scales: &[f64]) -> R {
+        let parts = (to.iter().zip(&self.at)).zip(self.tangent.iter().zip(scales));
+        parts.fold(R::ZERO, |sum, ((&x, &from), (&along, &scale))| {
+            sum + (x - from) * along / R::splat(scale * scale)
+        })
+    }
+
     /// By how much the way to another point of the curve differs from the mean of the directions at both: by the third order of how far
     /// it is, if they are on one curve.
     fn askew(&self, to: &Self, scales: &[f64]) -> f64 {

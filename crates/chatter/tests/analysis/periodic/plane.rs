@@ -2,8 +2,8 @@
 
 use super::{GRAZES, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Spec, Special, SpecialCurve, SpecialKind,
-    branches, special_curve,
+    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, Special, SpecialCurve,
+    SpecialKind, branches, special_curve,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -233,7 +233,7 @@ fn a_graze_between_two_walls_is_found_again() {
                 .all(|end| [&End::Range, &double].contains(&end))
         );
         gone_on += usize::from(curve.ends[0] == End::Range);
-        let passes = |point: &&chatter::analysis::periodic::Point| {
+        let passes = |point: &&Point| {
             (point.parameters[1] - 1.0).abs() < 1e-12
                 && (point.parameters[0] - value(graze)).abs() < 1e-12
         };
@@ -334,4 +334,62 @@ fn a_curve_of_tori_goes_through() {
     let torus = nearest(&found, &[SpecialKind::NeimarkSacker], 2.71);
     let curve = curve(&model, ["omega", "r2"], &torus, ((0.3, 0.95), 0.03));
     assert_eq!(curve.ends, [End::Range, End::Range]);
+}
+
+/// Orbits of two periods of the force with two impacts, where one of these loses its rate.
+fn grazes_beside_the_doubling() -> (Model, Special) {
+    let settings = [("sigma", "0.2"), ("zeta", "0.05"), ("omega", "2.5")];
+    let model = model("impact_oscillator", &settings);
+    let found = over(&model, "omega", (2.4, 2.6), (3, 0.05));
+    let graze = nearest(&found, &GRAZES, 2.423_367);
+    (model, graze)
+}
+
+/// A linear oscillator touches a wall once a period, and an impact costs nothing where half its own period is one of the force's: there
+/// orbits of two periods with one impact have met those that touch each time, and their curve of grazes ends. It is singular there, and
+/// is known to rounding all the same, as told.
+#[test]
+fn a_curve_of_grazes_of_doubled_orbits_ends_where_both_halves_graze() {
+    let zeta = 0.05_f64;
+    let (model, graze) = grazes_beside_the_doubling();
+    assert_eq!(graze.point.impacts, Some(1));
+    let omega = 2.0 * (1.0 - zeta * zeta).sqrt();
+    let sigma = 1.0 / (1.0 - omega * omega).hypot(2.0 * zeta * omega);
+    for step in [0.02, 0.007] {
+        let curve = curve(&model, ["omega", "sigma"], &graze, ((0.1, 0.6), step));
+        assert_eq!(curve.ends[1], End::At(SpecialKind::DoubleGraze));
+        let end = curve.special.last().unwrap();
+        let off = (end.point.parameters[1] - sigma).abs();
+        assert!(off <= end.error && end.error < 1e-12, "{off} {end:?}");
+        assert!((end.point.parameters[0] - omega).abs() < 1e-12);
+        // With an impact that grazes besides the one that is left out multipliers have a pole.
+        assert!(end.point.multipliers.is_empty());
+        let folds = of(&curve, SpecialKind::GrazeFold);
+        assert!(
+            folds.iter().all(|at| (at[1] - sigma).abs() > 1e-3),
+            "{folds:?}"
+        );
+    }
+}
+
+/// A branch of doubled orbits ends where both halves of its orbit graze, and what is followed from there are the simple orbits that graze.
+#[test]
+fn grazes_of_both_halves_are_those_of_the_simple_orbit() {
+    let (model, simple) = grazes_beside_the_doubling();
+    let mut doubled = simple.clone();
+    doubled.point.period *= 2.0;
+    let [one, two] = [&simple, &doubled].map(|graze| {
+        let curve = curve(&model, ["omega", "sigma"], graze, ((0.15, 0.25), 0.05));
+        assert_eq!(curve.ends, [End::Range, End::Range]);
+        curve.points
+    });
+    for at in [0, 1] {
+        let ends =
+            |points: &[Point]| [&points[0], points.last().unwrap()].map(|p| p.parameters[at]);
+        let off = ends(&one)
+            .into_iter()
+            .zip(ends(&two))
+            .map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-11);
+    }
 }

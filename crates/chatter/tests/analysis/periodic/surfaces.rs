@@ -114,3 +114,83 @@ fn a_graze_that_parts_what_sticks_together_ends_the_branch() {
         "{ends:?}"
     );
 }
+
+/// A spring that begins to push at x = 1: the field is continuous there.
+const ONE_SIDED: &str = r#"
+[parameters]
+w = 1.25
+k = 5
+[flight]
+x = "v"
+v = "-0.1*v - x - k*max(x - 1, 0) + 0.5*cos(w*t)"
+[initial]
+x = 0
+v = 0
+"#;
+
+/// Multipliers are those of the flow, whose product is known, however slowly the spring is reached; and where the amplitude of the linear
+/// oscillator is that of the spring is a touch, told once, by whatever steps it is come to.
+#[test]
+fn a_spring_is_touched_once_and_multipliers_are_those_of_the_flow() {
+    let c: f64 = 0.1;
+    // (1 - w^2)^2 + c^2 w^2 = 1/4
+    let (half, root) = (1.0 - 0.5 * c * c, (0.25 - c * c + 0.25 * c.powi(4)).sqrt());
+    let touches = [(half - root).sqrt(), (half + root).sqrt()];
+    for (start, step) in [("1.25", 0.006), ("1.25", 0.02), ("0.6", 0.02)] {
+        let model = with(ONE_SIDED, &[("w", start)]);
+        let found = over(&model, "w", (0.5, 1.9), (0, step));
+        let [branch] = &found[..] else {
+            panic!("{} branches", found.len())
+        };
+        assert_eq!(branch.ends, [End::Range, End::Range], "{start} {step}");
+        for point in &branch.points {
+            let [one, two] = point.multipliers[..] else {
+                panic!()
+            };
+            let (product, flow) = (one.times(two).re, (-c * point.period).exp());
+            assert!(
+                (product - flow).abs() < 1e-8 * flow,
+                "{product} {flow} at {:?}",
+                point.parameters
+            );
+        }
+        let told: Vec<f64> = (branch.special.iter())
+            .filter(|special| special.kind == SpecialKind::Touch)
+            .map(value)
+            .collect();
+        assert_eq!(told.len(), 2, "{told:?} by {step} from {start}");
+        let off = told.iter().zip(touches).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-13, "{told:?} {touches:?}");
+        assert!(
+            branch
+                .special
+                .iter()
+                .all(|special| special.kind != SpecialKind::NeimarkSacker)
+        );
+    }
+}
+
+/// A stiff spring lets the period double as soon as it is touched, nearer than the first orbit beyond.
+#[test]
+fn a_doubling_next_to_a_touch_is_told_from_both_sides() {
+    for (start, to) in [("0.7", 0.8), ("0.98", 1.0)] {
+        let model = with(ONE_SIDED, &[("w", start), ("k", "200")]);
+        let found = over(&model, "w", (0.65, to), (0, 0.05));
+        let kinds: Vec<SpecialKind> = found[0]
+            .special
+            .iter()
+            .map(|special| special.kind)
+            .collect();
+        assert_eq!(
+            kinds[..2],
+            [SpecialKind::Touch, SpecialKind::PeriodDoubling],
+            "from {start}"
+        );
+        let [touch, doubling] = [0, 1].map(|index| value(&found[0].special[index]));
+        assert!(
+            (doubling - touch - 5.8e-7).abs() < 1e-8,
+            "{touch} {doubling}"
+        );
+        assert_eq!(found[0].special[0].persists, Some(true));
+    }
+}

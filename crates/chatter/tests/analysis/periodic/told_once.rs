@@ -385,4 +385,12 @@ w = 0.3
         off(1.759_999_879_288_5) && off(2.195_679_128_249_7),
         "{tori:?}"
     );
+    // The mirror images of the way out are not told again.
+    let grazes = (found[0].special.iter()).filter(|s| s.kind.is_graze());
+    let grazes: Vec<f64> = grazes.map(value).collect();
+    let [high, low] = grazes[..] else {
+        panic!("{grazes:?}")
+    };
+    assert!((high - 1.234_191_681_569_6).abs() < 1e-12 && (low - 1.022_062_775_269).abs() < 1e-12);
+    assert_eq!(found[0].special[0].kind, SpecialKind::BranchPoint);
 }

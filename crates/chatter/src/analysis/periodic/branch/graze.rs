@@ -128,7 +128,7 @@ impl Walker {
             return Stop::Over(End::Lost(why.clone()));
         }
         // Where crossings come or go the equations themselves turn.
-        let turns = match self.special.last().map(|special| special.kind) {
+        let turns = match self.latest_change().map(|special| special.kind) {
             Some(SpecialKind::Touch) => &from,
             _ => &station,
         };
@@ -256,7 +256,7 @@ impl Walker {
                         .map_or(forward, |(ahead, _)| ahead.parameter() - next.parameter()),
                     false => next.parameter_slope(),
                 };
-                if let Some(special) = self.special.last_mut() {
+                if let Some(special) = self.latest_change() {
                     special.persists = Some(onward * forward > 0.0);
                 }
                 self.settle(&next);
@@ -461,7 +461,7 @@ impl Walker {
 }
 
 /// How far a solution is from where it was looked for, against the sizes of the unknowns.
-pub(super) fn moved(found: &[f64], from: &[f64], sizes: &[f64]) -> f64 {
+pub(in crate::analysis::periodic) fn moved(found: &[f64], from: &[f64], sizes: &[f64]) -> f64 {
     let parts = found.iter().zip(from).zip(sizes);
     parts.fold(0.0_f64, |most, ((x, from), size)| {
         most.max((x - from).abs() / size)

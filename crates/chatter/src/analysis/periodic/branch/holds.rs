@@ -50,7 +50,7 @@ impl Broken {
     }
 
     /// Positive while the sequence holds.
-    pub(super) fn value(&self, shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Option<f64> {
+    pub(crate) fn value(&self, shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Option<f64> {
         let smallest = |step: usize, guard: GuardKind, at_end: bool| {
             (least.get(step)?.iter())
                 .filter(|l| l.guard == guard && l.at_end == at_end)
@@ -128,7 +128,27 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             }
         }
     }
-    without_passed(shooting, found)
+    without_vanished(shooting, without_passed(shooting, found))
+}
+
+/// Less what breaks because a crossing and its way back become one: the stay between them is over, and what it was beyond is touched.
+fn without_vanished(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Broken> {
+    let count = shooting.steps.len();
+    let vanished = found.iter().filter_map(|broken| match broken {
+        Broken::Event(index) => shooting.crossing_that_vanishes(*index),
+        _ => None,
+    });
+    for first in vanished.collect::<Vec<usize>>() {
+        let beside = [first, (first + 1) % count, (first + 2) % count];
+        let guards = [beside[0], beside[1]].map(|index| shooting.steps[index].ends_at());
+        found.retain(|broken| match broken {
+            Broken::Inner(step, guard) => {
+                !(beside.contains(step) && guards.contains(&Some(*guard)))
+            }
+            _ => true,
+        });
+    }
+    found
 }
 
 /// Whether a step begins on a contact: after an impact there, or where it is held or just released.

@@ -41,11 +41,12 @@ pub use saddle::Saddle;
 pub(super) use special::Near;
 pub use special::{Special, SpecialKind};
 
+pub(super) use graze::moved;
 pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
 pub(super) use kept::{Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
 pub(super) use special::Seed;
-pub(super) use walker::Side;
+pub(super) use walker::{NOISE, Side};
 
 use super::diary::Diary;
 use super::error::PeriodicError;

@@ -194,17 +194,27 @@ impl Near {
 impl Special {
     /// Whether it is the same point of the same branch.
     pub(in crate::analysis::periodic) fn is_that_of(&self, other: &Self, near: Near) -> bool {
+        self.is_like(other, near) && self.shares_orbit(other, near)
+    }
+
+    /// Whether it is that, or the mirror image of that: all but the states are the same.
+    pub(super) fn is_like(&self, other: &Self, near: Near) -> bool {
         let (own, others) = (self.point.period, other.point.period);
         self.kind == other.kind
             && self.point.impacts == other.point.impacts
             && (own - others).abs() <= near.state * own.abs()
-            && self.shares_orbit(other, near)
+            && self.is_at(other, near)
+    }
+
+    /// Whether both are at one value of the parameter.
+    fn is_at(&self, other: &Self, near: Near) -> bool {
+        (self.point.parameter() - other.point.parameter()).abs() <= near.parameter
     }
 
     /// Whether both have one orbit, be it that one of them goes around it more often. It may be told from any of its events, and of
     /// whatever turn of its phases.
     pub(in crate::analysis::periodic) fn shares_orbit(&self, other: &Self, near: Near) -> bool {
-        if (self.point.parameter() - other.point.parameter()).abs() > near.parameter {
+        if !self.is_at(other, near) {
             return false;
         }
         let (Some(own), Some(others)) = (&self.seed, &other.seed) else {

@@ -309,6 +309,7 @@ impl Walker {
         let touched = self.touched(&station.at, (index, touching))?;
         let (mut touch, at, index) = (touched.shooting.clone(), touched.at.clone(), touched.index);
         self.note_touch(there, touched);
+        let there = self.special.last().map(|special| special.point.clone());
         touch.evaluate(&at).map_err(|left| told(&left))?;
         let period = touch.period();
         let mut failed: Option<NewtonError> = None;
@@ -343,11 +344,30 @@ impl Walker {
                 orientation: 0.0,
             };
             self.shooting = longer;
+            if let Some(there) = there {
+                self.look_back(&next, (place, &there));
+            }
             return Ok(next);
         }
         Err(match failed {
             Some(error) => format!("a surface is touched, and beyond {error}"),
             None => "a surface is touched, and no stay at it begins there".to_owned(),
         })
+    }
+
+    /// Special points between a touch and the first station beyond it, whose stay shrinks to nothing on the way back.
+    fn look_back(&mut self, first: &Station, (stay, touch): (usize, &Point)) {
+        let reach = first.at[stay] / first.tangent[stay];
+        let back = match reach > 0.0 {
+            true => first.clone().reversed(),
+            false => first.clone(),
+        };
+        self.settle(first);
+        let here = Point::new(&mut self.shooting, first);
+        let mut to = back.clone();
+        for (x, by) in to.at.iter_mut().zip(&back.tangent) {
+            *x += reach.abs() * by;
+        }
+        self.between(&back, &to, reach.abs(), (&here, touch));
     }
 }

@@ -39,7 +39,7 @@ const MOST_GRAZES: usize = 4_000;
 /// So many special points, the same two in turn, are no way on.
 const TURNS: usize = 6;
 /// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
-pub(super) const NOISE: f64 = 16.0;
+pub(in crate::analysis::periodic) const NOISE: f64 = 16.0;
 /// A branch comes this near to a border, in parts of the parameter; the border itself is looked for as far away as this.
 const BESIDE_BORDER: f64 = 1e-10;
 const LOOKED_AT: f64 = 1e-7;
@@ -336,11 +336,25 @@ impl Walker {
         Some(End::Range)
     }
 
-    pub(super) fn side(self, end: End) -> Side {
+    pub(super) fn side(mut self, end: End) -> Side {
+        if end == End::Back {
+            self.forget_way_back();
+        }
         Side {
             points: self.points,
             special: self.special,
             end,
+        }
+    }
+
+    /// What has come back along itself, by way of its mirror image, is told as far as where it turned: its special points say where.
+    fn forget_way_back(&mut self) {
+        let (all, count) = (&self.special, self.special.len());
+        let near = Near::over(self.limits.range);
+        let is_image = |k: usize| all[k].is_like(&all[count - 1 - k], near);
+        if count > 0 && (0..count / 2).all(is_image) {
+            self.points.truncate(all[count / 2].place);
+            self.special.truncate(count.div_ceil(2));
         }
     }
 
@@ -409,6 +423,13 @@ impl Walker {
 
     fn leaves(&self, point: &Point) -> bool {
         self.limits.beyond(point.parameter()).is_some()
+    }
+
+    /// The latest special point where the sequence of events changes.
+    pub(super) fn latest_change(&mut self) -> Option<&mut Special> {
+        let changes = |kind: SpecialKind| kind.is_graze() || kind == SpecialKind::Touch;
+        let mut all = self.special.iter_mut().rev();
+        all.find(|special| changes(special.kind))
     }
 
     /// Of the latest special point multipliers have a pole, or few digits.

@@ -157,6 +157,7 @@ impl<R: Real> Problem<R> for Shooting<R> {
             jacobian[(i, self.places[0] + free.state)] = R::ONE;
             residual[i] = at[self.places[0] + free.state] - self.pins[free.state];
         }
+        self.smooth = self.smooth(at, &parameters, &landings);
         self.latest = landings;
         self.watching = Some(at.to_vec());
         Ok(Linearised { residual, jacobian })

@@ -29,10 +29,10 @@ pub(crate) use exchange::station_after;
 pub(crate) use workshop::Workshop;
 
 use super::closure::{Closure, Lap, Turn};
-use super::cycle::itinerary::{Passage, Step};
+use super::cycle::itinerary::{Passage, Step, held};
 use super::error::PeriodicError;
 use crate::analysis::continuation::Left;
-use crate::flow::leg::{Astray, Flyer, Follower, Landing, Least, Leg, LegKind, Stretch};
+use crate::flow::leg::{Astray, Flyer, Follower, Jump, Landing, Least, Leg, LegKind, Stretch};
 use crate::flow::{Closed, Settings};
 use crate::model::Model;
 use crate::numerics::Real;
@@ -86,6 +86,8 @@ pub(crate) struct Shooting<R: Real> {
     pub(super) pins: Vec<R>,
     /// The latest point looked at, and how its legs ended.
     pub latest: Vec<Landing<R>>,
+    /// Whether nothing happened to displacements at the events at their ends.
+    smooth: Vec<bool>,
     watching: Option<Vec<R>>,
     /// The least values that were looked at last, and where.
     seen: Option<(Vec<R>, Vec<Vec<Least>>)>,
@@ -101,6 +103,8 @@ const NEXT_TO_NOTHING: f64 = 1e-6;
 const AT_NODES_ALONE: f64 = 1e-9;
 /// Impacts that are to share an instant are no farther apart than this part of the period.
 const NEARLY_TOGETHER: f64 = 1e-3;
+/// Fields on both sides of a surface are one there if they differ by less than this part of them, or of what moves states in a period.
+const SAME_FIELD: f64 = 1e-9;
 /// A leg that would take this many times as long as its guess is given up.
 const LONGEST: f64 = 4.0;
 
@@ -158,6 +162,7 @@ impl<R: Real> Shooting<R> {
             scales: Vec::new(),
             pins: Vec::new(),
             latest: Vec::new(),
+            smooth: Vec::new(),
             watching: None,
             seen: None,
             exchanges: Vec::new(),
@@ -408,6 +413,40 @@ impl<R: Real> Shooting<R> {
             landings.push(landing);
         }
         Ok(landings)
+    }
+
+    /// Whether nothing happens to displacements at the end of each step: the state goes on as it is, and so does its field, as at the
+    /// knot of a table or where a spring begins to push.
+    fn smooth(&mut self, at: &[R], parameters: &[R], landings: &[Landing<R>]) -> Vec<bool> {
+        let system = self.workshop.system.clone();
+        let count = self.steps.len();
+        let sizes = self.state_sizes();
+        let period: f64 = (landings.iter()).fold(0.0, |sum, l| sum + l.duration.to_f64());
+        (0..count)
+            .map(|index| {
+                let next = (index + 1) % count;
+                let (step, after) = (&self.steps[index], &self.steps[next]);
+                let plain = |step: &Step| held(&system, step.mode()) == 0;
+                let goes_on = matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None)
+                    && matches!(after.passage, Passage::Leg(_))
+                    && plain(step)
+                    && plain(after);
+                let Flown::Leg(leg, flyer) = &self.flown[next] else {
+                    return false;
+                };
+                if !goes_on {
+                    return false;
+                }
+                let all = self.parameters_of(parameters, after);
+                let node = &at[self.places[next]..self.places[next] + sizes.len()];
+                let field = leg.field(&mut self.flyers[*flyer].1, &all, node);
+                let rates = field.iter().zip(&landings[index].image_rate);
+                rates.zip(&sizes).all(|((&after, &before), size)| {
+                    let jump = (after - before).abs().to_f64();
+                    jump <= SAME_FIELD * (size / period).max(before.abs().to_f64())
+                })
+            })
+            .collect()
     }
 
     /// The period, known after an evaluation.

@@ -1,7 +1,7 @@
 //! The derivative of one period, and the multipliers.
 
 use super::{Flown, Shooting};
-use crate::analysis::periodic::cycle::itinerary::{Passage, Step, held};
+use crate::analysis::periodic::cycle::itinerary::{Passage, held};
 use crate::flow::leg::Landing;
 use crate::numerics::{Complex, Matrix, Real, balance, dot, eigenvalues, pairs};
 
@@ -9,16 +9,50 @@ use crate::numerics::{Complex, Matrix, Real, balance, dot, eigenvalues, pairs};
 const ROUNDED: f64 = 64.0;
 /// An impact of so small a part of what rates are has none: rates go to zero as roots of the distance do.
 const NO_RATE: f64 = 1e-5;
+/// A surface is crossed slowly at a rate that is this part of what its acceleration there makes in a period.
+const SLOWLY: f64 = 1e-2;
 
 impl<R: Real> Shooting<R> {
     /// The derivative of the map from the first node to itself, events' times taken with it.
-    pub(crate) fn monodromy(&self) -> Matrix<R> {
+    fn monodromy(&self) -> Matrix<R> {
         let n = self.workshop.model.states.len();
         let mut product = Matrix::identity(n);
-        for landing in &self.latest {
-            product = transfer(landing, n).times(&product);
+        for transfer in self.transfers() {
+            product = transfer.times(&product);
         }
         product
+    }
+
+    /// The derivatives of the legs. An event's time is taken with it, but where nothing happens to displacements there and a surface is
+    /// crossed slowly: there the derivative at a given time, which differs by a displacement in time, is known, and the other is not.
+    fn transfers(&self) -> impl Iterator<Item = Matrix<R>> {
+        let n = self.workshop.model.states.len();
+        let taken = self.takes_time();
+        let legs = self.latest.iter().zip(taken);
+        legs.map(move |(landing, taken)| match taken {
+            true => transfer(landing, n),
+            false => at_its_time(landing, n),
+        })
+    }
+
+    /// Whether the time of the event at the end of each step is taken with it. A displacement in time has to go somewhere: at one event at
+    /// least, unless there is a clock, which has none.
+    fn takes_time(&self) -> Vec<bool> {
+        let period = self.period();
+        let how_fast = |landing: &Landing<R>| {
+            let gained = (landing.surface_acceleration * period).abs();
+            (landing.surface_rate.abs() / gained).to_f64()
+        };
+        let fast: Vec<f64> = self.latest.iter().map(how_fast).collect();
+        let mut taken: Vec<bool> = (self.smooth.iter().zip(&fast))
+            .map(|(smooth, fast)| !(*smooth && *fast < SLOWLY))
+            .collect();
+        let has_clock = self.workshop.closure.time.is_some() || self.clock().is_some();
+        if !has_clock && !taken.contains(&true) {
+            let fastest = (0..fast.len()).max_by(|&a, &b| fast[a].total_cmp(&fast[b]));
+            fastest.into_iter().for_each(|index| taken[index] = true);
+        }
+        taken
     }
 
     /// How many of the multipliers are zero by dimension: what the modes hold is forgotten.
@@ -33,7 +67,9 @@ impl<R: Real> Shooting<R> {
     pub(crate) fn multipliers(&self) -> Vec<Complex> {
         let n = self.workshop.model.states.len();
         let product = self.monodromy();
-        let has_events = (self.steps.iter()).any(|step| !matches!(step.passage, Passage::Timed(_)));
+        let taken = self.takes_time();
+        let has_events = (self.steps.iter().zip(&taken))
+            .any(|(step, taken)| *taken && !matches!(step.passage, Passage::Timed(_)));
         let turning: Vec<usize> = (self.workshop.closure.time.into_iter())
             .chain(self.clock())
             .collect();
@@ -72,7 +108,7 @@ impl<R: Real> Shooting<R> {
             found.pop();
         }
         let left = found.len().saturating_sub(self.lost());
-        let is_product_known = left == 2 && found.len() == 2 && has_events && found[0].im == 0.0;
+        let is_product_known = left == 2 && found.len() == 2 && found[0].im == 0.0;
         if is_product_known {
             // The product of both is a sum of minors, known better than an eigenvalue that is far smaller than the other.
             let minors = self.minors(&kept);
@@ -94,7 +130,7 @@ impl<R: Real> Shooting<R> {
     /// Whether an impact has lost its rate: multipliers have a pole there. Rates are compared with the largest and, since all may have
     /// lost theirs, with what its acceleration makes of each in the flight before.
     pub(crate) fn grazes(&self) -> bool {
-        let impacts = self.rates(|step| step.impact().is_some());
+        let impacts = self.rates(|index| self.steps[index].impact().is_some());
         let largest = impacts
             .iter()
             .fold(0.0_f64, |most, (rate, _)| most.max(*rate));
@@ -105,29 +141,27 @@ impl<R: Real> Shooting<R> {
     /// Whether a surface is crossed with next to no rate. Where the field jumps there, what the crossing and the way back do to a
     /// displacement are large and all but cancel: multipliers have few digits, or none.
     pub(crate) fn crosses_slowly(&self) -> bool {
-        let crossings = self.rates(|step| step.impact().is_none());
+        let crossings =
+            self.rates(|index| self.steps[index].impact().is_none() && !self.smooth[index]);
         crossings
             .iter()
             .any(|&(rate, gained)| rate <= NO_RATE * gained)
     }
 
     /// The rates with which such legs end, and what accelerations there make in their time.
-    fn rates(&self, which: impl Fn(&Step) -> bool) -> Vec<(f64, f64)> {
-        let legs = (self.steps.iter().zip(&self.latest))
-            .filter(|(step, _)| step.has_own_time() && which(step));
-        let rate = |landing: &Landing<R>| {
-            let gained = landing.surface_acceleration.abs() * landing.duration;
-            (landing.surface_rate.abs().to_f64(), gained.to_f64())
-        };
-        legs.map(|(_, landing)| rate(landing)).collect()
+    fn rates(&self, which: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {
+        let legs = (self.steps.iter().zip(&self.latest)).enumerate();
+        legs.filter(|(index, (step, _))| step.has_own_time() && which(*index))
+            .map(|(_, (_, landing))| rate_and_gain(landing))
+            .collect()
     }
 
     /// The sum of the monodromy matrix's minors of two of these columns, and of the rows of the same displacements.
     fn minors(&self, kept: &[usize]) -> R {
         let n = self.workshop.model.states.len();
         let mut product = Matrix::identity(n * (n - 1) / 2);
-        for landing in &self.latest {
-            product = transfer(landing, n).minors().times(&product);
+        for transfer in self.transfers() {
+            product = transfer.minors().times(&product);
         }
         let place = |pair: (usize, usize)| pairs(n).position(|other| other == pair);
         let minor = |(i, k): (usize, usize), column: usize| match place((i.min(k), i.max(k))) {
@@ -158,7 +192,7 @@ impl<R: Real> Shooting<R> {
             .turns::<f64>(&self.workshop.parameters(&[]))
             .ok()?;
         (turns.iter().zip(&self.counts))
-            .find(|(_, count)| **count != 0)
+            .find(|(turn, count)| **count != 0 && turn.lap.is_some())
             .map(|(turn, _)| turn.state)
     }
 
@@ -188,17 +222,36 @@ impl<R: Real> Shooting<R> {
     }
 }
 
-/// The derivative of a leg's image by its start, the event's time taken with it.
-pub(super) fn transfer<R: Real>(landing: &Landing<R>, n: usize) -> Matrix<R> {
+/// The rate with which a leg ends, and what acceleration there makes in its time.
+fn rate_and_gain<R: Real>(landing: &Landing<R>) -> (f64, f64) {
+    let gained = landing.surface_acceleration.abs() * landing.duration;
+    (landing.surface_rate.abs().to_f64(), gained.to_f64())
+}
+
+/// The derivative of a leg's image by its start, at a given time.
+fn at_its_time<R: Real>(landing: &Landing<R>, n: usize) -> Matrix<R> {
     let mut transfer = Matrix::zeros(n, n);
-    let timed = landing.surface_rate == R::ZERO;
     for i in 0..n {
-        for k in 0..n {
-            let mut slope = landing.image_slopes[(i, k)];
-            if !timed {
-                slope -= landing.image_rate[i] * landing.surface_slopes[k] / landing.surface_rate;
-            }
-            transfer[(i, k)] = slope;
+        transfer
+            .row_mut(i)
+            .copy_from_slice(&landing.image_slopes.row(i)[..n]);
+    }
+    transfer
+}
+
+/// The same, the event's time taken with it.
+pub(super) fn transfer<R: Real>(landing: &Landing<R>, n: usize) -> Matrix<R> {
+    let mut transfer = at_its_time(landing, n);
+    if landing.surface_rate == R::ZERO {
+        return transfer;
+    }
+    for i in 0..n {
+        for (entry, &slope) in transfer
+            .row_mut(i)
+            .iter_mut()
+            .zip(&landing.surface_slopes[..n])
+        {
+            *entry -= landing.image_rate[i] * slope / landing.surface_rate;
         }
     }
     transfer

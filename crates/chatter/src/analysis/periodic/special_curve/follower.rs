@@ -1,10 +1,12 @@
 //! One side of a curve of special points, station by station.
 
 use super::degenerate::{self, Test, ends, has_multipliers, tests};
-use crate::analysis::continuation::{Curve, NewtonError, Problem, Station, StepError, locate};
+use crate::analysis::continuation::{
+    Curve, NewtonError, Problem, Station, StepError, locate, meeting,
+};
 use crate::analysis::periodic::branch::{
-    Broken, End, Kept, Ledger, Limits, Of, Point, Side, Special, SpecialKind, Stand, Standing,
-    Then, broken_beside, damaged, first_break, station_at,
+    Broken, End, Kept, Ledger, Limits, NOISE, Of, Point, Side, Special, SpecialKind, Stand,
+    Standing, Then, broken_beside, damaged, first_break, moved, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::diary::{Diary, Told};
@@ -27,10 +29,12 @@ pub(super) struct Follower {
 
 /// Borders are found anew where a curve has come this far, in steps.
 const RENEWED: usize = 8;
-/// Errors are so many roundoffs of the parameter.
-const NOISE: f64 = 64.0;
+/// Errors are no less than so many roundoffs of the parameter.
+const ROUNDOFFS: f64 = 64.0;
 /// Where the side changes on which doubled orbits lie is known to this part of the parameter: it is extrapolated.
 const SIDE: f64 = 1e-9;
+/// Where another curve is met what is solved for is singular: not so near, in parts of the way there.
+const NOT_QUITE: f64 = 1e-5;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
 
@@ -185,7 +189,9 @@ impl Follower {
                     }
                 }
                 Some((broken, station, ahead)) => {
-                    Stop::End(self.breaks(&from, (&broken, &station, ahead), bordered))
+                    let meets = from.orientation * next.orientation < 0.0;
+                    let place = (&station, ahead, meets.then_some(step));
+                    Stop::End(self.breaks(&from, (&broken, place), bordered))
                 }
                 None => Stop::End(End::Lost("the sequence of events changes".to_owned())),
             };
@@ -263,8 +269,9 @@ impl Follower {
                 continue;
             };
             let here = value(&station).unwrap_or(f64::NAN);
-            // What jumps has no zero.
-            let vanishes = here.abs() <= VANISHES * before.abs().max(after.abs());
+            // What jumps has no zero, and what has a pole comes no nearer to it in between.
+            let (least, most) = (before.abs().min(after.abs()), before.abs().max(after.abs()));
+            let vanishes = here.abs() <= least.min(VANISHES * most);
             if !vanishes || self.shooting.evaluate(&station.at).is_err() {
                 continue;
             }
@@ -274,12 +281,13 @@ impl Follower {
                 _ => !test.of_multipliers || has_multipliers(test.kind, &there),
             };
             if is_there {
-                found.push((test.kind, station, ahead, here));
+                let slope = (after - before) / step;
+                found.push((test.kind, station, ahead, (here, slope)));
             }
         }
         found.sort_by(|a, b| a.2.total_cmp(&b.2));
-        for (kind, station, _, value) in found {
-            self.note(kind, &station, value.abs());
+        for (kind, station, _, vanishes) in found {
+            self.note(kind, &station, vanishes);
             if ends(self.kind, kind) {
                 return Some(End::At(kind));
             }
@@ -287,19 +295,22 @@ impl Follower {
         None
     }
 
-    fn note(&mut self, kind: SpecialKind, station: &Station, residual: f64) {
+    /// Notes a special point with the value there of what vanishes, and how that changes along the curve.
+    fn note(&mut self, kind: SpecialKind, station: &Station, (value, slope): (f64, f64)) {
         if self.shooting.evaluate(&station.at).is_err() {
             return;
         }
         let point = self.told(station);
         let part = match kind {
             SpecialKind::GeneralisedDoubling => SIDE,
-            _ => NOISE * f64::EPSILON,
+            _ => ROUNDOFFS * f64::EPSILON,
         };
+        let scale = self.shooting.scales()[station.at.len() - 1];
+        let off = (NOISE * station.correction).max((value / slope).abs());
         self.special.push(Special {
             kind,
-            error: part * station.parameter().abs(),
-            residual,
+            error: (part * station.parameter().abs()).max(off * scale),
+            residual: value.abs(),
             persists: None,
             above: None,
             monitor: None,
@@ -352,14 +363,33 @@ impl Follower {
         Ok(anew)
     }
 
-    /// The sequence of events changes: what breaks, where, and how far ahead.
+    /// The sequence of events changes: what breaks, where, how far ahead, and within which distance another curve is met.
     fn breaks(
         &mut self,
         from: &Station,
-        (broken, station, ahead): (&Broken, &Station, f64),
+        (broken, (station, ahead, meets)): (&Broken, (&Station, f64, Option<f64>)),
         bordered: &Bordered,
     ) -> End {
-        self.between(from, (station, ahead), bordered);
+        // Where both halves of a doubled orbit graze at once its curve meets that of the simple one: the equations are singular there.
+        let before = self.left_of(broken, from);
+        let met = meets.and_then(|within| self.met((station, within), bordered));
+        let met = met.filter(|met| self.left_of(broken, met).abs() <= VANISHES * before.abs());
+        let short = met.as_ref().map(|met| {
+            let reach = from.reach(&met.at, self.shooting.scales());
+            reach * (1.0 - NOT_QUITE)
+        });
+        match short {
+            None => {
+                self.between(from, (station, ahead), bordered);
+            }
+            Some(short) => {
+                let close = from.ahead(&mut bordered.of(&mut self.shooting), short);
+                if let Ok((close, _)) = close {
+                    self.between(from, (&close, short), bordered);
+                }
+            }
+        }
+        let station = met.as_ref().unwrap_or(station);
         let lost = || End::Lost(broken.told(&self.shooting));
         let is_graze = match *broken {
             Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
@@ -376,14 +406,38 @@ impl Follower {
             kind if kind.is_graze() => SpecialKind::DoubleGraze,
             _ => return lost(),
         };
+        let here = self.left_of(broken, station);
         // Told without the impact that loses its rate, as on curves of grazes.
         let known = self.grazing;
         if let Broken::Event(index) = *broken {
             self.grazing = known.or(Some(index));
         }
-        self.note(kind, station, station.residual);
+        self.note(kind, station, (here, (here - before) / ahead));
         self.grazing = known;
+        // Where an impact of the orbit without that one loses its rate, too, they have a pole.
+        if let (Broken::Event(_), Some(_), Some(special)) = (broken, known, self.special.last_mut())
+        {
+            special.point.multipliers.clear();
+        }
         End::At(kind)
+    }
+
+    /// What is left at a station of what breaks.
+    fn left_of(&mut self, broken: &Broken, station: &Station) -> f64 {
+        let _ = self.shooting.evaluate(&station.at);
+        let least = self.shooting.least(&station.at).unwrap_or_default();
+        broken.value(&self.shooting, &least).unwrap_or(f64::NAN)
+    }
+
+    /// Where another curve is met, within a distance of a station.
+    fn met(&mut self, (near, within): (&Station, f64), bordered: &Bordered) -> Option<Station> {
+        let found = meeting(&mut bordered.of(&mut self.shooting), &near.at).ok()?;
+        (moved(&found.at, &near.at, self.shooting.scales()) <= within).then(|| Station {
+            at: found.at,
+            residual: found.residual,
+            correction: found.correction,
+            ..near.clone()
+        })
     }
 
     /// No further step: at a border, if the orbit goes through complete chatter.
@@ -397,7 +451,7 @@ impl Follower {
             return End::Lost(error.to_string());
         }
         let station = curve.station.clone();
-        self.note(kind, &station, station.residual);
+        self.note(kind, &station, (station.residual, 1.0));
         End::At(kind)
     }
 }

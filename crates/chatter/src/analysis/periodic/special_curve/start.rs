@@ -5,7 +5,9 @@ use crate::analysis::continuation::{Condition as Row, Problem, newton};
 use crate::analysis::periodic::branch::SpecialKind;
 use crate::analysis::periodic::condition::Condition;
 use crate::analysis::periodic::cycle::reread::reread;
+use crate::analysis::periodic::cycle::settle::Cycle;
 use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
 use crate::flow::GuardKind;
 use std::sync::Arc;
@@ -74,7 +76,12 @@ fn begin_at(workshop: &Arc<Workshop>, free: &[f64], known: &Known) -> Result<Beg
             Condition::Monitor(shooting.user_function(index.ok_or_else(unfollowed)?))
         }
         SpecialKind::FlightGraze | SpecialKind::ImpactGraze => {
-            let index = touched(&mut shooting, &mut at)?;
+            let mut index = touched(&mut shooting, &mut at)?;
+            if let Some(half) = gone_around_twice(&shooting, &at, index) {
+                shooting = Shooting::new(workshop, half.steps, half.counts)?;
+                at = shooting.guess(free);
+                index = touched(&mut shooting, &mut at)?;
+            }
             grazing = Some(index);
             Condition::Monitor(index)
         }
@@ -90,6 +97,14 @@ fn begin_at(workshop: &Arc<Workshop>, free: &[f64], known: &Known) -> Result<Beg
         condition,
         grazing,
     })
+}
+
+/// Where both halves of an orbit graze at once a branch of doubled orbits meets the simple ones, and the curve is theirs: the simple
+/// orbit, without the impact that grazes.
+fn gone_around_twice(shooting: &Shooting<f64>, at: &[f64], index: usize) -> Option<Cycle> {
+    let (mut without, guess, _) = shooting.without_event(at, index).ok()?;
+    without.evaluate(&guess).ok()?;
+    shorter(&without, &guess).ok()?
 }
 
 /// The step that an impact without rate ends; where there is none yet, it comes in.
