@@ -8,7 +8,7 @@ use super::diary::Diary;
 use super::error::PeriodicError;
 use super::orbit::settled;
 use super::shooting::{Shooting, Workshop};
-use crate::analysis::continuation::Singular;
+use crate::analysis::continuation::{Singular, Station};
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -205,6 +205,18 @@ const fn is_left_at(kind: SpecialKind) -> bool {
 fn leaving(special: &Special, sign: f64) -> Option<(Shooting<f64>, Vec<f64>)> {
     let seed = special.seed.as_ref()?;
     let mut shooting = seed.shooting.clone();
+    if sign > 0.0 && special.leaves.len() == seed.at.len() {
+        let there = Station {
+            at: seed.at.clone(),
+            tangent: special.leaves.clone(),
+            residual: special.residual,
+            correction: special.error,
+            orientation: 1.0,
+        };
+        let (next, _) = there.ahead(&mut shooting, ASIDE).ok()?;
+        shooting.adopt(&next.at);
+        return Some((shooting, next.at));
+    }
     let singular = Singular::near(&mut shooting, &seed.at, sign).ok()?;
     let mut aside = Aside::new(&shooting, &seed.at, &singular, ASIDE)?;
     let at = aside.close(&[])?;

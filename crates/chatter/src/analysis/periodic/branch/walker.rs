@@ -476,6 +476,7 @@ impl Walker {
             persists: None,
             above: None,
             monitor: None,
+            leaves: Vec::new(),
             place: self.points.len(),
             seed: Some(seed),
         });

@@ -306,6 +306,7 @@ impl Follower {
             persists: None,
             above: None,
             monitor: None,
+            leaves: Vec::new(),
             place: self.points.len(),
             point,
             seed: None,
