@@ -40,12 +40,10 @@ impl<R: Real> Shooting<R> {
         let n = self.workshop.model.states.len();
         let product = self.monodromy();
         let has_events = (self.steps.iter()).any(|step| !matches!(step.passage, Passage::Timed(_)));
-        let turning: Vec<usize> = (self.workshop.closure.time.into_iter())
-            .chain(self.clock())
-            .collect();
+        let turning = self.workshop.closure.time.or_else(|| self.clock());
         let kept: Vec<usize> = (0..n)
             .filter(|&i| !self.workshop.closure.is_idle(i))
-            .filter(|i| has_events || !turning.contains(i))
+            .filter(|i| has_events || turning != Some(*i))
             .collect();
         let mut reduced = Matrix::zeros(kept.len(), kept.len());
         for (row, &i) in kept.iter().enumerate() {
@@ -167,7 +165,7 @@ impl<R: Real> Shooting<R> {
             .turns::<f64>(&self.workshop.parameters(&[]))
             .ok()?;
         (turns.iter().zip(&self.counts))
-            .find(|(_, count)| **count != 0)
+            .find(|(turn, count)| **count != 0 && turn.lap.is_some())
             .map(|(turn, _)| turn.state)
     }
 
