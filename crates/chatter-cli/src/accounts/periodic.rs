@@ -83,6 +83,8 @@ fn one(subject: &Subject, orbit: &Orbit) -> Result<String, Failure> {
             "stability".to_owned(),
             if orbit.is_stable() {
                 "stable"
+            } else if orbit.is_neutral() {
+                "neutral: multipliers on the unit circle, as far as they are known"
             } else {
                 "unstable"
             }
@@ -165,13 +167,16 @@ fn listed(subject: &Subject, branches: &[(String, &Branch)]) -> String {
         let values = || branch.points.iter().map(Point::parameter);
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
-        let stable = branch
-            .points
-            .iter()
-            .filter(|point| point.is_stable())
-            .count();
+        let of = |which: fn(&Point) -> bool| branch.points.iter().filter(|p| which(p)).count();
+        let mut stability = format!("{} of them stable", of(Point::is_stable));
+        let neutral = of(Point::is_neutral);
+        // All orbits on a curve of folds, say, are.
+        let is_branch = branch.points.iter().all(|p| p.parameters.len() == 1);
+        if neutral > 0 && is_branch {
+            stability += &format!(" and {neutral} neutral");
+        }
         text += &format!(
-            "\n{}: {} orbits, {stable} of them stable, {name} from {} to {}\n  ends: {}; {}\n",
+            "\n{}: {} orbits, {stability}, {name} from {} to {}\n  ends: {}; {}\n",
             heading,
             branch.points.len(),
             concise(low, DIGITS),

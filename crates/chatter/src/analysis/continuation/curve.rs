@@ -94,7 +94,7 @@ pub fn tangent<R: Real>(
     along(&factors, problem.scales()).ok_or(NewtonError::Singular)
 }
 
-fn length<R: Real>(vector: &[R], scales: &[f64]) -> R {
+pub(super) fn length<R: Real>(vector: &[R], scales: &[f64]) -> R {
     let measured = vector.iter().zip(scales);
     let square = measured.fold(R::ZERO, |sum, (&x, &scale)| {
         let x = x / R::splat(scale);

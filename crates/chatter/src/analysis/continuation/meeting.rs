@@ -1,5 +1,6 @@
 //! Points where two solution curves meet: the equations' derivatives have one rank less than anywhere else on them.
 
+use super::curve::length;
 use super::newton::{Corrected, NewtonError, close_by};
 use super::problem::{Left, Problem};
 use crate::numerics::{Equations, Factored, Linearised, Matrix, dot, unit};
@@ -131,6 +132,56 @@ impl Equations<f64> for Meeting<'_> {
     }
 }
 
+/// Before borders are near the null vectors they are any that are not orthogonal to these.
+fn near(problem: &mut dyn Problem<f64>) -> Meeting<'_> {
+    let unknowns = problem.unknowns();
+    let some = |count: usize, k: f64| -> Vec<f64> {
+        (0..count)
+            .map(|i| libm::sin(k + (1.0 + k) * i as f64))
+            .collect()
+    };
+    Meeting {
+        column: some(unknowns - problem.parameters(), 1.0),
+        rows: [some(unknowns, 0.3), some(unknowns, 0.7)],
+        problem,
+    }
+}
+
+/// The direction of the other curve through a point where two meet, of length one where each unknown is measured by its size; the one
+/// goes about `along`. Both are null vectors t of J, and since F vanishes on either curve to the second order, w^T (dJ t) t = 0: a
+/// quadratic equation. None where it has no two solutions.
+pub fn other_direction(
+    problem: &mut dyn Problem<f64>,
+    at: &[f64],
+    along: &[f64],
+) -> Option<Vec<f64>> {
+    let scales = problem.scales().to_vec();
+    let mut equations = near(problem);
+    equations.renew(at).ok()?;
+    let ([one, two], left) = (equations.rows.clone(), equations.column.clone());
+    let by_one = equations.bends(at, &one, &left).ok()?;
+    let by_two = equations.bends(at, &two, &left).ok()?;
+    let (a, c) = (dot(&by_one, &one), dot(&by_two, &two));
+    let b = 0.5 * (dot(&by_one, &two) + dot(&by_two, &one));
+    let root = (b * b - a * c).sqrt();
+    if root.is_nan() || root == 0.0 {
+        return None;
+    }
+    let q = -(b + root.copysign(b));
+    let both = [(q, a), (c, q)].map(|(x, y)| {
+        let mut sum: Vec<f64> = one.iter().zip(&two).map(|(v, w)| x * v + y * w).collect();
+        let length = length(&sum, &scales);
+        sum.iter_mut().for_each(|x| *x /= length);
+        sum
+    });
+    let aligned = |other: &[f64]| {
+        let parts = other.iter().zip(along).zip(&scales);
+        parts.map(|((x, y), s)| x / s * (y / s)).sum::<f64>().abs()
+    };
+    let other = both.into_iter();
+    other.min_by(|x, y| aligned(x).total_cmp(&aligned(y)))
+}
+
 /// The point near `start` where the solution curve meets another.
 ///
 /// # Errors
@@ -140,16 +191,7 @@ pub fn meeting(
     start: &[f64],
 ) -> Result<Corrected<f64>, NewtonError> {
     let unknowns = problem.unknowns();
-    let some = |count: usize, k: f64| -> Vec<f64> {
-        (0..count)
-            .map(|i| libm::sin(k + (1.0 + k) * i as f64))
-            .collect()
-    };
-    let mut equations = Meeting {
-        column: some(unknowns - problem.parameters(), 1.0),
-        rows: [some(unknowns, 0.3), some(unknowns, 0.7)],
-        problem,
-    };
+    let mut equations = near(problem);
     equations.renew(start).map_err(NewtonError::Left)?;
     let mut extended = start.to_vec();
     extended.push(0.0);

@@ -27,6 +27,6 @@ pub use differences::differenced;
 pub use held::{Held, Singular};
 pub use locate::locate;
 pub use map_orbit::{ImageWithSlopes, MapOrbit, MapWithSlopes};
-pub use meeting::meeting;
+pub use meeting::{meeting, other_direction};
 pub use newton::{Condition, Corrected, NewtonError, approach, newton};
 pub use problem::{Left, Linearised, Problem, Wrap};

@@ -22,8 +22,11 @@ impl Aside {
     ) -> Option<Self> {
         let size = at.len() - shooting.parameters();
         let direction = singular.direction();
-        let reach = (direction.iter().zip(shooting.scales()))
-            .fold(0.0_f64, |most, (x, scale)| most.max(x.abs() / scale));
+        // Along a curve an orbit may have outgrown the sizes that steps are measured against.
+        let sizes = shooting.scales().iter().zip(at);
+        let reach = (direction.iter().zip(sizes)).fold(0.0_f64, |most, (x, (scale, here))| {
+            most.max(x.abs() / scale.max(here.abs()))
+        });
         let by = far / reach;
         let moved = |sign: f64| -> Vec<f64> {
             let displaced = (at[..size].iter().zip(direction)).map(|(x, v)| x + sign * by * v);
@@ -45,8 +48,10 @@ impl Aside {
         }
         guess.extend(&at[size..]);
         row.resize(guess.len(), 0.0);
+        let mut beside = Shooting::new(&shooting.workshop, steps, counts).ok()?;
+        beside.take_sizes(&shooting.state_sizes());
         Some(Self {
-            shooting: Shooting::new(&shooting.workshop, steps, counts).ok()?,
+            shooting: beside,
             guess,
             row,
         })

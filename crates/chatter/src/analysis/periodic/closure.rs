@@ -217,6 +217,16 @@ impl Closure {
         })
     }
 
+    /// Leaves free some states more that nothing depends on between events, but for phases.
+    pub(crate) fn frees(&mut self, states: Vec<usize>) {
+        for state in states {
+            if !self.is_phase(state) && !self.is_idle(state) {
+                let others = Vec::new();
+                self.idle.push(Translation { state, others });
+            }
+        }
+    }
+
     /// The periods at a parameter set.
     pub(crate) fn turns<R: Real>(&self, parameters: &[R]) -> Result<Vec<Turn<R>>, PeriodicError> {
         let at = |expr: Expr| self.graph.evaluate(expr, &[], parameters);

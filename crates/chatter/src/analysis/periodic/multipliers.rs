@@ -2,9 +2,15 @@
 
 use crate::numerics::Complex;
 
-/// Whether all lie inside the unit circle.
-pub(crate) fn is_stable(multipliers: &[Complex]) -> bool {
-    multipliers.iter().all(|m| m.modulus() < 1.0)
+/// Whether all lie inside the unit circle by more than their moduli may be off by.
+pub(crate) fn is_stable(multipliers: &[Complex], error: f64) -> bool {
+    multipliers.iter().all(|m| m.modulus() < 1.0 - error)
+}
+
+/// Whether none lies outside the unit circle, and some are on it as far as they are known, as where energy is conserved.
+pub(crate) fn is_neutral(multipliers: &[Complex], error: f64) -> bool {
+    let none_outside = multipliers.iter().all(|m| m.modulus() <= 1.0 + error);
+    none_outside && !is_stable(multipliers, error)
 }
 
 fn real(multipliers: &[Complex]) -> impl Iterator<Item = f64> {
@@ -145,6 +151,15 @@ mod tests {
             assert!(value(&all) < 0.0);
         }
         assert_eq!(passes_together(&of(&[(0.9, 0.0)])), None);
+    }
+
+    #[test]
+    fn what_is_on_the_circle_but_for_rounding_is_neutral() {
+        let on = of(&[(0.6, 0.8 - 1e-16), (0.6, 1e-16 - 0.8)]);
+        assert!(is_neutral(&on, 1e-14) && !is_stable(&on, 1e-14));
+        let inside = of(&[(0.6, 0.7), (0.6, -0.7)]);
+        assert!(is_stable(&inside, 1e-14) && !is_neutral(&inside, 1e-14));
+        assert!(!is_neutral(&of(&[(1.1, 0.0), (1.0, 0.0)]), 1e-14));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::cycle::itinerary::Passage;
 use super::cycle::settle::{Cycle, Patience, settle};
 use super::error::PeriodicError;
 use super::margins::{Margin, margins};
-use super::multipliers::is_stable;
+use super::multipliers::{is_neutral, is_stable};
 use super::shooting::{Shooting, Workshop, struck};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
 use crate::flow::leg::{Jump, LegKind, onto_gaps};
@@ -31,6 +31,8 @@ pub struct Orbit {
     pub turns: Vec<(usize, i64)>,
     /// All but the trivial one, the largest first.
     pub multipliers: Vec<Complex>,
+    /// What moduli of multipliers about the unit circle may be off by.
+    pub modulus_error: f64,
     /// Where the flow itself has one, which is 1 as far as derivatives are right.
     pub trivial_multiplier: Option<f64>,
     /// Largest residual of its equations.
@@ -45,9 +47,14 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// Whether all multipliers lie inside the unit circle.
+    /// Whether all multipliers lie inside the unit circle by more than they may be off by.
     pub fn is_stable(&self) -> bool {
-        is_stable(&self.multipliers)
+        is_stable(&self.multipliers, self.modulus_error)
+    }
+
+    /// Whether none lies outside the unit circle, and some on it as far as they are known.
+    pub fn is_neutral(&self) -> bool {
+        is_neutral(&self.multipliers, self.modulus_error)
     }
 }
 
@@ -265,7 +272,7 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;
     let checked = (fine.evaluate(&found.at)).map_err(|left| failed(&NewtonError::Left(left)))?;
     let residual = (checked.residual.iter()).fold(0.0_f64, |most, x| most.max(x.to_f64().abs()));
-    let multipliers = fine.multipliers();
+    let (multipliers, modulus_error) = fine.multipliers_known();
     if multipliers.iter().any(|m| !m.modulus().is_finite()) {
         return Err(PeriodicError::Boundless);
     }
@@ -298,6 +305,7 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
             .map(|(turn, &count)| (turn.state, count))
             .collect(),
         multipliers,
+        modulus_error,
         trivial_multiplier: fine.trivial_multiplier(&found.at),
         residual,
         correction: found.correction,

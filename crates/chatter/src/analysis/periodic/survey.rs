@@ -8,7 +8,7 @@ use super::diary::Diary;
 use super::error::PeriodicError;
 use super::orbit::settled;
 use super::shooting::{Shooting, Workshop};
-use crate::analysis::continuation::Singular;
+use crate::analysis::continuation::{Singular, Station};
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -28,6 +28,9 @@ const HOPS: [f64; 7] = [0.05, 0.02, 0.01, 3e-3, 1e-3, 3e-4, 1e-4];
 const FARTHER: [f64; 4] = [0.1, 0.2, 0.4, 0.7];
 /// Borders that are passed in one survey.
 const MOST_HOPS: usize = 8;
+/// Where fewer impacts than these come to nothing they do not accumulate at a border, beyond which chatter is complete: a lone one may
+/// be that of a part left to itself.
+const ACCUMULATES: u64 = 4;
 /// The first displacement along a branch that leaves another, against the size of the orbit.
 const ASIDE: f64 = 2e-3;
 
@@ -48,7 +51,11 @@ pub(crate) fn survey(
         }
         let ends: Vec<(End, f64, f64)> = ends(&branches[next]);
         for (end, value, direction) in ends {
-            let wants_infinite = matches!(end, End::Impacts(_) | End::Rounding(_));
+            let wants_infinite = match end {
+                End::Impacts(_) => true,
+                End::Rounding(impacts) => impacts >= ACCUMULATES,
+                _ => false,
+            };
             let crosses = wants_infinite || end == End::ChatterBorder;
             if !crosses || hops >= MOST_HOPS {
                 continue;
@@ -205,6 +212,18 @@ const fn is_left_at(kind: SpecialKind) -> bool {
 fn leaving(special: &Special, sign: f64) -> Option<(Shooting<f64>, Vec<f64>)> {
     let seed = special.seed.as_ref()?;
     let mut shooting = seed.shooting.clone();
+    if sign > 0.0 && special.leaves.len() == seed.at.len() {
+        let there = Station {
+            at: seed.at.clone(),
+            tangent: special.leaves.clone(),
+            residual: special.residual,
+            correction: special.error,
+            orientation: 1.0,
+        };
+        let (next, _) = there.ahead(&mut shooting, ASIDE).ok()?;
+        shooting.adopt(&next.at);
+        return Some((shooting, next.at));
+    }
     let singular = Singular::near(&mut shooting, &seed.at, sign).ok()?;
     let mut aside = Aside::new(&shooting, &seed.at, &singular, ASIDE)?;
     let at = aside.close(&[])?;

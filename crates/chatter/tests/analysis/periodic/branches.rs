@@ -340,3 +340,56 @@ om = 0.4
     let before = top + (slope - 0.25).cos() - (slope + 0.25).cos();
     assert!((before * 0.5_f64.cos().powi(2) - top).abs() < 1e-8);
 }
+
+/// The particle of an impact damper: where both its impacts graze at once one of them is left, which comes to nothing, and beyond
+/// the particle may rest anywhere. Complete chatter there is none to look for, and none is.
+#[test]
+fn a_lone_impact_that_comes_to_nothing_is_no_chatter() {
+    let damper = r#"
+[parameters]
+d = 4
+[flight]
+X = "V"
+V = "0.1*cos(t) - 0.04*V - X"
+z = "u"
+u = "0"
+[[contact]]
+name = "right"
+gap = "d/2 - (z - X)"
+impulse = { V = 0.1, u = -1 }
+restitution = 0.5
+[[contact]]
+name = "left"
+gap = "d/2 + (z - X)"
+impulse = { V = -0.1, u = 1 }
+restitution = 0.5
+[section.strobe]
+surface = "sin(t)"
+direction = "rising"
+[initial]
+X = 0
+V = 1
+z = 0
+u = 0.3
+"#;
+    let limits = Limits {
+        range: (0.5, 8.0),
+        impacts: 60,
+        points: 5000,
+        longest_step: 0.03,
+    };
+    let model = with(damper, &[]);
+    let spec = BranchSpec {
+        parameter: model.parameter_index("d").unwrap(),
+        limits,
+        beside: Beside::default(),
+    };
+    let found = branches(&model, &Spec::default(), &spec, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let [branch] = &*found else {
+        panic!("{} branches", found.len());
+    };
+    assert!(branch.ends.contains(&End::Rounding(1)), "{:?}", branch.ends);
+}

@@ -5,6 +5,7 @@ mod branches;
 mod differences;
 mod drift;
 mod held;
+mod meeting;
 mod new_kinds;
 mod orbits;
 mod order_of_events;

@@ -438,3 +438,42 @@ w = 0.3
         assert!(is_told, "{drag}: {found:?}");
     }
 }
+
+/// A rimless wheel on a slope whose spokes are short in turn, told by a counter: whatever moves that to and fro, how large it is is no
+/// matter of the motion.
+#[test]
+fn a_counter_to_and_fro_comes_back() {
+    let wheel = |counts: &str| {
+        let text = format!(
+            r#"
+[parameters]
+alpha = 0.3
+gamma = 0.15
+[flight]
+th = "om"
+om = "sin(th)"
+n = "0"
+[[event]]
+name = "heel"
+surface = "th - gamma - alpha*(1 + 0.05*if(n > 0.5, 1, -1))"
+direction = "rising"
+reset = {{ th = "gamma - alpha", om = "cos(2*alpha)*om", n = "{counts}" }}
+[initial]
+th = 0
+om = 0.8
+n = 0
+"#
+        );
+        orbit(&with(&text, &[]))
+    };
+    let known = 0.6_f64.cos().powi(4);
+    for counts in ["if(n > 0.5, 0, 1)", "1 - n", "mod(n + 1, 2)"] {
+        let found = wheel(counts);
+        let period = found.period.to_f64();
+        assert!(
+            (period - 1.893_074_051_1).abs() < 1e-9,
+            "{counts}: {period}"
+        );
+        assert!((found.multipliers[0].re - known).abs() < 1e-9, "{counts}");
+    }
+}

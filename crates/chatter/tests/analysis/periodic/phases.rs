@@ -147,3 +147,24 @@ w = 0.5
     let last = found.multipliers.last().unwrap();
     assert_eq!((last.re, last.im), (0.0, 0.0), "{:?}", found.multipliers);
 }
+
+/// A wheel that an uneven field drags round with it, once a period: the angle turns, and it and its rate may be displaced. The product of
+/// both multipliers is what damping leaves of an area.
+#[test]
+fn a_phase_that_is_driven_round_has_its_multiplier() {
+    let text = r#"
+[flight]
+x = "v"
+v = "-0.1*(v - 1) - 0.5*(sin(x)*cos(t) - 0.8*cos(x)*sin(t))"
+[initial]
+x = 0.1
+v = 1
+"#;
+    let found = super::orbit(&super::with(text, &[]));
+    let [one, other] = &*found.multipliers else {
+        panic!("{:?}", found.multipliers);
+    };
+    let product = one.re * other.re - one.im * other.im;
+    let left = (-0.2 * core::f64::consts::PI).exp();
+    assert!((product - left).abs() < 1e-12, "{product}");
+}

@@ -96,10 +96,13 @@ fn told(branches: &[Branch]) -> Vec<String> {
             persists,
             above,
             monitor,
+            leaves,
             place,
             ..
         } = special;
-        format!("{kind:?} {point:?} {error} {residual} {persists:?} {above:?} {monitor:?} {place}")
+        format!(
+            "{kind:?} {point:?} {error} {residual} {persists:?} {above:?} {monitor:?} {leaves:?} {place}"
+        )
     };
     let lines = |branch: &Branch| {
         let points = branch.points.iter().map(|point| format!("{point:?}"));

@@ -78,7 +78,11 @@ impl Walker {
             (ends.0 * ends.1 < 0.0).then_some(ends)
         };
         kinds.extend(both(doubling).map(Passed::Doubling));
-        kinds.extend(both(passes_together).map(Passed::Torus));
+        // A pair that stays on the circle, as where energy is conserved, changes sides by rounding.
+        let error = here.modulus_error.max(there.modulus_error);
+        let is_pair = |ends: &(f64, f64)| ends.0.abs().max(ends.1.abs()) > error;
+        let torus = both(passes_together).filter(is_pair);
+        kinds.extend(torus.map(Passed::Torus));
         let functions = self.shooting.workshop.monitors.len();
         for index in 0..functions {
             let ends = (here.monitors[index], there.monitors[index]);

@@ -2,7 +2,7 @@
 
 use super::walker::{NOISE, Walker};
 use super::{End, Point, SpecialKind};
-use crate::analysis::continuation::{Problem, Station, meeting};
+use crate::analysis::continuation::{Problem, Station, meeting, other_direction};
 use crate::analysis::periodic::orbit::shorter;
 
 impl Walker {
@@ -60,6 +60,7 @@ impl Walker {
             residual = found.residual;
             station.at = found.at;
         }
+        let leaves = other_direction(&mut self.shooting, &station.at, &station.tangent);
         self.settle(&station);
         let here = Point::new(&mut self.shooting, &station);
         let doubles = shorter(&self.shooting, &station.at).is_ok_and(|half| half.is_some());
@@ -70,6 +71,9 @@ impl Walker {
             error,
             residual,
         );
+        if let Some(special) = self.special.last_mut() {
+            special.leaves = leaves.unwrap_or_default();
+        }
         if doubles && let Some(special) = self.special.last_mut() {
             special.seed = None;
             return Some(End::At(SpecialKind::BranchPoint));

@@ -425,9 +425,9 @@ impl Walker {
         let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
         shorter.evaluate(&next.at).map_err(|left| told(&left))?;
         if let Some(special) = self.special.last_mut() {
-            special.point.multipliers = match shorter.grazes() {
-                true => Vec::new(),
-                false => shorter.multipliers(),
+            (special.point.multipliers, special.point.modulus_error) = match shorter.grazes() {
+                true => (Vec::new(), f64::NAN),
+                false => shorter.multipliers_known(),
             };
         }
         // To the side where the gap stays open.

@@ -1,7 +1,7 @@
 //! One orbit of a branch.
 
 use crate::analysis::continuation::{Problem, Station};
-use crate::analysis::periodic::multipliers::is_stable;
+use crate::analysis::periodic::multipliers::{is_neutral, is_stable};
 use crate::analysis::periodic::orbit::cleaned;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
@@ -22,6 +22,9 @@ pub struct Point {
     /// All but the trivial one, the largest first.
     #[serde(with = "pairs")]
     pub multipliers: Vec<Complex>,
+    /// What moduli of multipliers about the unit circle may be off by.
+    #[serde(with = "number")]
+    pub modulus_error: f64,
     /// The state at the section, or just after an event.
     #[serde(with = "list")]
     pub state: Vec<f64>,
@@ -40,11 +43,13 @@ impl Point {
     /// Of a solution, the latest that the equations were evaluated at.
     pub(crate) fn new(shooting: &mut Shooting<f64>, station: &Station) -> Self {
         let state = shooting.told_state(&station.at);
+        let (multipliers, modulus_error) = shooting.multipliers_known();
         Self {
             parameters: shooting.free(&station.at).to_vec(),
             period: shooting.period(),
             impacts: shooting.impacts(),
-            multipliers: shooting.multipliers(),
+            multipliers,
+            modulus_error,
             state: cleaned(&state, &shooting.state_sizes()),
             monitors: shooting.monitored(&station.at),
             residual: station.residual,
@@ -69,8 +74,13 @@ impl Point {
         self.parameters.last().copied().unwrap_or(f64::NAN)
     }
 
-    /// Whether all multipliers lie inside the unit circle.
+    /// Whether all multipliers lie inside the unit circle by more than they may be off by.
     pub fn is_stable(&self) -> bool {
-        is_stable(&self.multipliers)
+        is_stable(&self.multipliers, self.modulus_error)
+    }
+
+    /// Whether none lies outside the unit circle, and some on it as far as they are known.
+    pub fn is_neutral(&self) -> bool {
+        is_neutral(&self.multipliers, self.modulus_error)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Point;
 use crate::analysis::periodic::shooting::Shooting;
-use crate::numerics::stored::number;
+use crate::numerics::stored::{list, number};
 use serde::{Deserialize, Serialize};
 
 /// Kinds of special points.
@@ -157,6 +157,9 @@ pub struct Special {
     pub above: Option<bool>,
     /// Which of the user's functions vanishes.
     pub monitor: Option<usize>,
+    /// Of a branch point: the direction of the other branch, as that of a station.
+    #[serde(with = "list")]
+    pub leaves: Vec<f64>,
     /// Where it is on its branch: after so many points.
     pub place: usize,
     /// Its equations.

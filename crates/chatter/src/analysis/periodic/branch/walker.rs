@@ -43,6 +43,8 @@ pub(in crate::analysis::periodic) const NOISE: f64 = 16.0;
 /// A branch comes this near to a border, in parts of the parameter; the border itself is looked for as far away as this.
 const BESIDE_BORDER: f64 = 1e-10;
 const LOOKED_AT: f64 = 1e-7;
+/// There is one border in so short a range.
+const BORDER_SAMPLES: usize = 6;
 /// Close to a graze is this part of the next step.
 const CLOSE: f64 = 1e-4;
 /// A step of this part of the longest is on new ground.
@@ -446,7 +448,8 @@ impl Walker {
         let error = BESIDE_BORDER * value.abs();
         self.note(SpecialKind::ChatterBorder, here, &station.at, error, 0.0);
         let workshop = &self.shooting.workshop;
-        let spec = BorderSpec::new(&workshop.model.parameters[workshop.free[0]].name);
+        let mut spec = BorderSpec::new(&workshop.model.parameters[workshop.free[0]].name);
+        spec.samples = BORDER_SAMPLES;
         let (low, high) = (
             value - LOOKED_AT * value.abs(),
             value + LOOKED_AT * value.abs(),
@@ -497,6 +500,7 @@ impl Walker {
             persists: None,
             above: None,
             monitor: None,
+            leaves: Vec::new(),
             place: self.points.len(),
             seed: Some(seed),
         });

@@ -156,8 +156,24 @@ const SOONER: f64 = 0.75;
 /// The others may be so many times as far apart.
 const LOOSER: f64 = 10.0;
 
-/// The instants of the latest return nearer than `near`; otherwise how near the nearest is.
+/// The instants of the latest return nearer than `near`; otherwise how near the nearest is. The last instant may have more to tell, such
+/// as the surface that a reset takes the state across, and then is like none before it.
 fn latest_return(
+    workshop: &Workshop,
+    turns: &[Turn<f64>],
+    (instants, section): (&[Instant], Option<usize>),
+    near: (&[f64], f64),
+) -> Result<(usize, usize), f64> {
+    let found = return_among(workshop, turns, (instants, section), near);
+    match (&found, instants) {
+        (Err(nearest), [complete @ .., _]) if nearest.is_infinite() => {
+            return_among(workshop, turns, (complete, section), near)
+        }
+        _ => found,
+    }
+}
+
+fn return_among(
     workshop: &Workshop,
     turns: &[Turn<f64>],
     (instants, section): (&[Instant], Option<usize>),

@@ -232,11 +232,20 @@ impl<R: Real> Shooting<R> {
             .unwrap_or_default();
     }
 
-    /// Keeps sizes that states had before, where next to nothing is left of them.
+    /// Keeps sizes that states had before, where no more than such a part is left of them.
     pub(crate) fn keep_sizes(&mut self, before: &[f64]) {
+        self.keep_sizes_above(before, NEXT_TO_NOTHING);
+    }
+
+    /// Takes sizes of states as no less than they are elsewhere on the same curve, where it is displaced from an orbit at zero.
+    pub(crate) fn take_sizes(&mut self, least: &[f64]) {
+        self.keep_sizes_above(least, 1.0);
+    }
+
+    fn keep_sizes_above(&mut self, before: &[f64], part: f64) {
         for &place in &self.places {
             for (size, &before) in self.scales[place..].iter_mut().zip(before) {
-                if *size < NEXT_TO_NOTHING * before {
+                if *size < part * before {
                     *size = before;
                 }
             }

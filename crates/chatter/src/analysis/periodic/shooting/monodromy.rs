@@ -65,17 +65,21 @@ impl<R: Real> Shooting<R> {
 
     /// All multipliers but the trivial one, the largest first.
     pub(crate) fn multipliers(&self) -> Vec<Complex> {
+        self.multipliers_known().0
+    }
+
+    /// The same, and what the moduli of those about the unit circle may be off by: a pair's is known by its product, in which entries of
+    /// the matrix are multiplied with each other.
+    pub(crate) fn multipliers_known(&self) -> (Vec<Complex>, f64) {
         let n = self.workshop.model.states.len();
         let product = self.monodromy();
         let taken = self.takes_time();
         let has_events = (self.steps.iter().zip(&taken))
             .any(|(step, taken)| *taken && !matches!(step.passage, Passage::Timed(_)));
-        let turning: Vec<usize> = (self.workshop.closure.time.into_iter())
-            .chain(self.clock())
-            .collect();
+        let turning = self.workshop.closure.time.or_else(|| self.clock());
         let kept: Vec<usize> = (0..n)
             .filter(|&i| !self.workshop.closure.is_idle(i))
-            .filter(|i| has_events || !turning.contains(i))
+            .filter(|i| has_events || turning != Some(*i))
             .collect();
         let mut reduced = Matrix::zeros(kept.len(), kept.len());
         for (row, &i) in kept.iter().enumerate() {
@@ -100,7 +104,10 @@ impl<R: Real> Shooting<R> {
                 re: f64::INFINITY,
                 im: 0.0,
             };
-            return vec![beyond; kept.len() - usize::from(has_events)];
+            return (
+                vec![beyond; kept.len() - usize::from(has_events)],
+                f64::INFINITY,
+            );
         }
         let mut found = eigenvalues(&reduced);
         if has_events {
@@ -124,7 +131,7 @@ impl<R: Real> Shooting<R> {
                 *value = Complex::default();
             }
         }
-        found
+        (found, unknown * largest.max(1.0))
     }
 
     /// Whether an impact has lost its rate: multipliers have a pole there. Rates are compared with the largest and, since all may have

@@ -68,11 +68,12 @@ impl Workshop {
     pub(crate) fn new(
         model: &Model,
         (free, sizes): (&[usize], &[f64]),
-        closure: Closure,
+        mut closure: Closure,
         (section, monitors): (Option<usize>, &[Expr]),
     ) -> Result<Self, PeriodicError> {
         let system = System::new(model).map_err(PeriodicError::System)?;
         let mut model = model.clone();
+        closure.frees(counters(&model, &system));
         let monitors = (monitors.iter())
             .map(|&value| Monitor::new(&mut model, value, free))
             .collect();
@@ -161,6 +162,43 @@ fn depends_on(model: &Model, formula: Expr, parameters: &[usize]) -> bool {
         (rates.iter().enumerate())
             .any(|(index, &rate)| rate != zero && used.contains(&Symbol::Parameter(index)))
     })
+}
+
+/// The states that no flow changes and that choices alone are made by, among what stands still itself, such as a counter whose parity a
+/// surface is told by: between events nothing depends on how large they are, and which choice holds is a matter of modes. Resets keep
+/// displacements of them, turn them over or forget them: what shrinks or grows is a motion.
+fn counters(model: &Model, system: &System) -> Vec<usize> {
+    let mut graph = model.graph.clone();
+    let [zero, one, turned] = [0.0, 1.0, -1.0].map(|number| graph.number(number));
+    let stands = |state: usize| model.states[state].derivative == zero;
+    let equations = model.equations();
+    let states = |expr: Expr| {
+        let symbols = system.model().graph.symbols(expr).into_iter();
+        symbols.filter_map(|symbol| match symbol {
+            Symbol::State(state) => Some(state),
+            Symbol::Parameter(_) => None,
+        })
+    };
+    let corners = system.corners();
+    let mut is_counter = |state: usize| {
+        let resets = model.sections.iter().filter_map(|s| s.reset.as_ref());
+        let hits = model.contacts.iter().filter_map(|c| c.reset.as_ref());
+        let own: Vec<Expr> = resets.chain(hits).map(|reset| reset[state]).collect();
+        let stays_apart = |surface: &Expr| {
+            let mut all = states(*surface);
+            !all.any(|other| other == state) || states(*surface).all(stands)
+        };
+        let mut by_itself = |expr: Expr| -> Expr { graph.derivative(expr, Symbol::State(state)) };
+        stands(state)
+            && (own.iter()).all(|&own| [zero, one, turned].contains(&by_itself(own)))
+            && corners.surfaces.iter().all(stays_apart)
+            && (corners.lookups.iter()).all(|lookup| stays_apart(&lookup.argument))
+            && (equations.iter().filter(|equation| !own.contains(equation)))
+                .all(|&equation| by_itself(equation) == zero)
+    };
+    (0..model.states.len())
+        .filter(|&state| is_counter(state))
+        .collect()
 }
 
 /// The states that events depend on, be it through others: what guards, and formulas that change their form, are made of, and what changes

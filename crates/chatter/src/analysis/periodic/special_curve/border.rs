@@ -52,6 +52,7 @@ fn point(border: &Border<f64>, second: f64, monitors: usize) -> Point {
         period: border.period.value,
         impacts: None,
         multipliers: Vec::new(),
+        modulus_error: f64::NAN,
         state: border.release.state.clone(),
         monitors: vec![f64::NAN; monitors],
         residual: 0.0,

@@ -36,6 +36,17 @@ const fn geometry(kind: SpecialKind, value: Option<f64>) -> Test {
     }
 }
 
+impl Test {
+    /// Whether it is no more than what moduli of multipliers are off by: where a pair stays on the unit circle that is all of it.
+    pub(super) fn is_rounding(&self, modulus_error: f64) -> bool {
+        let is_modulus = matches!(
+            self.kind,
+            SpecialKind::FoldTorus | SpecialKind::FlipTorus | SpecialKind::GrazeTorus
+        );
+        is_modulus && self.value.is_some_and(|value| value.abs() <= modulus_error)
+    }
+}
+
 /// What the functions are of: an orbit on a curve, the step that ends with its graze, its multipliers without that impact, and where
 /// the curve came from.
 pub(super) struct Place<'p> {

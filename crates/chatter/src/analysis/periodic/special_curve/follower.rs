@@ -224,7 +224,8 @@ impl Follower {
         let mut point = Point::new(&mut self.shooting, station);
         if self.grazing.is_some() {
             point.impacts = point.impacts.map(|count| count.saturating_sub(1));
-            point.multipliers = multipliers(&self.shooting, &station.at, self.grazing);
+            (point.multipliers, point.modulus_error) =
+                multipliers(&self.shooting, &station.at, self.grazing);
         }
         point
     }
@@ -238,9 +239,9 @@ impl Follower {
     ) -> Option<End> {
         let mut reader = self.shooting.clone();
         let (kind, grazing) = (self.kind, self.grazing);
-        let mut at = |station: &Station| -> Option<Vec<Test>> {
+        let mut at = |station: &Station| -> Option<(Vec<Test>, f64)> {
             reader.evaluate(&station.at).ok()?;
-            let multipliers = multipliers(&reader, &station.at, grazing);
+            let (multipliers, modulus_error) = multipliers(&reader, &station.at, grazing);
             let place = degenerate::Place {
                 shooting: &reader,
                 station,
@@ -249,19 +250,21 @@ impl Follower {
                 bordered,
                 from,
             };
-            Some(tests(kind, &place))
+            Some((tests(kind, &place), modulus_error))
         };
-        let (before, after) = (at(from)?, at(to)?);
+        let ((before, from_error), (after, to_error)) = (at(from)?, at(to)?);
         let mut found = Vec::new();
-        for (index, (test, after)) in before.iter().zip(&after).enumerate() {
-            let (Some(before), Some(after)) = (test.value, after.value) else {
+        for (index, (test, after_test)) in before.iter().zip(&after).enumerate() {
+            let (Some(before), Some(after)) = (test.value, after_test.value) else {
                 continue;
             };
-            if before * after >= 0.0 {
+            let error = from_error.max(to_error);
+            let is_nothing = test.is_rounding(error) && after_test.is_rounding(error);
+            if before * after >= 0.0 || is_nothing {
                 continue;
             }
             let mut held = bordered.of(&mut self.shooting);
-            let mut value = |station: &Station| at(station)?.get(index)?.value;
+            let mut value = |station: &Station| at(station)?.0.get(index)?.value;
             let located = locate(&mut held, from, step, (before, after), &mut |_, station| {
                 value(station)
             });
@@ -275,7 +278,7 @@ impl Follower {
             if !vanishes || self.shooting.evaluate(&station.at).is_err() {
                 continue;
             }
-            let there = multipliers(&self.shooting, &station.at, grazing);
+            let (there, _) = multipliers(&self.shooting, &station.at, grazing);
             let is_there = match test.kind {
                 SpecialKind::Cusp => degenerate::stands(&self.shooting, (from, &station)),
                 _ => !test.of_multipliers || has_multipliers(test.kind, &there),
@@ -314,6 +317,7 @@ impl Follower {
             persists: None,
             above: None,
             monitor: None,
+            leaves: Vec::new(),
             place: self.points.len(),
             point,
             seed: None,
@@ -456,16 +460,20 @@ impl Follower {
     }
 }
 
-/// The multipliers at a solution that was evaluated last, without the impact that has no rate: with it they have a pole.
-fn multipliers(shooting: &Shooting<f64>, at: &[f64], grazing: Option<usize>) -> Vec<Complex> {
+/// The multipliers at a solution that was evaluated last, and what their moduli may be off by, without the impact that has no rate: with it they have a pole.
+fn multipliers(
+    shooting: &Shooting<f64>,
+    at: &[f64],
+    grazing: Option<usize>,
+) -> (Vec<Complex>, f64) {
     let Some(index) = grazing else {
-        return shooting.multipliers();
+        return shooting.multipliers_known();
     };
     let Ok((mut shorter, guess, _)) = shooting.without_event(at, index) else {
-        return Vec::new();
+        return (Vec::new(), f64::NAN);
     };
     match shorter.evaluate(&guess) {
-        Ok(_) => shorter.multipliers(),
-        Err(_) => Vec::new(),
+        Ok(_) => shorter.multipliers_known(),
+        Err(_) => (Vec::new(), f64::NAN),
     }
 }

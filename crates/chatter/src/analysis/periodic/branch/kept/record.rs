@@ -25,7 +25,7 @@ pub struct Record {
 
 impl Record {
     /// In which form records are kept.
-    pub const FORMAT: u32 = 4;
+    pub const FORMAT: u32 = 5;
 
     /// How many orbits it adds.
     pub fn orbits(&self) -> usize {
