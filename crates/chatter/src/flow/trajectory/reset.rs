@@ -3,6 +3,7 @@
 use super::Trajectory;
 use super::tops::Tops;
 use crate::flow::error::FlowError;
+use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, IMPACT_SCALARS};
 use crate::flow::step::{FOREVER, Workspace, flight_time};
@@ -41,6 +42,11 @@ impl<R: Real> Trajectory<R> {
         self.flight_time = R::splat(FOREVER);
         self.enter(system, Closed::NONE)?;
         self.touching = Touching::NONE;
+        // Where the event's surface is a corner's, too, the motion says on which side it goes on, and not a rounding error.
+        let surface = system.model().sections[section].surface;
+        self.met = (system.corners().surface(surface))
+            .filter(|_| !jumped)
+            .map(Corner::Surface);
         self.settle_corners(system, None)?;
         self.classify(system, work, false)?;
         self.shift_columns(system, work, &shifts, -R::ONE)?;

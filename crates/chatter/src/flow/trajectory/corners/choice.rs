@@ -38,9 +38,14 @@ impl Choice {
     }
 }
 
-/// What asking modes has shown beside their verdicts.
-#[derive(Debug, Default)]
-struct Asked {
+/// A field here, and where the state may be as well.
+type Fields<R> = [Vec<WithTerms<R>>; 2];
+
+/// What modes are asked by, and what asking them has shown beside their verdicts.
+#[derive(Debug)]
+struct Asked<R> {
+    /// The state, with its remainders, an instant later on the motion that met the corner: it is known no better.
+    later: (Vec<R>, Vec<R>),
     /// Some would leave a table.
     outside: Option<FlowError>,
     /// The equations of some are singular here.
@@ -60,7 +65,7 @@ struct Verdict<R> {
     opens_there: bool,
     /// On corners that nothing moves it off it is where plain evaluation says.
     is_plain: bool,
-    field: Vec<WithTerms<R>>,
+    fields: Fields<R>,
 }
 
 impl<R: Real> Trajectory<R> {
@@ -71,7 +76,11 @@ impl<R: Real> Trajectory<R> {
         (touched, met): (&[Corner], Option<Corner>),
     ) -> Result<(), FlowError> {
         let now = self.standing_sides();
-        let mut asked = Asked::default();
+        let mut asked = Asked {
+            later: self.an_instant_later(system)?,
+            outside: None,
+            singular: None,
+        };
         // A corner that is touched only in some of the modes has its own options there.
         let mut touched = touched.to_vec();
         let verdicts = loop {
@@ -103,7 +112,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         mut verdicts: Vec<Verdict<R>>,
         (now, touched): (&Candidate, &[Corner]),
-        asked: Asked,
+        asked: Asked<R>,
     ) -> Result<(), FlowError> {
         if verdicts.iter().any(|verdict| verdict.contacts_stay) {
             verdicts.retain(|verdict| verdict.contacts_stay);
@@ -122,7 +131,7 @@ impl<R: Real> Trajectory<R> {
             1 => 0,
             _ => {
                 let current = verdicts.iter().position(|v| v.candidate == *now);
-                let agree = (verdicts.iter()).all(|v| same_field(&v.field, &verdicts[0].field));
+                let agree = (verdicts.iter()).all(|v| vanishes(&v.fields, &verdicts[0].fields));
                 let mut plain = (0..verdicts.len()).filter(|&place| verdicts[place].is_plain);
                 match (current, plain.next(), plain.next()) {
                     (Some(place), ..) if agree || verdicts[place].is_balanced => place,
@@ -154,7 +163,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         (touched, met): (&[Corner], Option<Corner>),
         now: &Candidate,
-        asked: &mut Asked,
+        asked: &mut Asked<R>,
     ) -> Result<Vec<Candidate>, FlowError> {
         let mut candidates = vec![now.clone()];
         for &corner in touched {
@@ -194,7 +203,7 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         candidate: &Candidate,
-        asked: &mut Asked,
+        asked: &mut Asked<R>,
     ) -> Result<bool, FlowError> {
         match self.try_sides(system, candidate) {
             Err(outside @ FlowError::OutsideTable { .. }) => {
@@ -210,7 +219,7 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         candidate: &Candidate,
-        (touched, asked): (&[Corner], &mut Asked),
+        (touched, asked): (&[Corner], &mut Asked<R>),
     ) -> Result<bool, FlowError> {
         Ok(self.ask(system, candidate, asked)? && self.pass_others(system, touched, asked)?)
     }
@@ -220,7 +229,7 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         touched: &[Corner],
-        asked: &mut Asked,
+        asked: &mut Asked<R>,
     ) -> Result<bool, FlowError> {
         let count = system.corners().surfaces.len() + system.corners().lookups.len();
         for _ in 0..count {
@@ -241,7 +250,7 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         index: usize,
-        (base, touched, asked): (&Candidate, &[Corner], &mut Asked),
+        (base, touched, asked): (&Candidate, &[Corner], &mut Asked<R>),
     ) -> Result<bool, FlowError> {
         if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
             return Ok(self.grip().carrying().contains(rubs.contact));
@@ -260,32 +269,31 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// The fields on the sides of a surface, as far as there are modes, at the state and an [instant](Self::instant) later.
+    /// The fields on the sides of a surface, as far as there are modes.
     fn fields_beside(
         &mut self,
         system: &System,
         index: usize,
-        (base, touched, asked): (&Candidate, &[Corner], &mut Asked),
-    ) -> Result<Vec<[Vec<WithTerms<R>>; 2]>, FlowError> {
+        (base, touched, asked): (&Candidate, &[Corner], &mut Asked<R>),
+    ) -> Result<Vec<Fields<R>>, FlowError> {
         let mut fields = Vec::with_capacity(2);
-        let mut later: Option<(Vec<R>, Vec<R>)> = None;
         for side in [Side::Above, Side::Below] {
             if self.ask_beside(system, &base.with_side(index, side), (touched, asked))? {
-                let field = self.field_here(system)?;
-                let (state, low) = later.get_or_insert_with(|| self.after(self.instant(), &field));
-                let then = self.field_at(system, (state, low))?;
-                fields.push([field, then]);
+                fields.push(self.fields_here(system, asked)?);
             }
         }
         Ok(fields)
     }
 
-    /// How long it may be until, or since, a corner is met: nothing where none was.
-    fn instant(&self) -> R {
-        match self.met {
-            Some(_) => self.negligible() * R::splat(INSTANT_ROUNDOFFS),
-            None => R::ZERO,
-        }
+    /// The state, with its remainders, so long after a corner has been met as may be until it is: where none was met, the state itself.
+    fn an_instant_later(&self, system: &System) -> Result<(Vec<R>, Vec<R>), FlowError> {
+        let field = self.field_at(system, (&self.state, &self.low))?;
+        Ok(match self.met {
+            Some(_) if field.iter().all(|f| f.value.is_finite()) => {
+                self.after(self.negligible() * R::splat(INSTANT_ROUNDOFFS), &field)
+            }
+            _ => (self.state.clone(), self.low.clone()),
+        })
     }
 
     /// The state, with its remainders, after so short a time along a field.
@@ -303,7 +311,7 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         index: usize,
-        (base, touched, asked): (&Candidate, &[Corner], &mut Asked),
+        (base, touched, asked): (&Candidate, &[Corner], &mut Asked<R>),
     ) -> Result<bool, FlowError> {
         let candidate = base.with_side(index, Side::Sliding);
         if !self.ask_beside(system, &candidate, (touched, asked))? {
@@ -320,9 +328,11 @@ impl<R: Real> Trajectory<R> {
         }))
     }
 
-    /// The field of the present mode at the state.
-    fn field_here(&self, system: &System) -> Result<Vec<WithTerms<R>>, FlowError> {
-        self.field_at(system, (&self.state, &self.low))
+    /// The field of the present mode at the state, and an instant later.
+    fn fields_here(&self, system: &System, asked: &Asked<R>) -> Result<Fields<R>, FlowError> {
+        let here = self.field_at(system, (&self.state, &self.low))?;
+        let later = self.field_at(system, (&asked.later.0, &asked.later.1))?;
+        Ok([here, later])
     }
 
     /// The field of the present mode at another state.
@@ -344,7 +354,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         (corner, met): (Corner, Option<Corner>),
         base: &Candidate,
-        (touched, asked): (&[Corner], &mut Asked),
+        (touched, asked): (&[Corner], &mut Asked<R>),
     ) -> Result<Vec<Choice>, FlowError> {
         match corner {
             Corner::Surface(index) => {
@@ -399,14 +409,14 @@ impl<R: Real> Trajectory<R> {
         &self,
         system: &System,
         candidate: Candidate,
-        (touched, asked): (&[Corner], &mut Asked),
+        (touched, asked): (&[Corner], &mut Asked<R>),
     ) -> Result<Option<Verdict<R>>, FlowError> {
         if let Some(contact) = self.jam(system) {
             asked.singular = Some(self.jammed(contact));
             return Ok(None);
         }
-        let field = self.field_here(system)?;
-        if !field.iter().all(|f| f.value.is_finite()) {
+        let fields = self.fields_here(system, asked)?;
+        if !fields[0].iter().all(|f| f.value.is_finite()) {
             asked.singular = self.singular_here(system);
             return Ok(None);
         }
@@ -417,11 +427,10 @@ impl<R: Real> Trajectory<R> {
             contacts_stay: true,
             opens_there: true,
             is_plain: true,
-            field,
+            fields,
         };
-        // Where a corner was met is known to an instant: what that changes says nothing yet.
-        let (state, low) = self.after(self.instant(), &verdict.field);
-        let later = self.standings_at(system, (&state, &low))?;
+        // What an instant changes says nothing yet.
+        let later = self.standings_at(system, (&asked.later.0, &asked.later.1))?;
         for (standing, later) in self.standings(system)?.iter().zip(&later) {
             if !touched.contains(&standing.corner) {
                 continue;
@@ -454,7 +463,7 @@ impl<R: Real> Trajectory<R> {
                 let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
                 if !decides.into_iter().all(|order| order.value.is_finite()) {
                     let begins = (standing.corner, *kind);
-                    match self.rises_by_a_root(system, begins, &verdict.field)? {
+                    match self.rises_by_a_root(system, begins, &verdict.fields[0])? {
                         Some(true) => {
                             verdict.roots.push((*kind, 1));
                             continue;
@@ -549,14 +558,9 @@ impl<R: Real> Trajectory<R> {
     }
 }
 
-/// Whether two fields move the state alike.
-fn same_field<R: Real>(a: &[WithTerms<R>], b: &[WithTerms<R>]) -> bool {
-    (a.iter().zip(b)).all(|(a, b)| (a.value - b.value).abs() <= a.level() + b.level())
-}
-
-/// Whether two fields, each now and an instant later, move the state alike: their difference is rounding, or no larger than what an
+/// Whether two fields move the state alike: their difference is rounding, or no larger than what an
 /// instant changes it by.
-fn vanishes<R: Real>(a: &[Vec<WithTerms<R>>; 2], b: &[Vec<WithTerms<R>>; 2]) -> bool {
+fn vanishes<R: Real>(a: &Fields<R>, b: &Fields<R>) -> bool {
     let later = a[1].iter().zip(&b[1]);
     (a[0].iter().zip(&b[0]).zip(later)).all(|((a, b), (a_later, b_later))| {
         let (now, then) = (a.value - b.value, a_later.value - b_later.value);

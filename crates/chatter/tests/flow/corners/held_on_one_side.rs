@@ -1,0 +1,50 @@
+//! What one side alone drives to a surface: the field of the other vanishes there.
+
+use super::run;
+use chatter::analysis::simulate::Outcome;
+use chatter::flow::Occurrence;
+use chatter::numerics::{DoubleDouble, Real};
+
+/// L i' = -U - R i while i > 0, and -R i below: i = 0 after (L/R) log(1 + R/U), and stays.
+#[test]
+fn a_current_that_a_diode_stops_stays_at_zero() {
+    fn check<R: Real>(resistance: f64, tolerance: f64) {
+        let text = format!(
+            "[flight]\ni = \"(if(i > 0, -12, 0) - {resistance}*i)/0.004\"\n[initial]\ni = 1\n"
+        );
+        let run = run::<R>(&text, 0.02);
+        assert_eq!(run.outcome, Outcome::Horizon, "{resistance}");
+        assert!(run.state[0].to_f64().abs() < 1e-15, "{resistance}");
+        let stops = 0.004 / resistance * (resistance / 12.0).ln_1p();
+        let [stopped] = &run.events[..] else {
+            panic!("{resistance}: {} events", run.events.len());
+        };
+        assert!((stopped.time.to_f64() - stops).abs() < tolerance);
+    }
+    for k in 1..=60 {
+        check::<f64>(0.25 * f64::from(k), 1e-17);
+    }
+    check::<DoubleDouble>(3.5, 1e-18);
+}
+
+/// An event on a surface that is a corner, too: the state goes on to the other side, whatever rounding says where it is.
+#[test]
+fn an_event_on_its_own_corner_tells_one_switch() {
+    for size in [1.0, 7.0, 19.0, 0.3, 1e3, 1e-3] {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-{size}*sign(x)\"\n[[event]]\nname = \"up\"\nsurface = \"x\"\n\
+             direction = \"either\"\nreset = {{ v = \"0.9*v\" }}\n[initial]\nx = {}\nv = 0\n",
+            0.02 * size
+        );
+        let run = run::<f64>(&text, 2.0);
+        let count = |told: fn(&Occurrence<f64>) -> bool| {
+            (run.events.iter())
+                .filter(|event| told(&event.detail))
+                .count()
+        };
+        let resets = count(|what| matches!(what, Occurrence::Reset { .. }));
+        assert!(resets > 4, "{size}: {resets}");
+        let switches = count(|what| matches!(what, Occurrence::Switch { .. }));
+        assert_eq!(switches, resets, "{size}");
+    }
+}
