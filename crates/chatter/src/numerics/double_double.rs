@@ -339,15 +339,6 @@ impl Scalar for DoubleDouble {
         self.sinh() / self.cosh()
     }
     fn powf(self, exponent: Self) -> Self {
-        if self.high == 0.0 {
-            // The logarithm of zero has no trailing part to work with.
-            return Self::from(libm::pow(self.high, exponent.high));
-        }
-        if self.high < 0.0 && exponent.is_whole() {
-            let size = (-self).powf(exponent);
-            let is_odd = libm::fmod(exponent.high, 2.0) + libm::fmod(exponent.low, 2.0) != 0.0;
-            return if is_odd { -size } else { size };
-        }
         (exponent * self.ln()).exp()
     }
     fn less(self, other: Self) -> bool {
