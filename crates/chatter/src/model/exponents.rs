@@ -31,7 +31,7 @@ impl Model {
             .map(|&surface| model.graph.substitute(surface, &number))
             .collect();
         let (mut graph, mut of) = (core::mem::take(&mut model.graph), Vec::new());
-        model.for_each_equation(|expr| of.push(expr));
+        model.for_each_expression(|expr| of.push(expr));
         for expr in of {
             *expr = graph.substitute(*expr, &number);
         }
@@ -46,11 +46,8 @@ impl Model {
 
     /// The parameters that exponents are made of which are whole and above zero by their values, without a `varied` one among them.
     fn in_whole_exponents(&self, varied: &[usize], values: &[DoubleDouble]) -> BTreeSet<usize> {
-        let mut equations = self.clone();
-        let mut roots = Vec::new();
-        equations.for_each_equation(|expr| roots.push(*expr));
         let mut found = BTreeSet::new();
-        for part in self.graph.reachable(&roots) {
+        for part in self.graph.reachable(&self.expressions()) {
             let &Node::Power(_, exponent) = self.graph.node(part) else {
                 continue;
             };

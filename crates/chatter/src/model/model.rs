@@ -162,7 +162,7 @@ impl Model {
     }
 
     /// Shows every expression that a trajectory is made by, so that it may be another one.
-    pub(super) fn for_each_equation<'a>(&'a mut self, mut show: impl FnMut(&'a mut Expr)) {
+    pub(super) fn for_each_expression<'a>(&'a mut self, mut show: impl FnMut(&'a mut Expr)) {
         for state in &mut self.states {
             show(&mut state.derivative);
         }

@@ -7,30 +7,34 @@ use crate::model::{Model, Rubbing};
 impl Model {
     /// The corners of all expressions, and the surfaces among them that are rates of sliding in contacts.
     pub(crate) fn corners(&self) -> (Corners, Vec<Rubbing>) {
-        let mut roots: Vec<Expr> = self.field();
-        let mut rates = Vec::new();
-        for (index, contact) in self.contacts.iter().enumerate() {
-            roots.extend([contact.gap, contact.restitution]);
-            roots.extend(&contact.impulse);
-            roots.extend(contact.reset.iter().flatten());
-            if let Some(friction) = &contact.friction {
-                roots.extend([friction.coefficient, friction.rate]);
-                roots.extend(&friction.along);
-                rates.push((index, friction.rate));
-            }
-        }
-        for section in &self.sections {
-            roots.push(section.surface);
-            roots.extend(section.reset.iter().flatten());
-        }
-        let mut corners = Corners::of(&self.graph, &roots, self.parameters.len());
-        let rubbing = (rates.into_iter())
+        let mut corners = Corners::of(&self.graph, &self.expressions(), self.parameters.len());
+        let rubbing = (self.contacts.iter().enumerate())
+            .filter_map(|(contact, of)| Some((contact, of.friction.as_ref()?.rate)))
             .map(|(contact, rate)| Rubbing {
                 contact,
                 surface: corners.add(rate),
             })
             .collect();
         (corners, rubbing)
+    }
+
+    /// Every expression that a trajectory is made by, as it stands in the model; [`equations`](Self::equations) leaves out what moves nothing.
+    pub(in crate::model) fn expressions(&self) -> Vec<Expr> {
+        let mut all: Vec<Expr> = self.field();
+        for contact in &self.contacts {
+            all.extend([contact.gap, contact.restitution]);
+            all.extend(&contact.impulse);
+            all.extend(contact.reset.iter().flatten());
+            if let Some(friction) = &contact.friction {
+                all.extend([friction.coefficient, friction.rate]);
+                all.extend(&friction.along);
+            }
+        }
+        for section in &self.sections {
+            all.push(section.surface);
+            all.extend(section.reset.iter().flatten());
+        }
+        all
     }
 
     /// Names of the surfaces of [`corners`](Self::corners): their formulas.

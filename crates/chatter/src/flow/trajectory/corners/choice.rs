@@ -451,9 +451,7 @@ impl<R: Real> Trajectory<R> {
                 let is_far = is_clear && orders[0].value > level;
                 // What follows the first that decides may be infinite, as the derivative of a root that begins here.
                 let moving = (orders.iter().enumerate().skip(1)).find(|&(k, order)| {
-                    let change = (later[k].value - order.value).abs();
-                    let change = Some(change).filter(|change| change.is_finite());
-                    let level = order.level().max(change.unwrap_or(R::ZERO));
+                    let level = order.level().max(change(order.value, later[k].value));
                     !order.value.is_finite() || order.value.abs() > level
                 });
                 // Nor does what is far from its end ask for them, as a share of fields along which a root begins.
@@ -564,9 +562,14 @@ fn vanishes<R: Real>(a: &Fields<R>, b: &Fields<R>) -> bool {
     let later = a[1].iter().zip(&b[1]);
     (a[0].iter().zip(&b[0]).zip(later)).all(|((a, b), (a_later, b_later))| {
         let (now, then) = (a.value - b.value, a_later.value - b_later.value);
-        let change = Some((then - now).abs()).filter(|change| change.is_finite());
-        now.abs() <= change.unwrap_or(R::ZERO).max(a.level() + b.level())
+        now.abs() <= change(now, then).max(a.level() + b.level())
     })
+}
+
+/// By how much an instant changes a number; of one that has no value then nothing is known.
+fn change<R: Real>(now: R, then: R) -> R {
+    let change = (then - now).abs();
+    if change.is_finite() { change } else { R::ZERO }
 }
 
 fn names(system: &System, corners: &[Corner]) -> Vec<String> {
