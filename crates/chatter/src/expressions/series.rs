@@ -146,7 +146,7 @@ impl<S: Scalar> Expansion<S> {
     }
 
     #[inline(always)]
-    fn set(&mut self, slot: usize, k: usize, value: S) {
+    pub(crate) fn set(&mut self, slot: usize, k: usize, value: S) {
         self.values[slot * Self::STRIDE + k] = value;
     }
 

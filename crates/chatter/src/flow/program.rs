@@ -6,7 +6,7 @@ use super::limits::{Corner, Limits};
 use super::looked_up::LookedUp;
 use super::reset::ResetTapes;
 use super::variation::Direction as Along;
-use crate::expressions::{Asked, Expr, Graph, Names, Node, Symbol, Tape};
+use crate::expressions::{Asked, Expr, Graph, Names, Node, Operand, Symbol, Tape};
 use crate::model::{ContactMechanics, Direction, Mechanics, Section, Sticking};
 use crate::numerics::Real;
 use crate::numerics::roots::Crossing;
@@ -247,6 +247,15 @@ impl ModeExprs {
 }
 
 impl Program {
+    /// The guard that is the gap of a contact, and where its series stands, if that may close.
+    pub(crate) fn gap_series(&self, contact: usize) -> Option<(usize, usize)> {
+        let guard = (self.guards.iter()).position(|guard| guard.closing() == Some(contact))?;
+        match self.guards[guard].series {
+            Operand::Series(slot) => Some((guard, slot)),
+            Operand::Constant(_) => None,
+        }
+    }
+
     /// Compiles a mode.
     pub(crate) fn new(
         mechanics: &mut Mechanics,

@@ -104,6 +104,8 @@ pub struct Workspace<S: Scalar> {
     pub(crate) horizon: S,
     /// Time where the step begins.
     pub(crate) time: S,
+    /// The gap of a contact where the step begins, if that is known better than it can be computed.
+    pub(crate) known_gap: Option<(usize, S)>,
     /// The longest step before it, or zero: what the settling of one trajectory's steps asks for.
     pub(crate) longest: S,
     /// Where nothing that must not vanish does so at the start of the step, and all numbers are finite.
@@ -154,6 +156,7 @@ impl<S: Scalar> Workspace<S> {
             tau: zero,
             horizon: zero,
             time: zero,
+            known_gap: None,
             longest: zero,
             clear: S::Mask::splat(true),
             reach: [zero; ORDER_CLASSES],
@@ -199,6 +202,11 @@ impl<S: Scalar> Workspace<S> {
             self.tau,
             order,
         );
+        if let Some((contact, gap)) = self.known_gap
+            && let Some((_, slot)) = program.gap_series(contact)
+        {
+            self.expansion.set(slot, 0, gap);
+        }
         let dimension = self.state.len();
         let mut worst = [S::splat(0.0); ORDER_CLASSES];
         for slot in 0..dimension {
@@ -493,6 +501,15 @@ impl<S: Scalar> Workspace<S> {
         }
         self.flight_time = S::splat(FOREVER);
         self.keep_unit();
+    }
+
+    /// The value of a series at the end of the step, so many of whose roots lie at its start.
+    #[inline(always)]
+    pub(crate) fn value_at_end(&self, slot: usize, roots: u8) -> S {
+        let p = &self.expansion.series(slot)[usize::from(roots)..];
+        (0..roots).fold(horner(p, self.scaled_step), |value, _| {
+            value * self.scaled_step
+        })
     }
 
     /// The unit of time grows no farther than steps do: where events end them early, polynomials would reach farther and farther,

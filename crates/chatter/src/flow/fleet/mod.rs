@@ -150,7 +150,7 @@ where
     fn enqueue(&mut self, index: usize) {
         loop {
             let trajectory = &mut self.trajectories[index];
-            if !trajectory.has_pending() {
+            if !(trajectory.has_pending() || trajectory.steps_alone()) {
                 break;
             }
             let outcome = trajectory.advance_to_horizon(self.system, &mut self.single);

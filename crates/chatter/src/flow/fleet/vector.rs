@@ -383,7 +383,7 @@ impl<'a, const L: usize> Vector<'a, L> {
         }
         if !verdict.ordinary.lane(lane) {
             rows.catch_up(index, trajectory);
-            return self.give_to_mode_machine(lane, trajectory);
+            return self.give_to_mode_machine(lane, trajectory, common);
         }
         let lane = lane.min(L - 1);
         let event = work.event.0[lane];
@@ -418,7 +418,14 @@ impl<'a, const L: usize> Vector<'a, L> {
 
     /// Gives the end of a step that is no ordinary one to a trajectory that knows where it began.
     #[inline(never)]
-    fn give_to_mode_machine(&self, lane: usize, trajectory: &mut Trajectory<f64>) -> Ended {
+    fn give_to_mode_machine(
+        &self,
+        lane: usize,
+        trajectory: &mut Trajectory<f64>,
+        Common {
+            program, touching, ..
+        }: Common<'_>,
+    ) -> Ended {
         let work = &self.work;
         if !self.verdict.certain.lane(lane) {
             return Ended::Uncertain;
@@ -447,13 +454,17 @@ impl<'a, const L: usize> Vector<'a, L> {
             *value = wide.0[lane];
         }
         let remaining = trajectory.remaining();
-        Ended::Digest(StepResult {
+        let mut result = StepResult {
             outcome,
             event,
             touched: None,
             crowd: Closed::NONE,
             jumped: false,
             at_horizon: event.is_none() && reaches(outcome.step, remaining),
-        })
+            gap: None,
+        };
+        let gap = |slot: usize, roots: u8| work.value_at_end(slot, roots).0[lane];
+        result.gap = trajectory.gap_at_end((program, touching), &result, gap);
+        Ended::Digest(result)
     }
 }

@@ -41,7 +41,9 @@ impl<R: Real> Kernel for StepAlone<'_, R> {
         if !work.try_step(program, class, trajectory.touching) {
             return Stepped::Uncertain;
         }
-        let result = trajectory.result(work);
+        let mut result = trajectory.result(work);
+        let gap = |slot, roots| work.value_at_end(slot, roots);
+        result.gap = trajectory.gap_at_end((program, trajectory.touching), &result, gap);
         trajectory.accept(work);
         match trajectory.digest_ordinary(system, program, &result) {
             Some(told) => Stepped::Ordinary(told),

@@ -574,7 +574,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// The place of a guard in the present mode.
-    fn guard(&self, system: &System, kind: GuardKind) -> Option<usize> {
+    pub(super) fn guard(&self, system: &System, kind: GuardKind) -> Option<usize> {
         let program = system.program(self.mode)?;
         program.guards.iter().position(|guard| guard.kind == kind)
     }

@@ -12,6 +12,7 @@ mod contact;
 mod corners;
 mod friction;
 mod grazing;
+mod known_gap;
 mod off_root;
 mod ordinary;
 mod projection;
@@ -94,6 +95,8 @@ pub struct Trajectory<R> {
     met: Option<Corner>,
     /// Surfaces that are crossed at the top of each flight of a sequence of impacts.
     tops: Tops,
+    /// The gap of a contact at the present state, where rounding would take its digits.
+    known_gap: Option<(usize, R)>,
     /// How many impacts the sequence has so far: each slower than the one before, at one contact.
     sequence: u64,
     /// Contact and incoming rate of the latest impact.
@@ -137,6 +140,8 @@ pub(crate) struct StepResult<R> {
     /// A section was crossed by a jump: the state does not lie on it.
     pub jumped: bool,
     pub at_horizon: bool,
+    /// The gap of the contact that was met last, as the flight led to it, if that was cut or begins with one.
+    pub gap: Option<(usize, R)>,
 }
 
 impl<R: Real> Trajectory<R> {
@@ -249,6 +254,11 @@ impl<R: Real> Trajectory<R> {
             || self.collisions.is_some()
             || self.completion.is_some()
             || self.remaining() <= R::ZERO
+    }
+
+    /// Whether the next step asks for more than its row in a vector would hold.
+    pub(crate) fn steps_alone(&self) -> bool {
+        self.known_gap.is_some()
     }
 
     /// Moves by one step: to the next event, to `horizon`, or as far as one expansion reaches. Tells what happened, if
@@ -379,6 +389,8 @@ impl<R: Real> Trajectory<R> {
         result.jumped = jumped;
         result.at_horizon &= !shortened;
         result.crowd = crowd;
+        let gap = |slot, roots| work.value_at_end(slot, roots);
+        result.gap = self.gap_at_end((program, self.touching), &result, gap);
         Ok(result)
     }
 
@@ -418,6 +430,7 @@ impl<R: Real> Trajectory<R> {
         (result.outcome.step, result.outcome.step_low) = (R::ZERO, R::ZERO);
         result.event = Some(work.event.to_f64() as usize);
         result.jumped = jumped;
+        result.gap = self.known_gap;
         self.keep_sides(work);
         let told = self.digest(system, work, program, &result)?;
         // There may be another.
@@ -453,6 +466,7 @@ impl<R: Real> Trajectory<R> {
         work.reach = self.reach;
         work.horizon = self.remaining();
         work.time = self.time;
+        work.known_gap = self.known_gap;
         work.longest = self.longest_step;
         work.tau = tau;
         class
@@ -469,6 +483,7 @@ impl<R: Real> Trajectory<R> {
             crowd: Closed::NONE,
             jumped: false,
             at_horizon: event == NO_EVENT && flight::reaches(work.step, remaining),
+            gap: None,
         }
     }
 
@@ -504,6 +519,20 @@ impl<R: Real> Trajectory<R> {
 
     /// Says what a step means that is no ordinary one.
     fn digest_event(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        program: &Program,
+        result: &StepResult<R>,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        let before = self.doubtful_gap(system, result)?;
+        let told = self.follow_event(system, work, program, result)?;
+        let stays = before.is_some() && self.doubtful_gap(system, result)? == before;
+        self.known_gap = result.gap.filter(|_| stays);
+        Ok(told)
+    }
+
+    fn follow_event(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,

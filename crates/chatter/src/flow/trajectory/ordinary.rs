@@ -110,7 +110,11 @@ impl<R: Real> Trajectory<R> {
         let Outcome { step, impact, .. } = &result.outcome;
         let (course, is_ordinary) =
             (self.flight()).follow(&result.outcome, (!at_impact, at_impact), largest);
-        (is_ordinary && is_finite).then(|| match result.event {
+        if !(is_ordinary && is_finite) {
+            return None;
+        }
+        self.known_gap = result.gap;
+        Some(match result.event {
             None => {
                 self.keep_glide(&course, *step);
                 None

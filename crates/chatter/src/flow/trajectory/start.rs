@@ -73,6 +73,7 @@ impl<R: Real> Trajectory<R> {
             tracker: ChatterTracker::new(work.tail),
             met: None,
             tops: Tops::NONE,
+            known_gap: None,
             sequence: 0,
             latest_impact: None,
             touched_at: time,
@@ -220,6 +221,7 @@ impl<R: Real> Trajectory<R> {
         self.tracker.restart();
         self.met = None;
         self.tops = Tops::NONE;
+        self.known_gap = None;
         self.sequence = 0;
         self.latest_impact = None;
         self.touched_at = time;
