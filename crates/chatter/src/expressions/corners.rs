@@ -209,6 +209,13 @@ enum WholeNumbers {
     Evaluated,
 }
 
+/// Which sides are taken of a surface that is slid along.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Slid {
+    Above,
+    Both,
+}
+
 impl Corners {
     /// The corners of all expressions that `roots` are made of. The parameters of lookups come after `parameters` others.
     pub fn of(graph: &Graph, roots: &[Expr], parameters: usize) -> Self {
@@ -289,7 +296,7 @@ impl Corners {
         }
         let parts = graph.reachable(exprs);
         let moves = graph.depend_on_state(&parts);
-        let (needed, surfaces) = self.needed(graph, sides, (exprs, &parts, &moves));
+        let (needed, surfaces) = self.needed(graph, sides, (exprs, &parts, &moves), Slid::Above);
         found.surfaces = surfaces;
         let mut known: FxHashMap<Expr, Expr> =
             FxHashMap::with_capacity_and_hasher(parts.len(), FxBuildHasher);
@@ -339,13 +346,14 @@ impl Corners {
         found
     }
 
-    /// Which parts of expressions are needed on the given sides, from the outside in: of a choice only the piece that holds. With
-    /// the surfaces that choose.
+    /// Which parts of expressions are needed on the given sides, from the outside in: of a choice only the piece that holds, and of one
+    /// whose surface is slid along what is asked for. With the surfaces that choose.
     fn needed(
         &self,
         graph: &Graph,
         sides: Sides,
         (exprs, parts, moves): (&[Expr], &[Expr], &[bool]),
+        slid: Slid,
     ) -> (FxHashMap<Expr, bool>, Surfaces) {
         let mut surfaces = Surfaces::default();
         let mut needed: FxHashMap<Expr, bool> = parts.iter().map(|&part| (part, false)).collect();
@@ -368,11 +376,17 @@ impl Corners {
                 ) => {
                     if let Some(index) = self.surface(surface) {
                         surfaces = surfaces.with(index);
-                        let chosen = match sides.get(index) {
-                            Side::Above | Side::Sliding => above,
-                            Side::Below => below,
+                        let (is_above, is_below) = match (sides.get(index), slid) {
+                            (Side::Above, _) | (Side::Sliding, Slid::Above) => (true, false),
+                            (Side::Below, _) => (false, true),
+                            (Side::Sliding, Slid::Both) => (true, true),
                         };
-                        needed.insert(chosen, true);
+                        if is_above {
+                            needed.insert(above, true);
+                        }
+                        if is_below {
+                            needed.insert(below, true);
+                        }
                     }
                 }
                 _ => graph.for_each_operand(part, |operand| {
@@ -383,13 +397,15 @@ impl Corners {
         (needed, surfaces)
     }
 
-    /// What expressions depend on, on the given sides, and what that depends on in turn.
+    /// What expressions depend on, on the given sides, and what that depends on in turn. Motion that slides along a surface depends on
+    /// both sides of it.
     pub fn asked(&self, graph: &Graph, sides: Sides, exprs: &[Expr]) -> Asked {
         let (mut asked, mut exprs) = (Asked::default(), exprs.to_vec());
         while !(self.is_empty() || exprs.is_empty()) {
             let parts = graph.reachable(&exprs);
             let moves = graph.depend_on_state(&parts);
-            let (needed, surfaces) = self.needed(graph, sides, (&exprs, &parts, &moves));
+            let (needed, surfaces) =
+                self.needed(graph, sides, (&exprs, &parts, &moves), Slid::Both);
             let mut found = Asked {
                 surfaces,
                 ..Asked::default()

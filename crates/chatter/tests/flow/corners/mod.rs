@@ -4,6 +4,7 @@ mod asked;
 mod cut_flights;
 mod held_on_one_side;
 mod jumps;
+mod nested;
 mod piecewise;
 mod powers;
 mod roots;
