@@ -4,30 +4,19 @@
 //! neither force nor acceleration can be told from zero, the jerk decides, as at release.
 
 use super::Trajectory;
-use crate::expressions::Operand;
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, Grip, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
-use crate::flow::touch::{series_with_terms, with_terms};
+use crate::flow::touch::with_terms;
 use crate::flow::touching::{Left, Touching};
 use crate::numerics::complementarity::{Complementary, complementary};
-use crate::numerics::polynomial::magnitude;
 use crate::numerics::{Real, WithTerms, dot};
 
 /// Captures of columns one contact after the other converge at least as fast as plastic collisions do, by halves.
 const COLUMN_SWEEPS: usize = 60;
-
-/// A gap that no order of its expansion moves by more than this part of the state's own motion stays as it is.
-const BALANCE_ROUNDOFFS: f64 = 1024.0;
-
-/// Of a derivative that is the sum of forces in balance so many times as much may be left as rounding makes of its terms.
-const BALANCE_LEVELS: f64 = 32.0;
-
-/// Gap, rate, acceleration and jerk have been asked of a contact at rest.
-const ORDERS_AT_REST: usize = 4;
 
 /// What contacts at rest do: forces p and accelerations w, one of which is zero for each.
 struct Forces<R> {
@@ -238,16 +227,10 @@ impl<R: Real> Trajectory<R> {
             }
         }
         let idle = self.idle_beside(&block, &contacts, (held, &undecided));
-        let mut balanced = Vec::new();
-        for contact in undecided {
-            if idle.contains(contact) {
-                continue;
-            }
-            let closes = self.settle_by_jerk(system, work, contact)?;
-            if closes && self.roots(system, GuardKind::Reaction(contact)) == Touching::BALANCED {
-                balanced.push(contact);
-            }
-        }
+        let rest: Vec<usize> = (undecided.iter().copied())
+            .filter(|&contact| !idle.contains(contact))
+            .collect();
+        let balanced = self.settle_by_jerks(system, work, (held, &rest))?;
         if idle != Closed::NONE {
             let closed = Closed(self.closed.0 | idle.0);
             self.enter_grip(system, Grip { closed, idle })?;
@@ -257,103 +240,6 @@ impl<R: Real> Trajectory<R> {
             self.touch(system, GuardKind::Reaction(contact), Touching::BALANCED);
         }
         self.capture_columns(system, work)
-    }
-
-    /// A contact at rest without acceleration in the present mode: its jerk decides, or the first derivative that can be told from
-    /// zero, or it is balanced. Returns whether it is closed.
-    fn settle_by_jerk(
-        &mut self,
-        system: &System,
-        work: &mut Workspace<R>,
-        contact: usize,
-    ) -> Result<bool, FlowError> {
-        let [_, _, _, jerk] = self.local(system, contact)?;
-        if jerk.value > jerk.level() {
-            self.leave_gap(system, contact, 3);
-            return Ok(false);
-        }
-        let mut roots = 1;
-        if jerk.value >= -jerk.level() {
-            match self.first_order(system, contact)? {
-                Some((order, rises)) => {
-                    let most = usize::from(Touching::BALANCED);
-                    if rises {
-                        self.leave_gap(system, contact, order.min(most) as u8);
-                        return Ok(false);
-                    }
-                    // Two of them are the force's own.
-                    roots = (order - 2).min(most - 1) as u8;
-                }
-                None if self.is_balanced(system, work, contact)? => roots = Touching::BALANCED,
-                None => {
-                    return Err(FlowError::UndecidedRelease {
-                        time: self.time.to_f64(),
-                        contact,
-                    });
-                }
-            }
-        }
-        self.enter(system, self.closed.with(contact))?;
-        self.touch(system, GuardKind::Reaction(contact), roots);
-        Ok(true)
-    }
-
-    /// The first order in which the field moves the gap of a contact at rest that neither acceleration nor jerk do, and whether it
-    /// rises; none that is computed can be told from zero by what is left of a balance of its terms.
-    fn first_order(
-        &self,
-        system: &System,
-        contact: usize,
-    ) -> Result<Option<(usize, bool)>, FlowError> {
-        let program = self.program(system)?;
-        let guard = (program.guards.iter()).find(|guard| guard.closing() == Some(contact));
-        let (Some(constants), Some(Operand::Series(slot))) =
-            (&self.constants[self.mode], guard.map(|guard| guard.series))
-        else {
-            return Ok(None);
-        };
-        let start = (&self.state[..], &self.low[..]);
-        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
-        let series = series_with_terms(&program.tape, &constants.tape, start, (slot, unit));
-        let moves = |c: &WithTerms<R>| c.value.abs() > c.level() * R::splat(BALANCE_LEVELS);
-        let found = (series.iter().enumerate().skip(ORDERS_AT_REST)).find(|(_, c)| moves(c));
-        let is_finite = (series.iter()).all(|c| c.value.is_finite());
-        Ok(found
-            .filter(|_| is_finite)
-            .map(|(order, c)| (order, c.value > R::ZERO)))
-    }
-
-    /// Whether the gap of a contact at rest stays zero by itself: the field does not move it to any order that is
-    /// computed, as in an equilibrium without contact force.
-    fn is_balanced(
-        &self,
-        system: &System,
-        work: &mut Workspace<R>,
-        contact: usize,
-    ) -> Result<bool, FlowError> {
-        let program = self.program(system)?;
-        let guard = program
-            .guards
-            .iter()
-            .find(|guard| guard.closing() == Some(contact));
-        let (Some(constants), Some(Operand::Series(slot))) =
-            (&self.constants[self.mode], guard.map(|guard| guard.series))
-        else {
-            return Ok(false);
-        };
-        // In the time that the field itself needs to change, from the latest expansion.
-        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
-        work.expand_at(
-            &program.tape,
-            &constants.tape,
-            (&self.state, &self.low),
-            unit,
-        );
-        let motion = (0..self.coordinates)
-            .map(|i| magnitude(work.point.series(i), R::ONE))
-            .fold(R::ZERO, R::max);
-        let level = motion * R::splat(BALANCE_ROUNDOFFS * R::ROUNDOFF);
-        Ok(work.point.series(slot).iter().all(|c| c.abs() <= level))
     }
 
     /// Replaces a range of states; one that does not change keeps its rounding remainder.
@@ -456,6 +342,33 @@ impl<R: Real> Trajectory<R> {
             }
         }
         Ok(())
+    }
+
+    /// The force of a closed contact has vanished: it opens, unless those of others vanish with it. Then which of them open is decided
+    /// for all at once.
+    pub(super) fn let_go(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        let contacts: Vec<usize> = self.grip().carrying().contacts().collect();
+        if contacts.len() > 1 {
+            let forces = self.forces_at_rest(system, &contacts)?;
+            let vanishes = |(_, force): &(&usize, &R)| **force <= forces.level;
+            let all = (contacts.iter().zip(&forces.found.p)).filter(vanishes);
+            let (mut count, mut is_among) = (0, false);
+            for (&other, _) in all {
+                count += 1;
+                is_among |= other == contact;
+            }
+            if is_among && count > 1 {
+                self.rest_again(system, work)?;
+                return Ok(self.pending.pop_front());
+            }
+        }
+        self.open(system, contact, 3)?;
+        Ok(Some(Occurrence::Release { contact }))
     }
 
     /// A closed contact opens, with so many roots of its gap here.

@@ -22,6 +22,7 @@ mod sequence;
 mod stall;
 mod start;
 mod tops;
+mod undecided;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
@@ -621,9 +622,8 @@ impl<R: Real> Trajectory<R> {
                 self.hand_over(system, work, contact)
             }
             Transition::Open { contact } => {
-                self.open(system, contact, 3)?;
                 self.tracker.interrupt();
-                Ok(Some(Occurrence::Release { contact }))
+                self.let_go(system, work, contact)
             }
             Transition::Meet(corner) => self.meet_corner(system, work, (corner, true)),
             Transition::Part(corner) => self.meet_corner(system, work, (corner, false)),

@@ -10,3 +10,4 @@ mod nested_chatter;
 mod painleve;
 mod several_contacts;
 mod several_releases;
+mod thrown_together;

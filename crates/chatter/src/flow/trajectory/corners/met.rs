@@ -152,7 +152,11 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Decides anew which of the closed contacts stay closed; tells of those that open.
-    fn rest_again(&mut self, system: &System, work: &mut Workspace<R>) -> Result<(), FlowError> {
+    pub(in crate::flow::trajectory) fn rest_again(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+    ) -> Result<(), FlowError> {
         let before = self.closed;
         self.bring_to_rest(system, work, Closed::NONE)?;
         for contact in before.contacts().filter(|&c| !self.closed.contains(c)) {

@@ -1,0 +1,197 @@
+//! Contacts at rest that neither force nor acceleration decides about: the jerks do, or the first derivative that can be told from
+//! zero, or nothing moves them.
+
+use super::Trajectory;
+use crate::expressions::Operand;
+use crate::flow::error::FlowError;
+use crate::flow::guard::GuardKind;
+use crate::flow::program::Closed;
+use crate::flow::step::Workspace;
+use crate::flow::system::System;
+use crate::flow::touch::series_with_terms;
+use crate::flow::touching::Touching;
+use crate::numerics::complementarity::complementary;
+use crate::numerics::linear::solve;
+use crate::numerics::polynomial::magnitude;
+use crate::numerics::{Real, WithTerms, dot};
+
+/// A gap that no order of its expansion moves by more than this part of the state's own motion stays as it is.
+const BALANCE_ROUNDOFFS: f64 = 1024.0;
+
+/// Of a derivative that is the sum of forces in balance so many times as much may be left as rounding makes of its terms.
+const BALANCE_LEVELS: f64 = 32.0;
+
+/// Gap, rate, acceleration and jerk have been asked of a contact at rest.
+const ORDERS_AT_REST: usize = 4;
+
+impl<R: Real> Trajectory<R> {
+    /// Contacts at rest without acceleration in the present mode, which `held` keeps closed: the rates at which their forces begin to
+    /// grow, and their jerks, obey the law that forces and accelerations do. Those that are balanced are returned.
+    pub(super) fn settle_by_jerks(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        (held, contacts): (Closed, &[usize]),
+    ) -> Result<Vec<usize>, FlowError> {
+        let mut rest = contacts.to_vec();
+        if contacts.len() > 1 {
+            let mut jerks = Vec::with_capacity(contacts.len());
+            for &contact in contacts {
+                let [.., jerk] = self.local(system, contact)?;
+                jerks.push(jerk);
+            }
+            let level = jerks.iter().map(|jerk| jerk.level()).fold(R::ZERO, R::max);
+            let free: Vec<R> = jerks.iter().map(|jerk| jerk.value).collect();
+            let block = self.coupling_beside(system, held, contacts)?;
+            let levels = vec![level; free.len()];
+            let found = block.and_then(|block| complementary(&block, &free, &levels));
+            let mut leaving = Vec::new();
+            if let Some(found) = found {
+                rest.clear();
+                for (k, &contact) in contacts.iter().enumerate() {
+                    if found.p[k] > level {
+                        self.enter(system, self.closed.with(contact))?;
+                        self.touch(system, GuardKind::Reaction(contact), 1);
+                    } else if found.w[k] > level {
+                        leaving.push(contact);
+                    } else {
+                        rest.push(contact);
+                    }
+                }
+            }
+            for contact in leaving {
+                self.leave_gap(system, contact, 3);
+            }
+        }
+        let mut balanced = Vec::new();
+        for contact in rest {
+            let closes = self.settle_by_jerk(system, work, contact)?;
+            if closes && self.roots(system, GuardKind::Reaction(contact)) == Touching::BALANCED {
+                balanced.push(contact);
+            }
+        }
+        Ok(balanced)
+    }
+
+    /// How impulses at contacts change their rates while others are held closed; none where those depend on each other.
+    fn coupling_beside(
+        &self,
+        system: &System,
+        held: Closed,
+        contacts: &[usize],
+    ) -> Result<Option<Vec<Vec<R>>>, FlowError> {
+        let held: Vec<usize> = held.contacts().collect();
+        let all = [&held[..], contacts].concat();
+        let (count, block) = (held.len(), self.touch_values(system)?.block(&all));
+        let (above, below) = block.split_at(count);
+        let own: Vec<Vec<R>> = above.iter().map(|row| row[..count].to_vec()).collect();
+        let mut rows: Vec<Vec<R>> = below.iter().map(|row| row[count..].to_vec()).collect();
+        for column in 0..contacts.len() {
+            let pushed: Vec<R> = above.iter().map(|row| row[count + column]).collect();
+            let Some(forces) = solve(&own, &pushed) else {
+                return Ok(None);
+            };
+            for (row, below) in rows.iter_mut().zip(below) {
+                row[column] -= dot(&below[..count], &forces);
+            }
+        }
+        Ok(Some(rows))
+    }
+
+    /// A contact at rest without acceleration in the present mode: its jerk decides, or the first derivative that can be told from
+    /// zero, or it is balanced. Returns whether it is closed.
+    pub(super) fn settle_by_jerk(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<bool, FlowError> {
+        let [_, _, _, jerk] = self.local(system, contact)?;
+        if jerk.value > jerk.level() {
+            self.leave_gap(system, contact, 3);
+            return Ok(false);
+        }
+        let mut roots = 1;
+        if jerk.value >= -jerk.level() {
+            match self.first_order(system, contact)? {
+                Some((order, rises)) => {
+                    let most = usize::from(Touching::BALANCED);
+                    if rises {
+                        self.leave_gap(system, contact, order.min(most) as u8);
+                        return Ok(false);
+                    }
+                    // Two of them are the force's own.
+                    roots = (order - 2).min(most - 1) as u8;
+                }
+                None if self.is_balanced(system, work, contact)? => roots = Touching::BALANCED,
+                None => {
+                    return Err(FlowError::UndecidedRelease {
+                        time: self.time.to_f64(),
+                        contact,
+                    });
+                }
+            }
+        }
+        self.enter(system, self.closed.with(contact))?;
+        self.touch(system, GuardKind::Reaction(contact), roots);
+        Ok(true)
+    }
+
+    /// The first order in which the field moves the gap of a contact at rest that neither acceleration nor jerk do, and whether it
+    /// rises; none that is computed can be told from zero by what is left of a balance of its terms.
+    fn first_order(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<Option<(usize, bool)>, FlowError> {
+        let program = self.program(system)?;
+        let guard = (program.guards.iter()).find(|guard| guard.closing() == Some(contact));
+        let (Some(constants), Some(Operand::Series(slot))) =
+            (&self.constants[self.mode], guard.map(|guard| guard.series))
+        else {
+            return Ok(None);
+        };
+        let start = (&self.state[..], &self.low[..]);
+        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
+        let series = series_with_terms(&program.tape, &constants.tape, start, (slot, unit));
+        let moves = |c: &WithTerms<R>| c.value.abs() > c.level() * R::splat(BALANCE_LEVELS);
+        let found = (series.iter().enumerate().skip(ORDERS_AT_REST)).find(|(_, c)| moves(c));
+        let is_finite = (series.iter()).all(|c| c.value.is_finite());
+        Ok(found
+            .filter(|_| is_finite)
+            .map(|(order, c)| (order, c.value > R::ZERO)))
+    }
+
+    /// Whether the gap of a contact at rest stays zero by itself: the field does not move it to any order that is
+    /// computed, as in an equilibrium without contact force.
+    fn is_balanced(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<bool, FlowError> {
+        let program = self.program(system)?;
+        let guard = program
+            .guards
+            .iter()
+            .find(|guard| guard.closing() == Some(contact));
+        let (Some(constants), Some(Operand::Series(slot))) =
+            (&self.constants[self.mode], guard.map(|guard| guard.series))
+        else {
+            return Ok(false);
+        };
+        // In the time that the field itself needs to change, from the latest expansion.
+        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
+        work.expand_at(
+            &program.tape,
+            &constants.tape,
+            (&self.state, &self.low),
+            unit,
+        );
+        let motion = (0..self.coordinates)
+            .map(|i| magnitude(work.point.series(i), R::ONE))
+            .fold(R::ZERO, R::max);
+        let level = motion * R::splat(BALANCE_ROUNDOFFS * R::ROUNDOFF);
+        Ok(work.point.series(slot).iter().all(|c| c.abs() <= level))
+    }
+}
