@@ -335,6 +335,26 @@ const WRONG: &[(&str, &str)] = &[
         "[flight]\ny = \"v\"\nv = \"if(y == 0, -1, 1)\"\n[initial]\ny = 1\nv = 0\n",
     ),
     (
+        "a surface with its zero",
+        "[flight]\ny = \"v\"\nv = -1\n[section.top]\nsurface = \"v = 0\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a choice as in Pascal",
+        "[flight]\ny = \"v\"\nv = \"if y > 0 then -1 else 1\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a choice as in C",
+        "[flight]\ny = \"v\"\nv = \"y > 0 ? -1 : 1\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a number with its unit",
+        "[flight]\ny = \"v\"\nv = \"-9.81 m/s^2\"\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
+        "an expression without quotes in a reset",
+        "[flight]\ny = \"v\"\nv = -1\n[[event]]\nname = \"turn\"\nsurface = \"y\"\nreset = { y = \"y\", v = -0.5*v }\n[initial]\ny = 1\nv = 0\n",
+    ),
+    (
         "conditions joined as in C",
         "[flight]\ny = \"v\"\nv = \"if(y > 0 && v > 0, -1, 1)\"\n[initial]\ny = 1\nv = 0\n",
     ),

@@ -167,6 +167,7 @@ impl Parser<'_> {
     fn bare_function(&self, name_at: usize) -> ParseError {
         let name = self.written(name_at);
         let argument = match self.token() {
+            _ if name == "if" => "condition, value, other".to_string(),
             Token::Number(_) | Token::Name => self.written(self.at),
             _ => "…".to_string(),
         };
@@ -216,18 +217,32 @@ impl Parser<'_> {
             }
             _ => {
                 let (before, after) = (self.written(self.at - 1), self.written(self.at));
+                let span = self.lexemes[self.at - 1].span.start..self.span().end;
+                let follows_number = matches!(self.lexemes[self.at - 1].token, Token::Number(_));
+                if follows_number && self.token() == Token::Name && !self.knows(&after) {
+                    return ParseError {
+                        span,
+                        suggestion: Some(before),
+                        kind: ParseErrorKind::NumberWithUnit(after),
+                    };
+                }
                 // As in `a if b else c`, which is no product.
                 let suggestion = match after.as_str() {
                     "if" => "if(condition, value, other)".to_owned(),
                     _ => format!("{before}*{after}"),
                 };
                 ParseError {
-                    span: self.lexemes[self.at - 1].span.start..self.span().end,
+                    span,
                     suggestion: Some(suggestion),
                     kind: ParseErrorKind::MissingOperator { before, after },
                 }
             }
         }
+    }
+
+    /// Whether a name stands for anything.
+    fn knows(&self, name: &str) -> bool {
+        suggest::is_reserved(name) || (self.resolve)(name).is_some()
     }
 
     /// A point, if the current comma stands between two numbers.

@@ -65,6 +65,8 @@ pub enum ParseErrorKind {
         /// The beginning of the second.
         after: String,
     },
+    /// A number with a name after it that stands for nothing, as a unit does.
+    NumberWithUnit(String),
     /// The first argument of `if` is a number.
     NotACondition,
     /// A comparison outside the first argument of `if`.
@@ -90,6 +92,10 @@ impl fmt::Display for ParseErrorKind {
             Self::TooDeep => write!(
                 out,
                 "the expression is nested more than {DEEPEST_NESTING} deep; name its parts"
+            ),
+            Self::StrayCharacter('=') => write!(
+                out,
+                "unexpected `=`: conditions compare by `<` and `>`, and what is zero somewhere is written without `= 0`"
             ),
             Self::StrayCharacter(quote @ ('\'' | '"' | '\\')) => {
                 write!(out, "unexpected character `{quote}`")
@@ -152,6 +158,12 @@ impl fmt::Display for ParseErrorKind {
             Self::MissingOperator { before, after } => {
                 write!(out, "expected an operator between `{before}` and `{after}`")
             }
+            Self::NumberWithUnit(name) => {
+                write!(
+                    out,
+                    "unknown name `{name}` after a number, which has no unit"
+                )
+            }
             Self::StrayComma => write!(out, "unexpected `,`; the decimal sign is a point"),
             Self::UnclosedParenthesis => write!(out, "this parenthesis is never closed"),
             Self::UnopenedParenthesis => write!(out, "this parenthesis was never opened"),
@@ -165,6 +177,7 @@ impl ParseError {
         match (&self.kind, &self.suggestion) {
             (
                 ParseErrorKind::MissingOperator { .. }
+                | ParseErrorKind::NumberWithUnit(_)
                 | ParseErrorKind::NotAFunction(_)
                 | ParseErrorKind::BareFunction(_)
                 | ParseErrorKind::StrayCharacter(_),

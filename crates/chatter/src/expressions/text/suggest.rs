@@ -207,7 +207,7 @@ pub(in crate::expressions) fn for_character(text: &str) -> Option<String> {
         '²' => "^2",
         '³' => "^3",
         '√' => "sqrt",
-        '=' => ">=",
+        '?' => "if(condition, value, other)",
         '&' => "and",
         '|' if text.starts_with("||") => "or",
         '|' => "abs(x)",

@@ -26,7 +26,12 @@ pub(in crate::model) fn syntax_error(
     }
     if let Some((number, span)) = number_at(text, span.start) {
         let text = number.to_owned();
-        return (ModelErrorKind::NotANumber { text }, span);
+        let is_expression = text.contains(['*', '/', '^', '(']);
+        let kind = match is_expression {
+            true => ModelErrorKind::Unquoted { text },
+            false => ModelErrorKind::NotANumber { text },
+        };
+        return (kind, span);
     }
     let unclosed = ["invalid basic string", "invalid literal string"];
     let message = if unclosed.iter().any(|start| message.starts_with(start)) {
@@ -37,13 +42,19 @@ pub(in crate::model) fn syntax_error(
     (ModelErrorKind::Syntax { message }, span)
 }
 
-/// The value of the line that `at` is in, if `at` is in it and it starts as a number does.
+/// The value that `at` is in, of a line or within a table in one line, if it starts as a number does.
 fn number_at(text: &str, at: usize) -> Option<(&str, Range<usize>)> {
-    let start = text.get(..at)?.rfind('\n').map_or(0, |newline| newline + 1);
+    let start = text
+        .get(..at)?
+        .rfind(['\n', '='])
+        .map_or(0, |before| before + 1);
     let line = text[start..].lines().next()?;
-    let line = line.split('#').next()?;
-    let (key, value) = line.split_once('=')?;
-    let value_start = start + key.len() + 1 + (value.len() - value.trim_start().len());
+    let in_table = text[..start].lines().next_back()?.contains('{');
+    let value = match in_table {
+        true => line.split(['#', ',', '}']).next()?,
+        false => line.split('#').next()?,
+    };
+    let value_start = start + (value.len() - value.trim_start().len());
     let value = value.trim();
     let span = value_start..value_start + value.len();
     let is_number = value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
