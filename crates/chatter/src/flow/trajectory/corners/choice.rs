@@ -12,8 +12,11 @@ use crate::flow::touching::Touching;
 use crate::flow::trajectory::Trajectory;
 use crate::numerics::{Real, WithTerms, two_sum};
 
-/// So many modes are asked at a corner of several surfaces, not more.
+/// So many modes are asked at once at a corner of several surfaces, not more.
 const MOST_CANDIDATES: usize = 81;
+
+/// So often each of more corners is asked beside the others.
+const MOST_ROUNDS: usize = 64;
 
 /// A surface that may jump, and is so many times what cannot be told from zero, has jumped.
 const JUMPS: f64 = 1024.0;
@@ -85,7 +88,11 @@ impl<R: Real> Trajectory<R> {
         let mut touched = touched.to_vec();
         let verdicts = loop {
             touched.sort_by_key(|&corner| system.corner_expr(corner));
-            let candidates = self.candidates(system, (&touched, met), &now, &mut asked)?;
+            let all = self.candidates(system, (&touched, met), &now, &mut asked)?;
+            let candidates = match all {
+                Some(all) => all,
+                None => vec![self.one_by_one(system, (&touched, met), &now, &mut asked)?],
+            };
             let mut verdicts: Vec<Verdict<R>> = Vec::new();
             let mut more = None;
             for candidate in candidates {
@@ -157,14 +164,18 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// All combinations of what may become of corners that are touched, those within others first: what a corner is a
-    /// function of may jump at them.
+    /// function of may jump at them. None where they are too many.
     fn candidates(
         &mut self,
         system: &System,
         (touched, met): (&[Corner], Option<Corner>),
         now: &Candidate,
         asked: &mut Asked<R>,
-    ) -> Result<Vec<Candidate>, FlowError> {
+    ) -> Result<Option<Vec<Candidate>>, FlowError> {
+        // Each has two sides at least.
+        if touched.len() > MOST_CANDIDATES.ilog2() as usize {
+            return Ok(None);
+        }
         let mut candidates = vec![now.clone()];
         for &corner in touched {
             let mut wider: Vec<Candidate> = Vec::new();
@@ -177,12 +188,67 @@ impl<R: Real> Trajectory<R> {
                 wider.extend(options.into_iter().map(|option| option.made(&base)));
             }
             if wider.len() > MOST_CANDIDATES {
-                return Err(self.no_mode(system, touched));
+                return Ok(None);
             }
             candidates = wider;
         }
         candidates.retain(|candidate| self.slide_alike(system, candidate.sides));
-        Ok(candidates)
+        Ok(Some(candidates))
+    }
+
+    /// The combination that holds corner by corner, found from the one that slides along all it can: each takes what holds beside the
+    /// others until none changes, as bodies in a row do that rub. Whether it holds as a whole is asked like of any other.
+    fn one_by_one(
+        &mut self,
+        system: &System,
+        (touched, met): (&[Corner], Option<Corner>),
+        now: &Candidate,
+        asked: &mut Asked<R>,
+    ) -> Result<Candidate, FlowError> {
+        let mut found = now.clone();
+        for &corner in touched {
+            if matches!(corner, Corner::Surface(index) if now.side(index) == Side::Sliding) {
+                continue;
+            }
+            let options = self.options(system, (corner, met), &found, (touched, asked))?;
+            let slides = (options.iter()).find(|o| matches!(o, Choice::Side(_, Side::Sliding)));
+            if let Some(slides) = slides {
+                found = slides.made(&found);
+            }
+        }
+        for _ in 0..MOST_ROUNDS {
+            let before = found.clone();
+            for &corner in touched {
+                if self.holds_for(system, &found, (corner, touched, asked))? {
+                    continue;
+                }
+                for option in self.options(system, (corner, met), &found, (touched, asked))? {
+                    let option = option.made(&found);
+                    if self.holds_for(system, &option, (corner, touched, asked))? {
+                        found = option;
+                        break;
+                    }
+                }
+            }
+            if found == before {
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether a candidate holds as far as one of the corners goes.
+    fn holds_for(
+        &mut self,
+        system: &System,
+        candidate: &Candidate,
+        (corner, touched, asked): (Corner, &[Corner], &mut Asked<R>),
+    ) -> Result<bool, FlowError> {
+        if !self.ask_beside(system, candidate, (touched, asked))? {
+            return Ok(false);
+        }
+        let verdict = self.verdict(system, candidate.clone(), (&[corner], asked))?;
+        Ok(verdict.is_some())
     }
 
     /// Whether contacts that carry and rub by one rate slide one way, or stick all.

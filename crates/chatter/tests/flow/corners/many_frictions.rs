@@ -1,0 +1,71 @@
+//! Rows of bodies that rub on the ground and stick together: more modes than can be asked one after the other.
+
+use super::run;
+use chatter::analysis::simulate::Outcome;
+use chatter::flow::Occurrence;
+
+/// Blocks on dry ground, each pulled by a spring and, with stiffness k, by its neighbours (Burridge and Knopoff), at rest first.
+fn chain(stiffness: f64, places: &[f64]) -> String {
+    let (mut field, mut initial) = (String::new(), String::new());
+    for (k, place) in places.iter().enumerate() {
+        let mut force = format!("0.1*t - x{k} - sign(v{k})");
+        let mut pull = |other: usize| force += &format!(" + {stiffness}*(x{other} - x{k})");
+        if k + 1 < places.len() {
+            pull(k + 1);
+        }
+        if k > 0 {
+            pull(k - 1);
+        }
+        field += &format!("x{k} = \"v{k}\"\nv{k} = \"{force}\"\n");
+        initial += &format!("x{k} = {place:?}\nv{k} = 0\n");
+    }
+    format!("[flight]\n{field}[initial]\n{initial}")
+}
+
+fn places(count: usize) -> Vec<f64> {
+    (0..count)
+        .map(|k| 0.2 * libm::sin(1.7 * k as f64 + 0.3))
+        .collect()
+}
+
+/// Blocks that do not pull each other move as each does alone.
+#[test]
+fn blocks_beside_each_other_stick_and_slip_as_alone() {
+    let places = places(9);
+    let all = run::<f64>(&chain(0.0, &places), 30.0);
+    assert_eq!(all.outcome, Outcome::Horizon);
+    for (k, &place) in places.iter().enumerate() {
+        let alone = run::<f64>(&chain(0.0, &[place]), 30.0);
+        for (i, &right) in alone.state[..2].iter().enumerate() {
+            assert!((all.state[2 * k + i] - right).abs() < 1e-12, "{k} {i}");
+        }
+    }
+}
+
+/// Times at which seven blocks begin and cease to slip, from DOP853 with the law of friction decided by hand.
+#[test]
+fn a_chain_of_blocks_slips_when_it_should() {
+    let right = [
+        (0.730_005_287_7, 4, false),
+        (1.118_522_880_8, 1, false),
+        (1.277_122_646_5, 3, false),
+        (2.311_271_415_4, 6, false),
+        (2.854_665_886_5, 2, true),
+        (2.858_340_652_5, 6, true),
+        (3.028_127_750_1, 3, true),
+        (6.003_758_975_0, 2, false),
+        (6.158_456_500_3, 2, true),
+    ];
+    let run = run::<f64>(&chain(3.0, &places(7)), 9.0);
+    assert_eq!(run.outcome, Outcome::Horizon);
+    assert_eq!(run.events.len(), right.len());
+    for (event, (time, block, leaves)) in run.events.iter().zip(right) {
+        assert!((event.time - time).abs() < 1e-9, "{}", event.time);
+        let (surface, left) = match event.detail {
+            Occurrence::Slide { surface } => (surface, false),
+            Occurrence::Leave { surface, .. } => (surface, true),
+            _ => panic!("{:?}", event.detail),
+        };
+        assert_eq!((surface, left), (block, leaves));
+    }
+}
