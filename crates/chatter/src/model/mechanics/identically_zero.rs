@@ -26,22 +26,49 @@ pub(in crate::model) fn is_identically_zero(
     if let Some(value) = graph.as_number(expr) {
         return value.high() == 0.0;
     }
-    let count = states + parameters;
     let (mut value, mut rounding) = (f64::NAN, 0.0_f64);
-    for probe in 0..PROBES {
-        let point: Vec<f64> = (0..count)
-            .map(|axis| generic(probe * count + axis))
-            .collect();
-        let exact: Vec<DoubleDouble> = point.iter().map(|&x| DoubleDouble::from(x)).collect();
-        let rough: f64 = graph.evaluate(expr, &point[..states], &point[states..]);
-        let fine: DoubleDouble = graph.evaluate(expr, &exact[..states], &exact[states..]);
-        let fine = fine.high();
+    for [rough, fine] in probes(graph, expr, [states, parameters]) {
         if rough.is_finite() && fine.is_finite() {
             value = value.max(fine.abs());
             rounding = rounding.max((rough - fine).abs());
         }
     }
     value <= VANISHED * rounding
+}
+
+/// Whether `expr` is no more than rounding of `of`, which it is a part of: numbers that were put together may leave some of what
+/// cancels.
+pub(in crate::model) fn is_rounding(
+    graph: &Graph,
+    (expr, of): (Expr, Expr),
+    size: [usize; 2],
+) -> bool {
+    let largest = |expr: Expr| {
+        let values = probes(graph, expr, size).map(|[_, fine]| fine.abs());
+        values.filter(|value| value.is_finite()).reduce(f64::max)
+    };
+    match (largest(expr), largest(of)) {
+        (Some(value), Some(of)) => value <= f64::EPSILON * of,
+        _ => false,
+    }
+}
+
+/// The values of an expression of so many states and parameters at generic points, in doubles and in twice the digits.
+fn probes(
+    graph: &Graph,
+    expr: Expr,
+    [states, parameters]: [usize; 2],
+) -> impl Iterator<Item = [f64; 2]> {
+    let count = states + parameters;
+    (0..PROBES).map(move |probe| {
+        let point: Vec<f64> = (0..count)
+            .map(|axis| generic(probe * count + axis))
+            .collect();
+        let exact: Vec<DoubleDouble> = point.iter().map(|&x| DoubleDouble::from(x)).collect();
+        let rough: f64 = graph.evaluate(expr, &point[..states], &point[states..]);
+        let fine: DoubleDouble = graph.evaluate(expr, &exact[..states], &exact[states..]);
+        [rough, fine.high()]
+    })
 }
 
 /// The `index`-th number of a sequence without structure in (0.25, 1.75): multiples of the golden ratio, modulo one.

@@ -1,5 +1,6 @@
 //! Mechanics on given sides of all surfaces: there every expression is smooth (MATH.md 9).
 
+use super::identically_zero::is_rounding;
 use super::{Mechanics, MechanicsError};
 use crate::expressions::{Asked, Corners, Expr, Folding, Graph, LookedUpIn, Side, Sides};
 use crate::model::{Contact, Model, Section};
@@ -217,14 +218,10 @@ impl Mechanics {
         self.graph.div(with, bare)
     }
 
-    /// Whether an expression vanishes, or is a number that is rounding of what it is a difference of.
+    /// Whether an expression vanishes, or is rounding of what it is a difference of.
     fn is_rounding(&self, expr: Expr, of: Expr) -> bool {
-        match (self.graph.as_number(expr), self.graph.as_number(of)) {
-            (Some(value), Some(of)) => {
-                value.high().abs() <= f64::EPSILON * of.high().abs().max(f64::MIN_POSITIVE)
-            }
-            _ => self.vanishes(expr),
-        }
+        self.vanishes(expr)
+            || is_rounding(&self.graph, (expr, of), [self.field.len(), self.parameters])
     }
 
     /// Whether surfaces that are slid along together change the field one by one.
