@@ -69,3 +69,59 @@ fn a_chain_of_blocks_slips_when_it_should() {
         assert_eq!((surface, left), (block, leaves));
     }
 }
+
+/// Of two blocks that rub on the ground and on each other, one pulled by 0.1 t slips once that is more than what holds it: the ground,
+/// and either the other block or what holds that. Which of the three frictions holds how much before is not determined, and does not
+/// matter.
+#[test]
+fn blocks_that_rub_each_other_hold_as_much_as_both_can() {
+    for unit in [1.0, 0.37, 123.4] {
+        for (a, b, c) in [
+            (0.5, 0.4, 0.3),
+            (0.36, 0.545, 0.386),
+            (0.2, 0.1, 0.7),
+            (0.3, 0.9, 0.25),
+        ] {
+            let text = format!(
+                "[flight]\nx = \"{unit}*u\"\nu = \"{unit}*(0.1*{unit}*t - {a}*sign(u) - {c}*sign(u - v))\"\n\
+                y = \"{unit}*v\"\nv = \"{unit}*(-{b}*sign(v) + {c}*sign(u - v))\"\n[initial]\nx = 0\nu = 0\ny = 0\nv = 0\n"
+            );
+            let slips = 10.0 * (a + f64::min(b, c));
+            let run = run::<f64>(&text, 1.2 * slips / unit);
+            assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+            let left = (run.events.iter())
+                .rfind(|event| matches!(event.detail, Occurrence::Leave { .. }))
+                .expect("one slips");
+            assert!(
+                (left.time * unit - slips).abs() < 1e-12 * slips,
+                "{} {slips} {text}",
+                left.time
+            );
+            // What moves then has no friction to wait for.
+            let moved = run.state[0];
+            let mass = if c < b { 1.0 } else { 2.0 };
+            let rest: f64 = 0.2 * slips;
+            let right = 0.1 * rest.powi(3) / 6.0 / mass;
+            assert!(
+                (moved - right).abs() < 1e-12 * right,
+                "{moved} {right} {text}"
+            );
+        }
+    }
+}
+
+/// Whether two surfaces change the field one by one does not depend on what numbers leave of what cancels in them.
+#[test]
+fn blocks_rest_in_every_unit_of_time() {
+    for k in 0..40 {
+        let unit = 0.013 * 1.37_f64.powi(k);
+        let text = format!(
+            "[flight]\nx = \"{unit:.6}*v\"\nv = \"{unit:.6}*(0.3*cos(1.3*{unit:.6}*t) - 0.31*x - 0.65*sign(v) - 0.65*sign(v - w))/1.17\"\n\
+            y = \"{unit:.6}*w\"\nw = \"{unit:.6}*(-2.06*y + 0.65*sign(v - w))/0.67\"\n[initial]\nx = 0.2\nv = 0\ny = 0.1\nw = 0\n"
+        );
+        let run = run::<f64>(&text, 10.0 / unit);
+        assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+        assert!(run.events.is_empty(), "{text}");
+        assert_eq!(run.state[..4], [0.2, 0.0, 0.1, 0.0], "{text}");
+    }
+}

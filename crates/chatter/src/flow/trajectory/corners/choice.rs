@@ -321,16 +321,19 @@ impl<R: Real> Trajectory<R> {
         if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
             return Ok(self.grip().carrying().contains(rubs.contact));
         }
-        let mut fields = self.fields_beside(system, index, (base, touched, asked))?;
-        if fields.len() < 2 {
-            // What is slid along elsewhere may be so on one of these sides only.
-            let free = base.sliding_nowhere();
-            fields = self.fields_beside(system, index, (&free, touched, asked))?;
+        let agree = |fields: &[Fields<R>]| match fields {
+            [above, below] => Some(vanishes(above, below)),
+            _ => None,
+        };
+        let mut known = agree(&self.fields_beside(system, index, (base, touched, asked))?);
+        let free = base.sliding_nowhere();
+        if known != Some(false) && free != *base {
+            // What is slid along elsewhere may be so on one of these sides only, or hide the jump: of three bodies that hold each
+            // other one pair is at rest whatever rubs between them.
+            known = agree(&self.fields_beside(system, index, (&free, touched, asked))?).or(known);
         }
-        match &fields[..] {
-            [above, below] if vanishes(above, below) => {
-                self.is_held_by_nothing(system, index, (base, touched, asked))
-            }
+        match known {
+            Some(true) => self.is_held_by_nothing(system, index, (base, touched, asked)),
             _ => Ok(true),
         }
     }
