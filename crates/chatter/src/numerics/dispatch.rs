@@ -58,6 +58,28 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     }
 }
 
+/// Whether vectors of numbers are worth while on this processor: without registers for four and fused multiply-add they are not.
+#[inline]
+pub(crate) fn has_wide_registers() -> bool {
+    !cfg!(target_arch = "x86_64") || InstructionSet::detected() != InstructionSet::Baseline
+}
+
+/// As [`dispatch`], for kernels that are asked for where [`has_wide_registers`] only: they are the largest, and for narrow registers
+/// would be larger than all others together.
+#[inline(never)]
+pub(crate) fn dispatch_wide<K: Kernel>(kernel: K) -> Option<K::Output> {
+    #[cfg(target_arch = "x86_64")]
+    return match InstructionSet::detected() {
+        // SAFETY: the features that the wrapper enables were detected on this processor.
+        InstructionSet::Avx512 => Some(unsafe { run_avx512(kernel) }),
+        // SAFETY: as above.
+        InstructionSet::Avx2 => Some(unsafe { run_avx2(kernel) }),
+        InstructionSet::Baseline => None,
+    };
+    #[cfg(not(target_arch = "x86_64"))]
+    Some(kernel.run())
+}
+
 /// Runs a kernel whose numbers are single ones, for which wide registers do nothing: with fused multiply-add or without.
 #[inline(never)]
 pub fn dispatch_narrow<K: Kernel>(kernel: K) -> K::Output {

@@ -12,7 +12,7 @@ use crate::flow::step::{NO_EVENT, Workspace};
 use crate::flow::system::{Settings, System};
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::{StepResult, Trajectory};
-use crate::numerics::dispatch::{Kernel, dispatch};
+use crate::numerics::dispatch::{Kernel, dispatch_wide};
 use crate::numerics::{LaneMask, LaneSet, Lanes, Mask, Scalar, index_of};
 
 /// A vector of trajectories. Those of a fleet take turns in it.
@@ -92,7 +92,7 @@ macro_rules! vector_step {
                     self.verdict.certain = LaneMask::splat(false);
                     return cohort.keep(LaneSet::NONE);
                 };
-                let stay = dispatch(LaneStep {
+                let stay = dispatch_wide(LaneStep {
                     rows: &mut self.rows,
                     cohort: &mut *cohort,
                     newcomers,
@@ -103,7 +103,10 @@ macro_rules! vector_step {
                     may_bounce: self.system.corners().is_empty(),
                     common,
                 });
-                cohort.keep(stay)
+                if stay.is_none() {
+                    self.verdict.certain = LaneMask::splat(false);
+                }
+                cohort.keep(stay.unwrap_or(LaneSet::NONE))
             }
         }
     };
@@ -112,8 +115,6 @@ macro_rules! vector_step {
 vector_step!(16);
 #[cfg(test)]
 vector_step!(8);
-#[cfg(test)]
-vector_step!(4);
 
 struct LaneStep<'a, const L: usize> {
     rows: &'a mut Rows,
