@@ -16,7 +16,7 @@ use super::Trajectory;
 use crate::expressions::{Negligible, Operand};
 use crate::flow::guard::Guard;
 use crate::flow::program::Program;
-use crate::flow::resolve::{Resolution, resolve};
+use crate::flow::resolve::{Resolution, expand_within_reach, resolve};
 use crate::flow::step::{NO_EVENT, Workspace};
 use crate::flow::system::System;
 use crate::numerics::polynomial::{horner, magnitude};
@@ -55,7 +55,7 @@ impl<R: Real> Trajectory<R> {
             class
         };
         let class = load(work);
-        work.expand_only(&plain, class);
+        expand_within_reach(work, &plain, class).ok()?;
         let base = work
             .expansion
             .series(program.tape.singular[which].slot)
