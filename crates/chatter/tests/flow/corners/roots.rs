@@ -201,3 +201,38 @@ fn a_hertzian_contact_of_a_moving_base_is_left_in_thirty_digits() {
     let off = |time: &f64| (time - left).abs() < 1e-15;
     assert!(switches(&long).iter().any(off), "{:?}", switches(&long));
 }
+
+/// Two contacts that begin at one instant are each as if alone.
+#[test]
+fn two_contacts_begin_at_one_instant() {
+    fn alike<R: Real>(until: f64) {
+        let foot = |n: &str, y: &str| format!("1000*max({y}, 0)^{n}");
+        for n in ["1.5", "1.4"] {
+            let (left, right) = (foot(n, "-y - 0.3*th"), foot(n, "-y + 0.3*th"));
+            let table = format!(
+                "[flight]\ny = \"v\"\nv = \"-9.81 + {left} + {right}\"\nth = \"om\"\nom = \"0.9*({left} - {right})\"\n\
+                 [initial]\ny = 0.1\nv = 0\nth = 0\nom = 0\n"
+            );
+            let ball = format!(
+                "[flight]\ny = \"v\"\nv = \"-9.81 + 2*{}\"\n[initial]\ny = 0.1\nv = 0\n",
+                foot(n, "-y")
+            );
+            let (table, ball) = (run::<R>(&table, until), run::<R>(&ball, until));
+            assert_eq!(table.outcome, Outcome::Horizon, "{n}");
+            for k in 0..2 {
+                let off = (table.state[k] - ball.state[k]).to_f64();
+                assert!(off.abs() < 1e-10, "{n}: {off}");
+            }
+        }
+        let walls = "[flight]\nx = \"u\"\nu = \"max(-x, 0)^1.5\"\ny = \"v\"\nv = \"max(-y, 0)^1.5\"\n\
+            [initial]\nx = 0.3\nu = -0.9\ny = 0.1\nv = -0.3\n";
+        let thrown = run::<R>(walls, 6.0);
+        assert_eq!(thrown.outcome, Outcome::Horizon);
+        for (k, rate) in [(1, 0.9), (3, 0.3)] {
+            let off = thrown.state[k].to_f64() - rate;
+            assert!(off.abs() < 1e-14, "{off}");
+        }
+    }
+    alike::<f64>(1.0);
+    alike::<DoubleDouble>(1.0);
+}
