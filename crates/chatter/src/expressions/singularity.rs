@@ -101,12 +101,7 @@ const NOTHING: f64 = 1e-290;
 impl Tape {
     /// Adds what its operations need to be different from zero; what is there already says better why.
     pub(super) fn find_singular(&mut self, exprs: &FxHashMap<usize, Expr>) {
-        let mut producers = vec![None; self.slots];
-        for op in &self.ops {
-            for out in op.writes() {
-                producers[out] = Some(op.clone());
-            }
-        }
+        let producers = self.producers();
         let named = core::mem::take(&mut self.singular);
         let from_ops = self.ops.iter().filter_map(|op| match *op {
             Op::Divide { denominator, .. } => Some((denominator, Singularity::Division, None)),
@@ -160,12 +155,7 @@ impl Tape {
         negligible: Negligible,
     ) -> Option<Self> {
         let slot = self.singular.get(which)?.slot;
-        let mut producers = vec![None; self.slots];
-        for op in &self.ops {
-            for out in op.writes() {
-                producers[out] = Some(op.clone());
-            }
-        }
+        let producers = self.producers();
         let vanishes = |of: usize| {
             let mut zeros = Vec::new();
             self.zeros_of(of, &producers, &mut zeros);
@@ -210,9 +200,80 @@ impl Tape {
         tape.compiled = Compiled::default();
         (roots > 0).then_some(tape)
     }
+
+    /// Whether the field changes by no more than a multiple of a series where that vanishes, as a power of it above one does and a root
+    /// of it does not.
+    pub(crate) fn has_slope_at<R: Real>(&self, vanishing: usize, constants: &[R]) -> bool {
+        let producers = self.producers();
+        let degree = |of: usize| self.degree(of, &producers, constants, vanishing);
+        // The least power of it, other than whole ones, that each series holds.
+        let mut least = vec![f64::INFINITY; self.slots];
+        let of_terms = |least: &[f64], first: usize, end: usize| {
+            (self.terms[first..end].iter())
+                .fold(f64::INFINITY, |found, &(_, of)| found.min(least[of]))
+        };
+        let mut of_field = f64::INFINITY;
+        for op in &self.ops {
+            let found = match *op {
+                Op::Rate { first, end, .. } => {
+                    of_field = of_field.min(of_terms(&least, first, end));
+                    continue;
+                }
+                Op::Linear { first, end, .. } => of_terms(&least, first, end),
+                Op::Multiply { left, right, .. } => {
+                    (least[left] + degree(right)).min(least[right] + degree(left))
+                }
+                Op::Square { base, .. } => least[base] + degree(base),
+                Op::SquareRoot {
+                    out,
+                    radicand: base,
+                    ..
+                }
+                | Op::Power { out, base, .. } => match degree(base) > 0.0 {
+                    true => degree(out),
+                    false => least[base],
+                },
+                Op::Divide {
+                    out,
+                    numerator,
+                    denominator,
+                    ..
+                } => {
+                    let above = match numerator {
+                        Operand::Series(numerator) => least[numerator],
+                        Operand::Constant(_) => f64::INFINITY,
+                    };
+                    match degree(denominator) > 0.0 {
+                        true => degree(out),
+                        false => above.min(least[denominator]),
+                    }
+                }
+                Op::Slope { of, .. } => least[of],
+                Op::Integral { argument, .. } | Op::SineCosine { argument, .. } => least[argument],
+            };
+            for out in op.writes().filter(|&out| out != vanishing) {
+                least[out] = found;
+            }
+        }
+        (self.field.iter()).fold(of_field, |found, &(_, rate)| match rate {
+            Operand::Series(of) => found.min(least[of]),
+            Operand::Constant(_) => found,
+        }) >= 1.0
+    }
 }
 
 impl Tape {
+    /// The operation that computes each series, if one does.
+    fn producers(&self) -> Vec<Option<Op>> {
+        let mut producers = vec![None; self.slots];
+        for op in &self.ops {
+            for out in op.writes() {
+                producers[out] = Some(op.clone());
+            }
+        }
+        producers
+    }
+
     /// The series whose zeros are those of a series.
     fn zeros_of(&self, slot: usize, producers: &[Option<Op>], into: &mut Vec<usize>) {
         match producers[slot] {

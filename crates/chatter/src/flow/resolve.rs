@@ -42,24 +42,7 @@ pub(crate) fn resolve<R: Real>(
     class: usize,
     (touching, left): (Touching, Left<R>),
 ) -> Result<Resolution, Unsettled> {
-    let mut tries = 0;
-    loop {
-        work.expand_only(program, class);
-        let is_step = work.scaled_step.is_finite() && work.scaled_step > R::ZERO;
-        let is_finite = is_step && expansion_is_finite(work, program);
-        if is_finite && (work.growth >= R::splat(LEAST_GROWTH) || tries == SHRINKS) {
-            break;
-        }
-        if !is_finite && let Some((which, after)) = work.singularity(program) {
-            let after = after.to_f64();
-            return Err(Unsettled::Singular { which, after });
-        }
-        tries += 1;
-        if tries > SHRINKS {
-            return Err(Unsettled::NotFinite);
-        }
-        work.tau *= R::splat(LEAST_GROWTH);
-    }
+    expand_within_reach(work, program, class)?;
     let least = least_step(work.time);
     let stalls = work.scaled_step * work.tau <= least && work.horizon > least;
     if work.is_clear() && !stalls {
@@ -77,6 +60,32 @@ pub(crate) fn resolve<R: Real>(
     } else {
         let after = after.to_f64();
         Err(Unsettled::Singular { which, after })
+    }
+}
+
+/// Expands, in a shorter unit of time where the expansion overflows or says little of what it reaches.
+pub(crate) fn expand_within_reach<R: Real>(
+    work: &mut Workspace<R>,
+    program: &Program,
+    class: usize,
+) -> Result<(), Unsettled> {
+    let mut tries = 0;
+    loop {
+        work.expand_only(program, class);
+        let is_step = work.scaled_step.is_finite() && work.scaled_step > R::ZERO;
+        let is_finite = is_step && expansion_is_finite(work, program);
+        if is_finite && (work.growth >= R::splat(LEAST_GROWTH) || tries == SHRINKS) {
+            return Ok(());
+        }
+        if !is_finite && let Some((which, after)) = work.singularity(program) {
+            let after = after.to_f64();
+            return Err(Unsettled::Singular { which, after });
+        }
+        tries += 1;
+        if tries > SHRINKS {
+            return Err(Unsettled::NotFinite);
+        }
+        work.tau *= R::splat(LEAST_GROWTH);
     }
 }
 

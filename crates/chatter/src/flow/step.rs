@@ -812,6 +812,26 @@ impl<R: Real> Workspace<R> {
         Some((which, reach * self.tau))
     }
 
+    /// Which of the program's singular points is not positive, or cannot be told from zero: that which is nearest by its rate, where
+    /// series say no more.
+    pub(crate) fn vanishing(&self, program: &Program) -> Option<usize> {
+        let distance = |slot: usize| {
+            let series = self.expansion.series(slot);
+            let terms = (self.expansion).size_of_terms(&program.tape, &self.constants, slot);
+            let vanishes = series[0] <= terms * R::splat(Self::NOISE);
+            let distance = (series[0].abs() / series[1]).abs().to_f64();
+            vanishes.then_some(if distance.is_nan() {
+                f64::INFINITY
+            } else {
+                distance
+            })
+        };
+        (program.tape.singular.iter().enumerate())
+            .filter_map(|(which, singular)| Some((which, distance(singular.slot)?)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(which, _)| which)
+    }
+
     /// Sets the constants of a program for a single trajectory.
     #[inline(always)]
     pub(crate) fn load_constants(&mut self, constants: &ProgramConstants<R>) {

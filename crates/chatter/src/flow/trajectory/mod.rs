@@ -358,13 +358,9 @@ impl<R: Real> Trajectory<R> {
                 resolution
             }
             Err(unsettled) => {
-                let negative = |work: &Workspace<R>| {
-                    let value = |slot: usize| work.expansion.series(slot)[0];
-                    (program.tape.singular.iter()).position(|s| value(s.slot) <= R::ZERO)
-                };
                 let singular = match unsettled {
                     Unsettled::Singular { which, .. } => Some(which),
-                    Unsettled::NotFinite => negative(work),
+                    Unsettled::NotFinite => work.vanishing(program),
                     Unsettled::Stuck(_) => None,
                 };
                 let off =

@@ -11,12 +11,14 @@
 //! but for a part of what is added that is as small as d is against the motion's own time, and as rounding is against the base at d: both
 //! are least where d is the root of rounding. Where the root adds much in that time, g is asked again on the state so moved, and what is
 //! new of it added likewise. From there on series reach, at first not far.
+//!
+//! Of roots that begin at one instant, or so near to it that none but a shorter step would keep away from them, x(t) is without all.
 
 use super::Trajectory;
 use crate::expressions::{Negligible, Operand};
 use crate::flow::guard::Guard;
 use crate::flow::program::Program;
-use crate::flow::resolve::{Resolution, resolve};
+use crate::flow::resolve::{Resolution, Unsettled, expand_within_reach, resolve};
 use crate::flow::step::{NO_EVENT, Workspace};
 use crate::flow::system::System;
 use crate::numerics::polynomial::{horner, magnitude};
@@ -36,18 +38,47 @@ const ROUNDS: usize = 3;
 impl<R: Real> Trajectory<R> {
     /// Moves the workspace off the point where one of the program's singular points vanishes, if that begins to grow there: where the
     /// motion begins or has just crossed a surface, or where a step has led from there but for rounding; or meets the surface that a step
-    /// has so led to. On a leg that goes past everything also on where it is negative, as if the root were nothing there.
+    /// has so led to. Along what stays there, if nothing else can begin there. On a leg that goes past everything also on where it is negative, as if
+    /// the root were nothing there.
     pub(super) fn step_off_root(
         &self,
         system: &System,
         work: &mut Workspace<R>,
         (program, which): (&Program, usize),
     ) -> Option<Resolution> {
+        let mut slots = vec![program.tape.singular[which].slot];
+        let mut plain = self.without(program, which)?;
+        loop {
+            match self.step_without(system, work, (program, &plain), &slots) {
+                Ok(resolution) => return Some(resolution),
+                // What begins at the same instant is nearer than the step is long.
+                Err(Some(near)) => {
+                    slots.push(plain.tape.singular[near].slot);
+                    plain = self.without(&plain, near)?;
+                }
+                Err(None) => return None,
+            }
+        }
+    }
+
+    /// The program without the roots of one of its singular points.
+    fn without(&self, program: &Program, which: usize) -> Option<Program> {
         let constants = &self.constants[self.mode].as_ref()?.tape;
-        let plain = Program {
+        Some(Program {
             tape: (program.tape).without_roots(which, constants, Negligible::Integrable)?,
             ..program.clone()
-        };
+        })
+    }
+
+    /// Makes the step, if it can be, with what is `plain` in it, the roots of these series being left out. Else says which other
+    /// singular point is in its way, if one is.
+    fn step_without(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        (program, plain): (&Program, &Program),
+        slots: &[usize],
+    ) -> Result<Resolution, Option<usize>> {
         // Towards the surface steps have shrunk: not so the motion's own time.
         let load = |work: &mut Workspace<R>| {
             let class = self.load(work);
@@ -55,54 +86,72 @@ impl<R: Real> Trajectory<R> {
             class
         };
         let class = load(work);
-        work.expand_only(&plain, class);
-        let base = work
-            .expansion
-            .series(program.tape.singular[which].slot)
-            .to_vec();
+        match expand_within_reach(work, plain, class) {
+            Err(Unsettled::Singular { which, .. }) => return Err(Some(which)),
+            Err(_) => return Err(work.vanishing(plain)),
+            Ok(()) => {}
+        }
         let (reach, tau) = (work.scaled_step, work.tau);
-        if !(reach > R::ZERO && base.iter().all(|c| c.is_finite())) {
-            return None;
+        let bases = bases(work, (program, plain), slots);
+        let is_finite = |base: &Base<R>| base.series.iter().all(|c| c.is_finite());
+        if !(reach > R::ZERO && bases.iter().all(is_finite)) {
+            return Err(None);
         }
-        let noise = R::splat(Workspace::<R>::NOISE);
-        let slot = program.tape.singular[which].slot;
-        let terms = work.expansion.size_of_terms(&plain.tape, constants, slot);
-        let is_side = |guard: &Guard| guard.meets_corner() && guard.series == Operand::Series(slot);
-        let is_here = base[0].abs() <= terms * noise && program.guards.iter().any(is_side);
-        let (falls, rises) = (base[1] < R::ZERO, base[1] > R::ZERO);
-        let begins = (is_here && rises) || self.has_come_to_a_corner(program);
-        let ends_here = is_here && falls;
-        if !(system.goes_past_roots() || begins || ends_here) {
-            return None;
+        let here = || bases.iter().filter(|base| base.is_here);
+        let begins =
+            here().any(|base| base.series[1] > R::ZERO) || self.has_come_to_a_corner(program);
+        let ends_here = here().any(|base| base.series[1] < R::ZERO);
+        // What stays where it vanishes adds nothing, and moves nothing off.
+        let moving = || bases.iter().filter(|base| !base.rests(reach));
+        let rests = moving().next().is_none();
+        if !(system.goes_past_roots() || begins || ends_here || rests) {
+            return Err(None);
         }
-        let least = base[0].abs().max(terms * noise) * R::splat(GROWS);
+        if rests && !(system.goes_past_roots() || self.has_slopes(program, slots)) {
+            return Err(None);
+        }
+        let has_grown = |s: R| moving().all(|base| horner(&base.series, s) >= base.least());
         let mut s = reach * R::splat(R::ROUNDOFF).sqrt();
         for _ in 0..LENGTHENED {
-            if horner(&base, s) >= least || s > reach {
+            if has_grown(s) || s > reach {
                 break;
             }
             s *= R::splat(LONGER);
         }
-        let grows = horner(&base, s) >= least && s <= reach;
+        let grows = has_grown(s) && s <= reach;
+        let near = match grows || system.goes_past_roots() {
+            true => None,
+            false => work.singularity(plain).map(|(near, _)| near),
+        };
         let ends = match grows {
+            true if rests => reach,
             true => s,
-            false if system.goes_past_roots() => negative_until(&base, reach)?,
+            false if system.goes_past_roots() => {
+                negative_until(&bases[0].series, reach).ok_or(None)?
+            }
             false if ends_here => s,
-            false => return None,
+            false => return Err(near),
         };
         load(work);
         work.horizon = work.horizon.min(ends * tau);
-        let resolution = resolve(work, &plain, class, (self.touching, self.left)).ok()?;
+        let resolution = resolve(work, plain, class, (self.touching, self.left));
+        let resolution = resolution.map_err(|_| near)?;
         work.travel();
-        let undisturbed = work.event == R::splat(NO_EVENT) && resolution.touched.is_none();
-        if grows && undisturbed {
-            self.add_root(work, (program, &plain));
-        }
         let meets = work.event != R::splat(NO_EVENT);
-        if !grows && !meets && !system.goes_past_roots() {
-            return None;
+        if grows && !meets && resolution.touched.is_none() {
+            self.add_root(work, (program, plain));
         }
-        Some(resolution)
+        if !grows && !meets && !system.goes_past_roots() {
+            return Err(near);
+        }
+        Ok(resolution)
+    }
+
+    /// Whether the field has slopes where these series vanish: motion along which they do is the only one then.
+    pub(super) fn has_slopes(&self, program: &Program, vanishing: &[usize]) -> bool {
+        (self.constants[self.mode].as_ref()).is_some_and(|constants| {
+            (vanishing.iter()).all(|&slot| program.tape.has_slope_at(slot, &constants.tape))
+        })
     }
 
     /// Whether motion begins here, or a surface has just been crossed: what vanishes here has then not been come to by motion along it.
@@ -155,6 +204,50 @@ impl<R: Real> Trajectory<R> {
         // Series reach about as far as the base is from zero.
         work.reach.iter_mut().for_each(|reach| *reach = step);
     }
+}
+
+/// What a root is taken of, along the motion without it.
+struct Base<R> {
+    series: Vec<R>,
+    /// What cannot be told from zero where the step begins.
+    rounding: R,
+    /// Whether it vanishes on a surface, and the step begins there.
+    is_here: bool,
+}
+
+impl<R: Real> Base<R> {
+    /// Whether nothing moves it from zero.
+    fn rests(&self, reach: R) -> bool {
+        magnitude(&self.series, reach) <= self.rounding
+    }
+
+    /// What it has grown to after a step off the root.
+    fn least(&self) -> R {
+        self.series[0].abs().max(self.rounding) * R::splat(GROWS)
+    }
+}
+
+/// What the latest expansion says of these series. All but the first are known to be as good as here.
+fn bases<R: Real>(
+    work: &Workspace<R>,
+    (program, plain): (&Program, &Program),
+    slots: &[usize],
+) -> Vec<Base<R>> {
+    (slots.iter().enumerate())
+        .map(|(place, &slot)| {
+            let series = work.expansion.series(slot).to_vec();
+            let terms = (work.expansion).size_of_terms(&plain.tape, &work.constants, slot);
+            let rounding = terms * R::splat(Workspace::<R>::NOISE);
+            let is_side =
+                |guard: &Guard| guard.meets_corner() && guard.series == Operand::Series(slot);
+            let is_near = place > 0 || series[0].abs() <= rounding;
+            Base {
+                is_here: is_near && program.guards.iter().any(is_side),
+                series,
+                rounding,
+            }
+        })
+        .collect()
 }
 
 /// The integral of a rate that grows as a power of time from the start of a step, where it has a finite one.

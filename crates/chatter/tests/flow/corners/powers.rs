@@ -1,4 +1,4 @@
-//! Powers whose exponents are parameters: with a whole one they are smooth where their base vanishes.
+//! Powers whose exponents are parameters, or no halves: with a whole one they are smooth where their base vanishes.
 
 use super::run;
 use chatter::analysis::simulate::{Outcome, Simulation};
@@ -56,5 +56,50 @@ fn a_ball_thrown_up_falls_as_drag_lets_it() {
         let lands = (v * (c / g).sqrt()).atan() / root + fall;
         let is_impact = |time: f64| (time - lands).abs() < 1e-13;
         assert!(run.events.iter().any(|event| is_impact(event.time)), "{c}");
+    }
+}
+
+/// With another power in use that is small, whose series reach no further than it is small.
+#[test]
+fn a_power_begins_where_another_has_just_begun() {
+    let climb = |n: f64, d: f64| {
+        format!(
+            "[parameters]\nn = {n}\n[flight]\nx = \"1 + max(x, 0)^n + max(x - {d}, 0)^n\"\n[initial]\nx = -0.1\n"
+        )
+    };
+    // By quadrature of dx/f.
+    let reached = run::<f64>(&climb(1.4, 0.01), 0.5).state[0];
+    assert!((reached - 0.511_588_870_037_513).abs() < 1e-14, "{reached}");
+    for n in [0.5, 0.7, 1.4, 1.5] {
+        for d in [0.01, 0.003] {
+            let text = climb(n, d);
+            let (short, long) = (run::<f64>(&text, 0.5), run::<DoubleDouble>(&text, 0.5));
+            assert_eq!(short.outcome, Outcome::Horizon, "{text}");
+            let off = short.state[0] - long.state[0].to_f64();
+            assert!(off.abs() < 1e-13, "{text}: {off}");
+        }
+    }
+}
+
+/// A table on two Hertzian feet, dropped with a turn, keeps its energy.
+#[test]
+fn a_table_on_two_feet_keeps_its_energy() {
+    for n in [1.25, 1.5, 1.75, 2.5] {
+        for turn in [0.2, 0.5, 0.7] {
+            let text = format!(
+                "[parameters]\nk = 1000\na = 0.3\nn = {n}\n[definitions]\nleft = \"k*max(-y - a*th, 0)^n\"\n\
+                 right = \"k*max(-y + a*th, 0)^n\"\n[flight]\ny = \"v\"\nv = \"-9.81 + left + right\"\nth = \"om\"\n\
+                 om = \"3*a*(left - right)\"\n[initial]\ny = 0.1\nv = 0\nth = 0.01\nom = {turn}\n"
+            );
+            let run = run::<f64>(&text, 2.0);
+            assert_eq!(run.outcome, Outcome::Horizon, "{n} {turn}");
+            let [y, v, th, om] = run.state[..] else {
+                panic!("four states")
+            };
+            let pressed = |foot: f64| 1000.0 * (-y - foot * th).max(0.0).powf(n + 1.0) / (n + 1.0);
+            let energy = 0.5 * v * v + om * om / 6.0 + 9.81 * y + pressed(0.3) + pressed(-0.3);
+            let given = 0.981 + turn * turn / 6.0;
+            assert!((energy - given).abs() < 1e-12, "{n} {turn}: {energy}");
+        }
     }
 }

@@ -201,3 +201,93 @@ fn a_hertzian_contact_of_a_moving_base_is_left_in_thirty_digits() {
     let off = |time: &f64| (time - left).abs() < 1e-15;
     assert!(switches(&long).iter().any(off), "{:?}", switches(&long));
 }
+
+/// Along x = v = 0 the force is nothing: nothing else moves from there.
+#[test]
+fn what_touches_at_rest_stays_where_it_is() {
+    for force in [
+        "max(x, 0)^1.5",
+        "max(x, 0)^1.4",
+        "sign(x)*abs(x)^1.5",
+        "if(x >= 0, x*sqrt(x), x)",
+    ] {
+        let text = format!("[flight]\nx = \"v\"\nv = \"-{force}\"\n[initial]\nx = 0\nv = 0\n");
+        let rests = run::<f64>(&text, 6.0);
+        assert_eq!(rests.outcome, Outcome::Horizon, "{force}");
+        assert!(rests.events.len() <= 2, "{force}: {:?}", rests.events);
+        assert_eq!(rests.state, [0.0, 0.0], "{force}");
+    }
+    // Where no other motion is ruled out the run ends.
+    let starts = run::<f64>(
+        "[flight]\nx = \"sign(x)*sqrt(abs(x))\"\n[initial]\nx = 0\n",
+        6.0,
+    );
+    assert_ne!(starts.outcome, Outcome::Horizon);
+}
+
+/// Newton's cradle: a ball hits two that touch, wherever they are and however fast the frame.
+#[test]
+fn a_ball_hits_balls_that_touch() {
+    let force = |exponent: &str, a: u8, b: u8| format!("max(x{a} - x{b}, 0)^{exponent}");
+    for (exponent, reaches) in [("1.5", Some(2.574_647_869_4)), ("1.3", None)] {
+        let mut found: Option<f64> = None;
+        for (place, speed) in [(0.0, 0.0), (0.3, 0.0), (0.3, 0.7), (-2.1, 0.01)] {
+            let (one, two) = (force(exponent, 1, 2), force(exponent, 2, 3));
+            let text = format!(
+                "[flight]\nx1 = \"v1\"\nv1 = \"-{one}\"\nx2 = \"v2\"\nv2 = \"{one} - {two}\"\nx3 = \"v3\"\nv3 = \"{two}\"\n\
+                 [initial]\nx1 = {}\nv1 = {}\nx2 = {place}\nv2 = {speed}\nx3 = {place}\nv3 = {speed}\n",
+                place - 1.0,
+                1.0 + speed
+            );
+            let run = run::<f64>(&text, 6.0);
+            assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+            assert_eq!(switches(&run).len(), 4, "{text}: {:?}", run.events);
+            let moved = run.state[4] - place - 6.0 * speed;
+            let rates = [1, 3, 5].map(|k| run.state[k] - speed);
+            let momentum: f64 = rates.iter().sum();
+            let energy: f64 = rates.iter().map(|v| 0.5 * v * v).sum();
+            assert!((momentum - 1.0).abs() < 1e-12, "{momentum}");
+            assert!((energy - 0.5).abs() < 1e-12, "{energy}");
+            if let Some(reaches) = reaches {
+                assert!((moved - reaches).abs() < 1e-10, "{moved}");
+            }
+            let before = *found.get_or_insert(moved);
+            assert!((moved - before).abs() < 1e-12, "{moved} {before}");
+        }
+    }
+}
+
+/// Two contacts that begin at one instant are each as if alone.
+#[test]
+fn two_contacts_begin_at_one_instant() {
+    fn alike<R: Real>(until: f64) {
+        let foot = |n: &str, y: &str| format!("1000*max({y}, 0)^{n}");
+        for n in ["1.5", "1.4"] {
+            let (left, right) = (foot(n, "-y - 0.3*th"), foot(n, "-y + 0.3*th"));
+            let table = format!(
+                "[flight]\ny = \"v\"\nv = \"-9.81 + {left} + {right}\"\nth = \"om\"\nom = \"0.9*({left} - {right})\"\n\
+                 [initial]\ny = 0.1\nv = 0\nth = 0\nom = 0\n"
+            );
+            let ball = format!(
+                "[flight]\ny = \"v\"\nv = \"-9.81 + 2*{}\"\n[initial]\ny = 0.1\nv = 0\n",
+                foot(n, "-y")
+            );
+            let (table, ball) = (run::<R>(&table, until), run::<R>(&ball, until));
+            assert_eq!(table.outcome, Outcome::Horizon, "{n}");
+            for k in 0..2 {
+                let off = (table.state[k] - ball.state[k]).to_f64();
+                assert!(off.abs() < 1e-10, "{n}: {off}");
+            }
+        }
+        let walls = "[flight]\nx = \"u\"\nu = \"max(-x, 0)^1.5\"\ny = \"v\"\nv = \"max(-y, 0)^1.5\"\n\
+            [initial]\nx = 0.3\nu = -0.9\ny = 0.1\nv = -0.3\n";
+        let thrown = run::<R>(walls, 6.0);
+        assert_eq!(thrown.outcome, Outcome::Horizon);
+        for (k, rate) in [(1, 0.9), (3, 0.3)] {
+            let off = thrown.state[k].to_f64() - rate;
+            assert!(off.abs() < 1e-14, "{off}");
+        }
+    }
+    alike::<f64>(1.0);
+    alike::<DoubleDouble>(1.0);
+}

@@ -1,7 +1,7 @@
 //! Which sides and pieces follow at corners that the state lies on: all that could are asked whether they hold.
 
 use super::{Candidate, INSTANT_ROUNDOFFS, Standing};
-use crate::expressions::{Side, Sides};
+use crate::expressions::{Operand, Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
@@ -11,6 +11,7 @@ use crate::flow::touch::with_terms;
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::Trajectory;
 use crate::numerics::{Real, WithTerms, two_sum};
+use core::cmp::Ordering;
 
 /// So many modes are asked at once at a corner of several surfaces, not more.
 const MOST_CANDIDATES: usize = 81;
@@ -49,6 +50,8 @@ type Fields<R> = [Vec<WithTerms<R>>; 2];
 struct Asked<R> {
     /// The state, with its remainders, an instant later on the motion that met the corner: it is known no better.
     later: (Vec<R>, Vec<R>),
+    /// Surfaces that may be slid along, as the fields on their sides differ or are about to.
+    slippery: Surfaces,
     /// Some would leave a table.
     outside: Option<FlowError>,
     /// The equations of some are singular here.
@@ -68,6 +71,8 @@ struct Verdict<R> {
     opens_there: bool,
     /// On corners that nothing moves it off it is where plain evaluation says.
     is_plain: bool,
+    /// Of what vanishes at corners that nothing moves it off it takes no root.
+    is_smooth: bool,
     fields: Fields<R>,
 }
 
@@ -81,6 +86,7 @@ impl<R: Real> Trajectory<R> {
         let now = self.standing_sides();
         let mut asked = Asked {
             later: self.an_instant_later(system)?,
+            slippery: Surfaces::default(),
             outside: None,
             singular: None,
         };
@@ -127,6 +133,11 @@ impl<R: Real> Trajectory<R> {
         if verdicts.iter().any(|verdict| verdict.opens_there) {
             verdicts.retain(|verdict| verdict.opens_there);
         }
+        let agree = (verdicts.iter()).all(|v| vanishes(&v.fields, &verdicts[0].fields));
+        // Bodies that touch at rest, as if they did not: a force that begins as a root of how far they are pressed has no series there.
+        if agree && verdicts.iter().any(|verdict| verdict.is_smooth) {
+            verdicts.retain(|verdict| verdict.is_smooth);
+        }
         let place = match verdicts.len() {
             0 => {
                 self.try_sides(system, now)?;
@@ -138,7 +149,6 @@ impl<R: Real> Trajectory<R> {
             1 => 0,
             _ => {
                 let current = verdicts.iter().position(|v| v.candidate == *now);
-                let agree = (verdicts.iter()).all(|v| vanishes(&v.fields, &verdicts[0].fields));
                 let mut plain = (0..verdicts.len()).filter(|&place| verdicts[place].is_plain);
                 match (current, plain.next(), plain.next()) {
                     (Some(place), ..) if agree || verdicts[place].is_balanced => place,
@@ -427,7 +437,10 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Vec<Choice>, FlowError> {
         match corner {
             Corner::Surface(index) => {
-                let jumps = self.jumps(system, index, (base, touched, asked))?;
+                let jumps = self.jumps(system, index, (base, touched, &mut *asked))?;
+                if jumps {
+                    asked.slippery = asked.slippery.with(index);
+                }
                 let sides = [Side::Above, Side::Below, Side::Sliding];
                 let possible = &sides[..if jumps { 3 } else { 2 }];
                 Ok((possible.iter())
@@ -496,6 +509,7 @@ impl<R: Real> Trajectory<R> {
             contacts_stay: true,
             opens_there: true,
             is_plain: true,
+            is_smooth: true,
             fields,
         };
         // What an instant changes says nothing yet.
@@ -506,6 +520,8 @@ impl<R: Real> Trajectory<R> {
             }
             let is_slid = matches!(standing.corner, Corner::Surface(k)
                 if verdict.candidate.sides.get(k) == Side::Sliding);
+            let may_slide = matches!(standing.corner, Corner::Surface(k)
+                if asked.slippery.contains(k));
             let is_surface = standing.corner.is_surface();
             if is_slid && standing.guards.is_empty() {
                 return Ok(None);
@@ -528,31 +544,36 @@ impl<R: Real> Trajectory<R> {
                     continue;
                 }
                 let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
-                if !decides.into_iter().all(|order| order.value.is_finite()) {
+                let leaves = if decides.into_iter().all(|order| order.value.is_finite()) {
+                    if is_clear && orders[0].value < -level {
+                        return Ok(None);
+                    }
+                    moving.map(|(order, moving)| (moving.value > R::ZERO, order as u8))
+                } else {
                     let begins = (standing.corner, *kind);
-                    match self.rises_by_a_root(system, begins, &verdict.fields[0])? {
-                        Some(true) => {
-                            verdict.roots.push((*kind, 1));
-                            continue;
+                    match self.moves_by_a_root(system, begins, &verdict.fields[0])? {
+                        Some(Ordering::Greater) => Some((true, 1)),
+                        Some(Ordering::Less) => Some((false, 1)),
+                        Some(Ordering::Equal)
+                            if !may_slide && self.may_rest_at(system, *kind)? =>
+                        {
+                            None
                         }
-                        Some(false) => return Ok(None),
-                        None => {
+                        _ => {
                             asked.singular = self.singular_here(system);
                             return Ok(None);
                         }
                     }
-                }
-                if is_clear && orders[0].value < -level {
-                    return Ok(None);
-                }
-                match moving {
-                    Some((_, order)) if order.value < R::ZERO => return Ok(None),
-                    Some((order, _)) => verdict.roots.push((*kind, order as u8)),
+                };
+                match leaves {
+                    Some((false, _)) => return Ok(None),
+                    Some((true, roots)) => verdict.roots.push((*kind, roots)),
                     None => {
                         verdict.is_balanced = true;
                         verdict.opens_there &=
                             is_slid || self.opens_there(system, standing.corner)?;
                         verdict.is_plain &= is_slid || self.is_plain(system, standing);
+                        verdict.is_smooth &= self.root_at(system, *kind)?.is_none();
                         verdict.roots.push((*kind, Touching::BALANCED));
                     }
                 }
@@ -570,14 +591,14 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// Whether a guard without a derivative, the root of something that vanishes here, is positive a moment later, as long as steps off
-    /// roots are; none if that cannot be told.
-    fn rises_by_a_root(
+    /// Where a guard without a derivative, the root of something that vanishes here, is a moment later, as long as steps off roots
+    /// are; none if it has no value there.
+    fn moves_by_a_root(
         &self,
         system: &System,
         (corner, kind): (Corner, GuardKind),
         field: &[WithTerms<R>],
-    ) -> Result<Option<bool>, FlowError> {
+    ) -> Result<Option<Ordering>, FlowError> {
         let unit = (self.reach.iter()).fold(self.longest_step, |most, &reach| most.max(reach));
         let moment = unit * R::splat(R::ROUNDOFF).sqrt();
         let (state, low) = self.after(moment, field);
@@ -586,9 +607,31 @@ impl<R: Real> Trajectory<R> {
             .flat_map(|standing| &standing.guards)
             .find(|(other, _)| *other == kind)
             .map(|(_, orders)| orders[0]);
-        Ok(value
-            .filter(|value| value.value.abs() > value.level())
-            .map(|value| value.value > R::ZERO))
+        Ok(
+            value.and_then(|value| match value.value.abs() > value.level() {
+                true => value.value.partial_cmp(&R::ZERO),
+                false => value.value.is_finite().then_some(Ordering::Equal),
+            }),
+        )
+    }
+
+    /// Whether no other motion begins where a guard vanishes than one that it vanishes along: no root of it has a slope without bound
+    /// there.
+    fn may_rest_at(&self, system: &System, kind: GuardKind) -> Result<bool, FlowError> {
+        let (program, root) = (self.program(system)?, self.root_at(system, kind)?);
+        Ok(root.is_none_or(|slot| self.has_slopes(program, &[slot])))
+    }
+
+    /// The series that vanishes where a guard does, if a root is taken of it in the present mode.
+    fn root_at(&self, system: &System, kind: GuardKind) -> Result<Option<usize>, FlowError> {
+        let program = self.program(system)?;
+        let own = program.guards.iter().find(|guard| guard.kind == kind);
+        Ok(own
+            .and_then(|guard| match guard.series {
+                Operand::Series(slot) => Some(slot),
+                Operand::Constant(_) => None,
+            })
+            .filter(|&slot| program.tape.singular.iter().any(|s| s.slot == slot)))
     }
 
     /// That what must not vanish in the present mode does so.
