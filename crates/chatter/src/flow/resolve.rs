@@ -170,13 +170,14 @@ fn first_event<R: Real>(
     })
 }
 
-/// The first section that is crossed where the trajectory is, by the sides that it comes from, and whether by a jump. The
-/// workspace holds the inputs of a step; afterwards its sides and event are those of a step of no length.
+/// The first section that is crossed where the trajectory is, by the sides that it comes from, and whether by a jump; an impact ahead
+/// says how far its series tell. The workspace holds the inputs of a step; afterwards its sides and event are those of a step of no
+/// length.
 pub(crate) fn crossed_here<R: Real>(
     work: &mut Workspace<R>,
     program: &Program,
     class: usize,
-    touching: Touching,
+    (touching, flight_time): (Touching, R),
 ) -> Option<bool> {
     work.expand_only(program, class);
     work.scaled_step = R::ZERO;
@@ -188,9 +189,12 @@ pub(crate) fn crossed_here<R: Real>(
         ) else {
             continue;
         };
-        if let Some(jumped) =
-            section_path(work, program, guard, (p, section), touching.get(index)).crossed_at_start()
-        {
+        let path = section_path(work, program, guard, (p, section), touching.get(index));
+        let path = SectionPath {
+            reach: path.reach.min(flight_time / work.tau),
+            ..path
+        };
+        if let Some(jumped) = path.crossed_at_start() {
             work.event = R::splat(index as f64);
             find_sides(work, program, touching);
             return Some(jumped);

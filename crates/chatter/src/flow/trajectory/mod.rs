@@ -420,7 +420,8 @@ impl<R: Real> Trajectory<R> {
             return Ok(None);
         }
         let class = self.load(work);
-        let Some(jumped) = crossed_here(work, program, class, self.touching) else {
+        let Some(jumped) = crossed_here(work, program, class, (self.touching, self.flight_time))
+        else {
             return Ok(None);
         };
         let mut result = self.result(work);

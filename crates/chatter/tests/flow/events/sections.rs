@@ -332,3 +332,20 @@ fn a_section_crossed_at_a_release_changes_nothing() {
         }
     }
 }
+
+/// A section that is the gap itself is reached by each impact and crossed by none, however low the flights are that are left when the
+/// sequence is at its end.
+#[test]
+fn the_gap_is_no_section_that_chatter_crosses() {
+    let rattling = Rattling {
+        force: 3.3530731422845697,
+        frequency: 2.1517347045826045,
+        gap: 0.540129335985157,
+        restitution: 0.10444849581820438,
+        surface: "0.540129335985157 - x".to_owned(),
+    };
+    for direction in BOTH {
+        let told = told::<f64>(&rattling.model(1.0, direction), 40.0);
+        assert_eq!(count(&told, "0"), 0);
+    }
+}
