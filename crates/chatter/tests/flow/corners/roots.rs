@@ -186,6 +186,29 @@ fn forces_with_roots_may_be_cut_off_at_zero() {
     }
 }
 
+/// Where both the depth and the force vanish at separation, steps that have shrunk towards it grow again after it.
+#[test]
+fn a_force_that_is_cut_off_lets_go() {
+    fn leaves<R: Real>(law: &str, expected: f64) {
+        let text = format!("[flight]\nx = \"v\"\nv = \"-{law}\"\n[initial]\nx = -0.001\nv = 1\n");
+        let run = run::<R>(&text, 6.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{law}");
+        assert!(
+            (run.state[1].to_f64() - expected).abs() < 1e-12,
+            "{law}: {:?}",
+            run.state[1]
+        );
+    }
+    // v dv/dx = -k x^p (1 + 0.3 v): v/0.3 - ln(1 + 0.3 v)/0.09 is the same before and after.
+    let rate = -0.832_869_792_265_6;
+    let law = |v: f64| v / 0.3 - (0.3 * v).ln_1p() / 0.09;
+    assert!((law(1.0) - law(rate)).abs() < 1e-12);
+    for depth in ["max(x, 0)^1.5", "1e6*max(x, 0)^1.5", "max(x, 0)^1.4"] {
+        leaves::<f64>(&format!("max({depth}*(1 + 0.3*v), 0)"), rate);
+        leaves::<DoubleDouble>(&format!("max({depth}*(1 + 0.3*v), 0)"), rate);
+    }
+}
+
 /// The depth is a sum that moves: a step may end a rounding error past the surface that it leads to.
 #[test]
 fn a_hertzian_contact_of_a_moving_base_is_left_in_thirty_digits() {
