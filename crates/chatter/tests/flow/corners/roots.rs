@@ -314,3 +314,25 @@ fn two_contacts_begin_at_one_instant() {
     alike::<f64>(1.0);
     alike::<DoubleDouble>(1.0);
 }
+
+/// Springs with a power on both sides: where they are at rest another has yet to move them, in thirty digits, too.
+#[test]
+fn springs_at_rest_wait_for_others() {
+    fn chain<R: Real>(exponent: &str) -> Vec<R> {
+        let spring = |a: u8, b: u8| format!("sign(x{a} - x{b})*abs(x{a} - x{b})^{exponent}");
+        let (one, two) = (spring(1, 2), spring(2, 3));
+        let text = format!(
+            "[flight]\nx1 = \"v1\"\nv1 = \"-{one}\"\nx2 = \"v2\"\nv2 = \"{one} - {two}\"\nx3 = \"v3\"\nv3 = \"{two}\"\n\
+             [initial]\nx1 = 0\nv1 = 1\nx2 = 0\nv2 = 0\nx3 = 0\nv3 = 0\n"
+        );
+        let run = run::<R>(&text, 4.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{exponent}");
+        run.state
+    }
+    for exponent in ["1.5", "1.4"] {
+        let (short, long) = (chain::<f64>(exponent), chain::<DoubleDouble>(exponent));
+        for (a, b) in short.iter().zip(&long) {
+            assert!((a - b.to_f64()).abs() < 1e-12, "{exponent}: {a} {b:?}");
+        }
+    }
+}
