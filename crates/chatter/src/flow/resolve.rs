@@ -44,12 +44,18 @@ pub(crate) fn resolve<R: Real>(
 ) -> Result<Resolution, Unsettled> {
     expand_within_reach(work, program, class)?;
     let least = least_step(work.time);
-    let stalls = work.scaled_step * work.tau <= least && work.horizon > least;
-    if work.is_clear() && !stalls {
+    let stalls = |work: &Workspace<R>| work.scaled_step * work.tau <= least && work.horizon > least;
+    if work.is_clear() && !stalls(work) {
         return first_event(work, program, (touching, left));
     }
     let Some((which, after)) = work.singularity(program) else {
-        return Err(Unsettled::NotFinite);
+        // Towards a singular point that is left behind steps have shrunk: not so the motion's own time.
+        work.tau = work.tau.max(work.longest);
+        expand_within_reach(work, program, class)?;
+        return match work.is_clear() && !stalls(work) {
+            true => first_event(work, program, (touching, left)),
+            false => Err(Unsettled::NotFinite),
+        };
     };
     // The singular point cannot be told from here. Neither can what lies there: an impact comes first, and ends it.
     work.scaled_step = (work.scaled_step * R::splat(BEYOND)).min(work.horizon / work.tau);

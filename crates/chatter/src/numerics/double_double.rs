@@ -339,6 +339,15 @@ impl Scalar for DoubleDouble {
         self.sinh() / self.cosh()
     }
     fn powf(self, exponent: Self) -> Self {
+        if self == Self::ZERO {
+            // The logarithm of zero has no trailing part to work with.
+            return match exponent.partial_cmp(&Self::ZERO) {
+                Some(core::cmp::Ordering::Greater) => Self::ZERO,
+                Some(core::cmp::Ordering::Equal) => Self::ONE,
+                Some(core::cmp::Ordering::Less) => Self::from(f64::INFINITY),
+                None => exponent,
+            };
+        }
         (exponent * self.ln()).exp()
     }
     fn less(self, other: Self) -> bool {

@@ -100,14 +100,6 @@ pub fn power<R: Real>(base: R, exponent: R) -> R {
             R::ONE / root
         };
     }
-    if base == R::ZERO {
-        // The logarithm of zero has no trailing part to work with.
-        return match exponent.partial_cmp(&R::ZERO) {
-            Some(core::cmp::Ordering::Greater) => R::ZERO,
-            Some(_) => R::splat(f64::INFINITY),
-            None => exponent,
-        };
-    }
     if base < R::ZERO {
         if !whole {
             return R::splat(f64::NAN);

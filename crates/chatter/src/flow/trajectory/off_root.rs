@@ -99,8 +99,8 @@ impl<R: Real> Trajectory<R> {
         }
         let here = || bases.iter().filter(|base| base.is_here);
         let begins =
-            here().any(|base| base.series[1] > R::ZERO) || self.has_come_to_a_corner(program);
-        let ends_here = here().any(|base| base.series[1] < R::ZERO);
+            here().any(|base| base.moves() > R::ZERO) || self.has_come_to_a_corner(program);
+        let ends_here = here().any(|base| base.moves() < R::ZERO);
         // What stays where it vanishes adds nothing, and moves nothing off.
         let moving = || bases.iter().filter(|base| !base.rests(reach));
         let rests = moving().next().is_none();
@@ -216,6 +216,12 @@ struct Base<R> {
 }
 
 impl<R: Real> Base<R> {
+    /// The first of its derivatives that is not zero, or zero.
+    fn moves(&self) -> R {
+        let moving = self.series[1..].iter().find(|&&c| c != R::ZERO);
+        moving.copied().unwrap_or(R::ZERO)
+    }
+
     /// Whether nothing moves it from zero.
     fn rests(&self, reach: R) -> bool {
         magnitude(&self.series, reach) <= self.rounding

@@ -186,6 +186,29 @@ fn forces_with_roots_may_be_cut_off_at_zero() {
     }
 }
 
+/// Where both the depth and the force vanish at separation, steps that have shrunk towards it grow again after it.
+#[test]
+fn a_force_that_is_cut_off_lets_go() {
+    fn leaves<R: Real>(law: &str, expected: f64) {
+        let text = format!("[flight]\nx = \"v\"\nv = \"-{law}\"\n[initial]\nx = -0.001\nv = 1\n");
+        let run = run::<R>(&text, 6.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{law}");
+        assert!(
+            (run.state[1].to_f64() - expected).abs() < 1e-12,
+            "{law}: {:?}",
+            run.state[1]
+        );
+    }
+    // v dv/dx = -k x^p (1 + 0.3 v): v/0.3 - ln(1 + 0.3 v)/0.09 is the same before and after.
+    let rate = -0.832_869_792_265_6;
+    let law = |v: f64| v / 0.3 - (0.3 * v).ln_1p() / 0.09;
+    assert!((law(1.0) - law(rate)).abs() < 1e-12);
+    for depth in ["max(x, 0)^1.5", "1e6*max(x, 0)^1.5", "max(x, 0)^1.4"] {
+        leaves::<f64>(&format!("max({depth}*(1 + 0.3*v), 0)"), rate);
+        leaves::<DoubleDouble>(&format!("max({depth}*(1 + 0.3*v), 0)"), rate);
+    }
+}
+
 /// The depth is a sum that moves: a step may end a rounding error past the surface that it leads to.
 #[test]
 fn a_hertzian_contact_of_a_moving_base_is_left_in_thirty_digits() {
@@ -290,4 +313,26 @@ fn two_contacts_begin_at_one_instant() {
     }
     alike::<f64>(1.0);
     alike::<DoubleDouble>(1.0);
+}
+
+/// Springs with a power on both sides: where they are at rest another has yet to move them, in thirty digits, too.
+#[test]
+fn springs_at_rest_wait_for_others() {
+    fn chain<R: Real>(exponent: &str) -> Vec<R> {
+        let spring = |a: u8, b: u8| format!("sign(x{a} - x{b})*abs(x{a} - x{b})^{exponent}");
+        let (one, two) = (spring(1, 2), spring(2, 3));
+        let text = format!(
+            "[flight]\nx1 = \"v1\"\nv1 = \"-{one}\"\nx2 = \"v2\"\nv2 = \"{one} - {two}\"\nx3 = \"v3\"\nv3 = \"{two}\"\n\
+             [initial]\nx1 = 0\nv1 = 1\nx2 = 0\nv2 = 0\nx3 = 0\nv3 = 0\n"
+        );
+        let run = run::<R>(&text, 4.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{exponent}");
+        run.state
+    }
+    for exponent in ["1.5", "1.4"] {
+        let (short, long) = (chain::<f64>(exponent), chain::<DoubleDouble>(exponent));
+        for (a, b) in short.iter().zip(&long) {
+            assert!((a - b.to_f64()).abs() < 1e-12, "{exponent}: {a} {b:?}");
+        }
+    }
 }
