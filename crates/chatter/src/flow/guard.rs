@@ -31,6 +31,18 @@ pub enum GuardKind {
     Jam(usize),
 }
 
+impl GuardKind {
+    /// The guard that ends a stay beyond one that was crossed, where that is a matter of sides.
+    pub(crate) fn opposite(self) -> Option<Self> {
+        match self {
+            Self::Switch(surface) => Some(Self::Switch(surface)),
+            Self::Piece(lookup, Side::Above) => Some(Self::Piece(lookup, Side::Below)),
+            Self::Piece(lookup, Side::Below) => Some(Self::Piece(lookup, Side::Above)),
+            _ => None,
+        }
+    }
+}
+
 /// What the zero of a guard leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Transition {

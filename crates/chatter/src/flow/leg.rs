@@ -66,6 +66,8 @@ pub(crate) struct Leg {
     flow: System,
     edge: Edge,
     watch: Watch,
+    /// Whether its event leaves the state on the surface that it ends at.
+    keeps_surface: bool,
     /// The field at a point.
     field: Tape,
     graph: Graph,
@@ -338,6 +340,9 @@ impl System {
         } = self.ending(kind)?;
         let graph = &mut graph;
         let coordinates = field.len();
+        let keeps_surface = surface.is_some_and(|surface| {
+            graph.substitute(surface, &|symbol| at(&map, symbol)) == surface
+        });
         let map = onto_what_holds(graph, &held, &map, self.model().time);
         let columns = columns(coordinates, free);
         let section = section.filter(|&section| kind.ends_at != Some(GuardKind::Section(section)));
@@ -422,6 +427,7 @@ impl System {
                 values,
                 rates: at_start,
             },
+            keeps_surface,
             field: at_point,
             graph: graph.clone(),
             time: self.model().time,
@@ -564,6 +570,11 @@ impl Leg {
         }
     }
 
+    /// Whether its event leaves the state on the surface that it ends at.
+    pub(crate) fn keeps_surface(&self) -> bool {
+        self.keeps_surface
+    }
+
     /// The field at a state.
     pub(crate) fn field<R: Real>(&self, flyer: &mut Flyer<R>, parameters: &[R], x: &[R]) -> Vec<R> {
         let constants = self.field.constants(&self.graph, parameters);
@@ -660,7 +671,7 @@ impl Leg {
 
     /// The inner least values of all guards on the way, in order of time, and the values at the end of those that do not
     /// end the leg; also those of any that is negative where it begins, and of what ends what is held, as though they were at its
-    /// end.
+    /// end. Guards that the leg begins on are zero there: what is left of them is rounding.
     ///
     /// # Errors
     /// As for [`fly`](Self::fly).
@@ -668,8 +679,8 @@ impl Leg {
         &self,
         flyer: &mut Flyer<f64>,
         parameters: &[f64],
-        x: &[f64],
-        duration: f64,
+        (x, duration): (&[f64], f64),
+        begins_on: &dyn Fn(GuardKind) -> bool,
     ) -> Result<Vec<Least>, FlowError> {
         let (Some(system), Some(work)) = (&self.watch.system, &mut flyer.watching) else {
             return Ok(Vec::new());
@@ -690,6 +701,11 @@ impl Leg {
         let mut found = Vec::new();
         let expansion = &mut flyer.expansion;
         expansion.evaluate_past_roots(&self.watch.values, &constants, (x, &low), &mut began);
+        for (value, guard) in began.iter_mut().zip(guards) {
+            if begins_on(*guard) {
+                *value = 0.0;
+            }
+        }
         let of_rates =
             (flyer.at_watch_start).constants(&self.watch.rates, &self.watch.graph, parameters);
         expansion.evaluate_past_roots(&self.watch.rates, of_rates, (x, &low), &mut rates);

@@ -80,15 +80,17 @@ impl Aside {
 /// So far aside are the orbits that tell to which side a branch leaves, half and a quarter of it: what is left of the next two orders
 /// is taken out of all three. Nearer ones do where the farther are none.
 const FAR: [f64; 2] = [2e-2, 6e-3];
+/// Their parameters are known to so many roundoffs.
+const ROUNDOFFS: f64 = 64.0;
 
-/// How far the parameters of the orbits beside a singular one lie along a row, at the parameters that hold the other rows:
-/// in parts of the square of how far aside they are. Positive where the branch that leaves goes along the row.
+/// How far the parameters of the orbits beside a singular one lie along a row, at the parameters that hold the other rows, and what
+/// that may be off by: in parts of the square of how far aside they are. Positive where the branch that leaves goes along the row.
 pub(crate) fn shift(
     shooting: &Shooting<f64>,
     at: &[f64],
     singular: &Singular<f64>,
     (along, held): (&[f64], &[Vec<f64>]),
-) -> Option<f64> {
+) -> Option<(f64, f64)> {
     let free = shooting.parameters();
     let here = dot(along, &at[at.len() - free..]);
     let of = |far: f64| {
@@ -96,9 +98,14 @@ pub(crate) fn shift(
         let found = aside.close(held)?;
         Some((dot(along, &found[found.len() - free..]) - here) / (far * far))
     };
+    let sizes = (at.iter().zip(shooting.scales())).skip(at.len() - free);
+    let size: f64 = (along.iter().zip(sizes))
+        .map(|(by, (x, scale))| (by * x.abs().max(*scale)).abs())
+        .sum();
     FAR.into_iter().find_map(|far| {
+        let error = ROUNDOFFS * f64::EPSILON * size / (0.25 * far).powi(2);
         let [far, half, quarter] = [of(far)?, of(0.5 * far)?, of(0.25 * far)?];
         let (once, again) = ((4.0 * half - far) / 3.0, (4.0 * quarter - half) / 3.0);
-        Some((16.0 * again - once) / 15.0)
+        Some(((16.0 * again - once) / 15.0, error))
     })
 }

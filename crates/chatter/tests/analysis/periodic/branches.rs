@@ -393,3 +393,30 @@ u = 0.3
     };
     assert!(branch.ends.contains(&End::Rounding(1)), "{:?}", branch.ends);
 }
+
+/// A linear map doubles at a = -1 and nowhere else, so that its doubled orbits lie to neither side.
+#[test]
+fn doublings_of_linear_maps_have_no_side() {
+    let text = r#"
+    [parameters]
+    a = -0.5
+    [flight]
+    x = "0"
+    s = "1"
+    [[event]]
+    name = "tick"
+    surface = "s - 1"
+    direction = "rising"
+    reset = { x = "a*x + 0.1*a", s = "0" }
+    [initial]
+    x = 0.1
+    s = 0.0
+    "#;
+    let found = over(&with(text, &[]), "a", (-2.0, 0.5), (4, 0.01));
+    let [special] = &found[0].special[..] else {
+        panic!("{:?}", found[0].special);
+    };
+    assert_eq!(special.kind, SpecialKind::PeriodDoubling);
+    assert!((value(special) + 1.0).abs() < 1e-13);
+    assert_eq!(special.above, None);
+}

@@ -20,6 +20,7 @@ mod surfaces;
 mod together;
 mod told_from;
 mod told_once;
+mod touches;
 mod units;
 
 use chatter::analysis::periodic::{

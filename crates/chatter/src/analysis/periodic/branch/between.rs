@@ -264,7 +264,7 @@ impl Walker {
         }
     }
 
-    /// Whether the doubled orbits beside a period doubling are where the parameter is greater.
+    /// Whether the doubled orbits beside a period doubling are where the parameter is greater; of a linear map all are at one value.
     fn doubles_above(&mut self, at: &[f64]) -> Option<bool> {
         let singular = Singular::near(&mut self.shooting, at, -1.0).ok()?;
         let free = self.shooting.parameters();
@@ -272,6 +272,7 @@ impl Walker {
             (0..free).map(|k| f64::from(u8::from(k == index))).collect()
         };
         let held: Vec<Vec<f64>> = (0..free - 1).map(unit).collect();
-        shift(&self.shooting, at, &singular, (&unit(free - 1), &held)).map(|shift| shift > 0.0)
+        let (by, error) = shift(&self.shooting, at, &singular, (&unit(free - 1), &held))?;
+        (by.abs() > error).then_some(by > 0.0)
     }
 }

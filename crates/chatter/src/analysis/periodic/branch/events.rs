@@ -1,6 +1,5 @@
 //! The equations of an orbit with an event more, where a guard touches zero, and with one less.
 
-use super::touch::opposite;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
@@ -20,8 +19,8 @@ impl Shooting<f64> {
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let jump = match least.guard {
             GuardKind::Gap(contact) => Jump::Impact(contact),
-            GuardKind::Reaction(_) => Jump::None,
-            guard if opposite(guard).is_some() => Jump::None,
+            GuardKind::Reaction(_) | GuardKind::Leave(..) | GuardKind::Section(_) => Jump::None,
+            guard if guard.opposite().is_some() => Jump::None,
             _ => return Err(unfollowed("a guard that is touched and is no gap")),
         };
         let mut steps = self.current_steps(at);

@@ -2,7 +2,7 @@
 
 use super::holds::{Broken, first_break};
 use super::limits::End;
-use super::touch::{Touched, opposite};
+use super::touch::Touched;
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Held, Problem, Station, newton, tangent};
@@ -294,23 +294,27 @@ impl Walker {
                 );
             }
         }
-        if opposite(guard).is_some() {
+        if guard.opposite().is_some() {
             return self.crosses(station, (index, &touching), there);
         }
         if let GuardKind::Reaction(_) = guard {
             return self.opens(station, (index, &touching), there);
         }
+        let touched = self.touched(&station.at, (index, &touching));
         if !matches!(guard, GuardKind::Gap(_)) {
-            self.note(
-                SpecialKind::Touch,
-                there,
-                &station.at,
-                SOLVED,
-                touching.value.abs(),
-            );
+            match touched {
+                Ok(touched) => self.note_touch(there, touched),
+                Err(_) => self.note(
+                    SpecialKind::Touch,
+                    there,
+                    &station.at,
+                    SOLVED,
+                    touching.value.abs(),
+                ),
+            }
             return Err("a guard is touched that no event follows".to_owned());
         }
-        let touched = self.touched(&station.at, (index, &touching))?;
+        let touched = touched?;
         self.impact_comes_in(station, touched, there)
     }
 

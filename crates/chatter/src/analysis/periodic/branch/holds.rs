@@ -1,9 +1,10 @@
 //! Whether the sequence of events still holds along a solution of its equations.
 
 use crate::analysis::continuation::{Left, Problem, Station, locate};
-use crate::analysis::periodic::shooting::{Shooting, struck};
+use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
+use crate::model::Direction;
 
 /// The guard whose sign says that the sequence no longer holds, and its value.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +59,14 @@ impl Broken {
                 .min_by(f64::total_cmp)
         };
         match *self {
-            Self::Event(step) => Some(-shooting.latest.get(step)?.surface_rate),
+            Self::Event(step) => {
+                let rate = shooting.latest.get(step)?.surface_rate.abs();
+                Some(if is_met_wrongly(shooting, least, step) {
+                    -rate
+                } else {
+                    rate
+                })
+            }
             Self::Inner(step, guard) => smallest(step, guard, false),
             Self::Early(step, guard) | Self::Beyond(step, guard) => smallest(step, guard, true),
             Self::Passed(step) => Some(shooting.latest.get(step)?.duration),
@@ -102,17 +110,17 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             found.push(Broken::Passed(index));
             continue;
         }
-        if let Some(guard) = step.ends_at()
-            && !step.is_stretch()
-            && !matches!(guard, GuardKind::Section(_))
-            && landing.surface_rate > 0.0
-        {
+        // What is met from the wrong side was met from the right one before: its last least value is beyond that. (Of impacts both are
+        // told: the flight tells what rounding leaves of one.)
+        let mut beyond = None;
+        if is_met_wrongly(shooting, least, index) {
             found.push(Broken::Event(index));
+            if step.impact().is_none() {
+                beyond = last_of_its_own(shooting, least, index);
+            }
         }
         for least in least.get(index).into_iter().flatten() {
-            // Where a leg begins on a contact the gap is zero by the equations, however small what follows.
-            let begins = least.at_end && least.time == 0.0;
-            if least.value >= 0.0 || (begins && begins_on(shooting, index, least.guard)) {
+            if least.value >= 0.0 || beyond.is_some_and(|last| core::ptr::eq(last, least)) {
                 continue;
             }
             // What vanishes with the event itself is left to the next step.
@@ -151,15 +159,43 @@ fn without_vanished(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Bro
     found
 }
 
-/// Whether a step begins on a contact: after an impact there, or where it is held or just released.
-fn begins_on(shooting: &Shooting<f64>, index: usize, guard: GuardKind) -> bool {
-    let GuardKind::Gap(contact) = guard else {
+/// The last inner least value of the guard that ends a step.
+fn last_of_its_own<'l>(
+    shooting: &Shooting<f64>,
+    least: &'l [Vec<Least>],
+    index: usize,
+) -> Option<&'l Least> {
+    let guard = shooting.steps[index].ends_at()?;
+    let mut all = least.get(index)?.iter().rev();
+    all.find(|least| least.guard == guard && !least.at_end)
+}
+
+/// Whether the event at the end of a step is met from the wrong side: guards fall there, and what is an event on the way up and down
+/// comes back from beyond.
+fn is_met_wrongly(shooting: &Shooting<f64>, least: &[Vec<Least>], index: usize) -> bool {
+    let (step, workshop) = (&shooting.steps[index], &shooting.workshop);
+    let (Some(guard), Some(landing)) = (step.ends_at(), shooting.latest.get(index)) else {
         return false;
     };
-    let before = (index + shooting.steps.len() - 1) % shooting.steps.len();
-    struck(&shooting.steps, before).contains(contact)
-        || shooting.closed_before(index).contains(contact)
-        || shooting.steps[before].ends_at() == Some(GuardKind::Reaction(contact))
+    if step.is_stretch() {
+        return false;
+    }
+    let GuardKind::Section(section) = guard else {
+        return landing.surface_rate > 0.0;
+    };
+    let told = &workshop.model.sections[section];
+    if !workshop.system.is_event(section) {
+        return false;
+    }
+    if told.direction != Direction::Either {
+        return landing.surface_rate > 0.0;
+    }
+    let last = last_of_its_own(shooting, least, index);
+    last.zip(shooting.latest_parameters())
+        .is_some_and(|(last, known)| {
+            let beyond: f64 = (workshop.model.graph).evaluate(told.surface, &last.state, &known);
+            last.value < 0.0 && landing.surface_rate * beyond < 0.0
+        })
 }
 
 /// Less what breaks because two events have passed each other.

@@ -1,8 +1,9 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
-use super::Point;
-use super::touch::{Touched, opposite};
+use super::holds::is_broken;
+use super::touch::Touched;
 use super::walker::Walker;
+use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::Step;
@@ -78,17 +79,36 @@ impl Walker {
             broke.is_none() || gone * from.parameter_slope() > 0.0
         };
         let slides = self.shooting.slides();
-        let Some(next) = self.beyond(&from, parts, |orbit| same(orbit) && passes(orbit)) else {
+        let ends: Vec<_> = self.shooting.steps.iter().map(Step::ends_at).collect();
+        // Where a stick or a slip comes to nothing the way goes into its time, and hardly past the touch.
+        let is_over = broke.is_none() && slides.iter().any(|&on| on > 0);
+        let over = is_over.then(|| self.over_the_parameter(&from));
+        let mut ways = [&from].into_iter().chain(&over);
+        let wanted = |orbit: &Orbit| same(orbit) && passes(orbit);
+        let Some(next) = ways.find_map(|way| self.beyond(way, parts, wanted)) else {
             return false;
         };
-        // Where a stay on a surface shrinks to nothing the orbit beyond only touches it.
+        // Where a stay on a surface shrinks to nothing the orbit beyond only touches it, and where a way off it does, that orbit only just
+        // stays on it.
         let slides_on = self.shooting.slides();
+        let ends_on: Vec<_> = self.shooting.steps.iter().map(Step::ends_at).collect();
         let between = [curve.station.parameter(), next.parameter()];
         let is_left = |surface: usize| slides[surface] > slides_on[surface];
+        let count = |ends: &[Option<GuardKind>], guard: GuardKind| {
+            ends.iter().filter(|end| **end == Some(guard)).count()
+        };
         let left = |guard| matches!(guard, GuardKind::Switch(surface) if is_left(surface));
-        if (0..slides.len()).any(is_left)
-            && let Some(touched) = self.touch_between(&next, between, left)
-        {
+        let stayed = |guard| {
+            matches!(guard, GuardKind::Leave(..)) && count(&ends, guard) > count(&ends_on, guard)
+        };
+        let mut touched = None;
+        if (0..slides.len()).any(is_left) {
+            touched = self.touch_between(&next, between, left);
+        }
+        if touched.is_none() && ends.iter().flatten().any(|&guard| stayed(guard)) {
+            touched = self.touch_between(&next, between, stayed);
+        }
+        if let Some(touched) = touched.filter(|touched| !self.has_just_told(touched)) {
             let there = Point::new(&mut self.shooting, &next);
             self.note_passed_touch(&there, touched);
         }
@@ -109,6 +129,15 @@ impl Walker {
             ..self.limits.settings()
         };
         *curve = Curve::new(next, careful);
+    }
+
+    /// Whether the latest special point is that touch.
+    fn has_just_told(&self, touched: &Touched) -> bool {
+        let value = touched.at.last().copied().unwrap_or(f64::NAN);
+        self.special.last().is_some_and(|known| {
+            let off = (known.point.parameter() - value).abs();
+            known.kind == SpecialKind::Touch && off <= known.error + touched.error
+        })
     }
 
     /// The force of a closed contact touches zero: beyond, the contact opens for a while, and closes again by chatter that begins
@@ -140,16 +169,7 @@ impl Walker {
         let resting = released.iter().find_map(|&(index, contact)| {
             let closed = self.shooting.steps[index].closed.with(contact);
             let begin = ((index + 1) % count, closed);
-            // States change ever faster as chatter shrinks to nothing, and then no more: over the parameter alone.
-            let mut over = Station {
-                tangent: vec![0.0; curve.station.at.len()],
-                ..curve.station.clone()
-            };
-            if let (Some(by), Some(scale)) =
-                (over.tangent.last_mut(), self.shooting.scales().last())
-            {
-                *by = scale.copysign(curve.station.parameter_slope());
-            }
+            let over = self.over_the_parameter(&curve.station);
             self.beyond_from(&over, &BEYOND, begin, another)
         });
         let Some(next) = resting.or_else(|| self.beyond(&curve.station, &BEYOND, another)) else {
@@ -166,6 +186,18 @@ impl Walker {
         self.note_passed_touch(&resting, touched);
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
+    }
+
+    /// A station from which the parameter alone goes on: states change ever faster as something shrinks to nothing, and then no more.
+    fn over_the_parameter(&self, station: &Station) -> Station {
+        let mut over = Station {
+            tangent: vec![0.0; station.at.len()],
+            ..station.clone()
+        };
+        if let (Some(by), Some(scale)) = (over.tangent.last_mut(), self.shooting.scales().last()) {
+            *by = scale.copysign(station.parameter_slope());
+        }
+        over
     }
 
     /// Where, between two values of the parameter, the smallest of such guards touches zero on an orbit that does not meet it.
@@ -189,7 +221,7 @@ impl Walker {
             crossings
                 .filter(|(_, guard)| is_wanted(*guard))
                 .filter_map(|(index, guard)| {
-                    let begins = ((index + 1) % self.shooting.steps.len(), opposite(guard)?);
+                    let begins = ((index + 1) % self.shooting.steps.len(), guard.opposite()?);
                     let turn = self.shooting.with_turn_at_start(&next.at, begins).ok()?;
                     Touched::solve(turn).ok()
                 });
@@ -217,11 +249,23 @@ impl Walker {
             let landing = self.shooting.latest.get(before).filter(|_| hits);
             landing.map_or(0.0, |landing| landing.surface_rate.abs())
         };
-        let robust = (0..count).filter(|&index| !self.shooting.steps[index].is_at_once());
-        let robust = robust.max_by(|&a, &b| rate(a).total_cmp(&rate(b)));
-        let robust = robust.unwrap_or(0);
-        let closed = self.shooting.closed_before(robust);
-        self.beyond_from(from, parts, (robust, closed), is_wanted)
+        // Without impacts a long step begins farther from what changes than a short one, and where the longest one does not lead on
+        // another may.
+        let duration = |index: usize| {
+            (self.shooting.latest.get(index)).map_or(0.0, |landing| landing.duration)
+        };
+        let nodes = (0..count).filter(|&index| !self.shooting.steps[index].is_at_once());
+        let mut nodes: Vec<(usize, f64, f64)> = nodes
+            .map(|index| (index, rate(index), duration(index)))
+            .collect();
+        nodes.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.2.total_cmp(&a.2)));
+        if nodes.first().is_some_and(|fastest| fastest.1 > 0.0) {
+            nodes.truncate(1);
+        }
+        nodes.into_iter().find_map(|(node, ..)| {
+            let closed = self.shooting.closed_before(node);
+            self.beyond_from(from, parts, (node, closed), &is_wanted)
+        })
     }
 
     /// The same from one of its nodes, where these contacts are closed.
@@ -250,8 +294,10 @@ impl Walker {
             if cycle.distance > SAME_BEYOND {
                 return None;
             }
-            let orbit = close(&workshop, cycle, &free).ok()?;
-            if !is_wanted(&orbit) {
+            let mut orbit = close(&workshop, cycle, &free).ok()?;
+            // What solves the equations beyond may be no motion any more.
+            let is_motion = is_broken(&mut orbit.shooting, &orbit.at).is_ok_and(|broken| !broken);
+            if !is_motion || !is_wanted(&orbit) {
                 return None;
             }
             let (mut shooting, at) = orbit.shooting.without_section(orbit.at);

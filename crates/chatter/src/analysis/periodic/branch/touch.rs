@@ -32,16 +32,6 @@ enum Stay {
     On,
 }
 
-/// The guard that ends a stay beyond one that was crossed, where that is a matter of sides.
-pub(super) fn opposite(guard: GuardKind) -> Option<GuardKind> {
-    match guard {
-        GuardKind::Switch(surface) => Some(GuardKind::Switch(surface)),
-        GuardKind::Piece(lookup, Side::Above) => Some(GuardKind::Piece(lookup, Side::Below)),
-        GuardKind::Piece(lookup, Side::Below) => Some(GuardKind::Piece(lookup, Side::Above)),
-        _ => None,
-    }
-}
-
 impl Shooting<f64> {
     /// The crossing whose way back follows with no time left, if it is this event or the one before; without an event, any.
     pub(super) fn crossing_that_vanishes(&self, event: usize) -> Option<usize> {
@@ -54,7 +44,7 @@ impl Shooting<f64> {
 
     /// Whether a guard ends a stay that a step leads to: back where that comes from.
     fn ends_stay(&self, step: &Step, guard: Option<GuardKind>) -> bool {
-        let back = step.ends_at().and_then(opposite);
+        let back = step.ends_at().and_then(GuardKind::opposite);
         let origin = self.workshop.system.origin_of(step.mode());
         let leaves = match (guard, origin) {
             (Some(GuardKind::Leave(surface, side)), Some((_, sides, _))) => {
@@ -116,7 +106,7 @@ impl Shooting<f64> {
     pub(super) fn begins_at(&self, index: usize, guard: GuardKind) -> bool {
         let count = self.steps.len();
         let before = self.steps[(index + count - 1) % count].ends_at();
-        opposite(guard).is_some() && before == opposite(guard)
+        guard.opposite().is_some() && before == guard.opposite()
     }
 
     /// The same orbit with the rate of that guard where the step begins for a function that may vanish: beyond, the flow of both sides
@@ -161,7 +151,7 @@ impl Shooting<f64> {
             return Err(unfollowed("a touch of nothing"));
         };
         let mut pieces = steps[index].pieces.clone();
-        let (mut mode, mut ends_at) = (kind.mode, opposite(guard));
+        let (mut mode, mut ends_at) = (kind.mode, guard.opposite());
         match guard {
             GuardKind::Switch(surface) => {
                 let side = sides.get(surface);

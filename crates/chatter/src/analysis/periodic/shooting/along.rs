@@ -1,11 +1,11 @@
 //! What there is to see on the way of an orbit: least values, crossings of the section, what happens within a stretch.
 
-use super::{Flown, Shooting};
+use super::{Flown, Shooting, struck};
 use crate::analysis::continuation::Left;
 use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::cycle::trace::{Instant, Tracer};
-use crate::flow::GuardKind;
 use crate::flow::leg::Least;
+use crate::flow::{Closed, GuardKind};
 use core::ops::ControlFlow;
 
 /// A stretch that is traced once more ends within this part of its duration.
@@ -22,6 +22,12 @@ impl Shooting<f64> {
         let found = self.look(at)?;
         self.seen = Some((at.to_vec(), found.clone()));
         Ok(found)
+    }
+
+    /// All parameters at the latest point looked at.
+    pub(crate) fn latest_parameters(&self) -> Option<Vec<f64>> {
+        let at = self.watching.as_ref()?;
+        Some(self.workshop.parameters(self.free(at)))
     }
 
     /// Where the first leg leads in a time.
@@ -63,10 +69,36 @@ impl Shooting<f64> {
                 found.push(Vec::new());
                 continue;
             }
-            let flyer = &mut self.flyers[*flyer].1;
-            found.push(leg.least(flyer, &all, x, duration).map_err(Left::because)?);
+            let (leg, flyer) = (leg.clone(), *flyer);
+            let zeros = self.begins_on(index);
+            let begins_on = |guard: GuardKind| zeros.contains(&guard);
+            let flyer = &mut self.flyers[flyer].1;
+            let seen = leg.least(flyer, &all, (x, duration), &begins_on);
+            found.push(seen.map_err(Left::because)?);
         }
         Ok(found)
+    }
+
+    /// Guards that are zero by the equations where a step begins: gaps of contacts that were struck, held or just released, and surfaces
+    /// that it has just crossed, left, or had an event at.
+    fn begins_on(&self, index: usize) -> Vec<GuardKind> {
+        let count = self.steps.len();
+        let before = (index + count - 1) % count;
+        let touching = Closed(struck(&self.steps, before).0 | self.closed_before(index).0);
+        let mut zeros: Vec<GuardKind> = touching.contacts().map(GuardKind::Gap).collect();
+        let stays_on = |flown: &Flown<f64>| match flown {
+            Flown::Leg(leg, _) => leg.keeps_surface(),
+            Flown::Stretch(..) => false,
+        };
+        let ends_at = self.steps[before].ends_at();
+        zeros.extend(ends_at.and_then(|guard| match guard {
+            GuardKind::Reaction(contact) => Some(GuardKind::Gap(contact)),
+            _ if !stays_on(&self.flown[before]) => None,
+            GuardKind::Leave(surface, _) => Some(GuardKind::Switch(surface)),
+            GuardKind::Section(_) => Some(guard),
+            _ => guard.opposite(),
+        }));
+        zeros
     }
 
     /// What happens within a step that is a stretch, which is followed as a whole, and when it begins.

@@ -183,12 +183,13 @@ fn side(place: &Place<'_>) -> Option<f64> {
         return None;
     };
     let (across, along) = across_and_along(place)?;
-    shift(
+    let (by, _) = shift(
         place.shooting,
         &place.station.at,
         singular,
         (&across, &[along.to_vec()]),
-    )
+    )?;
+    Some(by)
 }
 
 /// How far across the curve of a graze the orbits lie whose impact has a rate, in parts of it. Where this changes its sign the graze

@@ -1,0 +1,174 @@
+//! Touches of surfaces and of the limits of sticking: where the motion has one, and nowhere else.
+
+use super::{over, value, with};
+use chatter::analysis::periodic::{Branch, End, SpecialKind};
+use core::f64::consts::TAU;
+
+/// A block on a shaking table whose normal force varies.
+const SHAKEN: &str = r#"
+[parameters]
+A = 0.6
+B = 0.3
+ph = 0.7
+mu = 0.3
+[flight]
+u = "-mu*(1 - A*sin(t))*sign(u - B*cos(t + ph))"
+[section.strobe]
+surface = "sin(t)"
+direction = "rising"
+[initial]
+u = 0.2
+"#;
+
+/// The same where a contact carries the block, and friction is that of the contact.
+const CONVEYED: &str = r#"
+[parameters]
+A = 0.6
+B = 0.3
+ph = 0.7
+mu = 0.3
+[flight]
+x = "u"
+u = "0"
+y = "v"
+v = "-1"
+[[contact]]
+name = "plane"
+gap = "y - A*sin(t)"
+impulse = { v = 1 }
+restitution = 0.2
+friction = { coefficient = "mu", along = { u = 1 }, rate = "u - B*cos(t + ph)" }
+[section.strobe]
+surface = "sin(t)"
+direction = "rising"
+[initial]
+x = 0
+u = 0
+y = 0
+v = "A"
+"#;
+
+fn touches(branch: &Branch, context: &str) -> Vec<f64> {
+    let is_touch = |kind: SpecialKind| kind == SpecialKind::Touch;
+    assert!(
+        branch.special.iter().all(|special| is_touch(special.kind)),
+        "{context}: {:?}",
+        branch.special
+    );
+    let mut all: Vec<f64> = branch.special.iter().map(value).collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+fn assert_near(found: &[f64], expected: &[f64], context: &str) {
+    let is_near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+    assert!(
+        found.len() == expected.len() && found.iter().zip(expected).all(is_near),
+        "{context}: {found:?}"
+    );
+}
+
+/// The block sticks while B |sin(t + ph)| is less than mu (1 - A sin t), which the one reaches at two values of B, on one side each; the
+/// others, where a stick has no length, by an exact integration.
+fn of_the_block() -> [f64; 4] {
+    let (a, ph, mu): (f64, f64, f64) = (0.6, 0.7, 0.3);
+    let (middle, half) = (
+        (mu * mu - (mu * a * ph.sin()).powi(2)).sqrt(),
+        mu * a * ph.cos(),
+    );
+    [
+        middle - half,
+        middle + half,
+        0.436_703_604_744_41,
+        0.889_334_989_657_669,
+    ]
+}
+
+/// Where steps begin on a surface that they have just crossed, rounding says on which side.
+#[test]
+fn dry_friction_has_the_same_touches_from_everywhere() {
+    for (start, step) in [("0.12", 0.02), ("0.3", 0.01), ("1", 0.01), ("1", 0.003)] {
+        let context = format!("from {start} by {step}");
+        let found = over(&with(SHAKEN, &[("B", start)]), "B", (0.1, 3.0), (4, step));
+        assert_eq!(found[0].ends, [End::Range, End::Range], "{context}");
+        assert_near(&touches(&found[0], &context), &of_the_block(), &context);
+    }
+}
+
+#[test]
+fn friction_of_contacts_has_the_same_touches_as_a_surface() {
+    for (start, step) in [("0.3", 0.01), ("1.2", 0.01)] {
+        let context = format!("from {start} by {step}");
+        let found = over(&with(CONVEYED, &[("B", start)]), "B", (0.1, 3.0), (4, step));
+        assert_eq!(found[0].ends, [End::Range, End::Range], "{context}");
+        assert_near(&touches(&found[0], &context), &of_the_block(), &context);
+    }
+}
+
+/// A neuron that integrates, leaks and fires at a threshold which swings: with V = I (1 - exp(-2 pi/w)) before each reset, the orbit folds at
+/// A = |V - 1| and fires at a tangent at A^2 = ((I - V)/w)^2 + (V - 1)^2, beyond which there is none.
+#[test]
+fn an_event_that_is_only_touched_ends_the_branch_once() {
+    let text = r#"
+    [parameters]
+    I = 1.5
+    A = 0.2
+    w = 6.0
+    [flight]
+    v = "I - v"
+    [[event]]
+    name = "fire"
+    surface = "v - 1 - A*sin(w*t)"
+    direction = "rising"
+    reset = { v = "0" }
+    [initial]
+    v = 0.0
+    "#;
+    let found = over(&with(text, &[]), "A", (0.0, 0.6), (4, 0.01));
+    let fires = 1.5 * (1.0 - (-TAU / 6.0_f64).exp());
+    let expected = [
+        (SpecialKind::Touch, ((1.5 - fires) / 6.0).hypot(fires - 1.0)),
+        (SpecialKind::Fold, (fires - 1.0).abs()),
+    ];
+    let special = &found[0].special;
+    assert_eq!(special.len(), 2, "{special:?}");
+    for (special, (kind, at)) in special.iter().zip(expected) {
+        assert_eq!(special.kind, kind);
+        assert!((value(special) - at).abs() < 1e-14, "{special:?}");
+    }
+    assert!(matches!(found[0].ends[0], End::Lost(_)));
+    assert_eq!(found[0].ends[1], End::Range);
+}
+
+/// A thermostat with two lags: the temperature falls through `ref - h` ever slower, and touches nothing.
+#[test]
+fn an_event_that_leaves_the_state_on_its_surface_is_not_touched_at_once() {
+    let text = r#"
+    [parameters]
+    k = 3.0
+    h = 0.2
+    ref = 0.2001
+    tau = 0.5
+    [flight]
+    x = "y - x"
+    y = "(k*q - y)/tau"
+    q = "0"
+    [[event]]
+    name = "off"
+    surface = "x - ref - h"
+    direction = "rising"
+    reset = { q = "0" }
+    [[event]]
+    name = "on"
+    surface = "x - ref + h"
+    direction = "falling"
+    reset = { q = "1" }
+    [initial]
+    x = 0.0
+    y = 0.0
+    q = 1
+    "#;
+    let found = over(&with(text, &[]), "ref", (0.200_001, 0.2002), (4, 0.03));
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+    assert!(found[0].special.is_empty(), "{:?}", found[0].special);
+}
