@@ -1,17 +1,15 @@
 //! Which sides and pieces follow at corners that the state lies on: all that could are asked whether they hold.
 
-use super::{Candidate, INSTANT_ROUNDOFFS, Standing};
-use crate::expressions::{Operand, Side, Sides, Surfaces};
+use super::options::Choice;
+use super::verdict::Verdict;
+use super::{Candidate, INSTANT_ROUNDOFFS};
+use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
-use crate::flow::program::STANDING_ORDERS;
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
-use crate::flow::touching::Touching;
 use crate::flow::trajectory::Trajectory;
 use crate::numerics::{Real, WithTerms, two_sum};
-use core::cmp::Ordering;
 
 /// So many modes are asked at once at a corner of several surfaces, not more.
 const MOST_CANDIDATES: usize = 81;
@@ -19,61 +17,20 @@ const MOST_CANDIDATES: usize = 81;
 /// So often each of more corners is asked beside the others.
 const MOST_ROUNDS: usize = 64;
 
-/// A surface that may jump, and is so many times what cannot be told from zero, has jumped.
-const JUMPS: f64 = 1024.0;
-
-/// What may become of one corner.
-#[derive(Clone, Copy, Debug)]
-enum Choice {
-    /// The side of a surface.
-    Side(usize, Side),
-    /// The piece of a lookup.
-    Piece(usize, i64),
-}
-
-impl Choice {
-    fn made(self, base: &Candidate) -> Candidate {
-        let mut candidate = base.clone();
-        match self {
-            Self::Side(index, side) => candidate.sides = candidate.sides.with(index, side),
-            Self::Piece(index, piece) => candidate.pieces[index] = piece,
-        }
-        candidate
-    }
-}
-
 /// A field here, and where the state may be as well.
-type Fields<R> = [Vec<WithTerms<R>>; 2];
+pub(super) type Fields<R> = [Vec<WithTerms<R>>; 2];
 
 /// What modes are asked by, and what asking them has shown beside their verdicts.
 #[derive(Debug)]
-struct Asked<R> {
+pub(super) struct Asked<R> {
     /// The state, with its remainders, an instant later on the motion that met the corner: it is known no better.
-    later: (Vec<R>, Vec<R>),
+    pub(super) later: (Vec<R>, Vec<R>),
     /// Surfaces that may be slid along, as the fields on their sides differ or are about to.
-    slippery: Surfaces,
+    pub(super) slippery: Surfaces,
     /// Some would leave a table.
-    outside: Option<FlowError>,
+    pub(super) outside: Option<FlowError>,
     /// The equations of some are singular here.
-    singular: Option<FlowError>,
-}
-
-/// What a candidate says of the corners that are touched.
-struct Verdict<R> {
-    candidate: Candidate,
-    /// Roots of its guards at the present state.
-    roots: Vec<(GuardKind, u8)>,
-    /// Nothing moves it off a corner.
-    is_balanced: bool,
-    /// Contacts that are closed stay so at least at first.
-    contacts_stay: bool,
-    /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them; and they stick, if they can.
-    opens_there: bool,
-    /// On corners that nothing moves it off it is where plain evaluation says.
-    is_plain: bool,
-    /// Of what vanishes at corners that nothing moves it off it takes no root.
-    is_smooth: bool,
-    fields: Fields<R>,
+    pub(super) singular: Option<FlowError>,
 }
 
 impl<R: Real> Trajectory<R> {
@@ -275,7 +232,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// As [`try_sides`](Self::try_sides); a piece beyond the end of a table is none, and noted.
-    fn ask(
+    pub(super) fn ask(
         &mut self,
         system: &System,
         candidate: &Candidate,
@@ -291,7 +248,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// As [`ask`](Self::ask), with all other corners put right.
-    fn ask_beside(
+    pub(super) fn ask_beside(
         &mut self,
         system: &System,
         candidate: &Candidate,
@@ -301,7 +258,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Puts the present candidate right where it says that other corners are clearly passed. Whether that is possible.
-    fn pass_others(
+    pub(super) fn pass_others(
         &mut self,
         system: &System,
         touched: &[Corner],
@@ -321,49 +278,6 @@ impl<R: Real> Trajectory<R> {
         Ok(true)
     }
 
-    /// Whether the field differs on the two sides of a surface, so that it may be slid along; all else as in `base`.
-    fn jumps(
-        &mut self,
-        system: &System,
-        index: usize,
-        (base, touched, asked): (&Candidate, &[Corner], &mut Asked<R>),
-    ) -> Result<bool, FlowError> {
-        if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
-            return Ok(self.grip().carrying().contains(rubs.contact));
-        }
-        let agree = |fields: &[Fields<R>]| match fields {
-            [above, below] => Some(vanishes(above, below)),
-            _ => None,
-        };
-        let mut known = agree(&self.fields_beside(system, index, (base, touched, asked))?);
-        let free = base.sliding_nowhere();
-        if known != Some(false) && free != *base {
-            // What is slid along elsewhere may be so on one of these sides only, or hide the jump: of three bodies that hold each
-            // other one pair is at rest whatever rubs between them.
-            known = agree(&self.fields_beside(system, index, (&free, touched, asked))?).or(known);
-        }
-        match known {
-            Some(true) => self.is_held_by_nothing(system, index, (base, touched, asked)),
-            _ => Ok(true),
-        }
-    }
-
-    /// The fields on the sides of a surface, as far as there are modes.
-    fn fields_beside(
-        &mut self,
-        system: &System,
-        index: usize,
-        (base, touched, asked): (&Candidate, &[Corner], &mut Asked<R>),
-    ) -> Result<Vec<Fields<R>>, FlowError> {
-        let mut fields = Vec::with_capacity(2);
-        for side in [Side::Above, Side::Below] {
-            if self.ask_beside(system, &base.with_side(index, side), (touched, asked))? {
-                fields.push(self.fields_here(system, asked)?);
-            }
-        }
-        Ok(fields)
-    }
-
     /// The state, with its remainders, so long after a corner has been met as may be until it is: where none was met, the state itself.
     fn an_instant_later(&self, system: &System) -> Result<(Vec<R>, Vec<R>), FlowError> {
         let field = self.field_at(system, (&self.state, &self.low))?;
@@ -376,7 +290,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// The state, with its remainders, after so short a time along a field.
-    fn after(&self, time: R, field: &[WithTerms<R>]) -> (Vec<R>, Vec<R>) {
+    pub(super) fn after(&self, time: R, field: &[WithTerms<R>]) -> (Vec<R>, Vec<R>) {
         let (mut state, mut low) = (self.state.clone(), self.low.clone());
         for ((x, low), f) in state.iter_mut().zip(&mut low).zip(field) {
             (*x, *low) = two_sum(*x, f.value.mul_add(time, *low));
@@ -384,38 +298,19 @@ impl<R: Real> Trajectory<R> {
         (state, low)
     }
 
-    /// Whether sliding along a surface on which both fields agree is not at its end, as where friction begins that has nothing to hold
-    /// yet: its share of either side is no quotient of what vanishes.
-    fn is_held_by_nothing(
-        &mut self,
-        system: &System,
-        index: usize,
-        (base, touched, asked): (&Candidate, &[Corner], &mut Asked<R>),
-    ) -> Result<bool, FlowError> {
-        let candidate = base.with_side(index, Side::Sliding);
-        if !self.ask_beside(system, &candidate, (touched, asked))? {
-            return Ok(false);
-        }
-        let standings = self.standings(system)?;
-        let own = (standings.iter()).find(|s| s.corner == Corner::Surface(index));
-        Ok(own.is_some_and(|own| {
-            let lasts = |(_, orders): &(_, [WithTerms<R>; STANDING_ORDERS])| {
-                let is_smooth = orders.iter().all(|order| order.value.is_finite());
-                is_smooth && orders[0].value > own.level(orders)
-            };
-            !own.guards.is_empty() && own.guards.iter().all(lasts)
-        }))
-    }
-
     /// The field of the present mode at the state, and an instant later.
-    fn fields_here(&self, system: &System, asked: &Asked<R>) -> Result<Fields<R>, FlowError> {
+    pub(super) fn fields_here(
+        &self,
+        system: &System,
+        asked: &Asked<R>,
+    ) -> Result<Fields<R>, FlowError> {
         let here = self.field_at(system, (&self.state, &self.low))?;
         let later = self.field_at(system, (&asked.later.0, &asked.later.1))?;
         Ok([here, later])
     }
 
     /// The field of the present mode at another state.
-    fn field_at(
+    pub(super) fn field_at(
         &self,
         system: &System,
         start: (&[R], &[R]),
@@ -425,239 +320,6 @@ impl<R: Real> Trajectory<R> {
             return Ok(Vec::new());
         };
         Ok(with_terms(&program.field, &constants.field, start))
-    }
-
-    /// What may become of one corner beside what `base` has chosen, the sides first.
-    fn options(
-        &mut self,
-        system: &System,
-        (corner, met): (Corner, Option<Corner>),
-        base: &Candidate,
-        (touched, asked): (&[Corner], &mut Asked<R>),
-    ) -> Result<Vec<Choice>, FlowError> {
-        match corner {
-            Corner::Surface(index) => {
-                let jumps = self.jumps(system, index, (base, touched, &mut *asked))?;
-                if jumps {
-                    asked.slippery = asked.slippery.with(index);
-                }
-                let sides = [Side::Above, Side::Below, Side::Sliding];
-                let possible = &sides[..if jumps { 3 } else { 2 }];
-                Ok((possible.iter())
-                    .map(|&side| Choice::Side(index, side))
-                    .collect())
-            }
-            Corner::Lookup(index) => {
-                let stays = vec![Choice::Piece(index, base.pieces[index])];
-                if !self.ask(system, base, asked)? {
-                    return Ok(stays);
-                }
-                let standings = self.standings(system)?;
-                let Some(own) = standings.iter().find(|s| s.corner == corner) else {
-                    return Ok(stays);
-                };
-                // A knot that cannot be told from the argument is as large as that.
-                let level = own.surface_level() * R::splat(2.0);
-                let level = level.max(R::splat(f64::MIN_POSITIVE));
-                let (graph, corners) = (&system.model().graph, system.corners());
-                let at = |value: R| corners.piece_at(graph, index, value.to_double_double());
-                let value = own.surface.value;
-                let mut near = vec![base.pieces[index]];
-                near.retain(|&piece| at(value - level) <= piece && piece <= at(value + level));
-                near.extend([at(value - level), at(value), at(value + level)]);
-                if met == Some(corner) && near.iter().all(|&piece| piece == base.pieces[index]) {
-                    // The end that is nearer, where rounding says that neither is reached.
-                    let gaps = own
-                        .guards
-                        .iter()
-                        .map(|(_, orders)| orders[0].value.to_f64());
-                    let gaps: Vec<f64> = gaps.collect();
-                    let by = if gaps.first() < gaps.get(1) { -1 } else { 1 };
-                    near.push(base.pieces[index] + by);
-                }
-                let mut options: Vec<Choice> = Vec::new();
-                for (place, &piece) in near.iter().enumerate() {
-                    if !near[..place].contains(&piece) {
-                        options.push(Choice::Piece(index, piece));
-                    }
-                }
-                Ok(options)
-            }
-        }
-    }
-
-    /// What the present mode says of itself; none where it does not hold.
-    fn verdict(
-        &self,
-        system: &System,
-        candidate: Candidate,
-        (touched, asked): (&[Corner], &mut Asked<R>),
-    ) -> Result<Option<Verdict<R>>, FlowError> {
-        if let Some(contact) = self.jam(system) {
-            asked.singular = Some(self.jammed(contact));
-            return Ok(None);
-        }
-        let fields = self.fields_here(system, asked)?;
-        if !fields[0].iter().all(|f| f.value.is_finite()) {
-            asked.singular = self.singular_here(system);
-            return Ok(None);
-        }
-        let mut verdict = Verdict {
-            candidate,
-            roots: Vec::new(),
-            is_balanced: false,
-            contacts_stay: true,
-            opens_there: true,
-            is_plain: true,
-            is_smooth: true,
-            fields,
-        };
-        // What an instant changes says nothing yet.
-        let later = self.standings_at(system, (&asked.later.0, &asked.later.1))?;
-        for (standing, later) in self.standings(system)?.iter().zip(&later) {
-            if !touched.contains(&standing.corner) {
-                continue;
-            }
-            let is_slid = matches!(standing.corner, Corner::Surface(k)
-                if verdict.candidate.sides.get(k) == Side::Sliding);
-            let may_slide = matches!(standing.corner, Corner::Surface(k)
-                if asked.slippery.contains(k));
-            let is_surface = standing.corner.is_surface();
-            if is_slid && standing.guards.is_empty() {
-                return Ok(None);
-            }
-            for ((kind, orders), (_, later)) in standing.guards.iter().zip(&later.guards) {
-                // The surface of a side is touched, whatever rounding says, unless it has jumped at another corner; the ends of sliding
-                // or of a piece may be far.
-                let is_end = is_slid || !is_surface;
-                let level = standing.level(orders) * R::splat(if is_end { 1.0 } else { JUMPS });
-                let is_clear = orders[0].value.abs() > level
-                    && (is_end || self.may_jump(system, standing.corner));
-                let is_far = is_clear && orders[0].value > level;
-                // What follows the first that decides may be infinite, as the derivative of a root that begins here.
-                let moving = (orders.iter().enumerate().skip(1)).find(|&(k, order)| {
-                    let level = order.level().max(change(order.value, later[k].value));
-                    !order.value.is_finite() || order.value.abs() > level
-                });
-                // Nor does what is far from its end ask for them, as a share of fields along which a root begins.
-                if is_far && orders[0].value.is_finite() {
-                    continue;
-                }
-                let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
-                let leaves = if decides.into_iter().all(|order| order.value.is_finite()) {
-                    if is_clear && orders[0].value < -level {
-                        return Ok(None);
-                    }
-                    moving.map(|(order, moving)| (moving.value > R::ZERO, order as u8))
-                } else {
-                    let begins = (standing.corner, *kind);
-                    match self.moves_by_a_root(system, begins, &verdict.fields[0])? {
-                        Some(Ordering::Greater) => Some((true, 1)),
-                        Some(Ordering::Less) => Some((false, 1)),
-                        Some(Ordering::Equal)
-                            if !may_slide && self.may_rest_at(system, *kind)? =>
-                        {
-                            None
-                        }
-                        _ => {
-                            asked.singular = self.singular_here(system);
-                            return Ok(None);
-                        }
-                    }
-                };
-                match leaves {
-                    Some((false, _)) => return Ok(None),
-                    Some((true, roots)) => verdict.roots.push((*kind, roots)),
-                    None => {
-                        verdict.is_balanced = true;
-                        verdict.opens_there &=
-                            is_slid || self.opens_there(system, standing.corner)?;
-                        verdict.is_plain &= is_slid || self.is_plain(system, standing);
-                        verdict.is_smooth &= self.root_at(system, *kind)?.is_none();
-                        verdict.roots.push((*kind, Touching::BALANCED));
-                    }
-                }
-            }
-        }
-        verdict.contacts_stay = self.contacts_stay(system);
-        Ok(Some(verdict))
-    }
-
-    /// Whether what is zero at a corner has corners itself.
-    fn may_jump(&self, system: &System, corner: Corner) -> bool {
-        match corner {
-            Corner::Surface(index) => (system.corners()).is_nested(&system.model().graph, index),
-            Corner::Lookup(_) => false,
-        }
-    }
-
-    /// Where a guard without a derivative, the root of something that vanishes here, is a moment later, as long as steps off roots
-    /// are; none if it has no value there.
-    fn moves_by_a_root(
-        &self,
-        system: &System,
-        (corner, kind): (Corner, GuardKind),
-        field: &[WithTerms<R>],
-    ) -> Result<Option<Ordering>, FlowError> {
-        let unit = (self.reach.iter()).fold(self.longest_step, |most, &reach| most.max(reach));
-        let moment = unit * R::splat(R::ROUNDOFF).sqrt();
-        let (state, low) = self.after(moment, field);
-        let standings = self.standings_at(system, (&state, &low))?;
-        let value = (standings.iter().filter(|s| s.corner == corner))
-            .flat_map(|standing| &standing.guards)
-            .find(|(other, _)| *other == kind)
-            .map(|(_, orders)| orders[0]);
-        Ok(
-            value.and_then(|value| match value.value.abs() > value.level() {
-                true => value.value.partial_cmp(&R::ZERO),
-                false => value.value.is_finite().then_some(Ordering::Equal),
-            }),
-        )
-    }
-
-    /// Whether no other motion begins where a guard vanishes than one that it vanishes along: no root of it has a slope without bound
-    /// there.
-    fn may_rest_at(&self, system: &System, kind: GuardKind) -> Result<bool, FlowError> {
-        let (program, root) = (self.program(system)?, self.root_at(system, kind)?);
-        Ok(root.is_none_or(|slot| self.has_slopes(program, &[slot])))
-    }
-
-    /// The series that vanishes where a guard does, if a root is taken of it in the present mode.
-    fn root_at(&self, system: &System, kind: GuardKind) -> Result<Option<usize>, FlowError> {
-        let program = self.program(system)?;
-        let own = program.guards.iter().find(|guard| guard.kind == kind);
-        Ok(own
-            .and_then(|guard| match guard.series {
-                Operand::Series(slot) => Some(slot),
-                Operand::Constant(_) => None,
-            })
-            .filter(|&slot| program.tape.singular.iter().any(|s| s.slot == slot)))
-    }
-
-    /// That what must not vanish in the present mode does so.
-    fn singular_here(&self, system: &System) -> Option<FlowError> {
-        let state = &self.state[..self.coordinates];
-        let (kind, expression) = system.singular_at(self.mode, state, &self.parameters)?;
-        Some(FlowError::Singular {
-            time: self.time.to_f64(),
-            kind,
-            expression,
-        })
-    }
-
-    /// Whether plain evaluation takes the piece of a corner that the state is on.
-    fn is_plain(&self, system: &System, standing: &Standing<R>) -> bool {
-        let value = standing.surface.value;
-        match standing.corner {
-            Corner::Surface(index) => {
-                self.regime.get(index) == system.corners().side_at(index, value)
-            }
-            Corner::Lookup(index) => {
-                let graph = &system.model().graph;
-                let wide = value.to_double_double();
-                self.pieces[index] == system.corners().piece_at(graph, index, wide)
-            }
-        }
     }
 
     fn no_mode(&self, system: &System, touched: &[Corner]) -> FlowError {
@@ -670,7 +332,7 @@ impl<R: Real> Trajectory<R> {
 
 /// Whether two fields move the state alike: their difference is rounding, or no larger than what an
 /// instant changes it by.
-fn vanishes<R: Real>(a: &Fields<R>, b: &Fields<R>) -> bool {
+pub(super) fn vanishes<R: Real>(a: &Fields<R>, b: &Fields<R>) -> bool {
     let later = a[1].iter().zip(&b[1]);
     (a[0].iter().zip(&b[0]).zip(later)).all(|((a, b), (a_later, b_later))| {
         let (now, then) = (a.value - b.value, a_later.value - b_later.value);
@@ -679,7 +341,7 @@ fn vanishes<R: Real>(a: &Fields<R>, b: &Fields<R>) -> bool {
 }
 
 /// By how much an instant changes a number; of one that has no value then nothing is known.
-fn change<R: Real>(now: R, then: R) -> R {
+pub(super) fn change<R: Real>(now: R, then: R) -> R {
     let change = (then - now).abs();
     if change.is_finite() { change } else { R::ZERO }
 }

@@ -7,7 +7,9 @@
 mod choice;
 mod met;
 mod opening;
+mod options;
 mod range;
+mod verdict;
 
 use super::{StandingTapes, Trajectory};
 use crate::expressions::{Side, Sides, Surfaces};

@@ -1,0 +1,210 @@
+//! What a mode says of itself at corners that the state lies on: whether it holds there, and how it leaves them.
+
+use super::choice::{Asked, Fields, change};
+use super::{Candidate, Standing};
+use crate::expressions::{Operand, Side};
+use crate::flow::error::FlowError;
+use crate::flow::guard::GuardKind;
+use crate::flow::limits::Corner;
+use crate::flow::system::System;
+use crate::flow::touching::Touching;
+use crate::flow::trajectory::Trajectory;
+use crate::numerics::{Real, WithTerms};
+use core::cmp::Ordering;
+
+/// A surface that may jump, and is so many times what cannot be told from zero, has jumped.
+const JUMPS: f64 = 1024.0;
+
+/// What a candidate says of the corners that are touched.
+pub(super) struct Verdict<R> {
+    pub(super) candidate: Candidate,
+    /// Roots of its guards at the present state.
+    pub(super) roots: Vec<(GuardKind, u8)>,
+    /// Nothing moves it off a corner.
+    pub(super) is_balanced: bool,
+    /// Contacts that are closed stay so at least at first.
+    pub(super) contacts_stay: bool,
+    /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them; and they stick, if they can.
+    pub(super) opens_there: bool,
+    /// On corners that nothing moves it off it is where plain evaluation says.
+    pub(super) is_plain: bool,
+    /// Of what vanishes at corners that nothing moves it off it takes no root.
+    pub(super) is_smooth: bool,
+    pub(super) fields: Fields<R>,
+}
+
+impl<R: Real> Trajectory<R> {
+    /// What the present mode says of itself; none where it does not hold.
+    pub(super) fn verdict(
+        &self,
+        system: &System,
+        candidate: Candidate,
+        (touched, asked): (&[Corner], &mut Asked<R>),
+    ) -> Result<Option<Verdict<R>>, FlowError> {
+        if let Some(contact) = self.jam(system) {
+            asked.singular = Some(self.jammed(contact));
+            return Ok(None);
+        }
+        let fields = self.fields_here(system, asked)?;
+        if !fields[0].iter().all(|f| f.value.is_finite()) {
+            asked.singular = self.singular_here(system);
+            return Ok(None);
+        }
+        let mut verdict = Verdict {
+            candidate,
+            roots: Vec::new(),
+            is_balanced: false,
+            contacts_stay: true,
+            opens_there: true,
+            is_plain: true,
+            is_smooth: true,
+            fields,
+        };
+        // What an instant changes says nothing yet.
+        let later = self.standings_at(system, (&asked.later.0, &asked.later.1))?;
+        for (standing, later) in self.standings(system)?.iter().zip(&later) {
+            if !touched.contains(&standing.corner) {
+                continue;
+            }
+            let is_slid = matches!(standing.corner, Corner::Surface(k)
+                if verdict.candidate.sides.get(k) == Side::Sliding);
+            let may_slide = matches!(standing.corner, Corner::Surface(k)
+                if asked.slippery.contains(k));
+            let is_surface = standing.corner.is_surface();
+            if is_slid && standing.guards.is_empty() {
+                return Ok(None);
+            }
+            for ((kind, orders), (_, later)) in standing.guards.iter().zip(&later.guards) {
+                // The surface of a side is touched, whatever rounding says, unless it has jumped at another corner; the ends of sliding
+                // or of a piece may be far.
+                let is_end = is_slid || !is_surface;
+                let level = standing.level(orders) * R::splat(if is_end { 1.0 } else { JUMPS });
+                let is_clear = orders[0].value.abs() > level
+                    && (is_end || self.may_jump(system, standing.corner));
+                let is_far = is_clear && orders[0].value > level;
+                // What follows the first that decides may be infinite, as the derivative of a root that begins here.
+                let moving = (orders.iter().enumerate().skip(1)).find(|&(k, order)| {
+                    let level = order.level().max(change(order.value, later[k].value));
+                    !order.value.is_finite() || order.value.abs() > level
+                });
+                // Nor does what is far from its end ask for them, as a share of fields along which a root begins.
+                if is_far && orders[0].value.is_finite() {
+                    continue;
+                }
+                let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
+                let leaves = if decides.into_iter().all(|order| order.value.is_finite()) {
+                    if is_clear && orders[0].value < -level {
+                        return Ok(None);
+                    }
+                    moving.map(|(order, moving)| (moving.value > R::ZERO, order as u8))
+                } else {
+                    let begins = (standing.corner, *kind);
+                    match self.moves_by_a_root(system, begins, &verdict.fields[0])? {
+                        Some(Ordering::Greater) => Some((true, 1)),
+                        Some(Ordering::Less) => Some((false, 1)),
+                        Some(Ordering::Equal)
+                            if !may_slide && self.may_rest_at(system, *kind)? =>
+                        {
+                            None
+                        }
+                        _ => {
+                            asked.singular = self.singular_here(system);
+                            return Ok(None);
+                        }
+                    }
+                };
+                match leaves {
+                    Some((false, _)) => return Ok(None),
+                    Some((true, roots)) => verdict.roots.push((*kind, roots)),
+                    None => {
+                        verdict.is_balanced = true;
+                        verdict.opens_there &=
+                            is_slid || self.opens_there(system, standing.corner)?;
+                        verdict.is_plain &= is_slid || self.is_plain(system, standing);
+                        verdict.is_smooth &= self.root_at(system, *kind)?.is_none();
+                        verdict.roots.push((*kind, Touching::BALANCED));
+                    }
+                }
+            }
+        }
+        verdict.contacts_stay = self.contacts_stay(system);
+        Ok(Some(verdict))
+    }
+
+    /// Whether what is zero at a corner has corners itself.
+    fn may_jump(&self, system: &System, corner: Corner) -> bool {
+        match corner {
+            Corner::Surface(index) => (system.corners()).is_nested(&system.model().graph, index),
+            Corner::Lookup(_) => false,
+        }
+    }
+
+    /// Where a guard without a derivative, the root of something that vanishes here, is a moment later, as long as steps off roots
+    /// are; none if it has no value there.
+    fn moves_by_a_root(
+        &self,
+        system: &System,
+        (corner, kind): (Corner, GuardKind),
+        field: &[WithTerms<R>],
+    ) -> Result<Option<Ordering>, FlowError> {
+        let unit = (self.reach.iter()).fold(self.longest_step, |most, &reach| most.max(reach));
+        let moment = unit * R::splat(R::ROUNDOFF).sqrt();
+        let (state, low) = self.after(moment, field);
+        let standings = self.standings_at(system, (&state, &low))?;
+        let value = (standings.iter().filter(|s| s.corner == corner))
+            .flat_map(|standing| &standing.guards)
+            .find(|(other, _)| *other == kind)
+            .map(|(_, orders)| orders[0]);
+        Ok(
+            value.and_then(|value| match value.value.abs() > value.level() {
+                true => value.value.partial_cmp(&R::ZERO),
+                false => value.value.is_finite().then_some(Ordering::Equal),
+            }),
+        )
+    }
+
+    /// Whether no other motion begins where a guard vanishes than one that it vanishes along: no root of it has a slope without bound
+    /// there.
+    fn may_rest_at(&self, system: &System, kind: GuardKind) -> Result<bool, FlowError> {
+        let (program, root) = (self.program(system)?, self.root_at(system, kind)?);
+        Ok(root.is_none_or(|slot| self.has_slopes(program, &[slot])))
+    }
+
+    /// The series that vanishes where a guard does, if a root is taken of it in the present mode.
+    fn root_at(&self, system: &System, kind: GuardKind) -> Result<Option<usize>, FlowError> {
+        let program = self.program(system)?;
+        let own = program.guards.iter().find(|guard| guard.kind == kind);
+        Ok(own
+            .and_then(|guard| match guard.series {
+                Operand::Series(slot) => Some(slot),
+                Operand::Constant(_) => None,
+            })
+            .filter(|&slot| program.tape.singular.iter().any(|s| s.slot == slot)))
+    }
+
+    /// That what must not vanish in the present mode does so.
+    fn singular_here(&self, system: &System) -> Option<FlowError> {
+        let state = &self.state[..self.coordinates];
+        let (kind, expression) = system.singular_at(self.mode, state, &self.parameters)?;
+        Some(FlowError::Singular {
+            time: self.time.to_f64(),
+            kind,
+            expression,
+        })
+    }
+
+    /// Whether plain evaluation takes the piece of a corner that the state is on.
+    fn is_plain(&self, system: &System, standing: &Standing<R>) -> bool {
+        let value = standing.surface.value;
+        match standing.corner {
+            Corner::Surface(index) => {
+                self.regime.get(index) == system.corners().side_at(index, value)
+            }
+            Corner::Lookup(index) => {
+                let graph = &system.model().graph;
+                let wide = value.to_double_double();
+                self.pieces[index] == system.corners().piece_at(graph, index, wide)
+            }
+        }
+    }
+}
