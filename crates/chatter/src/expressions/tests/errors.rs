@@ -57,7 +57,10 @@ fn functions() {
         "x ⟦and⟧ y",
         "`and` joins conditions: it stands in the first argument of `if`",
     );
-    check("if(x ⟦=⟧= 1, 1, 2)", "unexpected character `=`; write `>=`");
+    check(
+        "if(x ⟦=⟧= 1, 1, 2)",
+        "unexpected `=`: conditions compare by `<` and `>`, and what is zero somewhere is written without `= 0`",
+    );
     check("⟦pow⟧(x, 2)", "unknown function `pow`; did you mean `x^y`?");
     check(
         "⟦log10⟧(x)",
@@ -177,7 +180,10 @@ fn parentheses() {
 
 #[test]
 fn characters_and_numbers() {
-    check("x ⟦=⟧ 2", "unexpected character `=`; write `>=`");
+    check(
+        "x ⟦=⟧ 2",
+        "unexpected `=`: conditions compare by `<` and `>`, and what is zero somewhere is written without `= 0`",
+    );
     check("x ⟦−⟧ y", "unexpected character `−`; write `-`");
     check("x⟦²⟧", "unexpected character `²`; write `^2`");
     check("x ⟦·⟧ y", "unexpected character `·`; write `*`");
