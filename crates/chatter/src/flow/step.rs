@@ -503,13 +503,17 @@ impl<S: Scalar> Workspace<S> {
         self.keep_unit();
     }
 
-    /// The value of a series at the end of the step, so many of whose roots lie at its start.
+    /// The value of a series at the end of the step, so many of whose roots lie at its start, and the size of the terms that it is the
+    /// sum of there.
     #[inline(always)]
-    pub(crate) fn value_at_end(&self, slot: usize, roots: u8) -> S {
-        let p = &self.expansion.series(slot)[usize::from(roots)..];
-        (0..roots).fold(horner(p, self.scaled_step), |value, _| {
-            value * self.scaled_step
-        })
+    pub(crate) fn value_at_end(&self, tape: &Tape, slot: usize, roots: u8) -> (S, S) {
+        let end = AtEnd {
+            series: &self.expansion.series(slot)[usize::from(roots)..],
+            scaled_step: self.scaled_step,
+            roots,
+        };
+        let terms = (self.expansion).size_of_terms(tape, &self.constants, slot);
+        (dispatch_narrow(end), terms)
     }
 
     /// The unit of time grows no farther than steps do: where events end them early, polynomials would reach farther and farther,
@@ -563,6 +567,23 @@ impl<S: Scalar> Workspace<S> {
         let [_, rate, acceleration, jerk, _, _] = self.impact;
         let time = flight_time(rate, acceleration, jerk);
         self.flight_time = S::select(here, time, self.flight_time);
+    }
+}
+
+/// The end of a series, so many of whose roots lie at its start.
+struct AtEnd<'a, S> {
+    series: &'a [S],
+    scaled_step: S,
+    roots: u8,
+}
+
+impl<S: Scalar> Kernel for AtEnd<'_, S> {
+    type Output = S;
+
+    #[inline(always)]
+    fn run(self) -> S {
+        let end = horner(self.series, self.scaled_step);
+        (0..self.roots).fold(end, |value, _| value * self.scaled_step)
     }
 }
 

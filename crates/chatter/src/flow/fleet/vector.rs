@@ -464,7 +464,10 @@ impl<'a, const L: usize> Vector<'a, L> {
             at_horizon: event.is_none() && reaches(outcome.step, remaining),
             gap: None,
         };
-        let gap = |slot: usize, roots: u8| work.value_at_end(slot, roots).0[lane];
+        let gap = |slot: usize, roots: u8| {
+            let (value, terms) = work.value_at_end(&program.tape, slot, roots);
+            (value.0[lane], terms.0[lane])
+        };
         result.gap = trajectory.gap_at_end((program, touching), &result, gap);
         Ended::Digest(result)
     }

@@ -42,7 +42,7 @@ impl<R: Real> Kernel for StepAlone<'_, R> {
             return Stepped::Uncertain;
         }
         let mut result = trajectory.result(work);
-        let gap = |slot, roots| work.value_at_end(slot, roots);
+        let gap = |slot, roots| work.value_at_end(&program.tape, slot, roots);
         result.gap = trajectory.gap_at_end((program, trajectory.touching), &result, gap);
         trajectory.accept(work);
         match trajectory.digest_ordinary(system, program, &result) {

@@ -12,15 +12,19 @@ use crate::flow::system::System;
 use crate::flow::touching::Touching;
 use crate::numerics::Real;
 
+/// What is a smaller part of its terms loses digits in the time of the next impact.
+const SMALL: f64 = 1.0 / 64.0;
+
 impl<R: Real> Trajectory<R> {
     /// The gap of the contact that the sequence belongs to at the end of a step, if that ended elsewhere than at an impact, and was cut
-    /// or began with a gap that was known; `at_end` gives the value there of a series, so many of whose roots lie at the start.
+    /// or began with a gap that was known; if it is the small difference of others. `at_end` gives the value there of a series, so many
+    /// of whose roots lie at the start, and the size of its terms.
     #[inline(always)]
     pub(crate) fn gap_at_end(
         &self,
         (program, touching): (&Program, Touching),
         result: &StepResult<R>,
-        at_end: impl FnOnce(usize, u8) -> R,
+        at_end: impl FnOnce(usize, u8) -> (R, R),
     ) -> Option<(usize, R)> {
         let was_cut = match result.event {
             Some(event) => program.guards[event].closing().is_none(),
@@ -30,7 +34,12 @@ impl<R: Real> Trajectory<R> {
             .latest_impact
             .filter(|_| was_cut && self.sequence > 0)?;
         let (guard, slot) = program.gap_series(contact)?;
-        Some((contact, at_end(slot, touching.get(guard))))
+        // A state is no difference, and rounded by a part of itself.
+        if slot < self.state.len() {
+            return None;
+        }
+        let (gap, terms) = at_end(slot, touching.get(guard));
+        (gap.abs() < terms * R::splat(SMALL)).then_some((contact, gap))
     }
 
     /// The gap that a step came to, as it is computed from the state, if that is open there.

@@ -386,7 +386,7 @@ impl<R: Real> Trajectory<R> {
         result.jumped = jumped;
         result.at_horizon &= !shortened;
         result.crowd = crowd;
-        let gap = |slot, roots| work.value_at_end(slot, roots);
+        let gap = |slot, roots| work.value_at_end(&program.tape, slot, roots);
         result.gap = self.gap_at_end((program, self.touching), &result, gap);
         Ok(result)
     }
