@@ -336,10 +336,14 @@ fn a_curve_of_tori_goes_through() {
     assert_eq!(curve.ends, [End::Range, End::Range]);
 }
 
-/// Orbits of two periods of the force with two impacts, where one of these loses its rate.
+/// Orbits of two periods of the force with two impacts, where one of these loses its rate. The motion starts beside such an orbit, where
+/// that is stable: elsewhere what it settles to is a matter of rounding.
 fn grazes_beside_the_doubling() -> (Model, Special) {
-    let settings = [("sigma", "0.2"), ("zeta", "0.05"), ("omega", "2.5")];
-    let model = model("impact_oscillator", &settings);
+    let settings = [("sigma", "0.2"), ("zeta", "0.05"), ("omega", "2.538")];
+    let mut model = model("impact_oscillator", &settings);
+    for (state, value) in [("x", "-0.883"), ("v", "0.1255")] {
+        model.set_initial(state, value).unwrap();
+    }
     let found = over(&model, "omega", (2.4, 2.6), (3, 0.05));
     let graze = nearest(&found, &GRAZES, 2.423_367);
     (model, graze)
