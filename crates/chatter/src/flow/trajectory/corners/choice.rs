@@ -258,7 +258,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Puts the present candidate right where it says that other corners are clearly passed. Whether that is possible.
-    pub(super) fn pass_others(
+    fn pass_others(
         &mut self,
         system: &System,
         touched: &[Corner],
@@ -310,7 +310,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// The field of the present mode at another state.
-    pub(super) fn field_at(
+    fn field_at(
         &self,
         system: &System,
         start: (&[R], &[R]),
