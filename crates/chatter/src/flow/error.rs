@@ -213,7 +213,7 @@ impl fmt::Display for FlowError {
             ),
             Self::SwitchesWithoutEnd { time, count: 1 } => write!(
                 out,
-                "at time {time} an event follows itself without time passing: there is no end of such events"
+                "at time {time} an event follows itself in less time than can be told, sooner each time: there is no end of such events"
             ),
             Self::SwitchesWithoutEnd { time, count } => write!(
                 out,

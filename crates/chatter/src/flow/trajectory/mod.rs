@@ -16,6 +16,7 @@ mod known_gap;
 mod off_root;
 mod ordinary;
 mod projection;
+mod recurrence;
 mod redundant;
 mod reset;
 mod sequence;
@@ -45,6 +46,7 @@ use alone::{StepAlone, Stepped};
 use collisions::Collisions;
 use ordinary::Untold;
 pub(crate) use ordinary::{Caught, Passed};
+use recurrence::Latest;
 use stall::Stall;
 use std::collections::VecDeque;
 use tops::Tops;
@@ -109,7 +111,9 @@ pub struct Trajectory<R> {
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
     burst: usize,
-    /// Those whose flights are longer, and lower than gaps are known.
+    /// The latest event on each surface that changes the state.
+    latest_resets: Vec<Option<Latest<R>>>,
+    /// Impacts whose flights are longer, and lower than gaps are known.
     stall: Stall<R>,
     /// Collisions of squeezed bodies within each other.
     squeezes: usize,

@@ -1,6 +1,8 @@
 //! Events that change the state, and impacts that take it across corners.
 
 use super::Trajectory;
+use super::corners::INSTANT_ROUNDOFFS;
+use super::recurrence::Latest;
 use super::tops::Tops;
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
@@ -28,10 +30,7 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<Occurrence<R>, FlowError> {
         self.burst += 1;
         if self.burst > MOST_RESETS {
-            return Err(FlowError::SwitchesWithoutEnd {
-                time: self.time.to_f64(),
-                count: self.burst,
-            });
+            return Err(self.switches_without_end());
         }
         let before = self.surface(system, section)?;
         let closed = self.closed;
@@ -53,7 +52,7 @@ impl<R: Real> Trajectory<R> {
         // On which side of its own surface it has put the state is found anew: that is no crossing.
         self.sides.set(section, R::ZERO);
         if !jumped {
-            self.stay_on_surface(system, section, before)?;
+            self.follow_itself(system, section, before)?;
         }
         for contact in closed.contacts().filter(|&c| !self.closed.contains(c)) {
             self.pending.push_back(Occurrence::Release { contact });
@@ -63,27 +62,35 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Where an event has left the state on its own surface, which it was on but for rounding, the flight begins with a zero of
-    /// it: so the next one is found however soon it comes, as after an impact.
-    fn stay_on_surface(
+    /// it: so the next one is found however soon it comes, as after an impact. Where it has put it before its surface, the next one is
+    /// found if that can be told.
+    fn follow_itself(
         &mut self,
         system: &System,
         section: usize,
         before: Option<[WithTerms<R>; 3]>,
     ) -> Result<(), FlowError> {
         let after = self.surface(system, section)?;
-        let (Some([before, ..]), Some([after, rate, acceleration])) = (before, after) else {
+        let (Some(before), Some(after)) = (before, after) else {
             return Ok(());
         };
+        self.latest_resets
+            .resize(system.model().sections.len(), None);
+        let now = self.time_parts();
+        let latest = self.latest_resets[section].map_or(Latest::first(now), |l| l.then(now));
+        self.latest_resets[section] = Some(latest);
+        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
+        if latest.is_lost(&before, &after) || latest.has_vanished(instant) {
+            return Err(self.switches_without_end());
+        }
+        let ([before, ..], [after, rate, acceleration]) = (before, after);
         if after.value.abs() > (before.value.abs() + before.level()).max(after.level()) {
             return Ok(());
         }
         // It comes back at once, and again, with no time left between.
         let back = -(rate.value / acceleration.value) * R::splat(2.0);
         if back > R::ZERO && back <= self.longest_step * R::splat(NO_TIME) {
-            return Err(FlowError::SwitchesWithoutEnd {
-                time: self.time.to_f64(),
-                count: self.burst,
-            });
+            return Err(self.switches_without_end());
         }
         let roots = if rate.value.abs() > rate.level() {
             1
@@ -95,6 +102,13 @@ impl<R: Real> Trajectory<R> {
             self.touching.set(index, roots);
         }
         Ok(())
+    }
+
+    fn switches_without_end(&self) -> FlowError {
+        FlowError::SwitchesWithoutEnd {
+            time: self.time.to_f64(),
+            count: self.burst,
+        }
     }
 
     /// The function of the surface of an event, its rate and its acceleration.

@@ -80,6 +80,7 @@ impl<R: Real> Trajectory<R> {
             started_at: time,
             longest_step: R::ZERO,
             burst: 0,
+            latest_resets: Vec::new(),
             stall: Stall::NONE,
             squeezes: 0,
             rates_of_instant: Vec::new(),
@@ -228,6 +229,7 @@ impl<R: Real> Trajectory<R> {
         self.started_at = time;
         self.longest_step = R::ZERO;
         self.burst = 0;
+        self.latest_resets.clear();
         self.rates_of_instant.clear();
         self.collisions = None;
         self.completion = None;

@@ -166,3 +166,43 @@ fn an_event_between_two_constants_is_found() {
                 reset = { n = \"n + 1\" }\n[initial]\nx = 0\ns = 1\nn = 0\n";
     assert_near(&resets(&run(text, 3.0), 1), &[1.0], "by a reset");
 }
+
+/// Achilles and the tortoise: an event that puts its surface half as far ahead each time. There are infinitely many of them before the
+/// time 1, wherever that lies and however large the numbers are that the surface is the difference of.
+#[test]
+fn events_that_come_sooner_and_sooner_have_no_end() {
+    for (offset, speed, share) in [
+        (0.0_f64, 1.0, 0.5),
+        (3.0, 1.0, 0.7),
+        (1e3, 1e-3, 0.3),
+        (-7.0, 1e4, 0.5),
+    ] {
+        let goal = offset + speed;
+        let text = format!(
+            "[flight]\nx = \"{speed:?}\"\ny = \"0\"\n[[event]]\nname = \"e\"\nsurface = \"x - y\"\ndirection = \"rising\"\n\
+             reset = {{ y = \"y + {share}*({goal:?} - y)\" }}\n[initial]\nx = {offset:?}\ny = {:?}\n",
+            offset + 0.5 * speed
+        );
+        let run = run(&text, 12.0);
+        assert_eq!(run.outcome.name(), "switches_without_end", "{text}");
+        let last = run.events.last().expect("events").time;
+        assert!(
+            (last - 1.0).abs() < 1e-15 * (offset.abs() / speed + 1.0) * 1e3,
+            "{last}"
+        );
+    }
+}
+
+/// Events whose intervals shrink for a while, and which never come within rounding of each other, go on.
+#[test]
+fn events_that_come_sooner_for_a_while_go_on() {
+    let text = "[flight]\nx = \"1\"\ny = \"0\"\n[[event]]\nname = \"e\"\nsurface = \"x - y\"\ndirection = \"rising\"\n\
+                reset = { y = \"y + max(0.5*(1 - y), 1e-9)\" }\n[initial]\nx = 0\ny = 0.5\n";
+    let run = run(text, 1.0 + 2e-8);
+    assert_eq!(run.outcome.name(), "horizon");
+    assert!(
+        (45..=55).contains(&run.events.len()),
+        "{}",
+        run.events.len()
+    );
+}
