@@ -29,6 +29,8 @@ pub(crate) struct Limit {
     pub guards: Vec<(GuardKind, Expr)>,
     /// What is zero on the corner: the surface, or the argument up to a constant.
     pub surface: Expr,
+    /// Its rate, where that must be zero, too, for it to be slid along, and half of what that changes faster above than below.
+    pub rate: Option<[Expr; 2]>,
 }
 
 /// All of them, and where contact forces cease to be determined.
@@ -58,6 +60,11 @@ impl Limits {
         for index in followed.surfaces.members() {
             let surface = on_sides.surfaces[index];
             let rubs = rubbing.iter().find(|rubbing| rubbing.surface == index);
+            let slide = mechanics.slides.iter().find(|s| s.index == index);
+            let rate = (slide.cloned()).and_then(|slide| {
+                let jump = mechanics.graph.lie_derivative(slide.rate?, &slide.jump);
+                Some([slide.rate?, jump])
+            });
             let guards = match (sides.get(index), rubs) {
                 (Side::Above, _) => vec![(GuardKind::Switch(index), surface)],
                 (Side::Below, _) => {
@@ -79,6 +86,7 @@ impl Limits {
                 corner: Corner::Surface(index),
                 guards,
                 surface,
+                rate,
             });
         }
         for index in followed.lookups.members() {
@@ -91,6 +99,7 @@ impl Limits {
                     (GuardKind::Piece(index, Side::Above), high),
                 ],
                 surface: argument,
+                rate: None,
             });
             let range = corners.limits(&mut mechanics.graph, index, argument);
             let sides = [Side::Below, Side::Above].map(|side| GuardKind::Outside(index, side));

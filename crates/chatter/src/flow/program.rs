@@ -172,7 +172,8 @@ fn next_edition() -> u64 {
 #[derive(Clone, Debug)]
 pub(crate) struct StandingTapes {
     pub corner: Corner,
-    /// What is zero on a surface; then for each of the guards its value and its first derivatives in time.
+    /// What is zero on a surface; then for each of the guards its value and its first derivatives in time; then the rate of the
+    /// surface and what changes that, if it must be zero, too.
     pub values: Tape,
     pub guards: Vec<GuardKind>,
     /// The derivative of the surface along each column.
@@ -348,8 +349,11 @@ impl Program {
             }
             // Where an impact may change the side of a surface, columns of derivatives go by the event.
             let has_columns = dimension > coordinates;
-            let keeps_sides = limits.corners.iter().all(|limit| {
-                let change = graph.lie_derivative(limit.surface, &contact.jump);
+            let corners = limits.corners.iter();
+            let held =
+                corners.flat_map(|limit| [Some(limit.surface), limit.rate.map(|[rate, _]| rate)]);
+            let keeps_sides = held.flatten().all(|held| {
+                let change = graph.lie_derivative(held, &contact.jump);
                 graph
                     .as_number(change)
                     .is_some_and(|value| value.high() == 0.0)
@@ -394,7 +398,9 @@ impl Program {
             .flat_map(|contact| [contacts[contact].gap, contacts[contact].rate])
             .collect();
         let sticks = mechanics.sticks.iter();
-        let all: Vec<Expr> = (mechanics.slides.iter().map(|slide| slide.surface))
+        let slides = mechanics.slides.iter();
+        let all: Vec<Expr> = (slides.flat_map(|slide| [Some(slide.surface), slide.rate]))
+            .flatten()
             .chain(
                 sticks
                     .filter(|stick| carrying.contains(stick.contact))
@@ -436,6 +442,7 @@ impl Program {
                         value = graph.lie_derivative(value, field);
                     }
                 }
+                outputs.extend(limit.rate.into_iter().flatten());
                 let slopes: Vec<Expr> = (directions.iter())
                     .flat_map(|along| along.along(graph, coordinates, &[limit.surface]))
                     .collect();

@@ -261,7 +261,7 @@ impl Mechanics {
         let leading = || (0..sticks.len()).filter(|&k| leaders[k] == k);
         held.extend(leading().map(|k| (sticks[k].rate, sticks[k].along.clone())));
         let slides = self.slides.iter();
-        held.extend(slides.map(|slide| (slide.surface, slide.jump.clone())));
+        held.extend(slides.map(|slide| (slide.held(), slide.jump.clone())));
         let mut rows: Vec<Vec<Expr>> = Vec::with_capacity(held.len());
         for (i, (function, _)) in held.iter().enumerate() {
             let mut row = Vec::with_capacity(held.len() + 1);

@@ -10,8 +10,9 @@ use crate::model::{Contact, Model, Section};
 pub(crate) struct Slide {
     /// Its number.
     pub index: usize,
-    /// The function that stays zero.
+    /// The function that stays zero, and its rate where no side changes that, but only the acceleration.
     pub surface: Expr,
+    pub rate: Option<Expr>,
     /// Half of what the field above has more than the one below.
     pub jump: Vec<Expr>,
 }
@@ -26,6 +27,13 @@ pub(crate) struct Stick {
     pub coefficient: Expr,
     /// The contact's impulse without friction.
     pub impulse: Vec<Expr>,
+}
+
+impl Slide {
+    /// The function whose rate the jump changes, and that is held by it.
+    pub(crate) fn held(&self) -> Expr {
+        self.rate.unwrap_or(self.surface)
+    }
 }
 
 impl Stick {
@@ -142,6 +150,7 @@ impl Mechanics {
             slides.push(Slide {
                 index,
                 surface: surfaces[index],
+                rate: None,
                 jump,
             });
         }
@@ -156,6 +165,7 @@ impl Mechanics {
             parameters: model.parameters.len() + corners.slots(),
         };
         mechanics.check_slides(model, corners, sides, &field)?;
+        mechanics.hold_rates();
         for rubbing in rubbing {
             mechanics.rub(&mut contacts[rubbing.contact], *rubbing, sides);
         }
@@ -222,6 +232,22 @@ impl Mechanics {
     fn is_rounding(&self, expr: Expr, of: Expr) -> bool {
         self.vanishes(expr)
             || is_rounding(&self.graph, (expr, of), [self.field.len(), self.parameters])
+    }
+
+    /// A surface whose rate is the same on all sides is slid along where its rate is held at zero, as a preloaded spring does at rest.
+    fn hold_rates(&mut self) {
+        for place in 0..self.slides.len() {
+            let surface = self.slides[place].surface;
+            let is_free = (0..self.slides.len()).all(|other| {
+                let jump = self.slides[other].jump.clone();
+                let change = self.graph.lie_derivative(surface, &jump);
+                self.vanishes(change)
+            });
+            if is_free {
+                let rate = self.graph.lie_derivative(surface, &self.unheld);
+                self.slides[place].rate = Some(rate);
+            }
+        }
     }
 
     /// Whether surfaces that are slid along together change the field one by one.

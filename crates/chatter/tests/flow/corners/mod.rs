@@ -8,6 +8,7 @@ mod many_frictions;
 mod nested;
 mod piecewise;
 mod powers;
+mod preloaded;
 mod roots;
 mod soft_ground;
 mod table_ends;

@@ -30,6 +30,9 @@ pub(super) const INSTANT_ROUNDOFFS: f64 = 8.0;
 struct Standing<R> {
     corner: Corner,
     surface: WithTerms<R>,
+    /// Its rate, where that must be zero, too, for it to be slid along, and how much of that is rounding, or comes and goes within
+    /// an instant.
+    rate: Option<(R, R)>,
     guards: Vec<(GuardKind, [WithTerms<R>; STANDING_ORDERS])>,
     /// How long an instant is: nothing for surfaces but that which is met now, since a sequence of crossings may become as fast
     /// as that.
@@ -43,6 +46,12 @@ impl<R: Real> Standing<R> {
     /// then its second argument.
     fn level(&self, orders: &[WithTerms<R>; STANDING_ORDERS]) -> R {
         (orders[1].value.abs() * self.instant).max(orders[0].level())
+    }
+
+    /// The rate that has jumped and leads away from what is slid along.
+    fn departure(&self) -> Option<R> {
+        let (rate, level) = self.rate?;
+        (rate.abs() > level).then_some(rate)
     }
 
     /// The same for what is zero, or looked up, at the corner: the guards of pieces have its rate.
@@ -197,9 +206,11 @@ impl<R: Real> Trajectory<R> {
             let expr = |corner: Corner| system.corner_expr(corner);
             self.met.is_some_and(|met| expr(corner) == expr(met))
         };
+        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
         let standing = |(tapes, constants): (&StandingTapes, &[Vec<R>; 3])| {
             let values = with_terms(&tapes.values, &constants[0], start);
-            let guards = (tapes.guards.iter().zip(values[1..].chunks(STANDING_ORDERS)))
+            let (orders, rate) = values[1..].split_at(tapes.guards.len() * STANDING_ORDERS);
+            let guards = (tapes.guards.iter().zip(orders.chunks(STANDING_ORDERS)))
                 .map(|(&kind, orders)| {
                     let mut own = [WithTerms::exact(R::ZERO); STANDING_ORDERS];
                     own.copy_from_slice(orders);
@@ -209,9 +220,15 @@ impl<R: Real> Trajectory<R> {
             Standing {
                 corner: tapes.corner,
                 surface: values[0],
+                rate: match rate {
+                    [rate, jump] => {
+                        Some((rate.value, rate.level().max(jump.value.abs() * instant)))
+                    }
+                    _ => None,
+                },
                 guards,
                 instant: if matches!(tapes.corner, Corner::Lookup(_)) || is_met(tapes.corner) {
-                    self.negligible() * R::splat(INSTANT_ROUNDOFFS)
+                    instant
                 } else {
                     R::ZERO
                 },
@@ -277,8 +294,12 @@ impl<R: Real> Trajectory<R> {
             let beyond = (standings.iter())
                 .filter(|_| !is_first)
                 .filter(|standing| !is_met(standing.corner) && !chosen.contains(&standing.corner))
-                .find_map(|standing| self.beyond(system, standing));
-            if let Some(candidate) = beyond {
+                .find_map(|standing| Some((standing, self.beyond(system, standing)?)));
+            if let Some((standing, candidate)) = beyond {
+                if standing.departure().is_some() {
+                    // It leaves from the very surface, whatever rounding says.
+                    self.met = Some(standing.corner);
+                }
                 self.try_sides(system, &candidate)?;
                 continue;
             }
@@ -347,7 +368,10 @@ impl<R: Real> Trajectory<R> {
         match standing.corner {
             Corner::Surface(index) => {
                 let value = standing.surface.value;
-                let clear = value.abs() > standing.surface_level();
+                let (value, clear) = match standing.departure() {
+                    Some(rate) => (rate, true),
+                    None => (value, value.abs() > standing.surface_level()),
+                };
                 let side = if value > R::ZERO {
                     Side::Above
                 } else {

@@ -1,7 +1,7 @@
 //! What may become of one corner: its sides, the piece on either side, or sliding where the fields of both sides differ.
 
-use super::Candidate;
 use super::choice::{Asked, Fields, vanishes};
+use super::{Candidate, INSTANT_ROUNDOFFS};
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
@@ -17,6 +17,13 @@ pub(super) enum Choice {
     Side(usize, Side),
     /// The piece of a lookup.
     Piece(usize, i64),
+}
+
+/// The motion on one side of a surface.
+struct Beside<R> {
+    field: Fields<R>,
+    /// How fast the surface's function rises along it, and how much of that may be rounding, or what an instant changes.
+    rate: Option<(R, R)>,
 }
 
 impl Choice {
@@ -100,16 +107,25 @@ impl<R: Real> Trajectory<R> {
         if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
             return Ok(self.grip().carrying().contains(rubs.contact));
         }
-        let agree = |fields: &[Fields<R>]| match fields {
-            [above, below] => Some(vanishes(above, below)),
+        let agree = |beside: &[Beside<R>]| match beside {
+            [above, below] => Some(vanishes(&above.field, &below.field)),
             _ => None,
         };
-        let mut known = agree(&self.fields_beside(system, index, (base, touched, asked))?);
+        let beside = self.beside(system, index, (base, touched, asked))?;
+        if let [above, below] = &beside[..]
+            && let (Some(above), Some(below)) = (above.rate, below.rate)
+            && (above.0 - below.0).abs() <= above.1 + below.1
+            && above.0.abs() > above.1 + below.1
+        {
+            // Nothing holds a rate that no side changes.
+            return Ok(false);
+        }
+        let mut known = agree(&beside);
         let free = base.sliding_nowhere();
         if known != Some(false) && free != *base {
             // What is slid along elsewhere may be so on one of these sides only, or hide the jump: of three bodies that hold each
             // other one pair is at rest whatever rubs between them.
-            known = agree(&self.fields_beside(system, index, (&free, touched, asked))?).or(known);
+            known = agree(&self.beside(system, index, (&free, touched, asked))?).or(known);
         }
         match known {
             Some(true) => self.is_held_by_nothing(system, index, (base, touched, asked)),
@@ -117,20 +133,30 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
-    /// The fields on the sides of a surface, as far as there are modes.
-    fn fields_beside(
+    /// The fields on the sides of a surface, and the rates at which they lead across, as far as there are modes.
+    fn beside(
         &mut self,
         system: &System,
         index: usize,
         (base, touched, asked): (&Candidate, &[Corner], &mut Asked<R>),
-    ) -> Result<Vec<Fields<R>>, FlowError> {
-        let mut fields = Vec::with_capacity(2);
+    ) -> Result<Vec<Beside<R>>, FlowError> {
+        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
+        let mut beside = Vec::with_capacity(2);
         for side in [Side::Above, Side::Below] {
             if self.ask_beside(system, &base.with_side(index, side), (touched, asked))? {
-                fields.push(self.fields_here(system, asked)?);
+                let standings = self.standings(system)?;
+                let own = (standings.iter()).find(|s| s.corner == Corner::Surface(index));
+                let rate = own.and_then(|own| {
+                    let (_, [_, rate, change, _]) = own.guards.first()?;
+                    let level = rate.level() + change.value.abs() * instant;
+                    let sign = R::splat(if side == Side::Below { -1.0 } else { 1.0 });
+                    Some((rate.value * sign, level))
+                });
+                let field = self.fields_here(system, asked)?;
+                beside.push(Beside { field, rate });
             }
         }
-        Ok(fields)
+        Ok(beside)
     }
 
     /// Whether sliding along a surface on which both fields agree is not at its end, as where friction begins that has nothing to hold

@@ -74,6 +74,9 @@ impl<R: Real> Trajectory<R> {
             if is_slid && standing.guards.is_empty() {
                 return Ok(None);
             }
+            if standing.departure().is_some() {
+                return Ok(None);
+            }
             for ((kind, orders), (_, later)) in standing.guards.iter().zip(&later.guards) {
                 // The surface of a side is touched, whatever rounding says, unless it has jumped at another corner; the ends of sliding
                 // or of a piece may be far.
