@@ -93,7 +93,7 @@ pub fn exponents(
         let mut steps = 0;
         let mut latest: Option<(f64, usize)> = None;
         let mut logarithms = vec![0.0; moving.len()];
-        let mut forgets = false;
+        let mut forgets = trajectory.is_held(&system);
         let mut whole = frame.clone();
         loop {
             let told = (trajectory.advance_to_horizon(&system, &mut work))
@@ -116,17 +116,18 @@ pub fn exponents(
             if told == Some(Occurrence::Horizon) {
                 break;
             }
-            if interval > 0 && trajectory.is_between_steps() {
+            if interval > 0 {
                 let mut ahead = frame.clone();
                 take(&mut ahead, &units, &trajectory, model);
                 let grown = orthonormal(&mut ahead, &moving, forgets);
                 let least = (grown.iter()).fold(f64::INFINITY, |least, &x| least.min(libm::exp(x)));
                 let between = told.is_none() && !trajectory.follows_sequence();
-                if least < NEARLY_LOST || (between && least < SHRUNK) {
+                let is_due = least < NEARLY_LOST || (between && least < SHRUNK);
+                if is_due && trajectory.is_between_steps(&system, &mut work) {
                     frame = ahead;
                     add(&mut logarithms, &grown);
                     put(&frame, &units, (&system, &mut work, &mut trajectory))?;
-                    forgets = false;
+                    forgets = trajectory.is_held(&system);
                 }
             }
             if steps > MOST_STEPS {

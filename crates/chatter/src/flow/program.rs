@@ -347,7 +347,8 @@ impl Program {
                     outputs.push(value);
                 }
             }
-            // Where an impact may change the side of a surface, columns of derivatives go by the event.
+            // Where an impact may change the side of a surface, or jump across that of an event, columns of derivatives go by
+            // the event.
             let has_columns = dimension > coordinates;
             let corners = limits.corners.iter();
             let held =
@@ -358,6 +359,9 @@ impl Program {
                     .as_number(change)
                     .is_some_and(|value| value.high() == 0.0)
             });
+            let mut resets = sections.iter().filter(|section| section.reset.is_some());
+            let keeps_sides = keeps_sides
+                && resets.all(|section| at_after(graph, section.surface) == section.surface);
             let is_alone = (keeps_sides || !has_columns)
                 && closed.contacts().all(|other| {
                     let change = graph.lie_derivative(contacts[other].rate, &contact.jump);

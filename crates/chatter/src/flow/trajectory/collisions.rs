@@ -606,6 +606,7 @@ impl<R: Real> Trajectory<R> {
         Ok((0..self.state.len()).map(sum).collect())
     }
 
+    /// Moves each column by so much time along the field: to the event's point, or, with the sign turned, back to fixed time.
     pub(super) fn shift_columns(
         &mut self,
         system: &System,
@@ -616,6 +617,7 @@ impl<R: Real> Trajectory<R> {
         if shifts.is_empty() {
             return Ok(());
         }
+        self.shifts = shifts.to_vec();
         let program = self.program(system)?;
         let Some(constants) = &self.constants[self.mode] else {
             return Ok(());

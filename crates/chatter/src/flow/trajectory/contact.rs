@@ -291,7 +291,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Puts other columns of derivatives beside the state, one after the other; what closed contacts do not allow to vary is
-    /// taken from them. Nothing else changes: the mode is not asked for anew, as [`restart`](Self::restart) would.
+    /// taken from them, and what surfaces that are slid along do not. Nothing else changes: the mode is not asked for anew, as [`restart`](Self::restart) would.
     ///
     /// # Errors
     /// The equations have no finite value at the state.
@@ -307,7 +307,13 @@ impl<R: Real> Trajectory<R> {
         self.state[self.coordinates..].copy_from_slice(columns);
         self.low[self.coordinates..].fill(R::ZERO);
         self.hold_columns(system)?;
-        self.capture_columns(system, work)
+        self.capture_columns(system, work)?;
+        self.hold_columns_on_surfaces(system)
+    }
+
+    /// Whether anything holds the state, so that not all displacements of it last.
+    pub(crate) fn is_held(&self, system: &System) -> bool {
+        self.closed != Closed::NONE || !self.held(system).surfaces.is_empty()
     }
 
     /// Whether impacts are being watched that may be a sequence of complete chatter.
@@ -315,9 +321,12 @@ impl<R: Real> Trajectory<R> {
         self.tracker.has_samples()
     }
 
-    /// Whether all that the latest step led to is told and done.
-    pub(crate) fn is_between_steps(&self) -> bool {
-        self.completion.is_none() && self.collisions.is_none() && self.pending.is_empty()
+    /// Whether all that the latest step led to is told and done: also events that it may have caused by a jump, which share its
+    /// shifts of time.
+    pub(crate) fn is_between_steps(&self, system: &System, work: &mut Workspace<R>) -> bool {
+        let is_done = self.completion.is_none() && self.collisions.is_none();
+        let crosses = self.may_have_crossed && self.crosses_here(system, work).is_some();
+        is_done && self.pending.is_empty() && !crosses
     }
 
     /// Takes from the columns what would vary the gaps of closed contacts.

@@ -111,6 +111,8 @@ pub struct Trajectory<R> {
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
     burst: usize,
+    /// By how much each column of derivatives shifts the time of the latest event.
+    shifts: Vec<R>,
     /// The latest event on each surface that changes the state.
     latest_resets: Vec<Option<Latest<R>>>,
     /// Impacts whose flights are longer, and lower than gaps are known.
@@ -413,6 +415,13 @@ impl<R: Real> Trajectory<R> {
         if impact { crowd } else { Closed::NONE }
     }
 
+    /// Whether the latest event took the trajectory across a section; and if so, whether by a jump.
+    fn crosses_here(&self, system: &System, work: &mut Workspace<R>) -> Option<bool> {
+        let program = system.program(self.mode)?;
+        let class = (system.sections() > 0).then(|| self.load(work))?;
+        crossed_here(work, program, class, (self.touching, self.flight_time))
+    }
+
     /// Tells of a section that the latest event took the trajectory across, before the next event or the end.
     fn cross_here(
         &mut self,
@@ -420,12 +429,7 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         program: &Program,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
-        if system.sections() == 0 {
-            return Ok(None);
-        }
-        let class = self.load(work);
-        let Some(jumped) = crossed_here(work, program, class, (self.touching, self.flight_time))
-        else {
+        let Some(jumped) = self.crosses_here(system, work) else {
             return Ok(None);
         };
         let mut result = self.result(work);

@@ -74,28 +74,9 @@ impl<R: Real> Trajectory<R> {
                 break;
             }
             let gradients = at(&program.residual_gradients, &constants.residual_gradients);
-            let squared = |gradient| (gradient, dot(gradient, gradient));
-            let gradients = gradients.chunks(self.coordinates).map(squared);
-            // What moves nothing cannot be put back by moving.
-            let (right, held): (Vec<R>, Vec<(&[R], R)>) = (values.into_iter().zip(gradients))
-                .filter(|(_, (_, square))| *square > R::ZERO)
-                .unzip();
-            let row = |of: &[R]| {
-                held.iter()
-                    .map(|&(g, square)| dot(of, g) / square)
-                    .collect()
-            };
-            let rows: Vec<Vec<R>> = held.iter().map(|(gradient, _)| row(gradient)).collect();
-            let Some(parts) = solve_consistent(&rows, &right) else {
+            let Some(by) = taken_back(&values, &gradients, self.coordinates) else {
                 break;
             };
-            let mut by = vec![WithTerms::exact(R::ZERO); self.coordinates];
-            for (&(gradient, square), part) in held.iter().zip(parts) {
-                let part = part / square;
-                for (by, &component) in by.iter_mut().zip(gradient) {
-                    *by -= WithTerms::exact(component * part);
-                }
-            }
             // What contacts hold would be moved by rounding alone.
             let by: Vec<R> = (by.iter())
                 .map(|by| {
@@ -114,6 +95,32 @@ impl<R: Real> Trajectory<R> {
         }
         if let Some(sizes) = sizes {
             self.drop_rounding(&sizes);
+        }
+        Ok(())
+    }
+
+    /// Takes from the columns, displacements of the state, what would vary the surfaces that it slides along, and whatever else is
+    /// held beside them.
+    pub(super) fn hold_columns_on_surfaces(&mut self, system: &System) -> Result<(), FlowError> {
+        let program = self.program(system)?;
+        let (tape, Some(constants)) = (
+            &program.residual_gradients,
+            self.constants[self.mode].as_ref(),
+        ) else {
+            return Ok(());
+        };
+        let mut gradients = vec![R::ZERO; tape.outputs.len()];
+        let constants = &constants.residual_gradients;
+        Expansion::new(&[tape]).evaluate(tape, constants, &self.state, &self.low, &mut gradients);
+        let size = self.coordinates;
+        for column in self.state[size..].chunks_mut(size) {
+            let along = |gradient| dot(gradient, column);
+            let values: Vec<R> = gradients.chunks(size).map(along).collect();
+            for (entry, by) in
+                (column.iter_mut()).zip(taken_back(&values, &gradients, size).into_iter().flatten())
+            {
+                *entry += by.value;
+            }
         }
         Ok(())
     }
@@ -188,6 +195,31 @@ impl<R: Real> Trajectory<R> {
         }
         solve_consistent(rows, right).ok_or_else(|| self.dependent(contacts))
     }
+}
+
+/// The least displacement that takes back so much of functions with these gradients, one after the other.
+fn taken_back<R: Real>(values: &[R], gradients: &[R], size: usize) -> Option<Vec<WithTerms<R>>> {
+    let squared = |gradient| (gradient, dot(gradient, gradient));
+    // What moves nothing cannot be put back by moving.
+    let (right, held): (Vec<R>, Vec<(&[R], R)>) = (values.iter().copied())
+        .zip(gradients.chunks(size).map(squared))
+        .filter(|(_, (_, square))| *square > R::ZERO)
+        .unzip();
+    let row = |of: &[R]| {
+        held.iter()
+            .map(|&(g, square)| dot(of, g) / square)
+            .collect()
+    };
+    let rows: Vec<Vec<R>> = held.iter().map(|(gradient, _)| row(gradient)).collect();
+    let parts = solve_consistent(&rows, &right)?;
+    let mut by = vec![WithTerms::exact(R::ZERO); size];
+    for (&(gradient, square), part) in held.iter().zip(parts) {
+        let part = part / square;
+        for (by, &component) in by.iter_mut().zip(gradient) {
+            *by -= WithTerms::exact(component * part);
+        }
+    }
+    Some(by)
 }
 
 /// Products of the gradients of the gaps with each other.

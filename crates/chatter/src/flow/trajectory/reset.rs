@@ -34,7 +34,7 @@ impl<R: Real> Trajectory<R> {
         }
         let before = self.surface(system, section)?;
         let closed = self.closed;
-        let shifts = self.apply_reset(system, work, section)?;
+        let shifts = self.apply_reset(system, work, (section, jumped))?;
         self.tracker.interrupt();
         self.sequence = 0;
         self.latest_impact = None;
@@ -132,7 +132,7 @@ impl<R: Real> Trajectory<R> {
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
-        section: usize,
+        (section, jumped): (usize, bool),
     ) -> Result<Vec<R>, FlowError> {
         let by_motion = self.ask_at_reset(system, section)?;
         let program = self.program(system)?;
@@ -142,12 +142,16 @@ impl<R: Real> Trajectory<R> {
             return Ok(Vec::new());
         };
         let constants = constants.resets[section].clone();
-        let mut crossing = vec![R::ZERO; tapes.crossing.outputs.len()];
-        let start = (&self.state[..], &self.low[..]);
-        work.values_at(&tapes.crossing, &constants[1], start, &mut crossing);
-        let shifts: Vec<R> = (crossing[1..].iter())
-            .map(|&slope| -(slope / crossing[0]))
-            .collect();
+        // What has jumped across its surface comes when that has which made it jump.
+        let shifts = if jumped {
+            self.shifts.clone()
+        } else {
+            let mut crossing = vec![R::ZERO; tapes.crossing.outputs.len()];
+            let start = (&self.state[..], &self.low[..]);
+            work.values_at(&tapes.crossing, &constants[1], start, &mut crossing);
+            let shift = |&slope: &R| -(slope / crossing[0]);
+            crossing[1..].iter().map(shift).collect()
+        };
         self.shift_columns(system, work, &shifts, R::ONE)?;
         let mut after = self.state.clone();
         let start = (&self.state[..], &self.low[..]);

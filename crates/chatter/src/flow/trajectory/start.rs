@@ -80,6 +80,7 @@ impl<R: Real> Trajectory<R> {
             started_at: time,
             longest_step: R::ZERO,
             burst: 0,
+            shifts: Vec::new(),
             latest_resets: Vec::new(),
             stall: Stall::NONE,
             squeezes: 0,
