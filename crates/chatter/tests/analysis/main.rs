@@ -2,4 +2,5 @@
 //! flow anew.
 
 mod borders;
+mod exponents;
 mod periodic;

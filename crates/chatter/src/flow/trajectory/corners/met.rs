@@ -74,6 +74,10 @@ impl<R: Real> Trajectory<R> {
             (Corner::Surface(index), _) => R::splat(self.regime.get(index).sign()),
             (Corner::Lookup(_), _) => R::ONE,
         };
+        // No motion has led across a surface whose rate is none, but rounding of what an impact has made zero.
+        if values[2].value.abs() <= values[2].level() {
+            return Ok(Vec::new());
+        }
         let rate = values[2].value * sign;
         Ok(slopes.iter().map(|slope| -(slope.value / rate)).collect())
     }

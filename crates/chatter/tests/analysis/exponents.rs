@@ -1,0 +1,110 @@
+//! Lyapunov exponents where several things happen at one instant, and where the motion is held for ever.
+
+use chatter::analysis::exponents::{Exponents, Spec, exponents};
+use chatter::model::Model;
+use core::f64::consts::{PI, TAU};
+use core::ops::ControlFlow;
+
+fn of(text: &str, interval: f64) -> Exponents {
+    let model = Model::from_toml(text, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
+    let spec = Spec {
+        interval,
+        transient: 40,
+        intervals: 64,
+    };
+    exponents(&model, &spec, &mut |_| ControlFlow::Continue(())).expect("exponents")
+}
+
+fn agree(found: &Exponents, expected: &[f64], within: f64) {
+    assert_eq!(found.values.len(), expected.len());
+    for (value, expected) in found.values.iter().zip(expected) {
+        let is_near = (value - expected).abs() < within || value == expected;
+        assert!(is_near, "{:?} for {expected}", found.values);
+    }
+}
+
+const LOST: f64 = f64::NEG_INFINITY;
+
+/// A clock adds to b, which jumps across the surface of another event and is multiplied by c at once: displacements of b
+/// shrink by c e^-1 in each period, those of the clock stay.
+#[test]
+fn an_event_that_another_causes_comes_when_that_does() {
+    for c in [0.5_f64, 0.2, 0.0] {
+        let text = format!(
+            "[flight]\na = \"1\"\nb = \"0.5 - b\"\n[[event]]\nname = \"tick\"\nsurface = \"a - 1\"\ndirection = \"rising\"\n\
+             reset = {{ a = 0, b = \"b + 1\" }}\n[[event]]\nname = \"fire\"\nsurface = \"b - 0.9\"\ndirection = \"rising\"\n\
+             reset = {{ b = \"{c:?}*b\" }}\n[initial]\na = 0\nb = 0.1\n"
+        );
+        agree(&of(&text, 1.0), &[0.0, c.ln() - 1.0], 1e-12);
+    }
+}
+
+/// What one event does and another at once is what one that does both does.
+#[test]
+fn two_events_in_a_row_are_one() {
+    let text = |resets: &str| {
+        format!(
+            "[flight]\ni = \"if(q > 0.5, 1, -0.6 - 0.1*i)\"\nq = \"0\"\ns = \"1 - 0.4*s\"\n[[event]]\nname = \"clock\"\n\
+             surface = \"sin(2*pi*t)\"\ndirection = \"rising\"\nreset = {{ q = 1 }}\n[[event]]\nname = \"peak\"\n\
+             surface = \"i - 1 + 0.1*s\"\ndirection = \"rising\"\nreset = {{ q = 0{resets}\n[initial]\ni = 0.5\nq = 0\ns = 0\n"
+        )
+    };
+    let chained = text(
+        " }\n[[event]]\nname = \"latch\"\nsurface = \"q - 0.5\"\ndirection = \"falling\"\nreset = { s = \"0.5*s\" }",
+    );
+    let at_once = of(&text(", s = \"0.5*s\" }"), 1.0);
+    assert!(at_once.values[0] < -0.5);
+    agree(&of(&chained, 1.0), &at_once.values, 1e-12);
+}
+
+/// A ball on a shaken table, which it leaves at pi and meets a period later: an impact that an event on the sign of the rate slows down
+/// is one of less restitution.
+#[test]
+fn an_event_that_an_impact_causes_comes_when_that_does() {
+    let phase = (0.6 * PI / (1.4 * 1.5)).acos();
+    let height = 1.5 * phase.sin() + 0.01;
+    let ball = |restitution: f64, event: &str| {
+        format!(
+            "[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"floor\"\ngap = \"y - 1.5*sin(t + {phase:?})\"\n\
+             impulse = {{ v = 1 }}\nrestitution = {restitution:?}\n{event}[initial]\ny = {height:?}\nv = {PI:?}\n"
+        )
+    };
+    let rate = format!("1.5*cos(t + {phase:?})");
+    let event = format!(
+        "[[event]]\nname = \"brake\"\nsurface = \"v - {rate}\"\ndirection = \"rising\"\n\
+         reset = {{ v = \"{rate} + 0.5*(v - {rate})\" }}\n"
+    );
+    let (with, without) = (of(&ball(0.8, &event), TAU), of(&ball(0.4, ""), TAU));
+    // Both together shrink areas by the square of the restitution.
+    let sum: f64 = without.values.iter().sum();
+    assert!((sum - 2.0 * 0.4_f64.ln() / TAU).abs() < 1e-10, "{sum}");
+    agree(&with, &without.values, 1e-10);
+}
+
+/// Motion that slides or sticks for ever keeps no displacement off what holds it.
+#[test]
+fn what_is_held_for_ever_is_forgotten() {
+    let slides =
+        "[flight]\nx = \"-sign(x) + 0.1*sin(t)\"\nz = \"x - 0.3*z\"\n[initial]\nx = 1\nz = 1\n";
+    agree(&of(slides, TAU), &[-0.3, LOST], 1e-12);
+    let control =
+        "[flight]\nx = \"v\"\nv = \"-3*sign(x + v) + 0.5*sin(t)\"\n[initial]\nx = 1\nv = 0\n";
+    agree(&of(control, TAU), &[-1.0, LOST], 1e-12);
+    let rests = "[flight]\nx = \"v\"\nv = \"-sign(x) - x + 0.5*sin(t)\"\nz = \"x - 0.2*z\"\n[initial]\nx = 0\nv = 0\nz = 1\n";
+    agree(&of(rests, TAU), &[-0.2, LOST, LOST], 1e-12);
+    let sticks = "[flight]\nx = \"u\"\nu = \"0.1*sin(t)\"\ny = \"v\"\nv = \"-1\"\nz = \"x - 0.3*z\"\n[[contact]]\nname = \"floor\"\n\
+                  gap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\nfriction = { coefficient = 0.3, along = { u = 1 } }\n\
+                  [initial]\nx = 0\nu = 0.5\ny = 0.2\nv = 0\nz = 0\n";
+    agree(&of(sticks, TAU), &[0.0, -0.3, LOST, LOST, LOST], 1e-12);
+}
+
+/// A ball with spin whose sliding an impact has stopped to a rounding error: the place, and what friction does not see of speed
+/// and spin, are kept.
+#[test]
+fn sliding_that_has_stopped_to_rounding_leaves_what_it_does_not_hold() {
+    let text = "[flight]\nx = \"u\"\nu = \"0\"\ns = \"0\"\ny = \"v\"\nv = \"-1\"\n[[contact]]\nname = \"floor\"\n\
+                gap = \"y - 1.3*sin(t)\"\nimpulse = { v = 1 }\nrestitution = 0.6\n\
+                friction = { coefficient = 0.3, along = { u = 1, s = 2.5 }, rate = \"u + s\" }\n\
+                [initial]\nx = 0\nu = 0.9\ny = 1\nv = 0\ns = 0\n";
+    agree(&of(text, TAU), &[0.0, 0.0, LOST, LOST, LOST], 1e-12);
+}
