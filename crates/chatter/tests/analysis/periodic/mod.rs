@@ -1,6 +1,7 @@
 //! Periodic orbits, branches and exponents.
 
 mod asked;
+mod border_collisions;
 mod branches;
 mod differences;
 mod drift;

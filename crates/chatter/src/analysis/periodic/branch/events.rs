@@ -198,7 +198,17 @@ impl Shooting<f64> {
         steps: Vec<Step>,
         at: &[f64],
     ) -> Result<(Self, Vec<f64>), PeriodicError> {
-        let mut shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
+        self.like_with(steps, self.counts.clone(), at)
+    }
+
+    /// The same where phases turn so often in a period.
+    pub(in crate::analysis::periodic) fn like_with(
+        &self,
+        steps: Vec<Step>,
+        counts: Vec<i64>,
+        at: &[f64],
+    ) -> Result<(Self, Vec<f64>), PeriodicError> {
+        let mut shooting = Self::new(&self.workshop, steps, counts)?;
         shooting.keep_sizes(&self.state_sizes());
         shooting.told.clone_from(&self.told);
         let guess = shooting.guess(self.free(at));

@@ -94,6 +94,11 @@ impl Walker {
         {
             return Stop::End(End::Rounding(there.impacts.unwrap_or_default()));
         }
+        if let Broken::Early(index, guard) = broken
+            && self.shooting.asks(index, guard)
+        {
+            return self.comes_to_corner((curve, step), (&station, index, guard), here, &there);
+        }
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))
             | Broken::Early(index, GuardKind::Gap(contact))

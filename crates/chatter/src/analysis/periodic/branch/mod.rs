@@ -12,6 +12,7 @@
 //! graze        from one sequence to the next, where an impact comes in or goes out
 //! touch        the same for a crossing and the way back
 //! turn         the same where the flow turns with the rate of the impact
+//! corner       where an event comes to a corner that only it asks for
 //! onward       past what equations can say, and where they may not go on
 //! saddle       where the period grows without bound
 //! between      special points between two stations
@@ -21,6 +22,7 @@
 
 mod between;
 mod branch_point;
+mod corner;
 mod events;
 mod graze;
 mod holds;
