@@ -8,7 +8,7 @@ use crate::options::{
 };
 use chatter::analysis::periodic::SpecialKind;
 use chatter::expressions::nearest;
-use chatter_work::periodic::{Chosen, Job, Sought};
+use chatter_work::periodic::{Asked, Chosen, Job, Sought};
 use chatter_work::source::Source;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -263,13 +263,19 @@ impl Arguments {
         let swept = self.sweep.as_ref();
         let (from, until) = swept.map_or(("", ""), |swept| swept.range.texts());
         let name = swept.map_or("", |swept| &*swept.name);
-        let plane = plane(&model, (&self.from, self.free.as_deref()), name)?;
+        let mut asked = Asked {
+            model: &model,
+            data_files: &data_files,
+            set: pairs(&self.set),
+        };
+        let plane = plane(&mut asked, (&self.from, self.free.as_deref()), name)?;
+        let set = asked.set;
         Ok(Job {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             model: given.to_owned(),
             model_text: text,
             data_files,
-            set: pairs(&self.set),
+            set,
             initial: pairs(&self.initial.initial),
             search: self.all.map(|periods| Sought {
                 periods: periods.0,

@@ -2,8 +2,8 @@
 
 use super::{GRAZES, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, Special, SpecialCurve,
-    SpecialKind, branches, special_curve,
+    Beside, Branch, BranchSpec, End, Known, Limits, PeriodicError, Point, Spec, Special,
+    SpecialCurve, SpecialKind, branches, special_curve,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -15,18 +15,25 @@ fn curve(
     model: &Model,
     free: [&str; 2],
     special: &Special,
-    (range, longest_step): ((f64, f64), f64),
+    over: ((f64, f64), f64),
 ) -> SpecialCurve {
-    let mut model = model.clone();
-    model
-        .set_parameter(free[0], &format!("{:?}", value(special)))
-        .unwrap();
     let known = Known {
         kind: special.kind,
         monitor: special.monitor,
         state: special.point.state.clone(),
         period: special.point.period,
     };
+    curve_of(model, free, (&known, value(special)), over).unwrap()
+}
+
+fn curve_of(
+    model: &Model,
+    free: [&str; 2],
+    (known, at): (&Known, f64),
+    (range, longest_step): ((f64, f64), f64),
+) -> Result<SpecialCurve, PeriodicError> {
+    let mut model = model.clone();
+    model.set_parameter(free[0], &format!("{at:?}")).unwrap();
     let limits = Limits {
         range,
         impacts: 60,
@@ -35,15 +42,15 @@ fn curve(
     };
     let free = free.map(|name| model.parameter_index(name).unwrap());
     let mut quiet = |_: chatter::analysis::periodic::Told<'_>| ControlFlow::Continue(());
+    let spec = Spec::default();
     special_curve(
         &model,
-        &Spec::default(),
-        (free, &known),
+        &spec,
+        (free, known),
         &limits,
         Vec::new(),
         &mut quiet,
     )
-    .unwrap()
 }
 
 fn of(curve: &SpecialCurve, kind: SpecialKind) -> Vec<[f64; 2]> {
@@ -395,5 +402,38 @@ fn grazes_of_both_halves_are_those_of_the_simple_orbit() {
             .zip(ends(&two))
             .map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f64::max) < 1e-11);
+    }
+}
+
+/// A doubling of a quite different orbit, or a fold told as a doubling, is none here: that is said, and no curve told.
+#[test]
+fn a_point_that_is_no_such_point_has_no_curve() {
+    let duffing = with(DUFFING, &[]);
+    let found = over(&duffing, "f", (0.2, 0.4), (10, 0.02));
+    let fold = nearest(&found, &[SpecialKind::Fold], 0.3);
+    let range = ((1.1, 1.4), 0.05);
+    let known = |kind: SpecialKind| Known {
+        kind,
+        monitor: None,
+        state: fold.point.state.clone(),
+        period: fold.point.period,
+    };
+    let (as_told, elsewhere) = (value(&fold), 1.2 * value(&fold));
+    for (kind, at) in [
+        (SpecialKind::PeriodDoubling, as_told),
+        (SpecialKind::NeimarkSacker, as_told),
+        (SpecialKind::Fold, elsewhere),
+    ] {
+        let followed = curve_of(&duffing, ["f", "w"], (&known(kind), at), range);
+        let why = followed.map(|curve| curve.points.len());
+        assert!(
+            matches!(
+                why,
+                Err(PeriodicError::NotThere { .. }
+                    | PeriodicError::NotOfKind { .. }
+                    | PeriodicError::NoConvergence { .. })
+            ),
+            "{kind:?}: {why:?}"
+        );
     }
 }
