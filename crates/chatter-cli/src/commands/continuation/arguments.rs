@@ -40,7 +40,7 @@ JSON
   rather than turning back), above (of folds and period doublings: whether the orbits that meet, or the doubled ones, are at
   greater values), monitor (the function that vanishes)}, arcs: list of {impacts, low and high of the parameter, first and points: which
   orbits, special: which special points, from 0}, from graze to graze, ends: how each end came about, kind: of curves in two parameters}.
-  Kinds: fold, period_doubling, neimark_sacker, branch_point, impact_graze, flight_graze, chatter_border, touch, monitor; on
+  Kinds: fold, period_doubling, neimark_sacker, hopf, branch_point, impact_graze, flight_graze, chatter_border, touch, monitor; on
   curves in two parameters cusp, fold_flip, generalised_doubling, resonance_1_1 to _1_4, fold_torus, flip_torus, graze_fold,
   graze_doubling, graze_torus, double_graze, border_fold, border_doubling.
 

@@ -6,6 +6,7 @@ mod branches;
 mod differences;
 mod drift;
 mod held;
+mod hopf;
 mod meeting;
 mod new_kinds;
 mod orbits;

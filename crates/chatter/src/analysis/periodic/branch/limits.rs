@@ -23,6 +23,8 @@ pub enum End {
     Lost(String),
     /// The orbit comes to a saddle, and its period grows without bound.
     Saddle(Saddle),
+    /// The orbit shrinks to an equilibrium.
+    Equilibrium,
     /// No such points lie beyond a point of this kind.
     At(SpecialKind),
     /// It came back to where it began.
@@ -45,6 +47,7 @@ impl core::fmt::Display for End {
             Self::Interrupted => write!(out, "broken off"),
             Self::Lost(why) => out.write_str(why),
             Self::Saddle(saddle) => saddle.fmt(out),
+            Self::Equilibrium => write!(out, "the orbit shrinks to an equilibrium"),
             Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
             Self::Closed => write!(out, "where it began"),
             Self::Back => write!(out, "where it began, back along itself"),

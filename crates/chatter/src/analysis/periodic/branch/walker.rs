@@ -167,6 +167,7 @@ impl Walker {
                 here = Point::new(&mut self.shooting, &close);
                 curve.moves(close);
             }
+            let crossed = self.shooting.section_rates();
             let (next, step) = match curve.next(&mut self.shooting) {
                 Ok(found) => found,
                 Err(StepError::TooShort(error)) => {
@@ -201,6 +202,13 @@ impl Walker {
                     break saddle.map_or_else(|| End::Lost(error.to_string()), End::Saddle);
                 }
             };
+            let crosses = self.shooting.section_rates();
+            let both = crossed.into_iter().zip(crosses);
+            if let Some((index, rates)) = { both }.enumerate().find(|(_, (was, is))| was * is < 0.0)
+            {
+                let from = curve.station.clone();
+                break self.loses_section(&from, (step, index), rates, &here);
+            }
             // The landings of the last correction belong to a point that differs by less than its square.
             let least = self.shooting.least(&next.at).unwrap_or_default();
             let broken = broken(&self.shooting, &least);
