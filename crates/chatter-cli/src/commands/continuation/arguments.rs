@@ -75,14 +75,15 @@ pub struct Arguments {
     #[command(flatten)]
     begins: PeriodBegins,
 
-    /// The parameter and its range; the start is the model's value of it, if that lies within
+    /// The parameter and its range; the start is the model's value of it, if that lies within. Of a curve in two parameters the other one
+    /// may have a range, too
     #[arg(
         long,
         value_name = "NAME=LOW:HIGH",
         required_unless_present = "resume",
         allow_hyphen_values = true
     )]
-    sweep: Option<Swept>,
+    sweep: Vec<Swept>,
 
     /// Follow the branches of every orbit of up to so many periods of the forcing, or returns to the section, stable or not
     #[arg(
@@ -260,7 +261,7 @@ impl Arguments {
             true => depth,
             false => 0,
         };
-        let swept = self.sweep.as_ref();
+        let swept = self.sweep.first();
         let (from, until) = swept.map_or(("", ""), |swept| swept.range.texts());
         let name = swept.map_or("", |swept| &*swept.name);
         let mut asked = Asked {
@@ -268,7 +269,18 @@ impl Arguments {
             data_files: &data_files,
             set: pairs(&self.set),
         };
-        let plane = plane(&mut asked, (&self.from, self.free.as_deref()), name)?;
+        let mut plane = plane(&mut asked, (&self.from, self.free.as_deref()), name)?;
+        if let Some(second) = self.sweep.get(1) {
+            let of_it = plane.as_mut().filter(|plane| plane.other == second.name);
+            let (Some(plane), 2) = (of_it, self.sweep.len()) else {
+                return Err(Failure::input(format!(
+                    "--sweep {}: branches are over one parameter; only curves in two, by --free, have a range for each",
+                    second.name
+                )));
+            };
+            let (from, until) = second.range.texts();
+            plane.range = Some((from.to_owned(), until.to_owned()));
+        }
         let set = asked.set;
         Ok(Job {
             version: env!("CARGO_PKG_VERSION").to_owned(),

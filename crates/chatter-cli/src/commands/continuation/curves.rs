@@ -24,6 +24,7 @@ pub fn plane(
         .collect();
     Ok(Some(Plane {
         other,
+        range: None,
         points: points?.concat(),
     }))
 }

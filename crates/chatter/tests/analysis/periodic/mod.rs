@@ -77,6 +77,7 @@ fn branch_spec(
         parameter: model.parameter_index(name).unwrap(),
         limits: Limits {
             range,
+            other: None,
             impacts,
             points: 5000,
             longest_step,

@@ -29,25 +29,34 @@ fn curve(
 fn curve_of(
     model: &Model,
     free: [&str; 2],
-    (known, at): (&Known, f64),
+    told: (&Known, f64),
     (range, longest_step): ((f64, f64), f64),
 ) -> Result<SpecialCurve, PeriodicError> {
-    let mut model = model.clone();
-    model.set_parameter(free[0], &format!("{at:?}")).unwrap();
     let limits = Limits {
         range,
+        other: None,
         impacts: 60,
         points: 3000,
         longest_step,
     };
+    curve_within(model, free, told, &limits)
+}
+
+fn curve_within(
+    model: &Model,
+    free: [&str; 2],
+    (known, at): (&Known, f64),
+    limits: &Limits,
+) -> Result<SpecialCurve, PeriodicError> {
+    let mut model = model.clone();
+    model.set_parameter(free[0], &format!("{at:?}")).unwrap();
     let free = free.map(|name| model.parameter_index(name).unwrap());
     let mut quiet = |_: chatter::analysis::periodic::Told<'_>| ControlFlow::Continue(());
-    let spec = Spec::default();
     special_curve(
         &model,
-        &spec,
+        &Spec::default(),
         (free, known),
-        &limits,
+        limits,
         Vec::new(),
         &mut quiet,
     )
@@ -182,6 +191,7 @@ fn watched(
         parameter: model.parameter_index(name).unwrap(),
         limits: Limits {
             range,
+            other: None,
             impacts,
             points: 1000,
             longest_step: 0.05,
@@ -436,4 +446,39 @@ fn a_point_that_is_no_such_point_has_no_curve() {
             "{kind:?}: {why:?}"
         );
     }
+}
+
+/// A curve keeps to the range of the other parameter as it does to that of its own, and ends at the edge itself.
+#[test]
+fn a_curve_keeps_to_the_ranges_of_both_parameters() {
+    let duffing = with(DUFFING, &[]);
+    let found = over(&duffing, "f", (0.2, 0.4), (10, 0.02));
+    let fold = nearest(&found, &[SpecialKind::Fold], 0.3);
+    let known = Known {
+        kind: fold.kind,
+        monitor: None,
+        state: fold.point.state.clone(),
+        period: fold.point.period,
+    };
+    let (at, half) = (value(&fold), 0.01);
+    let mut limits = Limits {
+        range: (1.0, 1.6),
+        other: Some((at - half, at + half)),
+        impacts: 60,
+        points: 3000,
+        longest_step: 0.01,
+    };
+    let curve = curve_within(&duffing, ["f", "w"], (&known, at), &limits).unwrap();
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+    let first = |point: &Point| point.parameters[0] - at;
+    let inside = |point: &Point| first(point).abs() <= half * (1.0 + 1e-9);
+    assert!(curve.points.len() > 3 && curve.points.iter().all(inside));
+    let ends = [&curve.points[0], &curve.points[curve.points.len() - 1]];
+    assert!(
+        ends.iter()
+            .all(|end| (first(end).abs() - half).abs() < 1e-12)
+    );
+    limits.other = Some((at + half, at + 2.0 * half));
+    let refused = curve_within(&duffing, ["f", "w"], (&known, at), &limits);
+    assert!(matches!(refused, Err(PeriodicError::OutOfRange { .. })));
 }
