@@ -147,6 +147,13 @@ impl Shooting<f64> {
         let next = index + 1;
         let before = (index + count - 1) % count;
         let passage = match (steps[index].passage, steps[next].passage) {
+            // A section that shares its instant with the end of a piece, or with a switch, stands for that.
+            (Passage::Leg(_), Passage::Leg(other))
+                if is_section
+                    && (other.mode != kind.mode || steps[index].pieces != steps[next].pieces) =>
+            {
+                return Err(unfollowed("the loss of a section where the mode changes"));
+            }
             (Passage::Leg(_), Passage::Leg(other)) if other.mode == kind.mode => {
                 Passage::Leg(other)
             }

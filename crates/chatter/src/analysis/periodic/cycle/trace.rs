@@ -1,6 +1,7 @@
 //! A trajectory as the instants at which something happens, with the modes between them.
 
 use crate::analysis::periodic::error::PeriodicError;
+use crate::expressions::LookedUpIn;
 use crate::flow::{Closed, GuardKind, Occurrence, Settings, System, Trajectory, Workspace};
 use core::ops::ControlFlow;
 
@@ -78,8 +79,7 @@ pub(crate) struct Tracer<'s> {
     section: Option<usize>,
 }
 
-/// Of the end of a piece, of a table or of a ramp, and a section times that differ by so many roundoffs are one instant: both may be where a
-/// period begins.
+/// Of a knot of a table, where functions go on smoothly, and a section times that differ by so many roundoffs are one instant.
 pub(super) const ONE_INSTANT: f64 = 8.0;
 
 /// Whether a motion goes on is looked at for so many units of its time.
@@ -105,6 +105,13 @@ impl<'s> Tracer<'s> {
             trajectory,
             section,
         })
+    }
+
+    /// Whether this is a knot of a table.
+    fn is_knot(&self, guard: Option<GuardKind>) -> bool {
+        let lookups = &self.system.corners().lookups;
+        matches!(guard, Some(GuardKind::Piece(lookup, _))
+            if lookups.get(lookup).is_some_and(|lookup| matches!(lookup.within, LookedUpIn::Curve(_))))
     }
 
     /// Whether some of the states change on a few steps more, by such a part of the size of all.
@@ -169,7 +176,7 @@ impl<'s> Tracer<'s> {
             };
             // A section that is crossed with an event is no event of its own: which comes first is chance.
             let in_this = |last: &Instant, event: Option<GuardKind>| {
-                let roundoffs = if matches!(event, Some(GuardKind::Piece(..))) {
+                let roundoffs = if self.is_knot(event) {
                     ONE_INSTANT
                 } else {
                     0.0
