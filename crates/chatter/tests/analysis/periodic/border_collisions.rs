@@ -156,3 +156,27 @@ fn an_angle_that_is_kept_below_a_turn_goes_around() {
         "{folds:?}"
     );
 }
+
+/// With b < -1 the fixed point to the right is unstable beside a cycle of two points, x2 = mu (1 + b)/(1 - a b) < 0: at mu = 0 all come to the
+/// corner at once, and the cycle ends there.
+#[test]
+fn a_cycle_that_shrinks_to_the_corner_ends_there() {
+    for step in [0.01, 0.004] {
+        let set = [("b", "-1.5")];
+        let model = with(&ticked("mu = 0.3\na = 0.5\nb = -0.8", TENT), &set);
+        let branch = &over(&model, "mu", (-1.0, 1.0), (8, step))[0];
+        let expected = [End::At(SpecialKind::Touch), End::Range];
+        assert_eq!(branch.ends, expected, "{step}");
+        assert!(branch.special.len() == 1 && value(&branch.special[0]).abs() < 1e-15);
+        for point in &branch.points {
+            let (mu, x) = (point.parameter(), point.state[0]);
+            let low = mu * -0.5 / 1.75;
+            let both = [low, 0.5 * low + mu];
+            let near = both.iter().any(|y| (x - y).abs() < 1e-12);
+            assert!(
+                near && (point.period - 2.0).abs() < 1e-12,
+                "{step}: {mu} {x}"
+            );
+        }
+    }
+}

@@ -7,6 +7,7 @@ use super::limits::End;
 use super::walker::{NOISE, Stop, Walker};
 use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Held, Problem, Station, newton, tangent};
+use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{BeyondCorner, Shooting};
 use crate::flow::GuardKind;
 use crate::numerics::dot;
@@ -112,9 +113,20 @@ impl Walker {
         if other.stands_still(&next, step) {
             return ends(self, "orbits lie beside each other, all at this one value");
         }
+        // Of what is gone around twice beyond, this is where it meets the simple orbits.
+        if shorter(&other, &next.at).is_ok_and(|part| part.is_some()) {
+            let last = there.moved(&mut self.shooting, &met.at);
+            self.points.push(last);
+            return Stop::Over(End::At(SpecialKind::Touch));
+        }
         self.shooting = other;
-        let forward = from.parameter_slope();
-        match self.goes_on(Ok(next), (curve, forward), here) {
+        // A family has come to its end, from neither side.
+        let stood = self.is_flat(&from);
+        let gone = self.goes_on(Ok(next), (curve, from.parameter_slope()), here);
+        if stood && let Some(special) = self.latest_change() {
+            special.persists = None;
+        }
+        match gone {
             Stop::End(end @ End::Lost(_)) => lost(end.to_string()),
             gone => gone,
         }

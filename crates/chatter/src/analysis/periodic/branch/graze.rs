@@ -242,7 +242,7 @@ impl Walker {
     }
 
     /// Whether the parameter stands still to first order: it does over the rate of an impact that the orbit forgets.
-    fn is_flat(&self, station: &Station) -> bool {
+    pub(super) fn is_flat(&self, station: &Station) -> bool {
         let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
         station.parameter_slope().abs() <= FLAT * scale
     }

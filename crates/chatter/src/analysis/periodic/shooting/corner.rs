@@ -76,7 +76,7 @@ impl<R: Real> Shooting<R> {
     }
 
     /// How far it is, and the derivatives of that.
-    pub(super) fn to_corner(&mut self, at: &[R]) -> Result<(R, Vec<R>), Left> {
+    pub(super) fn corner_value(&mut self, at: &[R]) -> Result<(R, Vec<R>), Left> {
         let none = || Left::because("no corner is watched");
         let mut watched = self.corner.take().ok_or_else(none)?;
         let found = self.flown_to(&mut watched, at);

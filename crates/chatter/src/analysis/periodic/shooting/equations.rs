@@ -167,7 +167,7 @@ impl<R: Real> Problem<R> for Shooting<R> {
     /// where a pair of multipliers is on the unit circle; then the user's functions; then that of the corner that is watched.
     fn monitor(&mut self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
         if index == self.corner_function() {
-            return self.to_corner(at);
+            return self.corner_value(at);
         }
         if index == self.pair_function() {
             return differenced(self, at, |shooting, at| {
