@@ -178,7 +178,7 @@ fn followed(
     };
     let document = written(&branch_document(&subject, &produced.branches))?;
     if let Some(out) = out {
-        write(&subject, &produced.branches, out)?;
+        write(&subject, &job.set, &produced.branches, out)?;
         produced.forget_journal()?;
     }
     Ok((written(job)?, document))

@@ -92,7 +92,25 @@ fn branches_go_to_table_and_picture_and_special_points_on() {
     let folds = special.iter().filter(|s| s["kind"] == "fold").count();
     assert_eq!(curves["branches"].as_array().unwrap().len(), folds);
     assert_eq!(curves["branches"][0], curve["branches"][0]);
+    // What was set where the table was written is taken over.
+    let line =
+        "continue impact_oscillator --from b.npz:fold --free omega,r --sweep r=0.495:0.505 --json";
+    let taken: Value = serde_json::from_str(&folder.succeeds("", line)).unwrap();
+    assert_eq!(taken["branches"], curves["branches"]);
+    folder.write(
+        "other.toml",
+        "[parameters]\nomega = 2\nr = 0.8\n[flight]\nx = 'v'\nv = 'sin(omega*t) - x'\n[[contact]]\nname = 'wall'\ngap = 'x'\n\
+         impulse = { v = 1 }\nrestitution = 'r'\n[initial]\nx = 1\nv = 0\n",
+    );
     for (line, expected) in [
+        (
+            "continue impact_oscillator --set r=0.6 --from b.npz:fold --free omega,sigma --sweep sigma=-1:1",
+            "the points in `b.npz` are at r = 0.5, and not at 0.6",
+        ),
+        (
+            "continue other.toml --from b.npz:fold --free omega,r --sweep r=0.4:0.6",
+            "`b.npz` is of another model: there ",
+        ),
         (
             "continue impact_oscillator --from b.npz:cusp --free omega,r --sweep r=0.4:0.6",
             "is of the kind cusp",

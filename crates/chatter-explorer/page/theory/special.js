@@ -9,6 +9,7 @@ const KINDS = {
     fold: ["fold", VERMILION],
     period_doubling: ["period doubling", GREEN],
     neimark_sacker: ["Neimark–Sacker", PURPLE],
+    hopf: ["Hopf", VERMILION],
     branch_point: ["branch point", GREY],
     impact_graze: ["graze of an impact", BLUE],
     flight_graze: ["graze of a flight", BLUE],

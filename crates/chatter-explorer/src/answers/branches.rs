@@ -89,5 +89,7 @@ pub fn file(
             &picture(&subject, &found.branches, vertical, None),
         );
     }
-    answering.tables(&stem, kind, |path| write(&subject, &found.branches, path))
+    answering.tables(&stem, kind, |path| {
+        write(&subject, &question.model.set, &found.branches, path)
+    })
 }

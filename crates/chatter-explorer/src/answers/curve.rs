@@ -103,5 +103,7 @@ pub fn file(
         return answering.figure(&stem, kind, &plane(&subject, curves, None));
     }
     let curve = core::slice::from_ref(&found.curve.1);
-    answering.tables(&stem, kind, |path| write(&subject, curve, path))
+    answering.tables(&stem, kind, |path| {
+        write(&subject, &question.model.set, curve, path)
+    })
 }

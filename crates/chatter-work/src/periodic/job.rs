@@ -61,6 +61,9 @@ pub struct Job {
 pub struct Plane {
     /// The parameter that is free beside the one that is varied.
     pub other: String,
+    /// Its range, from and to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<(String, String)>,
     /// The points.
     pub points: Vec<Restored>,
 }
@@ -116,9 +119,18 @@ impl Job {
             points: self.points,
             step,
         };
+        let mut limits = reach.over(range)?;
+        if let Some(Plane {
+            range: Some((from, to)),
+            ..
+        }) = &self.plane
+        {
+            let range = Window::new(from, to).ends(&mut model, "--sweep")?;
+            limits.other = Some(reach.over(range)?.range);
+        }
         let over = BranchSpec {
             parameter,
-            limits: reach.over(range)?,
+            limits,
             beside: beside(self.doublings, self.branch_points)?,
         };
         let sought = |Sought {

@@ -14,6 +14,7 @@ mod produce;
 mod refused;
 mod request;
 mod restored;
+mod same_model;
 mod several;
 mod table;
 mod wanted;
@@ -30,7 +31,7 @@ pub use picture::{Vertical, first_that_changes, picture, plane};
 pub use produce::{Beginning, Produced, produce, produce_share};
 pub use refused::refused;
 pub use request::{free_parameter, specification};
-pub use restored::{Chosen, Restored, holds_branches, restore};
+pub use restored::{Asked, Chosen, Restored, holds_branches, restore};
 pub use several::Shared;
 pub use table::write;
 pub use wanted::{Branches, Curve, Orbits, Reach, beside, search};
@@ -129,5 +130,7 @@ fn is_wrong(error: &PeriodicError) -> bool {
             | PeriodicError::OtherPeriod { .. }
             | PeriodicError::NoRepeat { .. }
             | PeriodicError::OutOfRange { .. }
+            | PeriodicError::NotThere { .. }
+            | PeriodicError::NotOfKind { .. }
     )
 }

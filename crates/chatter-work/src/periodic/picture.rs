@@ -28,6 +28,7 @@ fn mark(kind: SpecialKind) -> (Marker, Color, &'static str) {
         SpecialKind::Fold => (Marker::Disc, Color::VERMILION, "fold"),
         SpecialKind::PeriodDoubling => (Marker::Diamond, Color::GREEN, "period doubling"),
         SpecialKind::NeimarkSacker => (Marker::Triangle, Color::PURPLE, "Neimark\u{2013}Sacker"),
+        SpecialKind::Hopf => (Marker::Triangle, Color::VERMILION, "Hopf"),
         SpecialKind::BranchPoint => (Marker::Plus, Color::INK, "branch point"),
         SpecialKind::ImpactGraze | SpecialKind::FlightGraze => {
             (Marker::Circle, Color::BLUE, "graze")

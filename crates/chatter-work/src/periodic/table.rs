@@ -1,6 +1,7 @@
 //! Branches as a table: a row for each orbit, and a row for each special point.
 
 use super::Subject;
+use crate::diagram::table::json;
 use crate::refusal::Refusal;
 use chatter::analysis::periodic::{Branch, Point, Special};
 use chatter_files::tables::{Dataset, Table};
@@ -9,11 +10,20 @@ use std::path::{Path, PathBuf};
 /// Complete chatter has infinitely many impacts.
 const INFINITE: i64 = -1;
 
-/// Writes the table.
+/// Names of the texts that hold the model's file and the parameters that were set into it.
+pub(super) const MODEL: &str = "model";
+pub(super) const SET: &str = "model_set";
+
+/// Writes the table, with the model and what was set into it.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write(subject: &Subject, branches: &[Branch], path: &Path) -> Result<Vec<PathBuf>, Refusal> {
+pub fn write(
+    subject: &Subject,
+    set: &[(String, String)],
+    branches: &[Branch],
+    path: &Path,
+) -> Result<Vec<PathBuf>, Refusal> {
     let points: Vec<(i64, &Point)> = (branches.iter().enumerate())
         .flat_map(|(index, branch)| branch.points.iter().map(move |point| (index as i64, point)))
         .collect();
@@ -52,7 +62,8 @@ pub fn write(subject: &Subject, branches: &[Branch], path: &Path) -> Result<Vec<
     Dataset::new()
         .table(columns(subject, Table::new("points"), "", &points))
         .table(special)
-        .text("model", subject.text)
+        .text(MODEL, subject.text)
+        .text(SET, &json(&set)?)
         .write(path)
         .map_err(Refusal::from)
 }

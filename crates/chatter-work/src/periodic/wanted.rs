@@ -72,6 +72,7 @@ impl Reach {
         let points = self.points.unwrap_or(POINTS);
         Ok(Limits {
             range: (one.min(other), one.max(other)),
+            other: None,
             impacts: self.impacts.unwrap_or(IMPACTS),
             points: usize::try_from(points).unwrap_or(usize::MAX),
             longest_step: step,

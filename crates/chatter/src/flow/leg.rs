@@ -276,10 +276,6 @@ impl System {
         let mut graph = mechanics.graph;
         let sections = &on_sides.sections;
         let guards = guard_functions(&mut graph, &contacts, (sections, &limits), &exprs);
-        let surface = match kind.ends_at {
-            Some(wanted) => Some(guards.iter().find(|(guard, ..)| *guard == wanted)?.2),
-            None => None,
-        };
         let mut map: Vec<Expr> = match kind.jump {
             Jump::None => (0..exprs.field.len()).map(|i| graph.state(i)).collect(),
             Jump::Impact(contact) | Jump::Stop(contact) => {
@@ -315,6 +311,15 @@ impl System {
             Jump::Reset(section) => limits.resets[section],
         };
         let asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
+        // What is a corner for the event alone may be where it comes.
+        let all = guards.iter().map(|&(guard, _, of)| (guard, of));
+        let surface = match kind.ends_at {
+            Some(wanted) => {
+                let mut all = all.chain(asked.iter().copied());
+                Some(all.find(|(guard, _)| *guard == wanted)?.1)
+            }
+            None => None,
+        };
         Some(Ending {
             graph,
             field: exprs.field,

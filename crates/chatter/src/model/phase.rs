@@ -131,8 +131,14 @@ impl Model {
                 Node::Sum(terms) => {
                     let is_own = |term: &Expr| matches!(self.graph.node(*term), Node::Symbol(Symbol::State(own)) if *own == state);
                     let adds = terms.iter().any(is_own);
+                    // What is kept below a turn comes back as a whole.
+                    let wraps = terms.iter().any(|&term| self.is_whole(term));
                     let rest = terms.iter().copied().filter(|term| !is_own(term));
-                    if adds { rest.collect() } else { vec![after] }
+                    if adds && !wraps {
+                        rest.collect()
+                    } else {
+                        vec![after]
+                    }
                 }
                 _ => vec![after],
             };
@@ -154,6 +160,17 @@ impl Model {
                 (after.into_iter()).chain(section.reset.as_ref().map(|_| section.surface))
             }))
             .collect()
+    }
+}
+
+impl Model {
+    /// Whether this is a multiple of a whole part.
+    fn is_whole(&self, expr: Expr) -> bool {
+        match self.graph.node(expr) {
+            Node::Floor(_) => true,
+            Node::Product(factors) => factors.iter().any(|&factor| self.is_whole(factor)),
+            _ => false,
+        }
     }
 }
 

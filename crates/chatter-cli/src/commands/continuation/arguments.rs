@@ -8,7 +8,7 @@ use crate::options::{
 };
 use chatter::analysis::periodic::SpecialKind;
 use chatter::expressions::nearest;
-use chatter_work::periodic::{Chosen, Job, Sought};
+use chatter_work::periodic::{Asked, Chosen, Job, Sought};
 use chatter_work::source::Source;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ JSON
   rather than turning back), above (of folds and period doublings: whether the orbits that meet, or the doubled ones, are at
   greater values), monitor (the function that vanishes)}, arcs: list of {impacts, low and high of the parameter, first and points: which
   orbits, special: which special points, from 0}, from graze to graze, ends: how each end came about, kind: of curves in two parameters}.
-  Kinds: fold, period_doubling, neimark_sacker, branch_point, impact_graze, flight_graze, chatter_border, touch, monitor; on
+  Kinds: fold, period_doubling, neimark_sacker, hopf, branch_point, impact_graze, flight_graze, chatter_border, touch, monitor; on
   curves in two parameters cusp, fold_flip, generalised_doubling, resonance_1_1 to _1_4, fold_torus, flip_torus, graze_fold,
   graze_doubling, graze_torus, double_graze, border_fold, border_doubling.
 
@@ -75,14 +75,15 @@ pub struct Arguments {
     #[command(flatten)]
     begins: PeriodBegins,
 
-    /// The parameter and its range; the start is the model's value of it, if that lies within
+    /// The parameter and its range; the start is the model's value of it, if that lies within. Of a curve in two parameters the other one
+    /// may have a range, too
     #[arg(
         long,
         value_name = "NAME=LOW:HIGH",
         required_unless_present = "resume",
         allow_hyphen_values = true
     )]
-    sweep: Option<Swept>,
+    sweep: Vec<Swept>,
 
     /// Follow the branches of every orbit of up to so many periods of the forcing, or returns to the section, stable or not
     #[arg(
@@ -260,16 +261,33 @@ impl Arguments {
             true => depth,
             false => 0,
         };
-        let swept = self.sweep.as_ref();
+        let swept = self.sweep.first();
         let (from, until) = swept.map_or(("", ""), |swept| swept.range.texts());
         let name = swept.map_or("", |swept| &*swept.name);
-        let plane = plane(&model, (&self.from, self.free.as_deref()), name)?;
+        let mut asked = Asked {
+            model: &model,
+            data_files: &data_files,
+            set: pairs(&self.set),
+        };
+        let mut plane = plane(&mut asked, (&self.from, self.free.as_deref()), name)?;
+        if let Some(second) = self.sweep.get(1) {
+            let of_it = plane.as_mut().filter(|plane| plane.other == second.name);
+            let (Some(plane), 2) = (of_it, self.sweep.len()) else {
+                return Err(Failure::input(format!(
+                    "--sweep {}: branches are over one parameter; only curves in two, by --free, have a range for each",
+                    second.name
+                )));
+            };
+            let (from, until) = second.range.texts();
+            plane.range = Some((from.to_owned(), until.to_owned()));
+        }
+        let set = asked.set;
         Ok(Job {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             model: given.to_owned(),
             model_text: text,
             data_files,
-            set: pairs(&self.set),
+            set,
             initial: pairs(&self.initial.initial),
             search: self.all.map(|periods| Sought {
                 periods: periods.0,

@@ -4,26 +4,27 @@ use super::arguments::Seed;
 use crate::failure::Failure;
 use chatter::expressions::nearest;
 use chatter::model::Model;
-use chatter_work::periodic::{Plane, restore};
+use chatter_work::periodic::{Asked, Plane, restore};
 
-/// The curves of these points, over the parameter of the sweep and another.
+/// The curves of these points, over the parameter of the sweep and another. What was set into the model of their tables is taken over.
 ///
 /// # Errors
 /// The parameters are none of the model, or a file holds no such point of it.
 pub fn plane(
-    model: &Model,
+    asked: &mut Asked<'_>,
     (seeds, free): (&[Seed], Option<&str>),
     swept: &str,
 ) -> Result<Option<Plane>, Failure> {
     if seeds.is_empty() {
         return Ok(None);
     }
-    let other = other_parameter(free, model, swept)?;
+    let other = other_parameter(free, asked.model, swept)?;
     let points: Result<Vec<_>, _> = (seeds.iter())
-        .map(|seed| restore(model, &seed.path, &seed.chosen))
+        .map(|seed| restore(asked, &seed.path, &seed.chosen))
         .collect();
     Ok(Some(Plane {
         other,
+        range: None,
         points: points?.concat(),
     }))
 }

@@ -141,7 +141,7 @@ pub fn answer(
     };
     let all = found.branches();
     if let Some(path) = out {
-        write(&subject, &all, path)?;
+        write(&subject, &job.set, &all, path)?;
     }
     if let Some(path) = shown.plot {
         let vertical = vertical

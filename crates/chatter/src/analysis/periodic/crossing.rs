@@ -6,8 +6,11 @@ use super::cycle::rotate::rotate;
 use super::cycle::settle::from_first_turn;
 use super::error::PeriodicError;
 use super::shooting::Shooting;
-use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
+use crate::flow::{GuardKind, Settings};
+
+/// A crossing this near to an end of the way, in parts of it, is that at the end.
+const AT_ENDS: f64 = 1e-9;
 
 impl Shooting<f64> {
     /// The step that ends with a crossing of the section, if one does.
@@ -34,12 +37,39 @@ impl Shooting<f64> {
         };
         let least = self.least(at).unwrap_or_default();
         let crossings = least.into_iter().flatten();
-        found.extend(
-            crossings
-                .filter(|least| least.guard == section)
-                .map(|crossing| crossing.state),
-        );
+        let crossings = crossings.filter(|least| least.guard == section);
+        let others = self.other_crossings(at);
+        found.extend(crossings.chain(others).map(|crossing| crossing.state));
         found
+    }
+
+    /// Of an orbit whose only event is one crossing of the section, the others on its way.
+    pub(crate) fn other_crossings(&self, at: &[f64]) -> Vec<Least> {
+        let ([only], Some(section)) = (&self.steps[..], self.workshop.section) else {
+            return Vec::new();
+        };
+        let section = GuardKind::Section(section);
+        let Passage::Leg(kind) = only.passage else {
+            return Vec::new();
+        };
+        let (Some(place), true) = (self.duration_place(0), kind.ends_at == Some(section)) else {
+            return Vec::new();
+        };
+        let on_the_way = LegKind {
+            ends_at: None,
+            ..kind
+        };
+        let Some(leg) = self.workshop.leg(on_the_way) else {
+            return Vec::new();
+        };
+        let parameters = self.parameters_of(&self.workshop.parameters(self.free(at)), only);
+        let mut flyer = leg.flyer(&Settings::default());
+        let way = (self.node(at, 0), at[place]);
+        let seen = leg.least(&mut flyer, &parameters, way, &|guard| guard == section);
+        let inside = AT_ENDS * at[place]..(1.0 - AT_ENDS) * at[place];
+        let mut seen = seen.unwrap_or_default();
+        seen.retain(|least| least.guard == section && inside.contains(&least.time));
+        seen
     }
 
     /// The same orbit, on which nothing happens, told from where the phase of its forcing is a whole number of turns; none where it

@@ -1,6 +1,8 @@
 //! Why there is no periodic orbit, or none was found.
 
+use super::branch::SpecialKind;
 use crate::flow::{FlowError, SystemError};
+use crate::numerics::Complex;
 use core::fmt;
 
 /// What is wrong with a question about periodic orbits, or has no answer.
@@ -39,6 +41,20 @@ pub enum PeriodicError {
         value: f64,
         /// The range.
         range: (f64, f64),
+    },
+    /// A special point is not where it was told to be: it is of another model, or of other parameters.
+    NotThere {
+        /// Which kind.
+        kind: SpecialKind,
+        /// How far off the nearest solution of its equations is, against their size.
+        off: f64,
+    },
+    /// What solves the equations of a special point is none of its kind.
+    NotOfKind {
+        /// Which kind.
+        kind: SpecialKind,
+        /// The multipliers there.
+        multipliers: Vec<Complex>,
     },
     /// A function to be watched is no expression in states and parameters.
     BadMonitor {
@@ -120,6 +136,19 @@ impl fmt::Display for PeriodicError {
                 out,
                 "the special point is at {value}, outside the range from {low} to {high} that its curve is asked for in"
             ),
+            Self::NotThere { kind, off } => write!(
+                out,
+                "there is no {} where the point is told to be: the nearest is {off:.1e} of its size away",
+                kind.name().replace('_', " ")
+            ),
+            Self::NotOfKind { kind, multipliers } => {
+                let largest = multipliers.first().map_or(f64::NAN, |m| m.modulus());
+                write!(
+                    out,
+                    "the point is told to be a {}, and no multiplier there says so: the largest is {largest:.6}",
+                    kind.name().replace('_', " ")
+                )
+            }
             Self::BadMonitor { text } => {
                 write!(out, "`{text}` is no expression in states and parameters")
             }

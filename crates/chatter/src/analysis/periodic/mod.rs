@@ -246,6 +246,14 @@ pub fn special_curve(
             range: limits.range,
         });
     }
+    if let Some(range) = limits.other
+        && limits.beyond_other(values[0]).is_some()
+    {
+        return Err(PeriodicError::OutOfRange {
+            value: values[0],
+            range,
+        });
+    }
     let size = |value: f64| if value == 0.0 { 1.0 } else { value.abs() };
     let sizes = [size(values[0]), limits.range.1 - limits.range.0];
     if known.kind == SpecialKind::ChatterBorder {

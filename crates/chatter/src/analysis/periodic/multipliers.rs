@@ -85,6 +85,16 @@ pub(crate) fn without_nearest(multipliers: &[Complex], at: f64) -> Vec<Complex> 
         .collect()
 }
 
+/// A multiplier of a fold is 1, and one of a doubling -1, up to this.
+pub(crate) const NEAR_ONE: f64 = 1e-3;
+
+/// Whether a multiplier is 1, or -1, as far as multipliers are known. Where two crossings of a surface become one the equations turn,
+/// and the orbit does not fold; what vanishes there for others is rounding.
+pub(crate) fn is_near(multipliers: &[Complex], value: f64) -> bool {
+    let near = |m: &Complex| (m.re - value).hypot(m.im) < NEAR_ONE;
+    multipliers.iter().any(near)
+}
+
 /// The two whose product is real and nearest to one: that product less one, their sum, and the others. They are a pair on the
 /// unit circle where the product is one and the sum is between -2 and 2.
 pub(crate) fn neutral(multipliers: &[Complex]) -> Option<(f64, f64, Vec<Complex>)> {

@@ -210,6 +210,21 @@ pub(crate) fn shorter(
     {
         return Ok(part_of_timed(shooting, at));
     }
+    // Of crossings of the section one alone is an event.
+    for crossing in shooting.other_crossings(at) {
+        let nodes = (shooting.node(at, 0), &*crossing.state);
+        let difference = workshop.closure.difference(&turns, nodes, &sizes);
+        if difference.distance < SAME_NODE && turns.is_empty() {
+            let mut steps = shooting.current_steps(at);
+            steps[0].duration = crossing.time;
+            return Ok(Some(Cycle {
+                steps,
+                counts: difference.turns,
+                distance: difference.distance,
+                sizes,
+            }));
+        }
+    }
     let arrives = |index: usize| steps[(index + count - 1) % count].passage;
     for index in 1..count {
         if arrives(index) != arrives(0) || steps[index].passage != steps[0].passage {

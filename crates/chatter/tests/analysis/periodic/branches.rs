@@ -185,6 +185,7 @@ fn folds_and_grazes_in_two_parameters() {
         };
         let limits = Limits {
             range: (0.49, 0.51),
+            other: None,
             impacts: 60,
             points: 2000,
             longest_step: 0.02,
@@ -258,6 +259,7 @@ fn a_branch_goes_on_where_a_surface_is_touched() {
             parameter: gears.parameter_index("w").unwrap(),
             limits: Limits {
                 range: (point.parameter() - 1e-7, point.parameter() + 1e-7),
+                other: None,
                 impacts: 5,
                 points: 2,
                 longest_step: 0.5,
@@ -374,6 +376,7 @@ u = 0.3
 "#;
     let limits = Limits {
         range: (0.5, 8.0),
+        other: None,
         impacts: 60,
         points: 5000,
         longest_step: 0.03,

@@ -1,10 +1,12 @@
 //! Periodic orbits, branches and exponents.
 
 mod asked;
+mod border_collisions;
 mod branches;
 mod differences;
 mod drift;
 mod held;
+mod hopf;
 mod meeting;
 mod new_kinds;
 mod orbits;
@@ -75,6 +77,7 @@ fn branch_spec(
         parameter: model.parameter_index(name).unwrap(),
         limits: Limits {
             range,
+            other: None,
             impacts,
             points: 5000,
             longest_step,

@@ -2,8 +2,8 @@
 
 use super::{GRAZES, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, Special, SpecialCurve,
-    SpecialKind, branches, special_curve,
+    Beside, Branch, BranchSpec, End, Known, Limits, PeriodicError, Point, Spec, Special,
+    SpecialCurve, SpecialKind, branches, special_curve,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -15,35 +15,51 @@ fn curve(
     model: &Model,
     free: [&str; 2],
     special: &Special,
-    (range, longest_step): ((f64, f64), f64),
+    over: ((f64, f64), f64),
 ) -> SpecialCurve {
-    let mut model = model.clone();
-    model
-        .set_parameter(free[0], &format!("{:?}", value(special)))
-        .unwrap();
     let known = Known {
         kind: special.kind,
         monitor: special.monitor,
         state: special.point.state.clone(),
         period: special.point.period,
     };
+    curve_of(model, free, (&known, value(special)), over).unwrap()
+}
+
+fn curve_of(
+    model: &Model,
+    free: [&str; 2],
+    told: (&Known, f64),
+    (range, longest_step): ((f64, f64), f64),
+) -> Result<SpecialCurve, PeriodicError> {
     let limits = Limits {
         range,
+        other: None,
         impacts: 60,
         points: 3000,
         longest_step,
     };
+    curve_within(model, free, told, &limits)
+}
+
+fn curve_within(
+    model: &Model,
+    free: [&str; 2],
+    (known, at): (&Known, f64),
+    limits: &Limits,
+) -> Result<SpecialCurve, PeriodicError> {
+    let mut model = model.clone();
+    model.set_parameter(free[0], &format!("{at:?}")).unwrap();
     let free = free.map(|name| model.parameter_index(name).unwrap());
     let mut quiet = |_: chatter::analysis::periodic::Told<'_>| ControlFlow::Continue(());
     special_curve(
         &model,
         &Spec::default(),
-        (free, &known),
-        &limits,
+        (free, known),
+        limits,
         Vec::new(),
         &mut quiet,
     )
-    .unwrap()
 }
 
 fn of(curve: &SpecialCurve, kind: SpecialKind) -> Vec<[f64; 2]> {
@@ -175,6 +191,7 @@ fn watched(
         parameter: model.parameter_index(name).unwrap(),
         limits: Limits {
             range,
+            other: None,
             impacts,
             points: 1000,
             longest_step: 0.05,
@@ -396,4 +413,72 @@ fn grazes_of_both_halves_are_those_of_the_simple_orbit() {
             .map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f64::max) < 1e-11);
     }
+}
+
+/// A doubling of a quite different orbit, or a fold told as a doubling, is none here: that is said, and no curve told.
+#[test]
+fn a_point_that_is_no_such_point_has_no_curve() {
+    let duffing = with(DUFFING, &[]);
+    let found = over(&duffing, "f", (0.2, 0.4), (10, 0.02));
+    let fold = nearest(&found, &[SpecialKind::Fold], 0.3);
+    let range = ((1.1, 1.4), 0.05);
+    let known = |kind: SpecialKind| Known {
+        kind,
+        monitor: None,
+        state: fold.point.state.clone(),
+        period: fold.point.period,
+    };
+    let (as_told, elsewhere) = (value(&fold), 1.2 * value(&fold));
+    for (kind, at) in [
+        (SpecialKind::PeriodDoubling, as_told),
+        (SpecialKind::NeimarkSacker, as_told),
+        (SpecialKind::Fold, elsewhere),
+    ] {
+        let followed = curve_of(&duffing, ["f", "w"], (&known(kind), at), range);
+        let why = followed.map(|curve| curve.points.len());
+        assert!(
+            matches!(
+                why,
+                Err(PeriodicError::NotThere { .. }
+                    | PeriodicError::NotOfKind { .. }
+                    | PeriodicError::NoConvergence { .. })
+            ),
+            "{kind:?}: {why:?}"
+        );
+    }
+}
+
+/// A curve keeps to the range of the other parameter as it does to that of its own, and ends at the edge itself.
+#[test]
+fn a_curve_keeps_to_the_ranges_of_both_parameters() {
+    let duffing = with(DUFFING, &[]);
+    let found = over(&duffing, "f", (0.2, 0.4), (10, 0.02));
+    let fold = nearest(&found, &[SpecialKind::Fold], 0.3);
+    let known = Known {
+        kind: fold.kind,
+        monitor: None,
+        state: fold.point.state.clone(),
+        period: fold.point.period,
+    };
+    let (at, half) = (value(&fold), 0.01);
+    let mut limits = Limits {
+        range: (1.0, 1.6),
+        other: Some((at - half, at + half)),
+        impacts: 60,
+        points: 3000,
+        longest_step: 0.01,
+    };
+    let curve = curve_within(&duffing, ["f", "w"], (&known, at), &limits).unwrap();
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+    let first = |point: &Point| point.parameters[0] - at;
+    let inside = |point: &Point| first(point).abs() <= half * (1.0 + 1e-9);
+    assert!(curve.points.len() > 3 && curve.points.iter().all(inside));
+    let ends = [&curve.points[0], &curve.points[curve.points.len() - 1]];
+    assert!(
+        ends.iter()
+            .all(|end| (first(end).abs() - half).abs() < 1e-12)
+    );
+    limits.other = Some((at + half, at + 2.0 * half));
+    let refused = curve_within(&duffing, ["f", "w"], (&known, at), &limits);
+    assert!(matches!(refused, Err(PeriodicError::OutOfRange { .. })));
 }

@@ -303,6 +303,7 @@ fn follow(
     };
     let limits = Limits {
         range,
+        other: None,
         impacts: 60,
         points: 3000,
         longest_step,

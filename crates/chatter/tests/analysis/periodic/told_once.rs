@@ -1,7 +1,10 @@
 //! Special points that are passed once are told once, with the period and the multipliers of the orbit there.
 
 use super::{GRAZES, branch_spec, nearest, orbit, over, value, with};
-use chatter::analysis::periodic::{Beside, Branch, Distinct, End, Spec, SpecialKind, Start};
+use chatter::analysis::periodic::{
+    Beside, Branch, Distinct, End, Spec, SpecialKind, Start, branches,
+};
+use std::ops::ControlFlow;
 
 /// Dry friction on the second of two masses: where its rate turns between two crossings of another surface a crossing comes in. Orbits
 /// found on both sides of each of these values have one stay more or less.
@@ -393,4 +396,48 @@ w = 0.3
     };
     assert!((high - 1.234_191_681_569_6).abs() < 1e-12 && (low - 1.022_062_775_269).abs() < 1e-12);
     assert_eq!(found[0].special[0].kind, SpecialKind::BranchPoint);
+}
+
+/// Orbits that cross the section two and three times, and have no other events, are one orbit at each crossing: Roessler's doubled orbits are
+/// followed to where they meet the simple ones and no farther, and a closed branch of Langford's is gone around once and not three times.
+#[test]
+fn orbits_told_from_sections_alone_are_told_once() {
+    let roessler = "[parameters]\nc = 2.5\n[flight]\nx = \"-y - z\"\ny = \"x + 0.2*y\"\nz = \"0.2 + z*(x - c)\"\n[section.y]\n\
+                    surface = \"y\"\ndirection = \"falling\"\n[initial]\nx = 2\ny = 1\nz = 0.1\n";
+    let model = with(roessler, &[]);
+    let beside = Beside {
+        doublings: 1,
+        branch_points: 0,
+    };
+    let spec = branch_spec(&model, ("c", (2.0, 4.0)), (8, 0.02), beside);
+    let found = branches(&model, &Spec::default(), &spec, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    let [simple, doubled] = &found[..] else {
+        panic!("{}", found.len());
+    };
+    assert_eq!(simple.ends, [End::Range, End::Range]);
+    let ends = [&doubled.ends[0], &doubled.ends[1]];
+    assert!(ends.contains(&&End::At(SpecialKind::BranchPoint)) && ends.contains(&&End::Range));
+    let of = |branch: &Branch, kind: SpecialKind| {
+        let all = branch.special.iter().filter(|s| s.kind == kind);
+        all.map(value).collect::<Vec<f64>>()
+    };
+    let (first, meets) = (
+        of(simple, SpecialKind::PeriodDoubling),
+        of(doubled, SpecialKind::BranchPoint),
+    );
+    assert_eq!((first.len(), meets.len()), (1, 1));
+    assert!((first[0] - meets[0]).abs() < 1e-12);
+    assert_eq!(of(doubled, SpecialKind::PeriodDoubling).len(), 1);
+
+    let langford = "[parameters]\nlam = 0.9\n[flight]\nx = \"(z - 0.7)*x - 3.5*y\"\ny = \"3.5*x + (z - 0.7)*y\"\n\
+                    z = \"0.6 + lam*z - z^3/3 - (x^2 + y^2)*(1 + 0.25*z) + 0.1*z*x^3\"\n[section.s]\nsurface = \"y\"\n\
+                    direction = \"rising\"\n[initial]\nx = 0.5\ny = 0\nz = 0.5\n";
+    let found = over(&with(langford, &[]), "lam", (0.3, 1.0), (8, 0.02));
+    let branch = &found[0];
+    assert_eq!(branch.ends, [End::Closed, End::Closed]);
+    assert_eq!(of(branch, SpecialKind::Fold).len(), branch.special.len());
+    assert_eq!(branch.special.len(), 2);
 }

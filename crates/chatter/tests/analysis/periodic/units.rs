@@ -2,7 +2,7 @@
 
 use super::{orbit, over, settles, value, with};
 use chatter::analysis::exponents::{Spec as Averages, exponents};
-use chatter::analysis::periodic::{PeriodicError, SpecialKind};
+use chatter::analysis::periodic::{End, PeriodicError, SpecialKind};
 use chatter::numerics::Real;
 use core::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -99,4 +99,36 @@ fn slow_motion_is_not_rest() {
         !matches!(told, PeriodicError::Equilibrium { .. }),
         "{told:?}"
     );
+}
+
+/// A lag that is switched on when a ramp of period T, at whose end the section is, has come to x/2: with s the part of the period at which it
+/// does, x e^(-s) = 2 s and x = E + (2 s - E) e^(s - 1). In most units both are at one instant, but for rounding.
+#[test]
+fn a_section_at_the_end_of_a_ramp_is_there_in_all_units_of_time() {
+    for period in ["400e-6", "4e-3", "0.7"] {
+        let text = format!(
+            "[parameters]\nT = {period}\nE = 1.0\n[flight]\nx = \"(if(0.5*x < mod(t/T, 1), E, 0) - x)/T\"\n[section.strobe]\n\
+             surface = \"sin(2*pi*t/T)\"\ndirection = \"rising\"\n[initial]\nx = 0.2\n"
+        );
+        let model = with(&text, &[]);
+        let branch = &over(&model, "E", (0.5, 2.0), (8, 0.02))[0];
+        assert_eq!(branch.ends, [End::Range, End::Range], "{period}");
+        assert!(branch.special.is_empty(), "{period}");
+        for point in &branch.points {
+            let (height, x) = (point.parameter(), point.state[0]);
+            let off = |s: f64| height + (2.0 * s - height) * (s - 1.0).exp() - 2.0 * s * s.exp();
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if off(middle) > 0.0 {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let expected = [2.0 * low * low.exp(), 2.0 * low];
+            let near = |x: f64| expected.iter().any(|y| (x - y).abs() < 1e-11);
+            assert!(near(x), "{period}: {height} {x} {expected:?}");
+        }
+    }
 }

@@ -6,7 +6,7 @@ use super::{End, Point, SpecialKind};
 use crate::analysis::continuation::{Corrected, Held, Problem, Singular, Station, locate, newton};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::condition::Condition;
-use crate::analysis::periodic::multipliers::{neutral, passes, passes_together};
+use crate::analysis::periodic::multipliers::{is_near, neutral, passes, passes_together};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::numerics::Complex;
 
@@ -32,8 +32,6 @@ impl Passed {
 
 /// The relative error of a place that only stations were compared for.
 const UNREFINED: f64 = 1e-11;
-/// A multiplier of a fold is 1, and one of a doubling -1, up to this.
-const NEAR_ONE: f64 = 1e-3;
 /// What vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
 
@@ -41,13 +39,6 @@ const VANISHES: f64 = 1e-4;
 const SHORTER: f64 = 0.25;
 const TOWARDS: i32 = 6;
 const LASTING: f64 = 1e-6;
-
-/// Whether a multiplier is 1, or -1, as far as multipliers are known. Where two crossings of a surface become one the equations turn,
-/// and the orbit does not fold; what vanishes there for others is rounding.
-fn is_near(multipliers: &[Complex], value: f64) -> bool {
-    let near = |m: &Complex| (m.re - value).hypot(m.im) < NEAR_ONE;
-    multipliers.iter().any(near)
-}
 
 fn doubling(multipliers: &[Complex]) -> Option<f64> {
     passes(multipliers, -1.0)

@@ -147,6 +147,13 @@ impl Shooting<f64> {
         let next = index + 1;
         let before = (index + count - 1) % count;
         let passage = match (steps[index].passage, steps[next].passage) {
+            // A section that shares its instant with the end of a piece, or with a switch, stands for that.
+            (Passage::Leg(_), Passage::Leg(other))
+                if is_section
+                    && (other.mode != kind.mode || steps[index].pieces != steps[next].pieces) =>
+            {
+                return Err(unfollowed("the loss of a section where the mode changes"));
+            }
             (Passage::Leg(_), Passage::Leg(other)) if other.mode == kind.mode => {
                 Passage::Leg(other)
             }
@@ -198,7 +205,17 @@ impl Shooting<f64> {
         steps: Vec<Step>,
         at: &[f64],
     ) -> Result<(Self, Vec<f64>), PeriodicError> {
-        let mut shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
+        self.like_with(steps, self.counts.clone(), at)
+    }
+
+    /// The same where phases turn so often in a period.
+    pub(in crate::analysis::periodic) fn like_with(
+        &self,
+        steps: Vec<Step>,
+        counts: Vec<i64>,
+        at: &[f64],
+    ) -> Result<(Self, Vec<f64>), PeriodicError> {
+        let mut shooting = Self::new(&self.workshop, steps, counts)?;
         shooting.keep_sizes(&self.state_sizes());
         shooting.told.clone_from(&self.told);
         let guess = shooting.guess(self.free(at));

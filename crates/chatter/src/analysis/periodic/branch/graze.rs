@@ -94,6 +94,11 @@ impl Walker {
         {
             return Stop::End(End::Rounding(there.impacts.unwrap_or_default()));
         }
+        if let Broken::Early(index, guard) = broken
+            && self.shooting.asks(index, guard)
+        {
+            return self.comes_to_corner((curve, step), (&station, index, guard), here, &there);
+        }
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))
             | Broken::Early(index, GuardKind::Gap(contact))
@@ -237,7 +242,7 @@ impl Walker {
     }
 
     /// Whether the parameter stands still to first order: it does over the rate of an impact that the orbit forgets.
-    fn is_flat(&self, station: &Station) -> bool {
+    pub(super) fn is_flat(&self, station: &Station) -> bool {
         let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
         station.parameter_slope().abs() <= FLAT * scale
     }

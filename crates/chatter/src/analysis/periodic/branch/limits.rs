@@ -23,6 +23,8 @@ pub enum End {
     Lost(String),
     /// The orbit comes to a saddle, and its period grows without bound.
     Saddle(Saddle),
+    /// The orbit shrinks to an equilibrium.
+    Equilibrium,
     /// No such points lie beyond a point of this kind.
     At(SpecialKind),
     /// It came back to where it began.
@@ -45,6 +47,7 @@ impl core::fmt::Display for End {
             Self::Interrupted => write!(out, "broken off"),
             Self::Lost(why) => out.write_str(why),
             Self::Saddle(saddle) => saddle.fmt(out),
+            Self::Equilibrium => write!(out, "the orbit shrinks to an equilibrium"),
             Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
             Self::Closed => write!(out, "where it began"),
             Self::Back => write!(out, "where it began, back along itself"),
@@ -57,6 +60,9 @@ impl core::fmt::Display for End {
 pub struct Limits {
     /// Of the last free parameter.
     pub range: (f64, f64),
+    /// Of the other one, of curves in two parameters; without it none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other: Option<(f64, f64)>,
     /// Impacts a period.
     pub impacts: u64,
     /// Points of one branch, to each side.
@@ -77,12 +83,20 @@ impl Limits {
 
     /// The edge of the range that a value lies beyond, if it does.
     pub(crate) fn beyond(&self, value: f64) -> Option<f64> {
-        let (low, high) = self.range;
-        match value {
-            value if value < low => Some(low),
-            value if value > high => Some(high),
-            _ => None,
-        }
+        beyond(self.range, value)
+    }
+
+    /// The same of the other parameter.
+    pub(crate) fn beyond_other(&self, value: f64) -> Option<f64> {
+        self.other.and_then(|range| beyond(range, value))
+    }
+}
+
+fn beyond((low, high): (f64, f64), value: f64) -> Option<f64> {
+    match value {
+        value if value < low => Some(low),
+        value if value > high => Some(high),
+        _ => None,
     }
 }
 

@@ -12,8 +12,11 @@
 //! graze        from one sequence to the next, where an impact comes in or goes out
 //! touch        the same for a crossing and the way back
 //! turn         the same where the flow turns with the rate of the impact
+//! corner       where an event comes to a corner that only it asks for
 //! onward       past what equations can say, and where they may not go on
+//! equilibrium  equilibria of the flight that a step is
 //! saddle       where the period grows without bound
+//! hopf         where the orbit shrinks to an equilibrium
 //! between      special points between two stations
 //! branch_point those where branches meet
 //! kept/        how far a side has come, for another walk to go on from
@@ -21,9 +24,12 @@
 
 mod between;
 mod branch_point;
+mod corner;
+mod equilibrium;
 mod events;
 mod graze;
 mod holds;
+mod hopf;
 mod kept;
 mod limits;
 mod onward;

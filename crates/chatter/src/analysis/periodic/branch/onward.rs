@@ -12,11 +12,15 @@ use crate::analysis::periodic::orbit::{Orbit, close};
 use crate::analysis::periodic::shooting::Workshop;
 use crate::flow::leg::{Least, onto_gaps};
 use crate::flow::{Closed, GuardKind, Settings as FlowSettings, Trajectory};
+use crate::numerics::Real;
 
 /// So far beyond a place where the sequence of events changes orbits are looked for, in parts of the longest step; and where what is
 /// expected there is so near to closed, they are of the same branch.
 const BEYOND: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
 const SAME_BEYOND: f64 = 1e-3;
+/// There its period is as it was and its states are but for so much, against their sizes: another orbit may have as many impacts.
+const SAME_PERIOD: f64 = 1e-2;
+const SAME_PLACE: f64 = 0.1;
 /// So often a shorter way is tried before a longer one.
 const PATIENCE: usize = 8;
 /// Where new equations begin their steps, in parts of the longest one.
@@ -294,7 +298,17 @@ impl Walker {
             if cycle.distance > SAME_BEYOND {
                 return None;
             }
+            let read: Vec<Vec<f64>> = cycle.steps.iter().map(|step| step.start.clone()).collect();
             let mut orbit = close(&workshop, cycle, &free).ok()?;
+            let nodes = 0..orbit.shooting.steps.len();
+            let nodes = nodes.map(|index| orbit.shooting.node(&orbit.at, index).to_vec());
+            let nodes: Vec<Vec<f64>> = nodes.collect();
+            let sizes = self.shooting.state_sizes();
+            let is_here = (workshop.closure).share(&turns, (&read, &nodes), &sizes, SAME_PLACE);
+            let is_as_long = (orbit.period.to_f64() - period).abs() <= SAME_PERIOD * period;
+            if !(is_here && is_as_long) {
+                return None;
+            }
             // What solves the equations beyond may be no motion any more.
             let is_motion = is_broken(&mut orbit.shooting, &orbit.at).is_ok_and(|broken| !broken);
             if !is_motion || !is_wanted(&orbit) {

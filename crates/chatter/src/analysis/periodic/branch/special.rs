@@ -14,6 +14,8 @@ pub enum SpecialKind {
     PeriodDoubling,
     /// A complex pair passes the unit circle.
     NeimarkSacker,
+    /// The orbit shrinks to an equilibrium, of which a pair of eigenvalues passes the imaginary axis.
+    Hopf,
     /// Two branches meet.
     BranchPoint,
     /// An impact loses its rate as the parameter grows: the flight that it parts is free of the contact where the parameter is
@@ -61,10 +63,11 @@ pub enum SpecialKind {
 
 impl SpecialKind {
     /// All kinds.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Fold,
         Self::PeriodDoubling,
         Self::NeimarkSacker,
+        Self::Hopf,
         Self::BranchPoint,
         Self::ImpactGraze,
         Self::FlightGraze,
@@ -94,6 +97,7 @@ impl SpecialKind {
             Self::Fold => "fold",
             Self::PeriodDoubling => "period_doubling",
             Self::NeimarkSacker => "neimark_sacker",
+            Self::Hopf => "hopf",
             Self::BranchPoint => "branch_point",
             Self::ImpactGraze => "impact_graze",
             Self::FlightGraze => "flight_graze",

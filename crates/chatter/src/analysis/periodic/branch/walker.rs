@@ -167,6 +167,7 @@ impl Walker {
                 here = Point::new(&mut self.shooting, &close);
                 curve.moves(close);
             }
+            let crossed = self.shooting.section_rates();
             let (next, step) = match curve.next(&mut self.shooting) {
                 Ok(found) => found,
                 Err(StepError::TooShort(error)) => {
@@ -201,6 +202,13 @@ impl Walker {
                     break saddle.map_or_else(|| End::Lost(error.to_string()), End::Saddle);
                 }
             };
+            let crosses = self.shooting.section_rates();
+            let both = crossed.into_iter().zip(crosses);
+            if let Some((index, rates)) = { both }.enumerate().find(|(_, (was, is))| was * is < 0.0)
+            {
+                let from = curve.station.clone();
+                break self.loses_section(&from, (step, index), rates, &here);
+            }
             // The landings of the last correction belong to a point that differs by less than its square.
             let least = self.shooting.least(&next.at).unwrap_or_default();
             let broken = broken(&self.shooting, &least);
@@ -398,7 +406,33 @@ impl Walker {
                 return Some((here, ahead));
             }
         }
-        None
+        self.returns_elsewhere((from, to), step, began)
+    }
+
+    /// The same of an orbit that is told from one of its crossings of the section: it may come back with another of them for that one.
+    /// So it does at the parameter of where it began.
+    fn returns_elsewhere(
+        &mut self,
+        (from, to): (&Station, &Station),
+        step: f64,
+        began: &Walked,
+    ) -> Option<(Station, f64)> {
+        let value = began.origin.last().copied()?;
+        let passes = (from.parameter() - value) * (to.parameter() - value) < 0.0;
+        if !passes || self.shooting.other_crossings(&to.at).is_empty() {
+            return None;
+        }
+        let (here, ahead) = station_at(&mut self.shooting, (from, to), step, value)?;
+        let shooting = &self.shooting;
+        let parameters = shooting.workshop.parameters(shooting.free(&here.at));
+        let turns = shooting.workshop.closure.turns(&parameters).ok()?;
+        let others = shooting.other_crossings(&here.at);
+        let others: Vec<Vec<f64>> = others.into_iter().map(|least| least.state).collect();
+        let origin = [shooting.node(&began.origin, 0).to_vec()];
+        let sizes = shooting.state_sizes();
+        let closure = &shooting.workshop.closure;
+        let is_same = closure.share(&turns, (&others, &origin), &sizes, SAME_ORBIT);
+        is_same.then_some((here, ahead))
     }
 
     /// The landings of a station, which trials may have overwritten.

@@ -164,8 +164,11 @@ impl<R: Real> Problem<R> for Shooting<R> {
     }
 
     /// Function number `index`: for each step the rate before the event at its end, zero where it grazes; then what vanishes
-    /// where a pair of multipliers is on the unit circle; then the user's functions.
+    /// where a pair of multipliers is on the unit circle; then the user's functions; then that of the corner that is watched.
     fn monitor(&mut self, index: usize, at: &[R]) -> Result<(R, Vec<R>), Left> {
+        if index == self.corner_function() {
+            return self.corner_value(at);
+        }
         if index == self.pair_function() {
             return differenced(self, at, |shooting, at| {
                 shooting.evaluate(at)?;

@@ -13,18 +13,21 @@
 //! equations   residual and Jacobian
 //! monodromy   the derivative of one period, and its eigenvalues
 //! along       what there is to see on the way of an orbit
+//! corner      corners that an event asks for: how far it is from them
 //! collisions  whether those of one instant could come in another order
 //! exchange    events that change places with the knot of a table
 //! ```
 
 mod along;
 mod collisions;
+mod corner;
 mod equations;
 mod exchange;
 mod monodromy;
 mod workshop;
 
 pub(crate) use collisions::struck;
+pub(crate) use corner::BeyondCorner;
 pub(crate) use exchange::station_after;
 pub(crate) use workshop::Workshop;
 
@@ -95,6 +98,8 @@ pub(crate) struct Shooting<R: Real> {
     exchanges: Vec<bool>,
     /// The state that was told last: of several crossings of the section the nearest is told next.
     pub told: Option<Vec<f64>>,
+    /// The corner whose function is watched.
+    corner: Option<corner::Watched<R>>,
 }
 
 /// Sizes of states that fall below this part of what they were.
@@ -167,6 +172,7 @@ impl<R: Real> Shooting<R> {
             seen: None,
             exchanges: Vec::new(),
             told: None,
+            corner: None,
         };
         let exchanges = (0..shooting.steps.len()).map(|index| shooting.may_exchange(index));
         shooting.exchanges = exchanges.collect();

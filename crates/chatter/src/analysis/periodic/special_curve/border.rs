@@ -129,6 +129,9 @@ pub(crate) fn follow(
                 let Some((next, border)) = found else {
                     break End::Lost("no border is found nearby".to_owned());
                 };
+                if limits.beyond_other(border.value.value).is_some() {
+                    break End::Range;
+                }
                 known.push((next, border.value.value));
                 let told = point(&border, next, monitors);
                 let broken_off = diary.tell(Told::Orbit(&told)).is_break();

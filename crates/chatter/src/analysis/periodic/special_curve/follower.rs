@@ -203,6 +203,18 @@ impl Follower {
                 (next, step) = found;
             }
         }
+        let other = next.at.len() - 2;
+        let other_edge = self.limits.beyond_other(next.at[other]);
+        if let Some(edge) = other_edge {
+            let mut held = bordered.of(&mut self.shooting);
+            let ends = (from.at[other] - edge, next.at[other] - edge);
+            let found = locate(&mut held, &from, step, ends, &mut |_, station| {
+                Some(station.at[other] - edge)
+            });
+            if let Some(found) = found {
+                (next, step) = found;
+            }
+        }
         if let Some(end) = self.between(&from, (&next, step), bordered) {
             return Stop::End(end);
         }
@@ -211,7 +223,7 @@ impl Follower {
         }
         let told = self.told(&next);
         self.points.push(told);
-        if edge.is_some() {
+        if edge.or(other_edge).is_some() {
             return Stop::End(End::Range);
         }
         curve.moves(next);

@@ -7,6 +7,7 @@ use crate::analysis::periodic::condition::Condition;
 use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::cycle::settle::Cycle;
 use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::multipliers::{NEAR_ONE, is_near, neutral};
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
 use crate::flow::GuardKind;
@@ -91,12 +92,47 @@ fn begin_at(workshop: &Arc<Workshop>, free: &[f64], known: &Known) -> Result<Beg
     let bordered = condition.near(&mut shooting, &at, None).map_err(failed)?;
     let found = newton(&mut bordered.of(&mut shooting), &at, &held).map_err(failed)?;
     shooting.evaluate(&found.at).map_err(failed)?;
+    is_the_one(&mut shooting, (&at, &found.at), known.kind)?;
     Ok(Begun {
         shooting,
         at: found.at,
         condition,
         grazing,
     })
+}
+
+/// A point is found again this near to where it was told, against the sizes of states and of the parameter.
+const AGAIN: f64 = 1e-3;
+
+/// Whether what was found is the point that was told, and one of its kind.
+fn is_the_one(
+    shooting: &mut Shooting<f64>,
+    (told, found): (&[f64], &[f64]),
+    kind: SpecialKind,
+) -> Result<(), PeriodicError> {
+    let (n, scales) = (shooting.state_sizes().len(), shooting.scales());
+    let free = found.len() - shooting.parameters();
+    let places = (0..n).chain([free]);
+    let off = places.fold(0.0_f64, |most, place| {
+        most.max((found[place] - told[place]).abs() / scales[place])
+    });
+    if off > AGAIN {
+        return Err(PeriodicError::NotThere { kind, off });
+    }
+    let (multipliers, error) = shooting.multipliers_known();
+    let is_of_kind = match kind {
+        SpecialKind::Fold => is_near(&multipliers, 1.0),
+        SpecialKind::PeriodDoubling => is_near(&multipliers, -1.0),
+        SpecialKind::NeimarkSacker => {
+            neutral(&multipliers).is_some_and(|(_, sum, _)| sum.abs() <= 2.0)
+        }
+        _ => true,
+    };
+    // Of multipliers that are not known nothing is asked.
+    if is_of_kind || error.is_nan() || error > NEAR_ONE {
+        return Ok(());
+    }
+    Err(PeriodicError::NotOfKind { kind, multipliers })
 }
 
 /// Where both halves of an orbit graze at once a branch of doubled orbits meets the simple ones, and the curve is theirs: the simple

@@ -1,0 +1,196 @@
+//! Where a branch ends since its orbit shrinks to an equilibrium, of which a pair of eigenvalues is imaginary there: a Hopf bifurcation.
+//!
+//! Through that point the equations of the orbit go on along the same orbits, told half a turn later: with the rate at which the section is
+//! crossed of the other sign. So they do where the section is only touched, which is no matter of the orbit.
+
+use super::equilibrium::Equilibrium;
+use super::special::Seed;
+use super::walker::{NOISE, Walker};
+use super::{End, Point, SpecialKind};
+use crate::analysis::continuation::{Problem, Station, locate};
+use crate::analysis::periodic::shooting::Shooting;
+use crate::flow::GuardKind;
+use crate::numerics::{Complex, eigenvalues};
+use core::f64::consts::TAU;
+
+/// Where the section is touched an orbit that moves slower than this part of what it did a step before has shrunk to nothing.
+const SHRUNK: f64 = 1e-2;
+/// Special points are looked for up to this part of the way to there.
+const NEARLY: f64 = 0.999;
+/// The first two values of the parameter for the secant, apart by this part of its size; and so many more are never needed.
+const APART: f64 = 1e-4;
+const MOST: usize = 50;
+/// The frequency of a pair is that of the last orbit up to this part.
+const SAME_FREQUENCY: f64 = 0.1;
+
+/// A Hopf point.
+struct Hopf {
+    parameter: f64,
+    error: f64,
+    /// The real part of the pair that is left.
+    residual: f64,
+    frequency: f64,
+    state: Vec<f64>,
+    eigenvalues: Vec<Complex>,
+}
+
+impl Shooting<f64> {
+    /// The rates at which the section is crossed at the ends of steps, where the orbit is told from it and nothing else happens there;
+    /// zero for other steps.
+    pub(super) fn section_rates(&self) -> Vec<f64> {
+        let rates = self.steps.iter().zip(&self.latest).map(|(step, landing)| {
+            let is_plain = match step.ends_at() {
+                Some(GuardKind::Section(section)) => !self.workshop.system.is_event(section),
+                _ => false,
+            };
+            if is_plain && !step.is_stretch() {
+                landing.surface_rate
+            } else {
+                0.0
+            }
+        });
+        rates.collect()
+    }
+
+    /// Where the pair of eigenvalues with about this frequency is imaginary, of the equilibrium near the node after a step.
+    fn hopf(&self, at: &[f64], (index, frequency): (usize, f64)) -> Option<Hopf> {
+        let mut equilibria = self.equilibria(at, index)?;
+        let (sizes, scale) = (self.state_sizes(), *self.scales().last()?);
+        let own = self.free(at).to_vec();
+        let mut known = self.node(at, index).to_vec();
+        let mut pair_at = |parameter: f64| -> Option<(Complex, Equilibrium, Vec<Complex>)> {
+            let mut free = own.clone();
+            *free.last_mut()? = parameter;
+            let parameters = self.workshop.parameters(&free);
+            equilibria.parameters = self.parameters_of(&parameters, &self.steps[index]);
+            let found = equilibria.near(&known, &sizes)?;
+            known.clone_from(&found.state);
+            let all = eigenvalues(&found.slopes);
+            let off = |x: &Complex| (x.im - frequency).abs();
+            let pair = *all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+            (off(&pair) <= SAME_FREQUENCY * frequency).then_some((pair, found, all))
+        };
+        let start = *own.last()?;
+        let (mut before, mut now) = (start + APART * scale, start);
+        let mut was = pair_at(before)?.0.re;
+        for _ in 0..MOST {
+            let (pair, found, all) = pair_at(now)?;
+            let slope = (pair.re - was) / (now - before);
+            let step = pair.re / slope;
+            let largest = all.iter().fold(0.0_f64, |most, x| most.max(x.modulus()));
+            let error = NOISE * f64::EPSILON * (now.abs() + (largest / slope).abs());
+            if !error.is_finite() {
+                return None;
+            }
+            if step.abs() <= error {
+                return Some(Hopf {
+                    parameter: now,
+                    error,
+                    residual: pair.re.abs(),
+                    frequency: pair.im,
+                    state: found.state,
+                    eigenvalues: all,
+                });
+            }
+            (before, was, now) = (now, pair.re, now - step);
+        }
+        None
+    }
+}
+
+impl Walker {
+    /// How the branch ends where, on the way to the next station, the section that an orbit is told from comes to be crossed the other way.
+    pub(super) fn loses_section(
+        &mut self,
+        from: &Station,
+        (step, index): (f64, usize),
+        ends: (f64, f64),
+        here: &Point,
+    ) -> End {
+        let mut reader = self.shooting.clone();
+        let found = locate(&mut self.shooting, from, step, ends, &mut |_, station| {
+            reader.evaluate(&station.at).ok()?;
+            reader.section_rates().get(index).copied()
+        });
+        let touch = found.unwrap_or_else(|| (from.clone(), 0.0));
+        if let Some(edge) = self.limits.beyond(touch.0.parameter())
+            && let Some(end) = self.ends_at_edge((from, &touch.0), (touch.1, edge), here)
+        {
+            return end;
+        }
+        if let Ok((nearly, _)) = from.ahead(&mut self.shooting, NEARLY * touch.1) {
+            self.settle(&nearly);
+            let near = Point::new(&mut self.shooting, &nearly);
+            if let Some(end) = self.between(from, &nearly, NEARLY * touch.1, (here, &near)) {
+                return end;
+            }
+            self.points.push(near);
+        }
+        self.settle(&touch.0);
+        match self.hopf_at(from, &touch.0, index) {
+            Some(()) => End::Equilibrium,
+            None => {
+                let guard = self.shooting.steps[index].ends_at();
+                let named = guard.map(|guard| self.shooting.workshop.named(guard));
+                End::Lost(format!(
+                    "the orbit comes to where it only touches the section {} that it is told from",
+                    named.unwrap_or_default()
+                ))
+            }
+        }
+    }
+
+    /// Notes the Hopf point where an orbit has shrunk to nothing.
+    fn hopf_at(&mut self, from: &Station, touch: &Station, index: usize) -> Option<()> {
+        let sizes = self.shooting.state_sizes();
+        let next = (index + 1) % self.shooting.steps.len();
+        let speed = |station: &Station| {
+            let equilibria = self.shooting.equilibria(&station.at, index)?;
+            Some(equilibria.speed(self.shooting.node(&station.at, next), &sizes))
+        };
+        if speed(touch)? > SHRUNK * speed(from)? {
+            return None;
+        }
+        let frequency = TAU / self.shooting.period();
+        let hopf = self.shooting.hopf(&touch.at, (next, frequency))?;
+        let workshop = self.shooting.workshop.clone();
+        let mut free = self.shooting.free(&touch.at).to_vec();
+        *free.last_mut()? = hopf.parameter;
+        let parameters = workshop.parameters(&free);
+        let period = TAU / hopf.frequency;
+        // Beside the trivial one the pair leaves another 1: to first order orbits of any size are orbits.
+        let mut others = hopf.eigenvalues.clone();
+        others.retain(|x| (x.im.abs() - hopf.frequency).abs() > f64::EPSILON * hopf.frequency);
+        let mut multipliers = vec![Complex { re: 1.0, im: 0.0 }];
+        multipliers.extend(others.iter().map(|x| {
+            let modulus = libm::exp(x.re * period);
+            let (sine, cosine) = libm::sincos(x.im * period);
+            Complex {
+                re: modulus * cosine,
+                im: modulus * sine,
+            }
+        }));
+        multipliers.sort_by(|a, b| b.modulus().total_cmp(&a.modulus()));
+        let point = Point {
+            parameters: free,
+            period,
+            impacts: Some(0),
+            multipliers,
+            modulus_error: hopf.error,
+            monitors: (workshop.monitors.iter())
+                .map(|monitor| monitor.at(&workshop.model.graph, &hopf.state, &parameters))
+                .collect(),
+            state: hopf.state,
+            residual: hopf.residual,
+            correction: 0.0,
+        };
+        let seed = Seed {
+            shooting: self.shooting.clone(),
+            at: touch.at.clone(),
+        };
+        self.points.push(point.clone());
+        let told = (hopf.error, hopf.residual);
+        self.note_with(SpecialKind::Hopf, point, seed, told);
+        Some(())
+    }
+}
