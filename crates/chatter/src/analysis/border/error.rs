@@ -54,13 +54,6 @@ pub enum BorderError {
         /// Where complete chatter ends without a border.
         breaks: Vec<Break>,
     },
-    /// The smooth equation X(p) = 0 could not be solved to the accuracy of the number type.
-    NotConverged {
-        /// The parameter value reached.
-        value: f64,
-        /// X there.
-        residual: f64,
-    },
     /// The model cannot be compiled.
     System(SystemError),
     /// A trajectory cannot go on.
@@ -77,6 +70,8 @@ pub enum BorderError {
 pub enum Lack {
     /// A state with gap, rate and acceleration zero and positive jerk.
     Release,
+    /// A chatter sequence that follows release.
+    Chatter,
     /// A period of time, if it enters the equations, and of angles.
     Period,
     /// That no other orbit nearby returns to where it was released: else something is conserved, and border orbits come in families.
@@ -253,6 +248,7 @@ impl fmt::Display for BorderError {
                     out,
                     "no release point was found: no state with gap, rate and acceleration zero and positive jerk"
                 ),
+                Lack::Chatter => write!(out, "no chatter follows the release point"),
                 Lack::Period => write!(
                     out,
                     "the equations have no period in time, or in an angle that they depend on; a border orbit is periodic"
@@ -287,11 +283,6 @@ impl fmt::Display for BorderError {
                     more => write!(out, "; and {more} more such places"),
                 }
             }
-            Self::NotConverged { value, residual } => write!(
-                out,
-                "the border near {} could not be located to rounding: X = {residual:e} there",
-                ParameterValue(*value)
-            ),
             Self::System(error) => error.fmt(out),
             Self::Flow { error, .. } => error.fmt(out),
         }

@@ -149,19 +149,6 @@ impl Problem {
         }
     }
 
-    /// The impacts from a state at a contact up to the end of the first chatter sequence, whatever comes before.
-    pub(crate) fn first_sequence(
-        &self,
-        parameters: &[f64],
-        start: (usize, &[f64]),
-    ) -> Result<Sequence<f64>, BorderError> {
-        let until = Until {
-            after: 0,
-            ..Until::NEVER
-        };
-        self.plain.follow(parameters, start, until)
-    }
-
     /// Where the contact is released that chatter ends in, or would if it lasted from the last impact on that presses; `None`
     /// if there is none.
     pub(crate) fn released(
@@ -189,7 +176,7 @@ impl Problem {
     ) -> bool {
         let equations = &self.releases[release.contact];
         match self.released(sequence, parameters, release.contact) {
-            Some(state) => equations.apart(&state, &release.state, parameters) <= SAME_RELEASE,
+            Some(state) => equations.apart(&state, &release.state, parameters).1 <= SAME_RELEASE,
             None => true,
         }
     }

@@ -163,15 +163,11 @@ impl Problem {
         let mut release = self.release_point(value, near)?;
         let mut limits = Limits::new(Self::constants(value, &release)?, &release, extrapolation);
         let parameters = self.parameters(value);
-        let most = settles + limits.impacts();
+        let most = settles + limits.impacts;
         let start = (release.contact, &*release.state);
         let mut sequence = self.variation(&parameters, start, settles, most)?;
-        let not_converged = || BorderError::NotConverged {
-            value: value.to_f64(),
-            residual: f64::NAN,
-        };
         if sequence.impacts.len() <= sequence.begins {
-            return Err(not_converged());
+            return Err(Lack::Chatter.at(value));
         }
         let followed = sequence.impacts.len();
         sequence.impacts.truncate(limits.nearest(&sequence) + 1);
@@ -238,17 +234,15 @@ impl Problem {
         settles: usize,
         extrapolation: Extrapolation,
         within: (f64, f64),
-    ) -> Result<Root<R>, BorderError> {
+    ) -> Option<Root<R>> {
         let mut value = guess;
         let mut near = near.clone();
         let mut before = f64::INFINITY;
-        let mut residual = f64::NAN;
         let mut stalls = 0;
         let settled = libm::pow(R::ROUNDOFF, SETTLED_POWER);
         for _ in 0..NEWTON_STEPS {
-            let point = self.point(value, &near, settles, extrapolation)?;
+            let point = self.point(value, &near, settles, extrapolation).ok()?;
             let correction = (point.x.value + point.x_shift) / point.slope.value;
-            residual = point.x.value.to_f64();
             let moved: Vec<R> = (point.release.slope.iter().zip(&point.shift))
                 .map(|(&slope, &shift)| shift - slope * correction)
                 .collect();
@@ -271,18 +265,13 @@ impl Problem {
                 let vague = point.slope.error > VAGUE * point.slope.value.abs().to_f64();
                 let last = point.sequence.impacts.last();
                 let apart = |last: &Impact<R>| point.limits.distance(last.local.u()) > APART;
-                if error.is_nan() || error * rate > settled || vague || last.is_none_or(apart) {
-                    break;
-                }
-                return Ok(Root { point, error });
+                let is_none = error.is_nan() || error * rate > settled || vague;
+                return (!is_none && !last.is_none_or(apart)).then_some(Root { point, error });
             }
             before = before.min(size);
             value = next;
         }
-        Err(BorderError::NotConverged {
-            value: value.to_f64(),
-            residual,
-        })
+        None
     }
 }
 

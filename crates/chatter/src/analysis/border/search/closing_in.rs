@@ -125,8 +125,6 @@ impl<R: Real> Search<'_, R> {
         let (release, _) = sample.found.as_ref().filter(|_| sample.is_near)?;
         let (near, settles) = (release.place(), sample.settles);
         let extrapolation = self.spec.extrapolation;
-        (self.problem)
-            .root(sample.value, &near, settles, extrapolation, within)
-            .ok()
+        (self.problem).root(sample.value, &near, settles, extrapolation, within)
     }
 }
