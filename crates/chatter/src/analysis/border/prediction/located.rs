@@ -222,29 +222,22 @@ impl<'a> Arcs<'a> {
         let eta = self.prediction.universal().constants().eta;
         let equations = self.simulator.equations();
         let known = next.compared.predicted;
-        let pairs = [
-            (known.period_doubling, predicted.period_doubling),
-            (known.fold, predicted.fold),
-        ];
-        let starts = next
-            .ends
-            .iter()
-            .zip(pairs)
-            .filter_map(|(found, (known, here))| {
-                let (found, known, here) = (found.as_ref()?, known?, here?);
-                let [known, here] =
-                    [known, here].map(|point| self.expected(point.z, point.parameter));
-                let states = known.len() - 1;
-                let parameters = self.simulator.problem.parameters(found[states]);
-                let (mut off, _) = equations.apart(&known[..states], &found[..states], &parameters);
-                off.push(found[states] - known[states]);
-                let offset: Vec<f64> = off.iter().map(|off| off / (eta * eta)).collect();
-                Some((moved(&here, &offset, 1.0), offset))
-            });
+        let doubling = (known.period_doubling, predicted.period_doubling);
+        let pairs = [doubling, (known.fold, predicted.fold)];
+        let starts = next.ends.iter().zip(pairs);
+        let starts = starts.filter_map(|(found, (known, here))| {
+            let (found, known, here) = (found.as_ref()?, known?, here?);
+            let [known, here] = [known, here].map(|point| self.expected(point.z, point.parameter));
+            let (&value, state) = found.split_last()?;
+            let parameters = self.simulator.problem.parameters(value);
+            let (mut off, _) = equations.apart(&known[..state.len()], state, &parameters);
+            off.push(value - known[state.len()]);
+            let offset: Vec<f64> = off.iter().map(|off| off / (eta * eta)).collect();
+            Some((moved(&here, &offset, 1.0), offset))
+        });
         let starts: Vec<(Vec<f64>, Vec<f64>)> = starts.collect();
-        let found = starts
-            .iter()
-            .find_map(|(start, _)| self.window(predicted, start));
+        let mut all = starts.iter();
+        let found = all.find_map(|(start, _)| self.window(predicted, start));
         found.or_else(|| self.locate(predicted, Some(&starts.first()?.1)))
     }
 

@@ -74,8 +74,6 @@ pub(super) struct Search<'a, R> {
     low: f64,
     high: f64,
     observer: &'a mut SearchObserver<'a>,
-    /// Whether there is more than one branch of release points.
-    pub several: bool,
     /// Sequences that may still be followed to close in on a change of the verdict.
     pub left: usize,
     /// Where only the border nearest to a value is looked for: that value, and how far the nearest is so far.
@@ -103,7 +101,6 @@ impl<'a, R: Real> Search<'a, R> {
             low,
             high,
             observer,
-            several: false,
             left: 0,
             nearest: None,
             roots: Vec::new(),
@@ -131,7 +128,6 @@ impl<'a, R: Real> Search<'a, R> {
         (begun, share): (f64, f64),
     ) -> Result<Option<Vec<Vec<Sample>>>, BorderError> {
         let branches = self.problem.branches(values)?;
-        self.several = branches.len() > 1;
         let total = (branches.len() * values.len()) as f64;
         let mut failure = None;
         let mut samples: Vec<Vec<Sample>> = Vec::new();
@@ -145,7 +141,7 @@ impl<'a, R: Real> Search<'a, R> {
                 {
                     return Ok(None);
                 }
-                let sample = point.map(|point| self.problem.sample(value, point, self.several));
+                let sample = point.map(|point| self.problem.sample(value, point));
                 along.push(sample.map_or(Sample::unknown(value), |sample| {
                     sample.unwrap_or_else(|error| {
                         failure.get_or_insert(error);
@@ -159,15 +155,6 @@ impl<'a, R: Real> Search<'a, R> {
             Some(error) if !samples.iter().flatten().any(|at| at.found.is_some()) => Err(error),
             _ => Ok(Some(samples)),
         }
-    }
-
-    /// Neighbouring samples of different verdict between two values, those around every smallest distance from the border
-    /// included.
-    fn changes(&self, branches: &[Vec<Sample>], (low, high): (f64, f64)) -> Vec<[Sample; 2]> {
-        (branches.iter())
-            .flat_map(|samples| self.pairs(samples))
-            .filter(|[left, right]| low <= left.value && right.value <= high)
-            .collect()
     }
 
     /// Searches between two of these values, the others of which show whether a distance is smallest there. Those of `own` places count
@@ -191,7 +178,11 @@ impl<'a, R: Real> Search<'a, R> {
             samples.iter().filter(chatters).any(is_silent)
         };
         self.found.without_chatter += own.filter(silent).count();
-        let mut changes = self.changes(&samples, within);
+        let mut changes: Vec<[Sample; 2]> = samples
+            .iter()
+            .flat_map(|branch| self.pairs(branch))
+            .collect();
+        changes.retain(|[left, right]| within.0 <= left.value && right.value <= within.1);
         let off =
             |[left, right]: &[Sample; 2], from: f64| (left.value - from).max(from - right.value);
         if let Some((wanted, _)) = self.nearest {
