@@ -31,7 +31,7 @@ separates orbits with complete chatter from those whose chatter ends in flight. 
 other against the way to release, are chatter; what comes before them are long flights. All release points of a period
 are followed, each to the first chatter that ends there. Near its parameter value p* the dynamics are those of
 z -> Upsilon(K z + mu), mu = M (p - p*); `chatter universal` has more on that map. Windows are predicted from it, and
-found in the model by Newton's method on its return map.
+found in the model among its periodic orbits, stable or not.
 
 --plot and --out follow the model's orbits and the predicted ones over the windows. The table has origin (simulated,
 predicted), the parameter, the states after the first impact, and straightened, the coordinate less that for z = 0.

@@ -182,7 +182,7 @@ fn windows_table(valve: &Valve, compared: &[Compared]) -> Grid {
     let mut grid = Grid::new(
         "Table 3",
         "Windows of the orbits with one passage and $n + 1$ impacts a period: $q$ at which the valve's own orbits, by \
-         Newton's method on the return map from first impact to first impact, have multiplier 1 and −1, and at which their \
+         Newton's method from impact to impact, have multiplier 1 and −1, and at which their \
          last impact grazes; and by how much of $q - q^*$ the predictions miss it.",
         columns,
     );

@@ -10,7 +10,7 @@ pub fn refused(error: BorderError) -> Refusal {
             message: error.to_string(),
             help: Some("look elsewhere with another --near, or over a --range".to_owned()),
         },
-        BorderError::NotConverged { .. } | BorderError::Flow { .. } => Refusal::Unfinished {
+        BorderError::Flow { .. } => Refusal::Unfinished {
             message: error.to_string(),
             help: None,
         },

@@ -54,13 +54,6 @@ pub enum BorderError {
         /// Where complete chatter ends without a border.
         breaks: Vec<Break>,
     },
-    /// The smooth equation X(p) = 0 could not be solved to the accuracy of the number type.
-    NotConverged {
-        /// The parameter value reached.
-        value: f64,
-        /// X there.
-        residual: f64,
-    },
     /// The model cannot be compiled.
     System(SystemError),
     /// A trajectory cannot go on.
@@ -77,6 +70,8 @@ pub enum BorderError {
 pub enum Lack {
     /// A state with gap, rate and acceleration zero and positive jerk.
     Release,
+    /// A chatter sequence that follows release.
+    Chatter,
     /// A period of time, if it enters the equations, and of angles.
     Period,
     /// That no other orbit nearby returns to where it was released: else something is conserved, and border orbits come in families.
@@ -192,30 +187,25 @@ impl fmt::Display for Break {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "at {} ", ParameterValue(self.value))?;
         match self.cause {
-            BreakCause::Graze { impact: 0, rate } => {
-                write!(out, "the first impact is a graze (rate {rate:.1e})")
+            BreakCause::Graze { impact, rate } => {
+                match impact {
+                    0 => write!(out, "the first impact")?,
+                    _ => write!(out, "impact {} after release", impact + 1)?,
+                }
+                write!(out, " is a graze (rate {rate:.1e})")
             }
-            BreakCause::Graze { impact, rate } => write!(
-                out,
-                "impact {} after release is a graze (rate {rate:.1e})",
-                impact + 1
-            ),
             BreakCause::Elsewhere => {
-                write!(
-                    out,
-                    "chatter that begins at one release point ends at another"
-                )
+                out.write_str("chatter that begins at one release point ends at another")
             }
             BreakCause::Short { impacts } => write!(
                 out,
                 "a first sequence of {impacts} impacts, which ends in flight, loses one of them and is no more taken \
                  for chatter"
             ),
-            BreakCause::NoChatter => write!(
-                out,
-                "the long flights before chatter become too many, or there is no release"
+            BreakCause::NoChatter => out.write_str(
+                "the long flights before chatter become too many, or there is no release",
             ),
-            BreakCause::Jump => write!(out, "the impact sequence jumps"),
+            BreakCause::Jump => out.write_str("the impact sequence jumps"),
         }
     }
 }
@@ -249,19 +239,17 @@ impl fmt::Display for BorderError {
                  included; this model has {count}"
             ),
             Self::Lacks { what, .. } => match what {
-                Lack::Release => write!(
-                    out,
-                    "no release point was found: no state with gap, rate and acceleration zero and positive jerk"
+                Lack::Release => out.write_str(
+                    "no release point was found: no state with gap, rate and acceleration zero and positive jerk",
                 ),
-                Lack::Period => write!(
-                    out,
-                    "the equations have no period in time, or in an angle that they depend on; a border orbit is periodic"
+                Lack::Chatter => out.write_str("no chatter follows the release point"),
+                Lack::Period => out.write_str(
+                    "the equations have no period in time, or in an angle that they depend on; a border orbit is periodic",
                 ),
-                Lack::Alone => write!(
-                    out,
+                Lack::Alone => out.write_str(
                     "orbits return to wherever they are released: something is conserved, and border orbits come in \
                      families; fix what is conserved, such as the amplitude of a forcing that two states make, by \
-                     writing it as a function of time"
+                     writing it as a function of time",
                 ),
                 Lack::Restitution(value) => write!(
                     out,
@@ -287,11 +275,6 @@ impl fmt::Display for BorderError {
                     more => write!(out, "; and {more} more such places"),
                 }
             }
-            Self::NotConverged { value, residual } => write!(
-                out,
-                "the border near {} could not be located to rounding: X = {residual:e} there",
-                ParameterValue(*value)
-            ),
             Self::System(error) => error.fmt(out),
             Self::Flow { error, .. } => error.fmt(out),
         }

@@ -28,9 +28,7 @@
 //!   map          the one-dimensional map: impacts per passage, states after the first impact
 //!   windows      fold, period doubling and graze of the n-impact orbit, predicted
 //!   simulated    passages of the flow itself
-//!   return_map   its return map and the fixed points
-//!   window_curve the windows of these
-//!   located      predicted windows and those beside each other
+//!   located      predicted windows beside those of its periodic orbits
 //! ```
 
 mod coordinate;

@@ -72,7 +72,7 @@ pub(super) fn complete<R: Real>(
     let guess = DoubleDouble::from(start);
     let within = (start - slack, start + slack);
     let root = problem.root(guess, &near, settles, spec.extrapolation, within);
-    let Ok(Root { point, error }) = root else {
+    let Some(Root { point, error }) = root else {
         return Ok(Err(BreakCause::Jump));
     };
     if let Some(rate) = grazing_start(&point) {

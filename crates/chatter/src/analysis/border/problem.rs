@@ -115,14 +115,12 @@ impl Problem {
         (release.polish(&self.parameters(value), near)).ok_or_else(|| Lack::Release.at(value))
     }
 
-    /// The impacts after release up to the end of the first chatter sequence, without derivatives. `several` tells whether
-    /// there may be other release points: a sequence that belongs to one of them and ends in flight is a part of the way,
-    /// complete chatter there the end of it.
+    /// The impacts after release up to the end of the first chatter sequence, without derivatives. One that belongs to another
+    /// release point and ends in flight is a part of the way, complete chatter there the end of it.
     pub(crate) fn sequence(
         &self,
         value: f64,
         release: &ReleasePoint<f64>,
-        several: bool,
     ) -> Result<Sequence<f64>, BorderError> {
         let parameters = self.parameters(value);
         let start = (release.contact, &*release.state);
@@ -134,8 +132,7 @@ impl Problem {
                 ..Until::NEVER
             };
             let mut sequence = self.plain.follow(&parameters, start, until)?;
-            if !several || self.dimensions() > 0 || self.leads_back(&sequence, &parameters, release)
-            {
+            if self.dimensions() > 0 || self.leads_back(&sequence, &parameters, release) {
                 return Ok(sequence);
             }
             match sequence.verdict {
@@ -147,19 +144,6 @@ impl Problem {
                 _ => return Ok(sequence),
             }
         }
-    }
-
-    /// The impacts from a state at a contact up to the end of the first chatter sequence, whatever comes before.
-    pub(crate) fn first_sequence(
-        &self,
-        parameters: &[f64],
-        start: (usize, &[f64]),
-    ) -> Result<Sequence<f64>, BorderError> {
-        let until = Until {
-            after: 0,
-            ..Until::NEVER
-        };
-        self.plain.follow(parameters, start, until)
     }
 
     /// Where the contact is released that chatter ends in, or would if it lasted from the last impact on that presses; `None`
@@ -189,7 +173,7 @@ impl Problem {
     ) -> bool {
         let equations = &self.releases[release.contact];
         match self.released(sequence, parameters, release.contact) {
-            Some(state) => equations.apart(&state, &release.state, parameters) <= SAME_RELEASE,
+            Some(state) => equations.apart(&state, &release.state, parameters).1 <= SAME_RELEASE,
             None => true,
         }
     }

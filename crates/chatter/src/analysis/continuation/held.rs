@@ -156,6 +156,13 @@ impl<R: Real> Singular<R> {
         &self.c
     }
 
+    /// g alone, from derivatives that are known; none where they are singular even with the borders.
+    pub(crate) fn defect(&self, wrap: &Wrap, linearised: &Linearised<R>) -> Option<R> {
+        let size = linearised.residual.len();
+        let factors = bordered(&turned(linearised, wrap, self.sign), &self.b, &self.c)?;
+        Some(factors.solve(&unit(size + 1, size))[size])
+    }
+
     /// g and its gradient.
     fn value<P: Problem<R> + ?Sized>(
         &self,

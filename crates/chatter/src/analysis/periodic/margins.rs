@@ -207,20 +207,9 @@ fn followed(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<
     let start = shooting.node(at, 0);
     let tracer = Tracer::new(&workshop.system, parameters, start, workshop.section);
     let mut tracer = tracer.ok()?;
-    let time = tracer.trajectory.time();
-    let mut instants = vec![Instant {
-        time,
-        mode: tracer.trajectory.mode,
-        pieces: tracer.trajectory.pieces().to_vec(),
-        guard: None,
-        told: Vec::new(),
-        state: start.to_vec(),
-        closed: Closed::NONE,
-        mode_after: tracer.trajectory.mode,
-        in_one_mode: true,
-    }];
+    let mut instants = vec![tracer.start(start)];
     let mut quiet = |_: f64| ControlFlow::Continue(());
-    let until = time + 3.0 * shooting.period();
+    let until = instants[0].time + 3.0 * shooting.period();
     (tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)).ok()?;
     Some(instants)
 }

@@ -19,6 +19,7 @@
 //! aside        orbits beside one whose equations are singular: once or twice around
 //! search       all that Newton's method finds from many starts
 //! distinct     of branches from several orbits, each once
+//! arc          orbits with one number of impacts, and what ends the stable ones of them
 //! diary        what a survey tells of, and what it goes on from
 //! survey       a branch with those beyond its borders, and those that leave it
 //! branch       orbits over a parameter, from one sequence of events to the next
@@ -26,6 +27,7 @@
 //! margins      how near it is to losing its sequence of events
 //! ```
 
+pub(in crate::analysis) mod arc;
 mod aside;
 mod branch;
 pub(in crate::analysis) mod closure;
@@ -39,7 +41,7 @@ mod margins;
 mod multipliers;
 mod orbit;
 mod search;
-mod shooting;
+pub(in crate::analysis) mod shooting;
 mod special_curve;
 mod survey;
 
@@ -79,7 +81,8 @@ pub struct Spec {
     pub through: Option<(Vec<f64>, f64)>,
 }
 
-fn workshop(
+/// A model with these free parameters, and what is asked of its orbits.
+pub(in crate::analysis) fn workshop(
     model: &Model,
     spec: &Spec,
     (free, sizes): (&[usize], &[f64]),

@@ -74,7 +74,8 @@ pub(crate) struct Limits<R> {
     pub constants: Constants<R>,
     /// du*/dr.
     fixed_point_slope: R,
-    impacts: usize,
+    /// How many impacts of the chatter sequence to follow.
+    pub impacts: usize,
     plan: Plan,
     /// How often each ratio occurs in derivatives along which the restitution changes.
     copies: usize,
@@ -116,11 +117,6 @@ impl<R: Real> Limits<R> {
     /// Each of these times lambda, lambda^2, …, so often.
     fn ratios(&self, firsts: &[R], copies: usize) -> Vec<R> {
         ratios(firsts, self.constants.lambda, MOST_ORDERS - 1, copies)
-    }
-
-    /// How many impacts of the chatter sequence to follow.
-    pub(crate) fn impacts(&self) -> usize {
-        self.impacts
     }
 
     /// The impact where a sequence stops approaching u* for good: where it departs, it does so from impact to impact. Before

@@ -163,15 +163,11 @@ impl Problem {
         let mut release = self.release_point(value, near)?;
         let mut limits = Limits::new(Self::constants(value, &release)?, &release, extrapolation);
         let parameters = self.parameters(value);
-        let most = settles + limits.impacts();
+        let most = settles + limits.impacts;
         let start = (release.contact, &*release.state);
         let mut sequence = self.variation(&parameters, start, settles, most)?;
-        let not_converged = || BorderError::NotConverged {
-            value: value.to_f64(),
-            residual: f64::NAN,
-        };
         if sequence.impacts.len() <= sequence.begins {
-            return Err(not_converged());
+            return Err(Lack::Chatter.at(value));
         }
         let followed = sequence.impacts.len();
         sequence.impacts.truncate(limits.nearest(&sequence) + 1);
@@ -238,17 +234,15 @@ impl Problem {
         settles: usize,
         extrapolation: Extrapolation,
         within: (f64, f64),
-    ) -> Result<Root<R>, BorderError> {
+    ) -> Option<Root<R>> {
         let mut value = guess;
         let mut near = near.clone();
         let mut before = f64::INFINITY;
-        let mut residual = f64::NAN;
         let mut stalls = 0;
         let settled = libm::pow(R::ROUNDOFF, SETTLED_POWER);
         for _ in 0..NEWTON_STEPS {
-            let point = self.point(value, &near, settles, extrapolation)?;
+            let point = self.point(value, &near, settles, extrapolation).ok()?;
             let correction = (point.x.value + point.x_shift) / point.slope.value;
-            residual = point.x.value.to_f64();
             let moved: Vec<R> = (point.release.slope.iter().zip(&point.shift))
                 .map(|(&slope, &shift)| shift - slope * correction)
                 .collect();
@@ -271,18 +265,13 @@ impl Problem {
                 let vague = point.slope.error > VAGUE * point.slope.value.abs().to_f64();
                 let last = point.sequence.impacts.last();
                 let apart = |last: &Impact<R>| point.limits.distance(last.local.u()) > APART;
-                if error.is_nan() || error * rate > settled || vague || last.is_none_or(apart) {
-                    break;
-                }
-                return Ok(Root { point, error });
+                let is_none = error.is_nan() || error * rate > settled || vague;
+                return (!is_none && !last.is_none_or(apart)).then_some(Root { point, error });
             }
             before = before.min(size);
             value = next;
         }
-        Err(BorderError::NotConverged {
-            value: value.to_f64(),
-            residual,
-        })
+        None
     }
 }
 
@@ -291,81 +280,60 @@ mod tests {
     use super::super::super::spec::BorderSpec;
     use super::*;
     use crate::model::Model;
-    use crate::numerics::{DoubleDouble, Scalar};
+    use crate::numerics::{DoubleDouble, Scalar, unit};
 
     const VALVE: &str = include_str!("../../../../../../models/pressure_relief_valve.toml");
 
     const STATES: usize = 3;
 
-    /// X(p) and X(x) by differences, against the columns.
+    /// A limit by differences, against what the columns say.
+    fn check(name: &str, x: impl Fn(f64) -> DoubleDouble, slope: DoubleDouble) {
+        const STEP: f64 = 1e-20;
+        let difference = (x(STEP) - x(-STEP)) / DoubleDouble::from(2.0 * STEP);
+        let off = ((difference - slope) / difference).abs().to_f64();
+        assert!(off < 1e-7, "{name}: {difference} {slope}");
+    }
+
+    /// X(p) and X(x), from the same impacts for all: where the sequence departs, X is no longer what it was.
     #[test]
     fn slopes_of_x_are_its_differences() {
-        const STEP: f64 = 1e-20;
         const LAST: usize = 60;
+        const BORDER: &str = "0.02005600568931228428251703106969";
         let mut model = Model::from_toml(VALVE, "valve").unwrap();
-        for (parameter, value) in [
-            ("q", "0.02005600568931228428251703106969"),
-            ("kappa", "1.25"),
-            ("r", "0.8"),
-        ] {
-            model
-                .set_parameter("q", "0.02005600568931228428251703106969")
-                .unwrap();
-            let problem = Problem::new(&model, &BorderSpec::new(parameter)).unwrap();
-            let value: DoubleDouble = value.parse().unwrap();
-            let near = Place {
-                contact: 0,
-                state: [0.0, 0.0, 10.0].map(DoubleDouble::from).to_vec(),
-            };
-            let settings = Extrapolation::default();
-            let at = |shift: f64| {
-                let value = value + DoubleDouble::from(shift);
-                problem.point(value, &near, 0, settings).unwrap()
-            };
-            let (low, middle, high) = (at(-STEP), at(0.0), at(STEP));
-            // The same impacts for all: where the sequence departs, X is no longer what it was.
-            let x = |point: &Point<DoubleDouble>| {
-                let mut sequence = point.sequence.clone();
-                sequence.impacts.truncate(LAST + 1);
-                point.limits.x_off_border(&sequence).value
-            };
-            let difference = (x(&high) - x(&low)) / DoubleDouble::from(2.0 * STEP);
-            let off = ((difference - middle.slope.value) / difference)
-                .abs()
-                .to_f64();
-            assert!(
-                off < 1e-7,
-                "{parameter}: {difference} {}",
-                middle.slope.value
-            );
-        }
-        let problem = Problem::new(&model, &BorderSpec::new("q")).unwrap();
-        let value: DoubleDouble = "0.02005600568931228428251703106969".parse().unwrap();
+        model.set_parameter("q", BORDER).unwrap();
         let near = Place {
             contact: 0,
             state: [0.0, 0.0, 10.0].map(DoubleDouble::from).to_vec(),
         };
-        let point = problem
-            .point(value, &near, 0, Extrapolation::default())
-            .unwrap();
-        let parameters = problem.parameters(value);
-        for i in 1..STATES {
-            let shifted = |shift: f64| {
+        for (parameter, value) in [("q", BORDER), ("kappa", "1.25"), ("r", "0.8")] {
+            let problem = Problem::new(&model, &BorderSpec::new(parameter)).unwrap();
+            let value: DoubleDouble = value.parse().unwrap();
+            let at = |shift: f64| {
+                let value = value + DoubleDouble::from(shift);
+                (problem.point(value, &near, 0, Extrapolation::default())).unwrap()
+            };
+            let x = |shift: f64| {
+                let mut point = at(shift);
+                point.sequence.impacts.truncate(LAST + 1);
+                point.limits.x_off_border(&point.sequence).value
+            };
+            let point = at(0.0);
+            check(parameter, x, point.slope.value);
+            if parameter != "q" {
+                continue;
+            }
+            let parameters = problem.parameters(value);
+            let from = |i: usize, shift: f64| {
                 let mut state = point.sequence.impacts[0].state[..STATES].to_vec();
                 state[i] += DoubleDouble::from(shift);
-                let sequence = problem.variation(&parameters, (0, &state), 0, LAST + 1);
-                point.limits.x_off_border(&sequence.unwrap()).value
+                (problem.variation(&parameters, (0, &state), 0, LAST + 1)).unwrap()
             };
-            let difference = (shifted(STEP) - shifted(-STEP)) / DoubleDouble::from(2.0 * STEP);
-            let state = &point.sequence.impacts[0].state[..STATES];
-            let sequence = problem.variation(&parameters, (0, state), 0, LAST + 1);
-            let mut weights = vec![DoubleDouble::ZERO; STATES + 1];
-            weights[i] = DoubleDouble::ONE;
-            let slope = point
-                .limits
-                .x_slope(&sequence.unwrap(), &weights, DoubleDouble::ZERO);
-            let off = ((difference - slope.value) / difference).abs().to_f64();
-            assert!(off < 1e-7, "{i}: {difference} {}", slope.value);
+            for i in 1..STATES {
+                let x = |shift: f64| point.limits.x_off_border(&from(i, shift)).value;
+                let weights = unit(STATES + 1, i);
+                let slope = (point.limits).x_slope(&from(i, 0.0), &weights, DoubleDouble::ZERO);
+                check(&format!("state {i}"), x, slope.value);
+            }
         }
     }
 }

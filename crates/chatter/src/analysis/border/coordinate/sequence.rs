@@ -56,8 +56,6 @@ pub(crate) struct Impact<R> {
 /// The impacts from a state on.
 #[derive(Clone, Debug)]
 pub(crate) struct Sequence<R> {
-    /// Time at the state that they follow.
-    pub start: R,
     pub impacts: Vec<Impact<R>>,
     pub verdict: Verdict,
     /// Number of the first impact after which flights are local up to the end.
@@ -142,7 +140,6 @@ impl Follower {
         let time = self.time.map_or(R::ZERO, |index| start[index]);
         let mut trajectory = Trajectory::start(system, &mut work, parameters, time, start)?;
         let mut sequence = Sequence {
-            start: time,
             impacts: Vec::new(),
             verdict: Verdict::NoChatter,
             begins: 0,
@@ -243,13 +240,6 @@ impl<R: Real> Sequence<R> {
     /// Whether the latest impacts follow each other closely, the last of them later than impact number `after`.
     fn is_chatter(&self, after: usize) -> bool {
         self.impacts.len() > after.max(self.begins + SEQUENCE)
-    }
-
-    /// How long the flights are.
-    pub(crate) fn flights(&self) -> impl Iterator<Item = R> {
-        let times = self.impacts.iter().map(|impact| impact.time);
-        let starts = core::iter::once(self.start).chain(times.clone());
-        times.zip(starts).map(|(end, start)| end - start)
     }
 
     /// The largest rate before an impact.

@@ -3,7 +3,7 @@
 use super::super::coordinate::root::Point;
 use super::super::error::{BorderError, Lack};
 use super::super::problem::Problem;
-use crate::numerics::{Estimate, Real, dot, moved, with_rounding};
+use crate::numerics::{Estimate, Real, dot, moved, unit, with_rounding};
 use serde::{Deserialize, Serialize};
 
 with_rounding! {
@@ -79,11 +79,24 @@ pub(crate) struct SectionChart<R> {
 impl<R: Real> SectionChart<R> {
     pub(crate) fn new(problem: &Problem, contact: usize, parameters: &[R], state: &[R]) -> Self {
         let equations = &problem.releases[contact];
-        let bound = equations.bound(state, parameters);
+        let states = state.len();
+        let gap = equations.at(0..1, state, parameters).jacobian;
+        // No phase, since it does not come back, nor the parameter.
+        let mut movable = gap.clone();
+        let fixed = (0..=states).filter(|&i| i == states || equations.is_phase(i));
+        fixed.for_each(|i| movable[(0, i)] = R::ZERO);
+        let others = movable.free_columns();
+        let bound = (0..states).find(|i| !others.contains(i)).unwrap_or(0);
+        let along = |i: usize| {
+            let mut along = unit(states + 1, i);
+            along[bound] = -gap[(0, i)] / gap[(0, bound)];
+            along
+        };
+        let others = (0..=states).filter(|&i| i != bound);
         Self {
-            free: (0..state.len()).filter(|&i| i != bound).collect(),
+            free: (0..states).filter(|&i| i != bound).collect(),
             bound,
-            weights: equations.on_surface(state, parameters, bound),
+            weights: others.map(along).collect(),
         }
     }
 }

@@ -225,10 +225,9 @@ pub fn leading_order_at<R: Real>(
     let problem = Problem::new(model, spec)?;
     let at = value.to_f64();
     let releases = problem.release_points(at)?;
-    let several = releases.len() > 1;
     let samples = releases.into_iter();
     let samples: Vec<Sample> = samples
-        .map(|release| problem.sample(at, release, several))
+        .map(|release| problem.sample(at, release))
         .collect::<Result<_, _>>()?;
     let nearest = samples
         .iter()

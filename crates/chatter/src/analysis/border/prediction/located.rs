@@ -1,14 +1,37 @@
-//! The predicted windows beside those of the system itself.
+//! The predicted windows beside those of the system itself: arcs of its periodic orbits, between fold and graze.
 
 use super::super::normal_form::exact::SectionChart;
 use super::map::Prediction;
-use super::return_map::{FixedPoint, ReturnMap};
 use super::simulated::Simulator;
-use super::window_curve::{LocatedWindow, WindowEnds};
 use super::windows::{PredictedPoint, PredictedWindow};
+use crate::analysis::periodic;
+use crate::analysis::periodic::arc::arc_ends;
+use crate::analysis::periodic::shooting::Workshop;
 use crate::numerics::{Estimate, moved};
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What is known of the ends of a window.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WindowEnds<T> {
+    /// Where the multiplier is 1.
+    pub fold: Option<T>,
+    /// Where it is -1.
+    pub period_doubling: Option<T>,
+    /// Where the last impact grazes.
+    pub grazing: Option<T>,
+}
+
+impl<T: Copy> WindowEnds<T> {
+    /// Fold, period doubling and graze.
+    pub fn ends(&self) -> [Option<T>; 3] {
+        [self.fold, self.period_doubling, self.grazing]
+    }
+}
+
+/// A window of the system: parameter values.
+pub type LocatedWindow = WindowEnds<Estimate<f64>>;
 
 /// Predicted against found, for one number of impacts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,8 +49,12 @@ pub type Discrepancy = WindowEnds<f64>;
 /// predicted orbit near the end of its lap may have one impact more.
 const STARTS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
-/// A window must lie so many roundoffs from the border.
+/// Orbits are no farther from where they are looked for, in parts of how far that is from the border.
+const NEAR: f64 = 5.0;
+
+/// A window must lie so many roundoffs from the border, and no window beyond this one is looked at.
 const RESOLVED: f64 = 1e7;
+const LAST_LAP: u32 = 1 << 20;
 
 impl WindowComparison {
     /// Relative differences, for a border at the parameter value `border`.
@@ -46,12 +73,10 @@ impl WindowComparison {
 }
 
 /// A window of the system with the prediction that led to it.
-#[derive(Clone)]
 struct Found {
-    predicted: PredictedWindow,
-    located: LocatedWindow,
-    /// Period doubling and fold.
-    ends: [Option<FixedPoint>; 2],
+    compared: WindowComparison,
+    /// State and parameter at period doubling and fold.
+    ends: [Option<Vec<f64>>; 2],
 }
 
 impl Simulator {
@@ -75,19 +100,17 @@ impl Simulator {
         (first, last): (u32, u32),
         observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Option<Vec<WindowComparison>> {
-        let map = self.return_map(prediction);
-        let Some(nearest) = last_resolved(prediction, &map.free) else {
+        let (Some(nearest), Some(arcs)) =
+            (self.last_resolved(prediction), Arcs::new(self, prediction))
+        else {
             return Some(Vec::new());
         };
         let last = last.min(nearest);
-        let alone = |predicted: PredictedWindow| {
-            map.locate(prediction, predicted, &vec![0.0; map.free.len() + 1])
-        };
         // Beyond the last one asked for, if need be, is where to begin.
         let mut begin = None;
         for lap in last..=nearest {
             observer(0.0).is_continue().then_some(())?;
-            begin = alone(prediction.window(lap));
+            begin = arcs.locate(prediction.window(lap), None);
             if begin.is_some() {
                 break;
             }
@@ -96,148 +119,161 @@ impl Simulator {
         let span = f64::from(last.saturating_sub(first).max(1));
         // Farther from the border than a window that is not found nothing but other orbits would be.
         let found = core::iter::successors(begin, |next| {
-            let lap = next.predicted.lap;
+            let lap = next.compared.predicted.lap;
             stopped = observer(f64::from(last.saturating_sub(lap)) / span).is_break();
             if stopped {
                 return None;
             }
             let predicted = prediction.window((lap > first).then(|| lap - 1)?);
-            (map.locate_beside(prediction, predicted, next)).or_else(|| alone(predicted))
+            (arcs.locate_beside(predicted, next)).or_else(|| arcs.locate(predicted, None))
         });
         let mut windows: Vec<WindowComparison> = found
+            .map(|found| found.compared)
             .filter(|found| (first..=last).contains(&found.predicted.lap))
-            .map(|found| WindowComparison {
-                predicted: found.predicted,
-                located: found.located,
-            })
             .collect();
         windows.reverse();
         (!stopped).then_some(windows)
     }
 
-    fn return_map<'a>(&'a self, prediction: &'a Prediction) -> ReturnMap<'a> {
-        let origin = &prediction.states.origin;
+    /// The states that tell orbits just after their first impact, at the border.
+    fn chart(&self, prediction: &Prediction) -> SectionChart<f64> {
         let parameters = self.problem.parameters(prediction.border);
-        let contact = self.equations().contact;
-        let chart = SectionChart::new(&self.problem, contact, &parameters, origin);
-        ReturnMap {
-            simulator: self,
-            border: prediction.border,
-            origin,
-            free: chart.free,
-            bound: chart.bound,
-            impacts: 0,
+        let contact = self.release.contact;
+        SectionChart::new(
+            &self.problem,
+            contact,
+            &parameters,
+            &prediction.states.origin,
+        )
+    }
+
+    /// The last lap whose window doubles tell from the border, in the parameter and in these states: windows come nearer to it
+    /// from lap to lap.
+    fn last_resolved(&self, prediction: &Prediction) -> Option<u32> {
+        let free = self.chart(prediction).free;
+        let least = RESOLVED * f64::EPSILON;
+        let border = prediction.border;
+        let origin = &prediction.states.origin;
+        let is_resolved = |lap: u32| {
+            let graze = prediction.window(lap).grazing;
+            let distance = graze.parameter - border;
+            let state = prediction.states.at(graze.z, distance);
+            let moved = |i: usize| (state[i] - origin[i]).abs() > least * origin[i].abs();
+            distance.abs() > least * border.abs() && free.iter().copied().any(moved)
+        };
+        let (mut resolved, mut lost) = (is_resolved(0).then_some(0)?, LAST_LAP);
+        while lost - resolved > 1 {
+            let middle = resolved + (lost - resolved) / 2;
+            if is_resolved(middle) {
+                resolved = middle;
+            } else {
+                lost = middle;
+            }
         }
+        Some(resolved)
     }
 }
 
-impl ReturnMap<'_> {
-    /// The coordinates and the parameter of a predicted point.
-    fn expected(&self, prediction: &Prediction, z: f64, parameter: f64) -> Vec<f64> {
-        let state = prediction.states.at(z, parameter - prediction.border);
-        (self.free.iter().map(|&i| state[i]))
-            .chain([parameter])
-            .collect()
+/// Where arcs of periodic orbits are looked for.
+struct Arcs<'a> {
+    simulator: &'a Simulator,
+    prediction: &'a Prediction,
+    workshop: Arc<Workshop>,
+    /// The state that follows from the others just after an impact.
+    bound: usize,
+}
+
+impl<'a> Arcs<'a> {
+    /// None where the system has no periodic orbits that can be followed.
+    fn new(simulator: &'a Simulator, prediction: &'a Prediction) -> Option<Self> {
+        let problem = &simulator.problem;
+        let free = (&[problem.parameter][..], &[size(prediction)][..]);
+        Some(Self {
+            simulator,
+            prediction,
+            workshop: periodic::workshop(&problem.model, &periodic::Spec::default(), free).ok()?,
+            bound: simulator.chart(prediction).bound,
+        })
+    }
+
+    /// State and parameter of a predicted point.
+    fn expected(&self, z: f64, parameter: f64) -> Vec<f64> {
+        let distance = parameter - self.prediction.border;
+        [self.prediction.states.at(z, distance), vec![parameter]].concat()
     }
 
     /// Locates the window of the orbit with as many impacts as predicted, starting at this offset from predicted orbits.
     /// `None` where the orbit is not found.
-    fn locate(
-        &self,
-        prediction: &Prediction,
-        predicted: PredictedWindow,
-        offset: &[f64],
-    ) -> Option<Found> {
+    fn locate(&self, predicted: PredictedWindow, offset: Option<&[f64]>) -> Option<Found> {
         let (begin, end) = (predicted.superstable.x, predicted.grazing.x);
         STARTS.into_iter().find_map(|share| {
             let x = begin + (end - begin) * share;
-            let z = prediction.universal().value(x);
-            let parameter = prediction.parameter(x - prediction.slope * z);
-            let start = self.expected(prediction, z, parameter);
-            self.window_from(predicted, &moved(&start, offset, 1.0), None)
+            let z = self.prediction.universal().value(x);
+            let parameter = self.prediction.parameter(x - self.prediction.slope * z);
+            let start = self.expected(z, parameter);
+            let start = offset.map_or(start.clone(), |offset| moved(&start, offset, 1.0));
+            self.window(predicted, &start)
         })
     }
 
     /// Locates the window of a lap, starting at what the next lap's ends are off by.
-    fn locate_beside(
-        &self,
-        prediction: &Prediction,
-        predicted: PredictedWindow,
-        next: &Found,
-    ) -> Option<Found> {
-        // What the prediction leaves out is quadratic in x, which goes like eta^n; rates go like the square of the time to
-        // release, which goes like lambda^n.
-        let constants = prediction.universal().constants();
-        let growth = 1.0 / (constants.eta * constants.eta);
-        let faster = 1.0 / (constants.lambda * constants.lambda);
-        let pairs = [
-            (next.predicted.period_doubling, predicted.period_doubling),
-            (next.predicted.fold, predicted.fold),
-        ];
-        let starts = next
-            .ends
-            .iter()
-            .zip(pairs)
-            .filter_map(|(found, (known, here))| {
-                let (found, known, here) = (found.as_ref()?, known?, here?);
-                let [known, here] =
-                    [known, here].map(|point| self.expected(prediction, point.z, point.parameter));
-                let off = moved(&found.at, &known, -1.0);
-                let offset: Vec<f64> = off.iter().map(|off| off * growth).collect();
-                Some((moved(&here, &offset, 1.0), offset, found.rate * faster))
-            });
-        let mut starts = starts.collect::<Vec<_>>().into_iter().peekable();
-        let first = starts.peek().map(|(_, offset, _)| offset.clone());
-        starts
-            .find_map(|(start, _, rate)| self.window_from(predicted, &start, Some(rate)))
-            .or_else(|| self.locate(prediction, predicted, &first?))
+    fn locate_beside(&self, predicted: PredictedWindow, next: &Found) -> Option<Found> {
+        // What the prediction leaves out is quadratic in x, which goes like eta^n.
+        let eta = self.prediction.universal().constants().eta;
+        let equations = self.simulator.equations();
+        let known = next.compared.predicted;
+        let doubling = (known.period_doubling, predicted.period_doubling);
+        let pairs = [doubling, (known.fold, predicted.fold)];
+        let starts = next.ends.iter().zip(pairs);
+        let starts = starts.filter_map(|(found, (known, here))| {
+            let (found, known, here) = (found.as_ref()?, known?, here?);
+            let [known, here] = [known, here].map(|point| self.expected(point.z, point.parameter));
+            let (&value, state) = found.split_last()?;
+            let parameters = self.simulator.problem.parameters(value);
+            let (mut off, _) = equations.apart(&known[..state.len()], state, &parameters);
+            off.push(value - known[state.len()]);
+            let offset: Vec<f64> = off.iter().map(|off| off / (eta * eta)).collect();
+            Some((moved(&here, &offset, 1.0), offset))
+        });
+        let starts: Vec<(Vec<f64>, Vec<f64>)> = starts.collect();
+        let mut all = starts.iter();
+        let found = all.find_map(|(start, _)| self.window(predicted, start));
+        found.or_else(|| self.locate(predicted, Some(&starts.first()?.1)))
     }
 
-    /// The window of the orbit with n + 1 impacts in a loop near a guess, if it has an end.
-    fn window_from(
-        &self,
-        predicted: PredictedWindow,
-        guess: &[f64],
-        rate: Option<f64>,
-    ) -> Option<Found> {
-        let map = Self {
-            impacts: predicted.lap as usize + 1,
-            ..self.clone()
+    /// The window of the orbit with n + 1 impacts in a loop near a state at a value of the parameter, if it has an end.
+    fn window(&self, predicted: PredictedWindow, start: &[f64]) -> Option<Found> {
+        let (&value, state) = start.split_last()?;
+        let equations = self.simulator.equations();
+        let parameters = self.simulator.problem.parameters(value);
+        let state = equations.onto_surface(&parameters, state, self.bound)?;
+        let impacts = (equations.contact, predicted.lap as usize + 1);
+        let slack = NEAR * (value - self.prediction.border).abs();
+        let ends = arc_ends(&self.workshop, (&state, value, slack), impacts).ok()?;
+        let [fold, period_doubling, grazing] = ends
+            .each_ref()
+            .map(|end| end.as_ref().map(|end| end.parameter));
+        let located = WindowEnds {
+            fold,
+            period_doubling,
+            grazing,
         };
-        let (located, ends) = map.window(map.solve(guess, rate)?);
-        let found = Found {
-            predicted,
-            located,
-            ends,
-        };
-        (located.ends().iter().any(Option::is_some)).then_some(found)
+        let [fold, doubling, _] =
+            ends.map(|end| end.map(|end| [end.state, vec![end.parameter.value]].concat()));
+        (located.ends().iter().any(Option::is_some)).then_some(Found {
+            compared: WindowComparison { predicted, located },
+            ends: [doubling, fold],
+        })
     }
 }
 
-/// No window beyond this one is looked at.
-const LAST_LAP: u32 = 1 << 20;
+/// The size of the parameter that arcs are measured by, against its value: mostly by states, which go on where the parameter turns.
+const SIZE: f64 = 10.0;
 
-/// The last lap whose window doubles tell from the border, in the parameter and in these states: windows come nearer to it
-/// from lap to lap.
-fn last_resolved(prediction: &Prediction, free: &[usize]) -> Option<u32> {
-    let least = RESOLVED * f64::EPSILON;
-    let border = prediction.border;
-    let origin = &prediction.states.origin;
-    let is_resolved = |lap: u32| {
-        let graze = prediction.window(lap).grazing;
-        let distance = graze.parameter - border;
-        let state = prediction.states.at(graze.z, distance);
-        let moved = |i: usize| (state[i] - origin[i]).abs() > least * origin[i].abs();
-        distance.abs() > least * border.abs() && free.iter().copied().any(moved)
-    };
-    let (mut resolved, mut lost) = (is_resolved(0).then_some(0)?, LAST_LAP);
-    while lost - resolved > 1 {
-        let middle = resolved + (lost - resolved) / 2;
-        if is_resolved(middle) {
-            resolved = middle;
-        } else {
-            lost = middle;
-        }
+/// What a change of the parameter is small against.
+fn size(prediction: &Prediction) -> f64 {
+    match prediction.border {
+        0.0 => SIZE,
+        border => SIZE * border.abs(),
     }
-    Some(resolved)
 }

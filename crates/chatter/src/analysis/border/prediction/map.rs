@@ -57,10 +57,6 @@ impl AffineStates {
     }
 }
 
-pub(in crate::analysis::border) fn to_f64<R: Real>(values: &[R]) -> Vec<f64> {
-    values.iter().map(|x| x.to_f64()).collect()
-}
-
 fn values<R: Real>(estimates: &[Estimate<R>]) -> Vec<f64> {
     estimates.iter().map(|x| x.value.to_f64()).collect()
 }
@@ -72,18 +68,15 @@ impl Prediction {
     /// The restitution is not between 0 and 1.
     pub fn exact<R: Real>(border: &Border<R>) -> Result<Self, BorderError> {
         let exact = &border.exact;
-        Ok(Self {
-            universal: universal(border)?,
-            slope: exact.slope.value.to_f64(),
-            unfolding_rate: exact.unfolding_rate.value.to_f64(),
-            border: border.value.value.to_f64(),
-            states: AffineStates {
-                origin: to_f64(&border.first_impact.state),
-                by_upsilon: values(&exact.first_impact_by_upsilon),
-                by_parameter: values(&exact.first_impact_by_parameter),
-            },
-            memory: exact.memory.rounded(),
-        })
+        let rates = [exact.slope, exact.unfolding_rate].map(|rate| rate.value.to_f64());
+        let by_upsilon = values(&exact.first_impact_by_upsilon);
+        let by_parameter = values(&exact.first_impact_by_parameter);
+        Self::at(
+            border,
+            rates,
+            (by_upsilon, by_parameter),
+            exact.memory.rounded(),
+        )
     }
 
     /// With the paper's leading-order coefficients. States have the section coordinates' components only; the third
@@ -100,17 +93,33 @@ impl Prediction {
             by_upsilon[i] = along(form.b).to_f64();
             by_parameter[i] = (along(form.e) + form.f[row]).to_f64();
         }
+        let rates = [form.slope, form.unfolding_rate].map(|rate| rate.to_f64());
+        Self::at(border, rates, (by_upsilon, by_parameter), None)
+    }
+
+    /// With K and M, and how the first impact moves with Upsilon and the parameter.
+    fn at<R: Real>(
+        border: &Border<R>,
+        [slope, unfolding_rate]: [f64; 2],
+        (by_upsilon, by_parameter): (Vec<f64>, Vec<f64>),
+        memory: Option<Memory<f64>>,
+    ) -> Result<Self, BorderError> {
+        let restitution = border.constants.restitution.to_f64();
+        let universal = Universal::new(restitution)
+            .map_err(|_| Lack::Restitution(restitution).at(border.value.value))?;
         Ok(Self {
-            universal: universal(border)?,
-            slope: form.slope.to_f64(),
-            unfolding_rate: form.unfolding_rate.to_f64(),
+            universal,
+            slope,
+            unfolding_rate,
             border: border.value.value.to_f64(),
             states: AffineStates {
-                origin: to_f64(&border.first_impact.state),
+                origin: (border.first_impact.state.iter())
+                    .map(|x| x.to_f64())
+                    .collect(),
                 by_upsilon,
                 by_parameter,
             },
-            memory: None,
+            memory,
         })
     }
 
@@ -195,9 +204,4 @@ impl Prediction {
         }
         state
     }
-}
-
-fn universal<R: Real>(border: &Border<R>) -> Result<Universal<f64>, BorderError> {
-    let value = border.constants.restitution.to_f64();
-    Universal::new(value).map_err(|_| Lack::Restitution(value).at(border.value.value))
 }

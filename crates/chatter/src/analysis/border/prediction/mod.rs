@@ -2,13 +2,10 @@
 
 mod located;
 mod map;
-mod return_map;
 mod simulated;
-mod window_curve;
 mod windows;
 
-pub use located::{Discrepancy, WindowComparison};
+pub use located::{Discrepancy, LocatedWindow, WindowComparison, WindowEnds};
 pub use map::{AffineStates, PredictedPassage, Prediction};
 pub use simulated::{Passage, Simulated, Simulator};
-pub use window_curve::{LocatedWindow, WindowEnds};
 pub use windows::{PredictedPoint, PredictedWindow};

@@ -5,7 +5,6 @@ use super::equations::{ReleaseEquations, ReleasePoint};
 use super::forcing::Turn;
 use crate::flow::{Occurrence, Settings, System, Trajectory};
 use crate::model::Model;
-use crate::numerics::root_between;
 
 /// How many steps of a trajectory are looked through for places near a release.
 const SEED_STEPS: usize = 4000;
@@ -61,44 +60,27 @@ impl ReleaseEquations {
         parameters: &[f64],
     ) -> bool {
         let same = if a.free.is_empty() { SAME } else { SAME_ORBIT };
-        self.apart(&a.state, &b.state, parameters) <= same
+        self.apart(&a.state, &b.state, parameters).1 <= same
     }
 
-    /// Where the acceleration of a state held in contact rises through zero over a period.
+    /// Just beyond where the acceleration of a state held in contact rises through zero over a period.
     fn along_contact(
         &self,
         parameters: &[f64],
         initial: &[f64],
         turn: &Turn<f64>,
     ) -> Vec<Vec<f64>> {
-        let held_at = |near: &[f64], phase: f64| {
-            let mut guess = near.to_vec();
-            guess[turn.state] = phase;
-            let state = self.converge(parameters, &guess, &[turn.state])?.at;
-            let acceleration = self.acceleration(&state, parameters);
-            Some((state, acceleration))
-        };
         let mut near = initial.to_vec();
-        let mut before: Option<(Vec<f64>, f64)> = None;
-        let mut rises = Vec::new();
-        for part in 0..=PHASES {
-            let phase = initial[turn.state] + turn.period * (part as f64 / PHASES as f64);
-            let held = held_at(&near, phase);
-            if let (Some((low, falls)), Some((high, rising))) = (&before, &held)
-                && *falls < 0.0
-                && *rising >= 0.0
-            {
-                let acceleration = |phase| held_at(low, phase).map_or(f64::NAN, |(_, a)| a);
-                let rise = root_between(acceleration, low[turn.state], phase);
-                let there = rise.and_then(|phase| held_at(low, phase));
-                rises.push(there.map_or_else(|| high.clone(), |(state, _)| state));
-            }
-            if let Some((state, _)) = &held {
-                near.clone_from(state);
-            }
-            before = held;
-        }
-        rises
+        let held = (0..=PHASES).filter_map(|part| {
+            let phase = turn.period * (part as f64 / PHASES as f64);
+            near[turn.state] = initial[turn.state] + phase;
+            near = self.converge(parameters, &near, &[turn.state])?.at;
+            Some((near.clone(), self.acceleration(&near, parameters)))
+        });
+        let held: Vec<(Vec<f64>, f64)> = held.collect();
+        let rises = |pair: &&[(Vec<f64>, f64)]| pair[0].1 < 0.0 && pair[1].1 >= 0.0;
+        let beyond = held.windows(2).filter(rises);
+        beyond.map(|pair| pair[1].0.clone()).collect()
     }
 }
 

@@ -70,7 +70,7 @@ impl Problem {
         let expected = from.expected(values[there] - values[here]);
         let point = self.returning(values[there], &expected).ok()?;
         let state: Vec<f64> = expected.state.iter().map(|x| x.to_f64()).collect();
-        let off = self.releases[from.contact].apart(&point.state, &state, &parameters);
+        let (_, off) = self.releases[from.contact].apart(&point.state, &state, &parameters);
         Some((point, off))
     }
 

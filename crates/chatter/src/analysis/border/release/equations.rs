@@ -163,32 +163,6 @@ impl ReleaseEquations {
         Linearised { residual, jacobian }
     }
 
-    /// The state that the gap depends on most; no phase, since it does not come back.
-    pub(crate) fn bound<R: Real>(&self, state: &[R], parameters: &[R]) -> usize {
-        let mut gap = self.at(0..1, state, parameters).jacobian;
-        let fixed = (0..=state.len()).filter(|&i| i == state.len() || self.is_phase(i));
-        fixed.for_each(|i| gap[(0, i)] = R::ZERO);
-        let free = gap.free_columns();
-        (0..state.len()).find(|i| !free.contains(i)).unwrap_or(0)
-    }
-
-    /// How states and parameter move with each state but one, and last with the parameter, the gap being zero.
-    pub(crate) fn on_surface<R: Real>(
-        &self,
-        state: &[R],
-        parameters: &[R],
-        bound: usize,
-    ) -> Vec<Vec<R>> {
-        let gap = self.at(0..1, state, parameters).jacobian;
-        let along = |i: usize| {
-            let mut along = unit(state.len() + 1, i);
-            along[bound] = -gap[(0, i)] / gap[(0, bound)];
-            along
-        };
-        let others = (0..=state.len()).filter(|&i| i != bound);
-        others.map(along).collect()
-    }
-
     /// The state with these values of all states but one, that one such that the gap is zero; `None` where Newton's method
     /// does not get there.
     pub(crate) fn onto_surface(

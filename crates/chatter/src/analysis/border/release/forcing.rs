@@ -2,7 +2,8 @@
 
 use super::super::error::{BorderError, Lack};
 use super::equations::ReleaseEquations;
-use crate::numerics::{Real, with_rounding};
+use crate::analysis::periodic::closure::Turn as Period;
+use crate::numerics::{Real, moved, with_rounding};
 use serde::{Deserialize, Serialize};
 
 with_rounding! {
@@ -32,11 +33,15 @@ impl<R: Real> Turn<R> {
 }
 
 impl ReleaseEquations {
+    /// The phases with their periods; none where the equations never return to what they were.
+    fn periods<R: Real>(&self, parameters: &[R]) -> Vec<Period<R>> {
+        let known = self.closure.as_ref().map(|phases| phases.turns(parameters));
+        known.and_then(Result::ok).unwrap_or_default()
+    }
+
     /// The phases with their periods, no turn counted yet.
     pub(crate) fn turns<R: Real>(&self, parameters: &[R]) -> Vec<Turn<R>> {
-        let known = self.closure.as_ref().map(|phases| phases.turns(parameters));
-        let turns = known.and_then(Result::ok).unwrap_or_default();
-        (turns.iter())
+        (self.periods(parameters).iter())
             .map(|turn| Turn {
                 state: turn.state,
                 period: turn.period,
@@ -75,23 +80,15 @@ impl ReleaseEquations {
         reduced
     }
 
-    /// What leads from one state to another, phases up to whole periods.
-    pub(crate) fn difference(&self, from: &[f64], to: &[f64], parameters: &[f64]) -> Vec<f64> {
-        let mut off: Vec<f64> = to.iter().zip(from).map(|(b, a)| b - a).collect();
-        for turn in self.turns(parameters) {
-            let off = &mut off[turn.state];
-            *off -= turn.period * libm::round(*off / turn.period);
-        }
-        off
-    }
-
-    /// How far two states lie apart, phases up to whole periods, relative to their size.
-    pub(crate) fn apart(&self, a: &[f64], b: &[f64], parameters: &[f64]) -> f64 {
-        let sizes = a.iter().zip(b).map(|(a, b)| 1.0 + a.abs() + b.abs());
-        let off = self.difference(a, b, parameters);
-        off.iter()
-            .zip(sizes)
-            .map(|(off, size)| off.abs() / size)
-            .fold(0.0, f64::max)
+    /// What leads from one state to another, and how far they lie apart, relative to their size: phases up to whole periods.
+    pub(crate) fn apart(&self, a: &[f64], b: &[f64], parameters: &[f64]) -> (Vec<f64>, f64) {
+        let sizes: Vec<f64> = (a.iter().zip(b))
+            .map(|(a, b)| 1.0 + a.abs() + b.abs())
+            .collect();
+        let Some(closure) = &self.closure else {
+            return (moved(b, a, -1.0), f64::INFINITY);
+        };
+        let (off, difference) = closure.apart(&self.periods(parameters), (a, b), &sizes);
+        (off, difference.distance)
     }
 }

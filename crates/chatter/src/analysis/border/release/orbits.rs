@@ -4,6 +4,7 @@
 //! complete. Where it ends in flight, contact from its last impact on that presses leads to a point that is as near to
 //! the orbit's as nu^3 there, and continues the complete side smoothly to the border.
 
+use super::super::coordinate::sequence::Until;
 use super::super::error::{BorderError, Lack};
 use super::super::problem::Problem;
 use super::equations::{Place, ReleaseEquations, ReleasePoint};
@@ -78,7 +79,11 @@ impl Problem {
     /// The release point after the first chatter sequence from a state.
     fn next(&self, value: f64, (contact, state): (usize, &[f64])) -> Option<ReleasePoint<f64>> {
         let parameters = self.parameters(value);
-        let sequence = self.first_sequence(&parameters, (contact, state)).ok()?;
+        let first = Until {
+            after: 0,
+            ..Until::NEVER
+        };
+        let sequence = (self.plain.follow(&parameters, (contact, state), first)).ok()?;
         let released = self.released(&sequence, &parameters, contact)?;
         self.releases[contact].solve(&parameters, &released)
     }
@@ -88,7 +93,7 @@ impl Problem {
         let next = self.next(value, (point.contact, &point.state))?;
         let equations = &self.releases[point.contact];
         let parameters = self.parameters(value);
-        let off = equations.difference(&point.state, &next.state, &parameters);
+        let (off, _) = equations.apart(&point.state, &next.state, &parameters);
         let free = || point.free.iter().copied();
         let size = free().map(|i| off[i].abs() / (1.0 + point.state[i].abs()));
         Some((free().map(|i| off[i]).collect(), size.fold(0.0, f64::max)))

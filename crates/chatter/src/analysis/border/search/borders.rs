@@ -10,7 +10,7 @@ use super::closing_in::HALVINGS_WITHOUT;
 use super::sample::Sample;
 use crate::model::Model;
 use crate::numerics::Real;
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 use serde::{Deserialize, Serialize};
 
 /// All borders of a range.
@@ -74,8 +74,6 @@ pub(super) struct Search<'a, R> {
     low: f64,
     high: f64,
     observer: &'a mut SearchObserver<'a>,
-    /// Whether there is more than one branch of release points.
-    pub several: bool,
     /// Sequences that may still be followed to close in on a change of the verdict.
     pub left: usize,
     /// Where only the border nearest to a value is looked for: that value, and how far the nearest is so far.
@@ -103,7 +101,6 @@ impl<'a, R: Real> Search<'a, R> {
             low,
             high,
             observer,
-            several: false,
             left: 0,
             nearest: None,
             roots: Vec::new(),
@@ -131,7 +128,6 @@ impl<'a, R: Real> Search<'a, R> {
         (begun, share): (f64, f64),
     ) -> Result<Option<Vec<Vec<Sample>>>, BorderError> {
         let branches = self.problem.branches(values)?;
-        self.several = branches.len() > 1;
         let total = (branches.len() * values.len()) as f64;
         let mut failure = None;
         let mut samples: Vec<Vec<Sample>> = Vec::new();
@@ -145,7 +141,7 @@ impl<'a, R: Real> Search<'a, R> {
                 {
                     return Ok(None);
                 }
-                let sample = point.map(|point| self.problem.sample(value, point, self.several));
+                let sample = point.map(|point| self.problem.sample(value, point));
                 along.push(sample.map_or(Sample::unknown(value), |sample| {
                     sample.unwrap_or_else(|error| {
                         failure.get_or_insert(error);
@@ -161,50 +157,45 @@ impl<'a, R: Real> Search<'a, R> {
         }
     }
 
-    /// Neighbouring samples of different verdict between two values, those around every smallest distance from the border
-    /// included.
-    fn changes(&self, branches: &[Vec<Sample>], (low, high): (f64, f64)) -> Vec<[Sample; 2]> {
-        (branches.iter())
-            .flat_map(|samples| self.pairs(samples))
-            .filter(|[left, right]| low <= left.value && right.value <= high)
-            .collect()
-    }
-
-    /// Looks into one of so many changes of the verdict: none may leave the others without sequences.
-    fn look_into(&mut self, [left, right]: &[Sample; 2], of: usize) -> Result<(), BorderError> {
-        self.left = (MOST_SAMPLES / of.max(1)).max(LEAST_SHARE);
-        self.close_in(left, right, HALVINGS_WITHOUT)
-    }
-
-    /// Searches from one place to another of the parts of the whole interval.
-    fn stretch(&mut self, first: usize, last: usize) -> Result<ControlFlow<()>, BorderError> {
-        let parts = self.spec.samples.max(1);
-        let value = |place| part(self.low, self.high, place, parts);
-        let (begun, share) = (
-            first as f64 / parts as f64,
-            (last - first) as f64 / parts as f64,
-        );
-        // A value more on either side shows whether a distance is smallest at an end.
-        let before = first.saturating_sub(1);
-        let values: Vec<f64> = (before..=(last + 1).min(parts)).map(value).collect();
-        let within = (value(first), value(last));
-        let Some(samples) = self.scan(&values, (begun, share * VERDICTS))? else {
+    /// Searches between two of these values, the others of which show whether a distance is smallest there. Those of `own` places count
+    /// where there is no chatter.
+    fn stretch(
+        &mut self,
+        values: &[f64],
+        within: (f64, f64),
+        own: Range<usize>,
+        (begun, share): (f64, f64),
+    ) -> Result<ControlFlow<()>, BorderError> {
+        let Some(samples) = self.scan(values, (begun, share * VERDICTS))? else {
             return Ok(ControlFlow::Break(()));
         };
-        // The value that two stretches share counts once.
-        let own = first..last + usize::from(last == parts);
         // Release points of contacts that never chatter are none that orbits come to.
         let alone = self.problem.releases.len() == 1;
         let chatters =
             |branch: &&Vec<Sample>| alone || !branch.iter().all(Sample::is_without_chatter);
         let silent = |place: &usize| {
-            let is_silent = |branch: &Vec<Sample>| branch[*place - before].is_without_chatter();
+            let is_silent = |branch: &Vec<Sample>| branch[*place].is_without_chatter();
             samples.iter().filter(chatters).any(is_silent)
         };
         self.found.without_chatter += own.filter(silent).count();
-        let changes = self.changes(&samples, within);
+        let mut changes: Vec<[Sample; 2]> = samples
+            .iter()
+            .flat_map(|branch| self.pairs(branch))
+            .collect();
+        changes.retain(|[left, right]| within.0 <= left.value && right.value <= within.1);
+        let off =
+            |[left, right]: &[Sample; 2], from: f64| (left.value - from).max(from - right.value);
+        if let Some((wanted, _)) = self.nearest {
+            changes.sort_by(|a, b| off(a, wanted).total_cmp(&off(b, wanted)));
+        }
         for (place, change) in changes.iter().enumerate() {
-            self.look_into(change, changes.len())?;
+            // No further than where a border is nearer than what is left.
+            if (self.nearest).is_some_and(|(wanted, least)| least <= off(change, wanted)) {
+                break;
+            }
+            // None may leave the others without sequences.
+            self.left = (MOST_SAMPLES / changes.len()).max(LEAST_SHARE);
+            self.close_in(&change[0], &change[1], HALVINGS_WITHOUT)?;
             let closed_in = (place + 1) as f64 / changes.len() as f64;
             let done = begun + share * (VERDICTS + (1.0 - VERDICTS) * closed_in);
             if self.progress(done).is_break() {
@@ -280,8 +271,16 @@ pub fn search_range<R: Real>(
     let mut search = Search::new(model, spec, range, observer)?;
     let (mut failure, mut is_known) = (None, false);
     let parts = spec.samples.max(1);
+    let value = |place| part(range.0, range.1, place, parts);
     for first in (0..parts).step_by(STRETCH) {
-        match search.stretch(first, first.saturating_add(STRETCH).min(parts)) {
+        let last = first.saturating_add(STRETCH).min(parts);
+        let [begun, share] = [first, last - first].map(|count| count as f64 / parts as f64);
+        // A value more on either side.
+        let before = first.saturating_sub(1);
+        let values: Vec<f64> = (before..=(last + 1).min(parts)).map(value).collect();
+        // The value that two stretches share counts once.
+        let own = first - before..last - before + usize::from(last == parts);
+        match search.stretch(&values, (value(first), value(last)), own, (begun, share)) {
             Ok(ControlFlow::Continue(())) => is_known = true,
             Ok(ControlFlow::Break(())) => {
                 search.found.is_complete = false;
@@ -338,22 +337,10 @@ pub fn search_near<R: Real>(
     values.reverse();
     values.push(value);
     values.extend(places.map(|x| value + (high - value) * x));
-    let Some(samples) = search.scan(&values, (0.0, 1.0))? else {
-        return Ok(None);
-    };
-    let mut changes = search.changes(&samples, (low, high));
-    let off = |[left, right]: &[Sample; 2]| (left.value - value).max(value - right.value);
-    changes.sort_by(|a, b| off(a).total_cmp(&off(b)));
     search.nearest = Some((value, f64::INFINITY));
-    for change in &changes {
-        // No further than where a border is nearer than what is left.
-        if search
-            .nearest
-            .is_some_and(|(_, least)| least <= off(change))
-        {
-            break;
-        }
-        search.look_into(change, changes.len())?;
+    let stretch = search.stretch(&values, (low, high), 0..values.len(), (0.0, 1.0))?;
+    if stretch.is_break() {
+        return Ok(None);
     }
     let mut found = search.finish();
     let breaks = found.breaks;

@@ -41,10 +41,6 @@ impl<R: Real> Search<'_, R> {
             .collect()
     }
 
-    fn sample_near(&self, value: f64, near: &[&Sample]) -> Sample {
-        self.problem.sample_near(value, near, self.several)
-    }
-
     /// Between three samples of one verdict the middle of which is the nearest to the border: a sample of another verdict,
     /// by golden section on the distance; `None` if there is none, or the sequence jumps.
     fn nearest_miss(&self, left: &Sample, middle: &Sample, right: &Sample) -> Option<Sample> {
@@ -57,7 +53,7 @@ impl<R: Real> Search<'_, R> {
             } else {
                 best.value + GOLDEN * above
             };
-            let mut other = self.sample_near(value, &[&best]);
+            let mut other = self.problem.sample_near(value, &[&best]);
             other.found.as_ref()?;
             if other.verdict != middle.verdict {
                 return Some(other);
@@ -104,7 +100,7 @@ impl<R: Real> Search<'_, R> {
                 return Ok(());
             }
             self.left -= 1;
-            let sample = self.sample_near(middle, &[&left, &right]);
+            let sample = self.problem.sample_near(middle, &[&left, &right]);
             if sample.verdict == left.verdict {
                 left = sample;
             } else if sample.verdict == right.verdict {
@@ -125,8 +121,6 @@ impl<R: Real> Search<'_, R> {
         let (release, _) = sample.found.as_ref().filter(|_| sample.is_near)?;
         let (near, settles) = (release.place(), sample.settles);
         let extrapolation = self.spec.extrapolation;
-        (self.problem)
-            .root(sample.value, &near, settles, extrapolation, within)
-            .ok()
+        (self.problem).root(sample.value, &near, settles, extrapolation, within)
     }
 }

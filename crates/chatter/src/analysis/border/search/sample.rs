@@ -48,16 +48,15 @@ impl Sample {
 }
 
 impl Problem {
-    /// The verdict at one parameter value; `several` tells whether there are more branches than this point's.
+    /// The verdict at one parameter value.
     pub(crate) fn sample(
         &self,
         value: f64,
         release: ReleasePoint<f64>,
-        several: bool,
     ) -> Result<Sample, BorderError> {
         let constants = Self::constants(value, &release)?;
-        let sequence = (self.sequence(value, &release, several))
-            .map_err(|error| error.with_parameter(value))?;
+        let sequence =
+            (self.sequence(value, &release)).map_err(|error| error.with_parameter(value))?;
         let limits = Limits::new(constants, &release, Extrapolation::default());
         let is_elsewhere = sequence.verdict == Verdict::Elsewhere;
         let nearest = limits.nearest(&sequence);
@@ -79,12 +78,12 @@ impl Problem {
     }
 
     /// The verdict at a value near one of these samples.
-    pub(super) fn sample_near(&self, value: f64, near: &[&Sample], several: bool) -> Sample {
+    pub(super) fn sample_near(&self, value: f64, near: &[&Sample]) -> Sample {
         let sampled = near.iter().find_map(|near| {
             let (release, _) = near.found.as_ref()?;
             let expected = release.expected(value - near.value);
             let release = self.returning(value, &expected).ok()?;
-            self.sample(value, release, several).ok()
+            self.sample(value, release).ok()
         });
         sampled.unwrap_or_else(|| Sample::unknown(value))
     }

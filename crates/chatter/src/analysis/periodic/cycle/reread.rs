@@ -6,7 +6,6 @@ use super::trace::{Instant, Tracer};
 use crate::analysis::periodic::closure::Turn;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Workshop;
-use crate::flow::Closed;
 use core::ops::ControlFlow;
 
 /// A period may be off by this part.
@@ -21,20 +20,9 @@ pub(crate) fn reread(
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
-    let start = workshop.model.time.map_or(0.0, |index| state[index]);
-    let mut instants = vec![Instant {
-        time: start,
-        mode: tracer.trajectory.mode,
-        pieces: tracer.trajectory.pieces().to_vec(),
-        guard: None,
-        told: Vec::new(),
-        state: state.clone(),
-        closed: Closed::NONE,
-        mode_after: tracer.trajectory.mode,
-        in_one_mode: true,
-    }];
+    let mut instants = vec![tracer.start(state)];
     let mut quiet = |_: f64| ControlFlow::Continue(());
-    let until = start + period * (1.0 + LATE);
+    let until = instants[0].time + period * (1.0 + LATE);
     tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
     let last = match instants.last() {
         Some(last) if instants.len() > 1 => last.state.clone(),
@@ -72,18 +60,69 @@ pub(crate) fn reread(
             ends = (instants[0].state.clone(), instants[to - from].state.clone());
         }
     }
-    let difference = (workshop.closure).difference(&turns, (&ends.0, &ends.1), &sizes);
     let mut steps = read((&workshop.system, &parameters), &instants)?;
     if steps.is_empty() {
         steps.push(Step::timed(&tracer.trajectory, state.clone(), period));
     }
-    from_first_turn(&mut steps, &turns, &difference.turns);
-    Ok(Cycle {
+    Ok(from_to(
+        workshop,
+        (&turns, sizes),
+        steps,
+        (&ends.0, &ends.1),
+    ))
+}
+
+/// The cycle of steps that lead from one state to another.
+fn from_to(
+    workshop: &Workshop,
+    (turns, sizes): (&[Turn<f64>], Vec<f64>),
+    mut steps: Vec<Step>,
+    ends: (&[f64], &[f64]),
+) -> Cycle {
+    let difference = workshop.closure.difference(turns, ends, &sizes);
+    from_first_turn(&mut steps, turns, &difference.turns);
+    Cycle {
         steps,
         counts: difference.turns,
         distance: difference.distance,
         sizes,
-    })
+    }
+}
+
+/// No orbit takes as long.
+const NO_HORIZON: f64 = 1e12;
+
+/// The way from a state up to the last of so many impacts at a contact, as a cycle that need not be nearly closed.
+pub(crate) fn through_impacts(
+    workshop: &Workshop,
+    free: &[f64],
+    state: &[f64],
+    (contact, count): (usize, usize),
+) -> Result<Cycle, PeriodicError> {
+    let parameters = workshop.parameters(free);
+    let turns = workshop.closure.turns(&parameters)?;
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let mut instants = vec![tracer.start(state)];
+    let mut quiet = |_: f64| ControlFlow::Continue(());
+    loop {
+        let known = instants.len();
+        tracer.follow((NO_HORIZON, count), &mut instants, &mut quiet)?;
+        let hits = |&k: &usize| instants[k].impact().is_some_and(|(hit, _)| hit == contact);
+        // The latest instant may have more to tell.
+        if let Some(end) = (1..instants.len() - 1).filter(hits).nth(count - 1) {
+            instants.truncate(end + 1);
+            break;
+        }
+        if instants.len() == known {
+            return Err(PeriodicError::Eventless {
+                time: instants[known - 1].time,
+            });
+        }
+    }
+    let sizes = sizes(states(&instants), &turns);
+    let steps = read((&workshop.system, &parameters), &instants)?;
+    let last = &instants[instants.len() - 1].state;
+    Ok(from_to(workshop, (&turns, sizes), steps, (state, last)))
 }
 
 /// A cycle with lookups, whose pieces are numbered on from turn to turn, as it is in the first turn of each phase: there phases have

@@ -107,6 +107,21 @@ impl<'s> Tracer<'s> {
         })
     }
 
+    /// Where it begins, in this state: an instant at which nothing happens.
+    pub(crate) fn start(&self, state: &[f64]) -> Instant {
+        Instant {
+            time: self.trajectory.time(),
+            mode: self.trajectory.mode,
+            pieces: self.trajectory.pieces().to_vec(),
+            guard: None,
+            told: Vec::new(),
+            state: state.to_vec(),
+            closed: Closed::NONE,
+            mode_after: self.trajectory.mode,
+            in_one_mode: true,
+        }
+    }
+
     /// Whether this is a knot of a table.
     fn is_knot(&self, guard: Option<GuardKind>) -> bool {
         let lookups = &self.system.corners().lookups;
