@@ -379,3 +379,28 @@ fn a_journal_in_another_form_is_refused() {
     assert!(said.contains("begun by another chatter"), "{said}");
     assert!(fails(&typed(line, &[&out])).contains("begun by another chatter"));
 }
+
+/// An event is crossed where it resets the state: its name says where orbits are sampled, as that of a section does.
+#[test]
+fn orbits_are_sampled_at_events_by_their_names() {
+    let folder = Folder::new("events");
+    let model = folder.file("fires.toml");
+    std::fs::write(
+        &model,
+        "[flight]\na = \"1.5 - a\"\n[[event]]\nname = \"fire\"\nsurface = \"a - 1\"\ndirection = \"rising\"\n\
+         reset = { a = 0 }\n[initial]\na = 0.1\n",
+    )
+    .unwrap();
+    for section in [&["--section", "fire"][..], &["--at", "reset:fire"], &[]] {
+        let sampled = [
+            &["diagram", &model, "--at", "initial:a=0.1", "--observe", "a"],
+            section,
+            &["--json"],
+        ];
+        let found = document(&sampled.concat());
+        assert_eq!(texts(&found, "outcome"), ["periodic"], "{section:?}");
+    }
+    let stop = |stop: &str| fails(&["simulate", &model, "--until", "9", "--stop", stop]);
+    assert!(stop("section:fire").contains("that is an event, which is told as a `reset`"));
+    succeeds(&["simulate", &model, "--until", "9", "--stop", "reset:fire=3"]);
+}

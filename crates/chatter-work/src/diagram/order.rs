@@ -141,8 +141,16 @@ impl Fixed {
 }
 
 fn returns(request: &Request, model: &mut Model) -> Result<ReturnSpec, Refusal> {
+    // The crossing of an event's surface is its reset.
+    let is_event = |name: &str| {
+        let section = model.section(name);
+        section.is_some_and(|section| section.reset.is_some())
+    };
     let section = |name: &str| Sampling::Event {
-        kind: EventKind::Section,
+        kind: match is_event(name) {
+            true => EventKind::Reset,
+            false => EventKind::Section,
+        },
         at: Some(name.to_owned()),
     };
     let mut events = request.at.iter().filter_map(|at| match at {

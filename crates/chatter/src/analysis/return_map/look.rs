@@ -32,7 +32,8 @@ impl Look {
                     place.map_err(ReturnMapError::UnknownPlace)
                 };
                 let at = at.as_deref().map(place).transpose()?;
-                if *kind == EventKind::Section && model.sections.is_empty() {
+                let changes_nothing = |section: &Section| section.reset.is_none();
+                if *kind == EventKind::Section && !model.sections.iter().any(changes_nothing) {
                     // Whatever it is called.
                     place("")?;
                 }

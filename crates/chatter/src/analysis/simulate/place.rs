@@ -14,23 +14,43 @@ pub struct UnknownPlace {
     pub name: String,
     /// The names there are.
     pub known: Vec<String>,
+    /// What has that name, if another kind of event happens there.
+    pub instead: Option<EventKind>,
 }
 
 impl EventKind {
     /// The index of the contact or section of this name where such events happen.
     pub(crate) fn place(self, model: &Model, name: &str) -> Result<usize, UnknownPlace> {
-        let known: Vec<&str> = match self {
-            Self::Section | Self::Reset => model.sections.iter().map(|s| &*s.name).collect(),
+        let sections = || model.sections.iter().enumerate();
+        let known: Vec<(usize, &str)> = match self {
+            // One that changes the state is an event, and no crossing.
+            Self::Section | Self::Reset => sections()
+                .filter(|(_, section)| section.reset.is_some() == (self == Self::Reset))
+                .map(|(index, section)| (index, &*section.name))
+                .collect(),
             Self::Switch | Self::Slide | Self::Leave => {
-                model.surfaces.iter().map(String::as_str).collect()
+                let names = model.surfaces.iter().map(String::as_str);
+                names.enumerate().collect()
             }
-            _ => model.contacts.iter().map(|c| &*c.name).collect(),
+            _ => (model.contacts.iter().map(|contact| &*contact.name))
+                .enumerate()
+                .collect(),
         };
-        let place = known.iter().position(|known| *known == name);
-        place.ok_or_else(|| UnknownPlace {
-            kind: self,
-            name: name.to_owned(),
-            known: known.into_iter().map(str::to_owned).collect(),
+        let place = known.iter().find(|(_, known)| *known == name);
+        place.map(|(index, _)| *index).ok_or_else(|| {
+            let of_section = |is_event: bool| match is_event {
+                true => Self::Reset,
+                false => Self::Section,
+            };
+            let mut others = sections().filter(|(_, section)| section.name == name);
+            let asked_of_sections = matches!(self, Self::Section | Self::Reset);
+            let instead = (others.next()).filter(|_| asked_of_sections);
+            UnknownPlace {
+                kind: self,
+                name: name.to_owned(),
+                known: (known.iter().map(|(_, known)| (*known).to_owned())).collect(),
+                instead: instead.map(|(_, section)| of_section(section.reset.is_some())),
+            }
         })
     }
 }
@@ -51,6 +71,13 @@ impl fmt::Display for UnknownPlace {
             _ => "contact",
         };
         write!(out, "the model has no {what} `{}`", self.name)?;
+        match self.instead {
+            Some(EventKind::Reset) => {
+                return write!(out, ": that is an event, which is told as a `reset`");
+            }
+            Some(_) => return write!(out, ": that is a section, which changes nothing"),
+            None => {}
+        }
         match self.known.split_last() {
             None => write!(out, ": it has no {what}s"),
             Some((only, [])) => write!(out, ": it has `{only}`"),
