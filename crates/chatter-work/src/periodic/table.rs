@@ -14,7 +14,7 @@ const INFINITE: i64 = -1;
 pub(super) const MODEL: &str = "model";
 pub(super) const SET: &str = "model_set";
 
-/// Writes the table, with the model and what was set into it.
+/// Writes the table, with the model and what was set into it, but for the parameters that have columns.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -59,11 +59,16 @@ pub fn write(
             format!("{prefix}value_error"),
             specials.iter().map(|(_, s)| s.error).collect::<Vec<f64>>(),
         );
+    let columns_of = subject.names();
+    let kept = set
+        .iter()
+        .filter(|(name, _)| !columns_of.contains(&name.as_str()));
+    let kept: Vec<&(String, String)> = kept.collect();
     Dataset::new()
         .table(columns(subject, Table::new("points"), "", &points))
         .table(special)
         .text(MODEL, subject.text)
-        .text(SET, &json(&set)?)
+        .text(SET, &json(&kept)?)
         .write(path)
         .map_err(Refusal::from)
 }
