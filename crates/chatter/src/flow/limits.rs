@@ -27,6 +27,8 @@ pub(crate) struct Limit {
     pub corner: Corner,
     /// Positive while the mode holds; each ends it where it vanishes.
     pub guards: Vec<(GuardKind, Expr)>,
+    /// Those are the surface, and the motion on this side keeps to it but for rounding of numbers.
+    pub is_kept: bool,
     /// What is zero on the corner: the surface, or the argument up to a constant.
     pub surface: Expr,
     /// Its rate, where that must be zero, too, for it to be slid along, and half of what that changes faster above than below.
@@ -82,9 +84,12 @@ impl Limits {
                     })
                 }
             };
+            let is_beside = sides.get(index) != Side::Sliding;
             limits.corners.push(Limit {
                 corner: Corner::Surface(index),
                 guards,
+                is_kept: is_beside
+                    && mechanics.keeps(surface, &mode.field[..mechanics.field.len()]),
                 surface,
                 rate,
             });
@@ -98,6 +103,7 @@ impl Limits {
                     (GuardKind::Piece(index, Side::Below), low),
                     (GuardKind::Piece(index, Side::Above), high),
                 ],
+                is_kept: false,
                 surface: argument,
                 rate: None,
             });

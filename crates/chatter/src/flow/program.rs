@@ -176,6 +176,8 @@ pub(crate) struct StandingTapes {
     /// surface and what changes that, if it must be zero, too.
     pub values: Tape,
     pub guards: Vec<GuardKind>,
+    /// The motion keeps to the surface but for rounding of numbers.
+    pub is_kept: bool,
     /// The derivative of the surface along each column.
     pub slopes: Tape,
     /// By how much the surface rises where the rate of each contact is made larger by one.
@@ -443,7 +445,11 @@ impl Program {
                     let mut value = guard;
                     for _ in 0..STANDING_ORDERS {
                         outputs.push(value);
-                        value = graph.lie_derivative(value, field);
+                        value = if limit.is_kept {
+                            graph.number(0.0)
+                        } else {
+                            graph.lie_derivative(value, field)
+                        };
                     }
                 }
                 outputs.extend(limit.rate.into_iter().flatten());
@@ -457,6 +463,7 @@ impl Program {
                     corner: limit.corner,
                     values: Tape::new(graph, dimension, &[], &outputs),
                     guards: limit.guards.iter().map(|&(kind, _)| kind).collect(),
+                    is_kept: limit.is_kept,
                     slopes: Tape::new(graph, dimension, &[], &slopes),
                     lifts: Tape::new(graph, dimension, &[], &lifts),
                 }

@@ -53,6 +53,37 @@ pub(in crate::model) fn is_rounding(
     }
 }
 
+/// Whether a sum is no more than rounding of its parts at every probe that says anything.
+pub(in crate::model) fn is_rounding_of_parts(
+    graph: &Graph,
+    (sum, parts): (Expr, &[Expr]),
+    [states, parameters]: [usize; 2],
+) -> bool {
+    let count = states + parameters;
+    let mut says_something = false;
+    for probe in 0..PROBES {
+        let exact: Vec<DoubleDouble> = (0..count)
+            .map(|axis| DoubleDouble::from(generic(probe * count + axis)))
+            .collect();
+        let at = |expr: Expr| -> f64 {
+            let value: DoubleDouble = graph.evaluate(expr, &exact[..states], &exact[states..]);
+            value.high().abs()
+        };
+        let largest = parts
+            .iter()
+            .fold(0.0, |most: f64, &part| most.max(at(part)));
+        let sum = at(sum);
+        if !(sum.is_finite() && largest.is_finite()) {
+            continue;
+        }
+        if sum > f64::EPSILON * largest {
+            return false;
+        }
+        says_something = true;
+    }
+    says_something
+}
+
 /// The values of an expression of so many states and parameters at generic points, in doubles and in twice the digits.
 fn probes(
     graph: &Graph,

@@ -1,8 +1,8 @@
 //! Mechanics on given sides of all surfaces: there every expression is smooth (MATH.md 9).
 
-use super::identically_zero::is_rounding;
+use super::identically_zero::{is_rounding, is_rounding_of_parts};
 use super::{Mechanics, MechanicsError};
-use crate::expressions::{Asked, Corners, Expr, Folding, Graph, LookedUpIn, Side, Sides};
+use crate::expressions::{Asked, Corners, Expr, Folding, Graph, LookedUpIn, Side, Sides, Symbol};
 use crate::model::{Contact, Model, Section};
 
 /// A surface that is slid along.
@@ -232,6 +232,23 @@ impl Mechanics {
     fn is_rounding(&self, expr: Expr, of: Expr) -> bool {
         self.vanishes(expr)
             || is_rounding(&self.graph, (expr, of), [self.field.len(), self.parameters])
+    }
+
+    /// Whether a field keeps a function but for rounding of the numbers that it is written with: what x = y/0.7 leaves of
+    /// the rate of 0.7 x - y where somebody has typed 1.4285714285714286.
+    pub(crate) fn keeps(&mut self, function: Expr, field: &[Expr]) -> bool {
+        let rate = self.graph.lie_derivative(function, field);
+        if self.graph.as_number(rate).is_some() {
+            return false;
+        }
+        let parts: Vec<Expr> = (field.iter().enumerate())
+            .map(|(i, &component)| {
+                let slope = self.graph.derivative(function, Symbol::State(i));
+                self.graph.mul(slope, component)
+            })
+            .collect();
+        let size = [field.len(), self.parameters];
+        is_rounding_of_parts(&self.graph, (rate, &parts), size)
     }
 
     /// A surface whose rate is the same on all sides is slid along where its rate is held at zero, as a preloaded spring does at rest.

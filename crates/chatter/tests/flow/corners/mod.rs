@@ -4,6 +4,7 @@ mod asked;
 mod cut_flights;
 mod held_on_one_side;
 mod jumps;
+mod kept;
 mod many_frictions;
 mod nested;
 mod piecewise;

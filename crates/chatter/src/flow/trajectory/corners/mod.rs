@@ -30,6 +30,8 @@ pub(super) const INSTANT_ROUNDOFFS: f64 = 8.0;
 struct Standing<R> {
     corner: Corner,
     surface: WithTerms<R>,
+    /// The motion keeps to it but for rounding of numbers.
+    is_kept: bool,
     /// Its rate, where that must be zero, too, for it to be slid along, and how much of that is rounding, or comes and goes within
     /// an instant.
     rate: Option<(R, R)>,
@@ -220,6 +222,7 @@ impl<R: Real> Trajectory<R> {
             Standing {
                 corner: tapes.corner,
                 surface: values[0],
+                is_kept: tapes.is_kept,
                 rate: match rate {
                     [rate, jump] => {
                         Some((rate.value, rate.level().max(jump.value.abs() * instant)))

@@ -24,6 +24,8 @@ struct Beside<R> {
     field: Fields<R>,
     /// How fast the surface's function rises along it, and how much of that may be rounding, or what an instant changes.
     rate: Option<(R, R)>,
+    /// It leads along it.
+    is_kept: bool,
 }
 
 impl Choice {
@@ -120,6 +122,10 @@ impl<R: Real> Trajectory<R> {
             // Nothing holds a rate that no side changes.
             return Ok(false);
         }
+        if beside.iter().any(|beside| beside.is_kept) {
+            // That side's motion is what sliding would be.
+            return Ok(false);
+        }
         let mut known = agree(&beside);
         let free = base.sliding_nowhere();
         if known != Some(false) && free != *base {
@@ -146,6 +152,7 @@ impl<R: Real> Trajectory<R> {
             if self.ask_beside(system, &base.with_side(index, side), (touched, asked))? {
                 let standings = self.standings(system)?;
                 let own = (standings.iter()).find(|s| s.corner == Corner::Surface(index));
+                let is_kept = own.is_some_and(|own| own.is_kept);
                 let rate = own.and_then(|own| {
                     let (_, [_, rate, change, _]) = own.guards.first()?;
                     let level = rate.level() + change.value.abs() * instant;
@@ -153,7 +160,11 @@ impl<R: Real> Trajectory<R> {
                     Some((rate.value * sign, level))
                 });
                 let field = self.fields_here(system, asked)?;
-                beside.push(Beside { field, rate });
+                beside.push(Beside {
+                    field,
+                    rate,
+                    is_kept,
+                });
             }
         }
         Ok(beside)
