@@ -116,14 +116,14 @@ pub fn exponents(
             if told == Some(Occurrence::Horizon) {
                 break;
             }
-            if interval > 0 {
+            if interval > 0 && trajectory.is_between_steps() {
                 let mut ahead = frame.clone();
                 take(&mut ahead, &units, &trajectory, model);
                 let grown = orthonormal(&mut ahead, &moving, forgets);
                 let least = (grown.iter()).fold(f64::INFINITY, |least, &x| least.min(libm::exp(x)));
                 let between = told.is_none() && !trajectory.follows_sequence();
                 let is_due = least < NEARLY_LOST || (between && least < SHRUNK);
-                if is_due && trajectory.is_between_steps(&system, &mut work) {
+                if is_due && !trajectory.has_caused_more(&system, &mut work) {
                     frame = ahead;
                     add(&mut logarithms, &grown);
                     put(&frame, &units, (&system, &mut work, &mut trajectory))?;

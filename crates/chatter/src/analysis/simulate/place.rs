@@ -38,18 +38,16 @@ impl EventKind {
         };
         let place = known.iter().find(|(_, known)| *known == name);
         place.map(|(index, _)| *index).ok_or_else(|| {
-            let of_section = |is_event: bool| match is_event {
-                true => Self::Reset,
-                false => Self::Section,
+            let other = match self {
+                Self::Section => Some(Self::Reset),
+                Self::Reset => Some(Self::Section),
+                _ => None,
             };
-            let mut others = sections().filter(|(_, section)| section.name == name);
-            let asked_of_sections = matches!(self, Self::Section | Self::Reset);
-            let instead = (others.next()).filter(|_| asked_of_sections);
             UnknownPlace {
                 kind: self,
                 name: name.to_owned(),
                 known: (known.iter().map(|(_, known)| (*known).to_owned())).collect(),
-                instead: instead.map(|(_, section)| of_section(section.reset.is_some())),
+                instead: other.filter(|_| model.section(name).is_some()),
             }
         })
     }

@@ -321,12 +321,15 @@ impl<R: Real> Trajectory<R> {
         self.tracker.has_samples()
     }
 
-    /// Whether all that the latest step led to is told and done: also events that it may have caused by a jump, which share its
-    /// shifts of time.
-    pub(crate) fn is_between_steps(&self, system: &System, work: &mut Workspace<R>) -> bool {
-        let is_done = self.completion.is_none() && self.collisions.is_none();
-        let crosses = self.may_have_crossed && self.crosses_here(system, work).is_some();
-        is_done && self.pending.is_empty() && !crosses
+    /// Whether all that the latest step led to is told and done, but for what it may have caused by a jump.
+    pub(crate) fn is_between_steps(&self) -> bool {
+        self.completion.is_none() && self.collisions.is_none() && self.pending.is_empty()
+    }
+
+    /// Whether the latest event has taken the trajectory across a section, as one does that makes another event's surface jump: they
+    /// share their shifts of time.
+    pub(crate) fn has_caused_more(&self, system: &System, work: &mut Workspace<R>) -> bool {
+        self.may_have_crossed && self.crosses_here(system, work).is_some()
     }
 
     /// Takes from the columns what would vary the gaps of closed contacts.

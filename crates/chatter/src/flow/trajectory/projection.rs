@@ -62,18 +62,13 @@ impl<R: Real> Trajectory<R> {
             let Some(constants) = &self.constants[self.mode] else {
                 return Ok(());
             };
-            let start = (&self.state[..], &self.low[..]);
-            let at = |tape: &Tape, constants: &[R]| {
-                let mut values = vec![R::ZERO; tape.outputs.len()];
-                Expansion::new(&[tape]).evaluate(tape, constants, start.0, start.1, &mut values);
-                values
-            };
-            let mut values = at(&program.residuals, &constants.residuals);
+            let mut values = self.evaluated(&program.residuals, &constants.residuals);
             values[..first].fill(R::ZERO);
             if values.iter().all(|&value| value == R::ZERO) {
                 break;
             }
-            let gradients = at(&program.residual_gradients, &constants.residual_gradients);
+            let gradients = &constants.residual_gradients;
+            let gradients = self.evaluated(&program.residual_gradients, gradients);
             let Some(by) = taken_back(&values, &gradients, self.coordinates) else {
                 break;
             };
@@ -103,26 +98,29 @@ impl<R: Real> Trajectory<R> {
     /// held beside them.
     pub(super) fn hold_columns_on_surfaces(&mut self, system: &System) -> Result<(), FlowError> {
         let program = self.program(system)?;
-        let (tape, Some(constants)) = (
-            &program.residual_gradients,
-            self.constants[self.mode].as_ref(),
-        ) else {
+        let Some(constants) = &self.constants[self.mode] else {
             return Ok(());
         };
-        let mut gradients = vec![R::ZERO; tape.outputs.len()];
-        let constants = &constants.residual_gradients;
-        Expansion::new(&[tape]).evaluate(tape, constants, &self.state, &self.low, &mut gradients);
+        let gradients = &constants.residual_gradients;
+        let gradients = self.evaluated(&program.residual_gradients, gradients);
         let size = self.coordinates;
         for column in self.state[size..].chunks_mut(size) {
             let along = |gradient| dot(gradient, column);
             let values: Vec<R> = gradients.chunks(size).map(along).collect();
-            for (entry, by) in
-                (column.iter_mut()).zip(taken_back(&values, &gradients, size).into_iter().flatten())
-            {
+            let by = taken_back(&values, &gradients, size).unwrap_or_default();
+            for (entry, by) in column.iter_mut().zip(by) {
                 *entry += by.value;
             }
         }
         Ok(())
+    }
+
+    /// The values of a tape at the state.
+    fn evaluated(&self, tape: &Tape, constants: &[R]) -> Vec<R> {
+        let mut values = vec![R::ZERO; tape.outputs.len()];
+        let expansion = &mut Expansion::new(&[tape]);
+        expansion.evaluate(tape, constants, &self.state, &self.low, &mut values);
+        values
     }
 
     /// What is left of coordinates that were moved, if it is rounding of what they have become the sum of, is nothing.

@@ -59,12 +59,9 @@ pub(in crate::model) fn is_rounding_of_parts(
     (sum, parts): (Expr, &[Expr]),
     [states, parameters]: [usize; 2],
 ) -> bool {
-    let count = states + parameters;
     let mut says_something = false;
-    for probe in 0..PROBES {
-        let exact: Vec<DoubleDouble> = (0..count)
-            .map(|axis| DoubleDouble::from(generic(probe * count + axis)))
-            .collect();
+    for point in points(states + parameters) {
+        let exact: Vec<DoubleDouble> = point.into_iter().map(DoubleDouble::from).collect();
         let at = |expr: Expr| -> f64 {
             let value: DoubleDouble = graph.evaluate(expr, &exact[..states], &exact[states..]);
             value.high().abs()
@@ -90,16 +87,18 @@ fn probes(
     expr: Expr,
     [states, parameters]: [usize; 2],
 ) -> impl Iterator<Item = [f64; 2]> {
-    let count = states + parameters;
-    (0..PROBES).map(move |probe| {
-        let point: Vec<f64> = (0..count)
-            .map(|axis| generic(probe * count + axis))
-            .collect();
+    points(states + parameters).map(move |point| {
         let exact: Vec<DoubleDouble> = point.iter().map(|&x| DoubleDouble::from(x)).collect();
         let rough: f64 = graph.evaluate(expr, &point[..states], &point[states..]);
         let fine: DoubleDouble = graph.evaluate(expr, &exact[..states], &exact[states..]);
         [rough, fine.high()]
     })
+}
+
+/// Generic points of so many coordinates.
+fn points(count: usize) -> impl Iterator<Item = Vec<f64>> {
+    let at = move |probe: usize| (0..count).map(move |axis| generic(probe * count + axis));
+    (0..PROBES).map(move |probe| at(probe).collect())
 }
 
 /// The `index`-th number of a sequence without structure in (0.25, 1.75): multiples of the golden ratio, modulo one.
