@@ -71,7 +71,10 @@ impl Parser<'_> {
             Some(expr) if !is_called => return Ok(expr),
             Some(_) => (
                 ParseErrorKind::NotAFunction(name.to_string()),
-                Some(format!("{name}*(")),
+                Some(match self.lexemes.get(name_at + 2).map(|next| next.token) {
+                    Some(Token::Close) => name.to_string(),
+                    _ => format!("{name}*("),
+                }),
             ),
             None if is_called => (
                 ParseErrorKind::UnknownFunction(name.to_string()),
@@ -220,6 +223,15 @@ impl Parser<'_> {
                 let span = self.lexemes[self.at - 1].span.start..self.span().end;
                 let follows_number = matches!(self.lexemes[self.at - 1].token, Token::Number(_));
                 if follows_number && self.token() == Token::Name && !self.knows(&after) {
+                    let is_exponent = ["e", "E"].contains(&after.as_str());
+                    if is_exponent && self.lexemes[self.at - 1].span.end == self.span().start {
+                        let number = self.text[span.clone()].to_owned();
+                        return ParseError {
+                            span,
+                            suggestion: None,
+                            kind: ParseErrorKind::MalformedNumber(number),
+                        };
+                    }
                     return ParseError {
                         span,
                         suggestion: Some(before),

@@ -88,6 +88,18 @@ fn functions() {
         "`kappa` is not a function; an operator is missing before `(`; write `kappa*(`",
     );
     check(
+        "⟦pi⟧()",
+        "`pi` is not a function; an operator is missing before `(`; write `pi`",
+    );
+    check(
+        "⟦sind⟧(x)",
+        "unknown function `sind`; did you mean `sin(x*pi/180)`?",
+    );
+    check(
+        "⟦tan2⟧(y, x)",
+        "unknown function `tan2`; did you mean `atan2`?",
+    );
+    check(
         "⟦pi⟧(2)",
         "`pi` is not a function; an operator is missing before `(`; write `pi*(`",
     );
@@ -189,7 +201,22 @@ fn characters_and_numbers() {
     check("x ⟦·⟧ y", "unexpected character `·`; write `*`");
     check("⟦[⟧x]", "unexpected character `[`; write `(`");
     check("y⟦₁⟧", "unexpected character `₁`; write `1`");
-    check("y⟦'⟧", "unexpected character `'`");
+    check(
+        "y⟦'⟧",
+        "unexpected character `'`; a rate goes by a name: with y = \"v\" that of `y` is `v`",
+    );
+    check("x⟦;⟧", "unexpected character `;`; leave it out");
+    check("⟦“⟧x”", "unexpected character `“`; leave it out");
+    check("50⟦%⟧", "unexpected character `%`; write `/100`");
+    check("x ⟦%⟧ 2", "unexpected character `%`; write `mod(x, m)`");
+    check("sin(30⟦°⟧)", "unexpected character `°`; write `*pi/180`");
+    check("x⟦!⟧", "unexpected character `!`");
+    check("x⟦.*⟧y", "unexpected character `.`; write `*`");
+    check(
+        "x ⟦#⟧ y",
+        "unexpected character `#`; comments stand outside the quotes",
+    );
+    check("⟦1e⟧*x", "`1e` is not a number");
     check("x⟦\u{0}⟧", "unexpected character `\\0`");
     check("x + ⟦1.2.3⟧", "`1.2.3` is not a number");
     check("⟦.⟧", "`.` is not a number");

@@ -73,6 +73,14 @@ pub(in crate::expressions) fn tokens(text: &str) -> Result<Vec<Lexeme>, ParseErr
             '>' => (Token::Greater, 1),
             '≤' => (Token::AtMost, character.len_utf8()),
             '≥' => (Token::AtLeast, character.len_utf8()),
+            // Element by element, as in other languages.
+            '.' if rest[1..].starts_with(['*', '/', '^']) => {
+                return Err(ParseError {
+                    span: at..at + 2,
+                    kind: ParseErrorKind::StrayCharacter(character),
+                    suggestion: Some(rest[1..2].to_owned()),
+                });
+            }
             '0'..='9' | '.' => {
                 let length = number_length(rest);
                 (Token::Number(number(text, at..at + length)?), length)

@@ -12,7 +12,7 @@ pub struct ParseError {
     pub span: Range<usize>,
     /// What is wrong.
     pub kind: ParseErrorKind,
-    /// What to write in place of the span, where there is a good guess.
+    /// What to write in place of the span, where there is a good guess; nothing, where it is to be left out.
     pub suggestion: Option<String>,
 }
 
@@ -182,11 +182,20 @@ impl ParseError {
                 | ParseErrorKind::BareFunction(_)
                 | ParseErrorKind::StrayCharacter(_),
                 Some(suggestion),
-            ) => Some(format!("write `{suggestion}`")),
+            ) => Some(match suggestion.as_str() {
+                "" => "leave it out".to_owned(),
+                _ => format!("write `{suggestion}`"),
+            }),
             (_, Some(suggestion)) => Some(format!("did you mean `{suggestion}`?")),
             (ParseErrorKind::UnknownFunction(_), None) => {
                 let functions: Vec<&str> = function_names().collect();
                 Some(format!("there are {}", functions.join(", ")))
+            }
+            (ParseErrorKind::StrayCharacter('\''), None) => {
+                Some("a rate goes by a name: with y = \"v\" that of `y` is `v`".to_owned())
+            }
+            (ParseErrorKind::StrayCharacter('#'), None) => {
+                Some("comments stand outside the quotes".to_owned())
             }
             (_, None) => None,
         }

@@ -92,7 +92,7 @@ const FUNCTIONS: [(&str, Callable); 24] = [
 pub(in crate::expressions) const PI: &str = "pi";
 
 /// Habits from other notations and languages.
-const ALIASES: [(&str, &str); 33] = [
+const ALIASES: [(&str, &str); 39] = [
     ("arcsin", "asin"),
     ("arccos", "acos"),
     ("arctan", "atan"),
@@ -126,6 +126,12 @@ const ALIASES: [(&str, &str); 33] = [
     ("ifelse", "if"),
     ("piecewise", "if"),
     ("norm", "hypot"),
+    ("arctan2", "atan2"),
+    ("tan2", "atan2"),
+    ("sind", "sin(x*pi/180)"),
+    ("cosd", "cos(x*pi/180)"),
+    ("tand", "tan(x*pi/180)"),
+    ("radians", "x*pi/180"),
 ];
 
 /// The names of the functions, in the order they are listed to a reader.
@@ -197,9 +203,14 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .map(|(_, candidate)| candidate.to_string())
 }
 
-/// What to write for the character that a text begins with, one that other keyboards and notations offer.
+/// What to write for the character that a text begins with, one that other keyboards and notations offer; nothing, where it is to be
+/// left out.
 pub(in crate::expressions) fn for_character(text: &str) -> Option<String> {
     let character = text.chars().next()?;
+    let mut following = text.chars().skip(1).skip_while(|c| c.is_whitespace());
+    let goes_on = following
+        .next()
+        .is_some_and(|c| c.is_alphanumeric() || "(_.".contains(c));
     let meant = match character {
         '−' | '–' | '—' | '‐' | '‑' => "-",
         '·' | '×' | '⋅' | '∙' | '•' | '∗' => "*",
@@ -211,8 +222,11 @@ pub(in crate::expressions) fn for_character(text: &str) -> Option<String> {
         '&' => "and",
         '|' if text.starts_with("||") => "or",
         '|' => "abs(x)",
-        '!' | '¬' => "not",
-        '%' => "mod(x, m)",
+        '!' | '¬' if goes_on => "not",
+        '%' if goes_on => "mod(x, m)",
+        '%' => "/100",
+        '°' => "*pi/180",
+        ';' | '$' | '`' | '“' | '”' | '„' | '‘' | '’' => "",
         '[' | '{' => "(",
         ']' | '}' => ")",
         '₀'..='₉' => {

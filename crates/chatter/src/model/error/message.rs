@@ -226,7 +226,12 @@ impl ModelErrorKind {
             | Self::UnknownKind { nearest, .. }
             | Self::UnknownOutside { nearest, .. }
             | Self::UnknownName { nearest, .. } => format!("did you mean `{}`?", nearest.as_ref()?),
-            Self::UnknownTable { nearest, .. } => format!("did you mean [{}]?", nearest.as_ref()?),
+            Self::UnknownTable { nearest, .. } => {
+                let nearest = nearest.as_deref()?;
+                let in_brackets = crate::model::source::file::TABLES.split([',', ' ']).find(|table| table.trim_matches(['[', ']']) == nearest);
+                format!("did you mean {}?", in_brackets.map_or_else(|| format!("[{nearest}]"), str::to_owned))
+            }
+            Self::NotANumber { text } => format!("write {}", meant_number(text)?),
             Self::Expression { error, known } => match (error.help(), &error.kind) {
                 (None, ParseErrorKind::UnknownName(_)) if known.is_empty() => return None,
                 (None, ParseErrorKind::UnknownName(_)) => format!("known here: {}", listed(known)),
@@ -262,7 +267,6 @@ impl ModelErrorKind {
             Self::DuplicateName { .. }
             | Self::DuplicateKey { .. }
             | Self::MissingValue
-            | Self::NotANumber { .. }
             | Self::SingleBrackets { .. }
             | Self::BothKeys { .. }
             | Self::KeyWithout { .. }
@@ -283,4 +287,29 @@ impl ModelErrorKind {
             | Self::NotFinite { .. } => return None,
         })
     }
+}
+
+/// The number that is meant by one of another language: with a comma, without the zero, with what ends a line.
+fn meant_number(text: &str) -> Option<String> {
+    let bare = text.trim_end_matches([';', ',', 'f']).trim_end();
+    let plain = bare.replacen(',', ".", 1).replacen("+-", "-", 1);
+    let value: f64 = plain.parse().ok().filter(|value: &f64| value.is_finite())?;
+    let (sign, digits) = match plain.strip_prefix(['-', '+']) {
+        Some(digits) => (&plain[..1], digits),
+        None => ("", &plain[..]),
+    };
+    let digits = match digits.find(|c: char| c != '0') {
+        _ if value == 0.0 => "0.0",
+        // A number that begins with its point, or with zeros that are not needed.
+        Some(first) => &digits[first..],
+        None => return None,
+    };
+    let digits = match digits.starts_with('.') {
+        true => format!("0{digits}"),
+        false => digits.to_owned(),
+    };
+    Some(match digits.strip_suffix('.') {
+        Some(whole) => format!("{sign}{whole}.0"),
+        None => format!("{sign}{}", digits.replace(".e", ".0e")),
+    })
 }
