@@ -10,7 +10,7 @@ use crate::numerics::{DoubleDouble, Real, Scalar};
 /// Most knots of a curve: a hundred bytes each, and far more than a measurement has that is not to be thinned first.
 pub const MOST_KNOTS: usize = 1 << 20;
 
-/// The slopes of a spline are solutions of equations, good to so many roundoffs of the secants around.
+/// The slopes of a spline are solutions of equations, good to so many roundoffs of the steepest secant.
 const SLOPE_ROUNDOFFS: f64 = 64.0;
 
 fn number(value: f64) -> DoubleDouble {
@@ -147,15 +147,12 @@ impl Secants {
         Self { lengths, slopes }
     }
 
-    /// A slope that is rounding of those around it is none: what rests at the top of a cam would be moved by it.
+    /// A slope that is rounding of the steepest secant is none: what rests at the top of a cam, or on its dwell, would be moved by it.
     fn without_rounding(&self, mut slopes: Vec<DoubleDouble>) -> Vec<DoubleDouble> {
-        let size = |piece: Option<usize>| {
-            let secant = piece.and_then(|piece| self.slopes.get(piece));
-            secant.map_or(DoubleDouble::ZERO, |secant| secant.abs())
-        };
-        for (k, slope) in slopes.iter_mut().enumerate() {
-            let around = size(k.checked_sub(1)) + size(Some(k));
-            if slope.abs() <= number(SLOPE_ROUNDOFFS * DoubleDouble::ROUNDOFF) * around {
+        let steepest = (self.slopes.iter()).fold(DoubleDouble::ZERO, |most, s| most.max(s.abs()));
+        let rounding = number(SLOPE_ROUNDOFFS * DoubleDouble::ROUNDOFF) * steepest;
+        for slope in &mut slopes {
+            if slope.abs() <= rounding {
                 *slope = DoubleDouble::ZERO;
             }
         }

@@ -4,7 +4,7 @@
 use super::run;
 use chatter::analysis::simulate::Outcome;
 use chatter::expressions::{CurveKind, Outside};
-use chatter::flow::FlowError;
+use chatter::flow::{EventKind, FlowError};
 use chatter::model::{Model, ModelBuilder, Table};
 use chatter::numerics::{DoubleDouble, Real, Scalar};
 
@@ -179,6 +179,42 @@ fn a_knot_of_a_function_is_no_zero_of_it() {
         let (own, other) = (end("x"), end("y"));
         for (a, b) in own.iter().zip(&other) {
             assert!((a - b).abs() < 1e-12, "{force}: {own:?} {other:?}");
+        }
+    }
+}
+
+/// A follower that its cam never lets go of is in contact for ever: at a knot where lift and slope have come to zero, too, and on a
+/// dwell that the spline comes to by symmetry.
+#[test]
+fn a_follower_stays_on_its_cam_where_the_slope_vanishes() {
+    let cam = |lift: &str, rest: &str, speed: f64| {
+        format!(
+            "[table.lift]\nx = [0, 60, 120, 180, 240, 300, 360]\ny = [{lift}]\nkind = \"periodic-cubic\"\n[flight]\ny = \"v\"\n\
+             v = \"-100{rest}\"\n[[contact]]\ngap = \"y - lift({speed:?}*t*180/pi)\"\nimpulse = {{ v = 1 }}\nrestitution = 0.3\n\
+             [initial]\ny = 0\nv = 0\n"
+        )
+    };
+    for k in 0..12 {
+        let speed = 20.0 + 0.37 * f64::from(k);
+        for (lift, rest) in [
+            ("0, 0.001, 0.006, 0.01, 0.006, 0.001, 0", ""),
+            (
+                "0, 0.001, 0.006, 0.01, 0.006, 0.001, 0",
+                " - 50*y - 2*sign(v)",
+            ),
+            ("0, 0, 0.006, 0.01, 0.006, 0, 0", ""),
+        ] {
+            let text = cam(lift, rest, speed);
+            let run = run::<f64>(&text, 2.3 * std::f64::consts::TAU / speed);
+            assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+            let told = [
+                EventKind::Impact,
+                EventKind::Accumulation,
+                EventKind::Release,
+            ];
+            let met = (run.events.iter())
+                .find(|event| (event.detail.kind()).is_some_and(|kind| told.contains(&kind)));
+            assert!(met.is_none(), "{met:?} {text}");
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What a corner changes that the motion has met: sides, columns of derivatives, contacts that are closed.
 
+use super::INSTANT_ROUNDOFFS;
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
@@ -117,10 +118,12 @@ impl<R: Real> Trajectory<R> {
             return Ok(());
         }
         let touch = self.touch_values(system)?;
-        let moves = |contact: usize| {
-            let rate = &touch.rate[contact];
-            rate.value.abs() > rate.level()
+        // The corner is met an instant too early or too late: what changes by that is no jump.
+        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
+        let level = |contact: usize| {
+            (touch.rate[contact].level()).max(R::splat(touch.acceleration[contact].terms) * instant)
         };
+        let moves = |contact: usize| touch.rate[contact].value.abs() > level(contact);
         if !self.closed.contacts().any(moves) {
             // The force that holds a contact may have jumped, too.
             let pressed = |contact: usize| {
@@ -142,7 +145,7 @@ impl<R: Real> Trajectory<R> {
         let Some(fastest) = fastest else {
             return Ok(());
         };
-        if touch.rate[fastest].value < -touch.rate[fastest].level() {
+        if touch.rate[fastest].value < -level(fastest) {
             let told = self.collide(system, work, fastest, self.closed)?;
             self.pending.extend(told);
             return Ok(());
