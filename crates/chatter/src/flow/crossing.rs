@@ -11,6 +11,8 @@ pub(crate) struct SectionPath<'a, R> {
     pub crossing: Crossing,
     /// The side that the trajectory comes from; zero if that is not known.
     pub side: R,
+    /// The side that the motion is on from here, where its field is that of a side of this very surface; zero otherwise.
+    pub kept: R,
     /// The sizes, added up, of the terms that the value at the start is the sum of.
     pub terms: R,
     /// How far the series reaches, however short the step is: rounding is told by the size that it has there.
@@ -56,7 +58,7 @@ impl<R: Real> SectionPath<'_, R> {
                     (order, largest) = (k, (c * power).abs());
                 }
             }
-            (order, unit(horner(self.series, at)))
+            self.on_its_side((order, unit(horner(self.series, at))))
         };
         let counts = self.crossing == Crossing::Either || sign < R::ZERO;
         Some(Start {
@@ -64,6 +66,17 @@ impl<R: Real> SectionPath<'_, R> {
             sign,
             crossed: self.side * sign < R::ZERO && counts,
         })
+    }
+
+    /// The field says on which side of its own surface it goes on, and not what the function comes to far away: a short flight on the
+    /// other side would be passed over.
+    fn on_its_side(&self, found: (usize, R)) -> (usize, R) {
+        let leads = |&(_, &c): &(usize, &R)| c * self.kept > R::ZERO;
+        let mut rising = self.series.iter().enumerate().skip(1).filter(leads);
+        match (self.kept * found.1 < R::ZERO, rising.next()) {
+            (true, Some((order, _))) => (order, self.kept),
+            _ => found,
+        }
     }
 
     /// Where the section is crossed first in (0, width), or at 0 if the trajectory has come from its other side. A crossing

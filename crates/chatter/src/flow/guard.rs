@@ -110,6 +110,8 @@ pub(crate) struct Guard {
     /// Which zeros count, after a rising section's sign was turned.
     pub crossing: Crossing,
     pub series: Operand,
+    /// The sign that it has in the mode, if that is on a side of this very surface; zero otherwise.
+    pub side: f64,
     /// Whether its series may need shorter steps than those of the states.
     pub is_expanded: bool,
     /// Whether it is a combination of states, which are summed without rounding.

@@ -379,6 +379,10 @@ impl Program {
                 changed,
             }));
         }
+        let positive: Vec<Expr> = (listed.iter())
+            .filter(|(kind, ..)| matches!(kind, GuardKind::Switch(_)))
+            .map(|&(.., function)| function)
+            .collect();
         let guards = (listed.into_iter().zip(&tape.outputs))
             .map(|((kind, crossing, function), &series)| Guard {
                 kind,
@@ -394,6 +398,13 @@ impl Program {
                 crossing,
                 series,
                 is_affine: is_affine(graph, function, dimension),
+                side: if positive.contains(&function) {
+                    1.0
+                } else if positive.contains(&graph.neg(function)) {
+                    -1.0
+                } else {
+                    0.0
+                },
                 is_expanded: match kind {
                     GuardKind::Gap(_) => !is_state(graph, function),
                     _ => !is_affine(graph, function, dimension),

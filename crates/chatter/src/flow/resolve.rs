@@ -230,6 +230,7 @@ fn section_path<'p, R: Real>(
         series,
         crossing: guard.crossing,
         side: work.sides[section],
+        kept: R::splat(guard.side),
         terms,
         // What begins with a zero is not rounded like what it comes to far away.
         reach: match touching {

@@ -87,16 +87,14 @@ impl<R: Real> Trajectory<R> {
         if after.value.abs() > (before.value.abs() + before.level()).max(after.level()) {
             return Ok(());
         }
-        // It comes back at once, and again, with no time left between.
+        // It comes back at once, and again, with no time left between. What moves as little as rounding does not come back: it rested
+        // there, and leaves.
+        let moves = rate.value.abs() > rate.level();
         let back = -(rate.value / acceleration.value) * R::splat(2.0);
-        if back > R::ZERO && back <= self.longest_step * R::splat(NO_TIME) {
+        if moves && back > R::ZERO && back <= self.longest_step * R::splat(NO_TIME) {
             return Err(self.switches_without_end());
         }
-        let roots = if rate.value.abs() > rate.level() {
-            1
-        } else {
-            2
-        };
+        let roots = if moves { 1 } else { 2 };
         let guards = &self.program(system)?.guards;
         if let Some(index) = guards.iter().position(|g| g.section() == Some(section)) {
             self.touching.set(index, roots);

@@ -206,3 +206,73 @@ fn events_that_come_sooner_for_a_while_go_on() {
         run.events.len()
     );
 }
+
+/// What has rested in an event's surface, as a body on a plate does in that of their relative velocity, leaves it: that is no event
+/// that brings itself about.
+#[test]
+fn a_surface_that_was_rested_in_is_left() {
+    let text = "[flight]\ny = \"v\"\nv = \"-1\"\n[[contact]]\ngap = \"y - 1.5*sin(t)\"\nimpulse = { v = 1 }\n\
+                restitution = 0.8\n[[event]]\nname = \"brake\"\nsurface = \"v - 1.5*cos(t)\"\ndirection = \"rising\"\n\
+                reset = { v = \"1.5*cos(t) + 0.5*(v - 1.5*cos(t))\" }\n[initial]\ny = 3\nv = 0\n";
+    let run = run(text, 20.0);
+    assert_eq!(run.outcome.name(), "horizon");
+    let released = |k: f64| (1.0_f64 / 1.5).asin() + std::f64::consts::TAU * k;
+    let found: Vec<f64> = (run.events.iter())
+        .filter(|event| matches!(event.detail, Occurrence::Release { .. }))
+        .map(|event| event.time)
+        .collect();
+    assert_near(&found, &[1.0, 2.0, 3.0].map(released), "releases");
+}
+
+/// A body that an event brakes each time it crosses the surface of its own dry field: q'' = -sign(q), p -> e p. All is over at
+/// sqrt(2 q0) (1 + 2 e/(1 - e)), and no crossing before is passed over.
+#[test]
+fn events_on_the_surface_where_the_field_jumps_come_to_their_end() {
+    for (direction, share) in [("either", 0.3), ("either", 0.65), ("either", 0.8)] {
+        let text = format!(
+            "[flight]\nq = \"p\"\np = \"-sign(q)\"\n[[event]]\nname = \"hit\"\nsurface = \"q\"\ndirection = \"{direction}\"\n\
+             reset = {{ p = \"{share}*p\" }}\n[initial]\nq = 0.1\np = 0\n"
+        );
+        let run = run(&text, 10.0);
+        assert_eq!(run.outcome.name(), "switches_without_end");
+        let end = f64::sqrt(0.2) * (1.0 + 2.0 * share / (1.0 - share));
+        assert!(
+            (run.time - end).abs() < 1e-12,
+            "{share}: {} {end}",
+            run.time
+        );
+    }
+}
+
+/// To count the reversals of a velocity that dry friction stops changes nothing.
+#[test]
+fn reversals_are_counted_where_friction_holds() {
+    let text = |event: &str, x: f64| {
+        format!(
+            "[flight]\nx = \"v\"\nv = \"-x + 1.5*cos(t) - 0.6*sign(v)\"\nn = \"0\"\n{event}[initial]\nx = {x:?}\nv = 0\nn = 0\n"
+        )
+    };
+    let count = |direction: &str, reset: &str| {
+        format!(
+            "[[event]]\nname = \"turn\"\nsurface = \"v\"\ndirection = \"{direction}\"\nreset = {{ {reset} }}\n"
+        )
+    };
+    for k in 0..20 {
+        let x = 0.074 * f64::from(k);
+        let plain = run(&text("", x), 20.0);
+        for event in [
+            count("falling", "n = \"n + 1\""),
+            count("either", "n = \"n + 1\""),
+            count("either", "v = \"0.5*v\""),
+        ] {
+            let counted = run(&text(&event, x), 20.0);
+            assert_eq!(counted.outcome, Outcome::Horizon, "{x} {event}");
+            for i in 0..2 {
+                assert!(
+                    (counted.state[i] - plain.state[i]).abs() < 1e-12,
+                    "{x} {event}"
+                );
+            }
+        }
+    }
+}
