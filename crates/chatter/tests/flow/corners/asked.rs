@@ -310,3 +310,24 @@ fn counters_are_where_plain_evaluation_says() {
     let expected = 1.8 * fall + 2.0 * (6.0 - 2.8 * fall);
     assert!((ball.state[3] - expected).abs() < 1e-13, "{:?}", ball.state);
 }
+
+/// Nor is the whole number that a counter stands at a place that motion could leave, where chatter ends and where surfaces meet.
+#[test]
+fn counters_stand_at_thresholds_where_motion_meets_corners() {
+    let wall = "[flight]\nx = \"v\"\nv = \"1 - 0.1*v*abs(v)\"\nu = \"RATE\"\nn = 0\n[[contact]]\ngap = \"-x\"\n\
+                impulse = { v = -1 }\nrestitution = 0.1\n[[event]]\nname = \"tick\"\nsurface = \"t - 50\"\ndirection = \"rising\"\n\
+                reset = { n = \"n + 1\" }\n[initial]\nx = -1\nv = 0\nu = 0\nn = 2\n";
+    for (rate, right) in [
+        ("if(n >= 2, 1, 0)", 12.0),
+        ("if(n > 2, 1, 0)", 0.0),
+        ("floor(n)", 24.0),
+    ] {
+        let run = run::<f64>(&wall.replace("RATE", rate), 12.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{rate}");
+        assert!(
+            (run.state[2] - right).abs() < 1e-13,
+            "{rate}: {:?}",
+            run.state
+        );
+    }
+}

@@ -125,3 +125,45 @@ fn blocks_rest_in_every_unit_of_time() {
         assert_eq!(run.state[..4], [0.2, 0.0, 0.1, 0.0], "{text}");
     }
 }
+
+/// Two dry frictions hand over where their surfaces meet: v is monotone in what acts on it, so there is one motion. From pi/2 on it is
+/// held along 0.2 cos t, as 0.25 - 0.4 - 0.8 l = -0.2 sin t has solutions |l| <= 1.
+#[test]
+fn frictions_hand_over_where_their_surfaces_meet() {
+    let text = "[flight]\nv = \"0.25 - 0.8*sign(v - 0.2*cos(t)) - 0.4*sign(v - 0.3*cos(t))\"\n[initial]\nv = 0.3\n";
+    for until in [2.0, 3.0, 4.0] {
+        let run = run::<f64>(text, until);
+        assert_eq!(run.outcome, Outcome::Horizon);
+        assert!((run.state[0] - 0.2 * libm::cos(until)).abs() < 1e-15);
+    }
+    for k in 0..40 {
+        let push = -1.0 + 0.05 * f64::from(k);
+        let text = format!(
+            "[flight]\nv = \"{push:?} - 0.8*sign(v - 0.2*cos(t)) - 0.2*sign(v - 0.3*cos(t))\"\n[initial]\nv = 0.25\n"
+        );
+        let run = run::<f64>(&text, 12.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{push}");
+        assert!((run.state[0] - implicit(push, 12.0)).abs() < 2e-3, "{push}");
+    }
+}
+
+/// The same by implicit steps: each is the zero of a function that rises.
+fn implicit(push: f64, until: f64) -> f64 {
+    const STEPS: u32 = 12_000;
+    let h = until / f64::from(STEPS);
+    let sign = |x: f64| if x == 0.0 { 0.0 } else { x.signum() };
+    (1..=STEPS).fold(0.25, |v, k| {
+        let cosine = libm::cos(h * f64::from(k));
+        let (mut low, mut high) = (v - 3.0 * h, v + 3.0 * h);
+        for _ in 0..40 {
+            let at = 0.5 * (low + high);
+            let force = push - 0.8 * sign(at - 0.2 * cosine) - 0.2 * sign(at - 0.3 * cosine);
+            if at - v - h * force > 0.0 {
+                high = at;
+            } else {
+                low = at;
+            }
+        }
+        0.5 * (low + high)
+    })
+}

@@ -66,3 +66,30 @@ fn a_corner_that_was_not_in_use_is_where_the_state_is() {
         check::<DoubleDouble>(case);
     }
 }
+
+/// A corner that only one side asks for decides there whether the surface is slid along: where the state is, and not where it was when
+/// it was asked last. Here y runs backwards, from t = 2 on x stays.
+#[test]
+fn sliding_asks_corners_where_the_state_is() {
+    let rates = [
+        "if(X > 0 and y < 0, -0.5, 0.5)",
+        "if(y < 0 and X > 0, -0.5, 0.5)",
+        "0.5 - step(X)*step(-y)",
+        "if(X > 0, if(y < 0, -0.5, 0.5), 0.5)",
+        "0.5 - if(X > 0, max(-y, 0), 0)",
+    ];
+    let end = |rate: &str, sign: f64| {
+        let text = format!(
+            "[flight]\nx = \"{sign:?}*({})\"\ny = \"-1\"\n[initial]\nx = {}\ny = 0.5\n",
+            rate.replace('X', &format!("({sign:?}*x)")),
+            -sign,
+        );
+        let run = run::<f64>(&text, 3.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+        run.state[0]
+    };
+    for rate in rates {
+        assert!(end(rate, 1.0).abs() < 1e-14, "{rate}");
+        assert!(end(rate, -1.0).abs() < 1e-14, "{rate}");
+    }
+}

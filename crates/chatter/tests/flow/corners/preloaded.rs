@@ -117,3 +117,23 @@ fn rest_on_a_repelling_force_is_not_unique() {
         Err(SimulateError::Start(FlowError::NotUnique { time, .. })) if time == 0.0
     ));
 }
+
+/// A spring between dry frictions that comes to rest at their very limit stays: that it is pulled by a rounding error beyond is no
+/// motion. It swings from 3 mu to -mu, is kicked each turn and brought to rest at 3 mu.
+#[test]
+fn what_stops_at_the_limit_of_friction_stays() {
+    for k in 0..12 {
+        let kick = 1.4 + 0.1 * f64::from(k);
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-x - 0.3*sign(v)\"\n[[event]]\nname = \"kick\"\nsurface = \"sin(t)\"\n\
+             direction = \"rising\"\nreset = {{ v = \"v + {kick:?}\" }}\n[[event]]\nname = \"brake\"\nsurface = \"x - 0.9\"\n\
+             direction = \"rising\"\nreset = {{ v = 0 }}\n[initial]\nx = 0\nv = 0\n"
+        );
+        // At the end of the 30th turn it has long been at rest.
+        ends_at(
+            &run(&text, 30.0 * std::f64::consts::TAU - 0.1),
+            &[-0.3, 0.0],
+            1e-13,
+        );
+    }
+}

@@ -64,7 +64,7 @@ impl<R: Real> Trajectory<R> {
                 }
                 let standings = self.standings(system)?;
                 more = (standings.iter())
-                    .find(|s| !touched.contains(&s.corner) && self.is_touched(s))
+                    .find(|s| !touched.contains(&s.corner) && self.is_touched(system, s))
                     .map(|standing| standing.corner)
                     .or(more);
                 let candidate = self.standing_sides();
@@ -152,7 +152,9 @@ impl<R: Real> Trajectory<R> {
                     base = self.standing_sides();
                 }
                 let options = self.options(system, (corner, met), &base, (touched, asked))?;
-                wider.extend(options.into_iter().map(|option| option.made(&base)));
+                for option in options {
+                    wider.push(self.choose(system, (option, &base), (touched, asked))?);
+                }
             }
             if wider.len() > MOST_CANDIDATES {
                 return Ok(None);
@@ -179,8 +181,8 @@ impl<R: Real> Trajectory<R> {
             }
             let options = self.options(system, (corner, met), &found, (touched, asked))?;
             let slides = (options.iter()).find(|o| matches!(o, Choice::Side(_, Side::Sliding)));
-            if let Some(slides) = slides {
-                found = slides.made(&found);
+            if let Some(&slides) = slides {
+                found = self.choose(system, (slides, &found), (touched, asked))?;
             }
         }
         for _ in 0..MOST_ROUNDS {
@@ -190,7 +192,7 @@ impl<R: Real> Trajectory<R> {
                     continue;
                 }
                 for option in self.options(system, (corner, met), &found, (touched, asked))? {
-                    let option = option.made(&found);
+                    let option = self.choose(system, (option, &found), (touched, asked))?;
                     if self.holds_for(system, &option, (corner, touched, asked))? {
                         found = option;
                         break;

@@ -308,7 +308,7 @@ impl<R: Real> Trajectory<R> {
             }
             let touched: Vec<Corner> = (standings.iter())
                 .filter(|standing| !chosen.contains(&standing.corner))
-                .filter(|standing| is_met(standing.corner) || self.is_touched(standing))
+                .filter(|standing| is_met(standing.corner) || self.is_touched(system, standing))
                 .map(|standing| standing.corner)
                 .collect();
             if touched.is_empty() {
@@ -403,7 +403,11 @@ impl<R: Real> Trajectory<R> {
         Some(candidate)
     }
 
-    fn is_touched(&self, standing: &Standing<R>) -> bool {
+    fn is_touched(&self, system: &System, standing: &Standing<R>) -> bool {
+        // What only jumps change is where plain evaluation says, at a threshold as well.
+        if system.counted().contains(&standing.corner) {
+            return false;
+        }
         let reached =
             |orders: &[WithTerms<R>; STANDING_ORDERS]| orders[0].value <= standing.level(orders);
         match standing.corner {

@@ -28,8 +28,19 @@ struct Beside<R> {
     is_kept: bool,
 }
 
+/// Whether the function of a surface moves, and as fast on both sides.
+fn is_unheld<R: Real>(beside: &[Beside<R>]) -> bool {
+    let rates = match beside {
+        [above, below] => above.rate.zip(below.rate),
+        _ => None,
+    };
+    rates.is_some_and(|((above, a), (below, b))| {
+        (above - below).abs() <= a + b && above.abs() > a + b
+    })
+}
+
 impl Choice {
-    pub(super) fn made(self, base: &Candidate) -> Candidate {
+    fn made(self, base: &Candidate) -> Candidate {
         let mut candidate = base.clone();
         match self {
             Self::Side(index, side) => candidate.sides = candidate.sides.with(index, side),
@@ -99,6 +110,26 @@ impl<R: Real> Trajectory<R> {
         }
     }
 
+    /// A candidate with one of its corners chosen. What is slid along has others on the sides that its two fields find themselves on:
+    /// those may be in use on one side only, where the state has not been.
+    pub(super) fn choose(
+        &mut self,
+        system: &System,
+        (choice, base): (Choice, &Candidate),
+        (touched, asked): (&[Corner], &mut Asked<R>),
+    ) -> Result<Candidate, FlowError> {
+        let Choice::Side(index, Side::Sliding) = choice else {
+            return Ok(choice.made(base));
+        };
+        let mut found = base.clone();
+        for side in [Side::Above, Side::Below] {
+            if self.ask_beside(system, &found.with_side(index, side), (touched, asked))? {
+                found = self.standing_sides();
+            }
+        }
+        Ok(found.with_side(index, Side::Sliding))
+    }
+
     /// Whether the field differs on the two sides of a surface, so that it may be slid along; all else as in `base`.
     fn jumps(
         &mut self,
@@ -114,12 +145,10 @@ impl<R: Real> Trajectory<R> {
             _ => None,
         };
         let beside = self.beside(system, index, (base, touched, asked))?;
-        if let [above, below] = &beside[..]
-            && let (Some(above), Some(below)) = (above.rate, below.rate)
-            && (above.0 - below.0).abs() <= above.1 + below.1
-            && above.0.abs() > above.1 + below.1
-        {
-            // Nothing holds a rate that no side changes.
+        let free = base.sliding_nowhere();
+        let slides = free != *base;
+        // Nothing holds a rate that no side changes, unless by what is slid along elsewhere, which may end here.
+        if !slides && is_unheld(&beside) {
             return Ok(false);
         }
         if beside.iter().any(|beside| beside.is_kept) {
@@ -127,11 +156,14 @@ impl<R: Real> Trajectory<R> {
             return Ok(false);
         }
         let mut known = agree(&beside);
-        let free = base.sliding_nowhere();
-        if known != Some(false) && free != *base {
+        if known != Some(false) && slides {
             // What is slid along elsewhere may be so on one of these sides only, or hide the jump: of three bodies that hold each
             // other one pair is at rest whatever rubs between them.
-            known = agree(&self.beside(system, index, (&free, touched, asked))?).or(known);
+            let freely = self.beside(system, index, (&free, touched, asked))?;
+            if is_unheld(&beside) && is_unheld(&freely) {
+                return Ok(false);
+            }
+            known = agree(&freely).or(known);
         }
         match known {
             Some(true) => self.is_held_by_nothing(system, index, (base, touched, asked)),

@@ -2,7 +2,7 @@
 
 use super::choice::{Asked, Fields, change};
 use super::{Candidate, Standing};
-use crate::expressions::{Operand, Side};
+use crate::expressions::{Operand, Side, Sides};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
@@ -36,7 +36,7 @@ pub(super) struct Verdict<R> {
 impl<R: Real> Trajectory<R> {
     /// What the present mode says of itself; none where it does not hold.
     pub(super) fn verdict(
-        &self,
+        &mut self,
         system: &System,
         candidate: Candidate,
         (touched, asked): (&[Corner], &mut Asked<R>),
@@ -50,6 +50,7 @@ impl<R: Real> Trajectory<R> {
             asked.singular = self.singular_here(system);
             return Ok(None);
         }
+        let standings = self.standings_on_surfaces(system)?;
         let mut verdict = Verdict {
             candidate,
             roots: Vec::new(),
@@ -62,7 +63,7 @@ impl<R: Real> Trajectory<R> {
         };
         // What an instant changes says nothing yet.
         let later = self.standings_at(system, (&asked.later.0, &asked.later.1))?;
-        for (standing, later) in self.standings(system)?.iter().zip(&later) {
+        for (standing, later) in standings.iter().zip(&later) {
             if !touched.contains(&standing.corner) {
                 continue;
             }
@@ -132,6 +133,22 @@ impl<R: Real> Trajectory<R> {
         }
         verdict.contacts_stay = self.contacts_stay(system);
         Ok(Some(verdict))
+    }
+
+    /// How the state stands to corners once it is on the surfaces that the present mode slides along: what rounding has left beside
+    /// these is no motion. One that may have jumped is left where it is.
+    fn standings_on_surfaces(&mut self, system: &System) -> Result<Vec<Standing<R>>, FlowError> {
+        let mut slid = (0..Sides::MOST).filter(|&k| self.regime.get(k) == Side::Sliding);
+        let is_beside = slid.clone().next().is_some()
+            && !slid.any(|index| self.may_jump(system, Corner::Surface(index)));
+        if !is_beside {
+            return self.standings(system);
+        }
+        let beside = (self.state.clone(), self.low.clone());
+        self.stay_on_surfaces(system)?;
+        let standings = self.standings(system);
+        (self.state, self.low) = beside;
+        standings
     }
 
     /// Whether what is zero at a corner has corners itself.
