@@ -187,6 +187,7 @@ fn isolate<R: Real>(coefficients: &[R], width: R, crossing: Crossing, noise: R) 
                     });
                 }
             }
+            Verdict::Unclear if is_passed(&values, crossing, noise) => {}
             Verdict::Unclear if depth < most_halvings => {
                 let middle = (low + high) * R::splat(0.5);
                 let right = split(&mut values);
@@ -201,6 +202,21 @@ fn isolate<R: Real>(coefficients: &[R], width: R, crossing: Crossing, noise: R) 
         }
     }
     None
+}
+
+/// Whether p lies within the noise of zero on the whole of an interval, and rises or falls there without a zero that counts: to halve
+/// that until each part is tiny would take for ever where it is wide.
+#[inline(always)]
+fn is_passed<R: Real>(values: &[R], crossing: Crossing, noise: R) -> bool {
+    let (mut rises, mut falls) = (false, false);
+    for pair in values.windows(2) {
+        rises |= pair[1] > pair[0];
+        falls |= pair[1] < pair[0];
+    }
+    let last = values[values.len() - 1];
+    let crosses = (values[0] > R::ZERO) != (last > R::ZERO);
+    let counts = crosses && (falls || crossing == Crossing::Either);
+    rises != falls && !counts && values.iter().all(|value| value.abs() <= noise)
 }
 
 /// Decides a tiny interval in which p is within the noise of zero.
@@ -309,6 +325,21 @@ mod tests {
         let root = first(&[0.3, 0.3, 2.0], 1.0).unwrap();
         assert_eq!(root.kind, RootKind::Touching);
         assert!((root.at - 0.3).abs() < 1e-7, "{root:?}");
+    }
+
+    /// Where rounding is told by what a polynomial comes to, most of the way there may be within it.
+    #[test]
+    fn a_long_rise_within_the_noise_is_no_root() {
+        for order in [9, 20, 26] {
+            let mut p = vec![0.0; order + 1];
+            (p[0], p[1], p[order]) = (1e-22, 1e-20, 1.0);
+            assert_eq!(first_root(&p, 1.0, Crossing::Falling, 1e-14), None);
+            assert_eq!(first_root(&p, 1.0, Crossing::Either, 1e-14), None);
+            // A double-double's intervals are halved twice as often.
+            let wide: Vec<DoubleDouble> = p.iter().map(|&c| DoubleDouble::from(c)).collect();
+            let (width, noise) = (DoubleDouble::from(1.0), DoubleDouble::from(1e-14));
+            assert_eq!(first_root(&wide, width, Crossing::Falling, noise), None);
+        }
     }
 
     #[test]

@@ -357,3 +357,20 @@ fn saturating_quotients_of_exponentials_are_followed() {
         }
     }
 }
+
+/// A body pulled into a pole, its velocity watched on the way: x'' = 1/(d - x)^2 arrives at d after d^1.5 pi/sqrt(8).
+#[test]
+fn a_section_does_not_delay_the_end_at_a_pole() {
+    for d in [0.9, 0.7, 1.3] {
+        for surface in ["v", "v + 1", "x - v"] {
+            let text = format!(
+                "[flight]\nx = \"v\"\nv = \"1/({d:?} - x)^2\"\n[section.s]\nsurface = \"{surface}\"\ndirection = \"falling\"\n\
+                 [initial]\nx = 0\nv = 0\n"
+            );
+            let run = run::<f64>(&model(&text), &Spec::until(4.0));
+            assert_eq!(run.outcome.name(), "singular", "{text}");
+            let end = d * f64::sqrt(d) * std::f64::consts::PI / f64::sqrt(8.0);
+            assert!((run.time - end).abs() < 1e-13, "{} {end}", run.time);
+        }
+    }
+}
