@@ -1,6 +1,6 @@
 //! The corners of a model: every surface where an expression of it changes its form.
 
-use crate::expressions::{Corners, Expr, LOOKUP_SLOTS, Names, Side, Symbol};
+use crate::expressions::{Corners, Expr, LOOKUP_SLOTS, Names, Side, Sides, Symbol};
 use crate::model::mechanics::identically_zero::generic;
 use crate::model::{Model, Rubbing};
 
@@ -82,6 +82,10 @@ impl Model {
     /// all else being equal.
     pub fn corner_kinds(&self) -> Vec<CornerKind> {
         let (corners, rubbing) = self.corners();
+        if corners.surfaces.len() > Sides::MOST {
+            // There are no trajectories, and no sides to ask for.
+            return Vec::new();
+        }
         let parameters = self.parameter_values::<f64>(&[]);
         let start = self.initial_state(&parameters);
         (0..corners.surfaces.len())
