@@ -121,7 +121,7 @@ impl Walker {
             {
                 self.lose(&station, index, &there)
             }
-            Broken::Beyond(..) => {
+            Broken::Beyond(..) | Broken::Carried(_) => {
                 self.begins_at_its_end((&from, &station), &broken, &there);
                 Err(broken.told(&self.shooting))
             }
@@ -190,7 +190,7 @@ impl Walker {
         }
     }
 
-    /// Notes where a step begins exactly where its own guard would end it.
+    /// Notes where a step begins exactly where its own guard would end it, or where a jump leads just onto a surface.
     fn begins_at_its_end(
         &mut self,
         (from, to): (&Station, &Station),

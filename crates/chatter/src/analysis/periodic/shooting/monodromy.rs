@@ -212,7 +212,8 @@ impl<R: Real> Shooting<R> {
         let n = self.workshop.model.states.len();
         let parameters = self.workshop.parameters(self.free(at));
         let mut product = R::ONE;
-        for index in 0..self.steps.len() {
+        // No motion lies between events of one instant.
+        for index in (0..self.steps.len()).filter(|&index| !self.steps[index].is_at_once()) {
             let all = self.parameters_of(&parameters, &self.steps[index]);
             let x = &at[self.places[index]..self.places[index] + n];
             let Flown::Leg(leg, flyer) = &self.flown[index] else {
