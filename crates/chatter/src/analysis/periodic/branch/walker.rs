@@ -5,6 +5,7 @@ use super::kept::{Ledger, Of, Stand, Standing, Then, Walked, damaged};
 use super::limits::{End, Limits, station_at};
 use super::returns::passages;
 use super::special::{Near, Seed, Special};
+use super::touch::VANISHED;
 use super::{Point, SpecialKind};
 use crate::analysis::border::{Border, BorderSpec, borders_in};
 use crate::analysis::continuation::{Curve, Problem, Station, StepError};
@@ -47,6 +48,8 @@ const BORDER_SAMPLES: usize = 6;
 const CLOSE: f64 = 1e-4;
 /// A step of this part of the longest is on new ground.
 const OF_NOTE: f64 = 2e-3;
+/// Parameters differ by so much of their size where they tell which way a branch goes.
+const HEADED: f64 = 1e-10;
 /// Points nearer than this to the latest, in parts of a step, are not kept: at a border they accumulate.
 const CROWDED: f64 = 1e-6;
 
@@ -128,13 +131,10 @@ impl Walker {
                 Ok(found) => found,
                 Err(StepError::TooShort(error)) => {
                     // Where a crossing and the way back become one, no time is left between them.
-                    let count = self.shooting.steps.len();
                     self.settle(&curve.station);
-                    if let Some(index) = (0..count).find(|&k| self.shooting.comes_back(k)) {
+                    if let Some(index) = self.shooting.shortest_stay() {
                         walked.grazes += 1;
-                        let forward = curve.station.parameter_slope();
-                        let outcome = self.lose(&curve.station.clone(), index, &here.clone());
-                        if let Stop::On = self.goes_on(outcome, (&mut curve, forward), &mut here) {
+                        if self.stay_ends(index, &mut curve, &mut here) {
                             at_graze = true;
                             continue;
                         }
@@ -165,11 +165,27 @@ impl Walker {
                 let from = curve.station.clone();
                 break self.loses_section(&from, (step, index), rates, &here);
             }
+            // Beyond where a way back takes no time the equations have solutions that are no motion.
+            if self.shooting.comes_back_at_once(&next.at) {
+                walked.grazes += 1;
+                if self.hop(&mut curve, &mut here, (walked.hops, Some(&next))) {
+                    walked.hops += 1;
+                    at_graze = true;
+                    continue;
+                }
+            }
             // The landings of the last correction belong to a point that differs by less than its square.
             let least = self.shooting.least(&next.at).unwrap_or_default();
             let broken = broken(&self.shooting, &least);
             if !broken.is_empty() {
                 walked.grazes += 1;
+                // What is left of a stay that comes to its end breaks in whichever way rounding says.
+                if let Some(index) = self.stay_vanishes(&curve.station)
+                    && self.stay_ends(index, &mut curve, &mut here)
+                {
+                    at_graze = true;
+                    continue;
+                }
                 let told = self.special.len();
                 match self.pass(&mut curve, step, broken, &mut here) {
                     Stop::On => {
@@ -283,6 +299,52 @@ impl Walker {
         };
         let end = ledger.close((&self.points, &self.special), end, diary);
         Ok(self.side(end))
+    }
+
+    /// The crossing whose way back takes no time any more, but for rounding. Stays that begin are longer.
+    fn stay_vanishes(&mut self, station: &Station) -> Option<usize> {
+        self.settle(station);
+        let index = self.shooting.shortest_stay()?;
+        let place = (self.shooting).duration_place((index + 1) % self.shooting.steps.len())?;
+        (station.at[place] < VANISHED * self.shooting.period()).then_some(index)
+    }
+
+    /// On past where a crossing and the way back become one: no time is left between them. Whether that is so.
+    fn stay_ends(&mut self, index: usize, curve: &mut Curve, here: &mut Point) -> bool {
+        let (station, told) = (curve.station.clone(), self.special.len());
+        self.settle(&station);
+        let forward = self.heading(&station);
+        let outcome = self.lose(&station, index, &here.clone());
+        let ends = matches!(self.goes_on(outcome, (curve, forward), here), Stop::On);
+        if !ends {
+            self.special.truncate(told);
+            self.settle(&station);
+        }
+        ends
+    }
+
+    /// Whether the direction at a station says nothing of where the parameter goes.
+    pub(super) fn stands_still(&self, station: &Station) -> bool {
+        self.is_flat(station) || self.shooting.comes_back_at_once(&station.at)
+    }
+
+    /// Where the parameter goes at a station: where it all but stands still, as where a stay comes to its end, as the points before say.
+    pub(super) fn heading(&self, station: &Station) -> f64 {
+        let value = station.parameter();
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        if !self.stands_still(station) {
+            return station.parameter_slope();
+        }
+        let turns = |special: &&Special| {
+            special.kind == SpecialKind::Fold || special.persists == Some(false)
+        };
+        let turned = self.special.iter().rev().find(turns);
+        let since = turned
+            .map_or(0, |special| special.place)
+            .min(self.points.len());
+        let mut before = self.points[since..].iter().rev();
+        let known = before.find(|point| (value - point.parameter()).abs() > HEADED * scale);
+        known.map_or(station.parameter_slope(), |point| value - point.parameter())
     }
 
     /// From a station to where, on the way to the next, the parameter leaves its range.
