@@ -66,8 +66,8 @@ pub(crate) struct Leg {
     flow: System,
     edge: Edge,
     watch: Watch,
-    /// Whether its event leaves the state on the surface that it ends at.
-    keeps_surface: bool,
+    /// Guards that its event leaves as they are.
+    keeps: Vec<GuardKind>,
     /// The field at a point.
     field: Tape,
     graph: Graph,
@@ -345,9 +345,18 @@ impl System {
         } = self.ending(kind)?;
         let graph = &mut graph;
         let coordinates = field.len();
-        let keeps_surface = surface.is_some_and(|surface| {
-            graph.substitute(surface, &|symbol| at(&map, symbol)) == surface
-        });
+        let stays =
+            |graph: &mut Graph, of: Expr| graph.substitute(of, &|symbol| at(&map, symbol)) == of;
+        let mut keeps: Vec<GuardKind> = (guards.iter())
+            .filter(|&&(_, of)| stays(graph, of))
+            .map(|&(guard, _)| guard)
+            .collect();
+        if let (Some(guard), Some(surface)) = (kind.ends_at, surface)
+            && !keeps.contains(&guard)
+            && stays(graph, surface)
+        {
+            keeps.push(guard);
+        }
         let map = onto_what_holds(graph, &held, &map, self.model().time);
         let columns = columns(coordinates, free);
         let section = section.filter(|&section| kind.ends_at != Some(GuardKind::Section(section)));
@@ -432,7 +441,7 @@ impl System {
                 values,
                 rates: at_start,
             },
-            keeps_surface,
+            keeps,
             field: at_point,
             graph: graph.clone(),
             time: self.model().time,
@@ -575,9 +584,9 @@ impl Leg {
         }
     }
 
-    /// Whether its event leaves the state on the surface that it ends at.
-    pub(crate) fn keeps_surface(&self) -> bool {
-        self.keeps_surface
+    /// Whether its event leaves the function of a guard as it is, and so the state on its surface.
+    pub(crate) fn keeps(&self, guard: GuardKind) -> bool {
+        self.keeps.contains(&guard)
     }
 
     /// The field at a state.

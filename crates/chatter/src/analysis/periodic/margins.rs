@@ -92,6 +92,9 @@ pub(super) fn margins(
             }
         }
         time += landing.duration;
+        if let (Some(guard), Some(beyond)) = (step.ends_at(), shooting.carried(index, &least)) {
+            note(MarginKind::LeastValue, guard, time, beyond);
+        }
         if let Some(contact) = step.impact() {
             note(
                 MarginKind::ImpactRate,

@@ -129,6 +129,8 @@ pub struct Trajectory<R> {
     may_have_crossed: bool,
     /// The guard whose zero ended the latest step.
     ended_by: Option<GuardKind>,
+    /// Whether the latest event that changed the state came as a jump took the state across its surface.
+    came_by_jump: bool,
     /// The mode and the pieces in which the map of the latest impact or reset was found, where it asks for corners of its own.
     asked_in: Option<(usize, Vec<i64>)>,
     pending: VecDeque<Occurrence<R>>,
@@ -194,6 +196,11 @@ impl<R: Real> Trajectory<R> {
     /// The guard whose zero ended the latest step, if one did.
     pub(crate) fn ended_by(&self) -> Option<GuardKind> {
         self.ended_by
+    }
+
+    /// Whether the latest event that changed the state came as a jump took the state across its surface, at the instant of that jump.
+    pub(crate) fn came_by_jump(&self) -> bool {
+        self.came_by_jump
     }
 
     /// Mode and pieces that the map of the event at the end of the latest step belongs to, if it asks for corners of its own.
@@ -613,6 +620,7 @@ impl<R: Real> Trajectory<R> {
         match guard.transition {
             Transition::Reset { section } => {
                 self.flight_time = self.rest_of_flight(step);
+                self.came_by_jump = result.jumped;
                 self.reset(system, work, (section, result.jumped)).map(Some)
             }
             Transition::Cross { section } => {

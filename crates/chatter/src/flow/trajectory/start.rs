@@ -89,6 +89,7 @@ impl<R: Real> Trajectory<R> {
             completion: None,
             may_have_crossed: false,
             ended_by: None,
+            came_by_jump: false,
             asked_in: None,
             pending: VecDeque::new(),
             untold: Untold::NONE,

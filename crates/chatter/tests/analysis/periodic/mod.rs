@@ -3,6 +3,7 @@
 mod asked;
 mod border_collisions;
 mod branches;
+mod caused;
 mod differences;
 mod drift;
 mod held;

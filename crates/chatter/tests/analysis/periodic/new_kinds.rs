@@ -154,3 +154,31 @@ fn exponents_are_refused_where_contacts_close_at_one_instant() {
         "{found:?}"
     );
 }
+
+/// A thyristor that fires and goes out once a period, which sets its current to zero: nothing is left of a displacement, and no quotient of
+/// multipliers says what the second one is.
+#[test]
+fn what_resets_forget_altogether_has_no_multipliers_but_zero() {
+    let text = r#"
+[flight]
+i = "if(q > 0.5, sin(t) - 0.2 - 0.3*i, 0)"
+q = "0"
+[[event]]
+name = "fire"
+surface = "sin(t - 1)"
+direction = "rising"
+reset = { q = 1 }
+[[event]]
+name = "off"
+surface = "i + 1 - q"
+direction = "falling"
+reset = { q = 0, i = 0 }
+[initial]
+i = 0
+q = 0
+"#;
+    let found = orbit(&with(text, &[]));
+    assert!((found.period.to_f64() - 2.0 * PI).abs() < 1e-14);
+    assert!(found.multipliers.iter().all(|m| m.modulus() == 0.0));
+    assert!(!found.multipliers.is_empty() && found.is_stable());
+}

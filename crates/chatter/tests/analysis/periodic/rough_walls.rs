@@ -153,3 +153,41 @@ fn complete_chatter_across_surfaces_has_the_multipliers_of_differences() {
         agree(&found, &differences(&model, &found));
     }
 }
+
+/// A ball with spin that friction stops from sliding at each impact, by which u + s vanishes but for rounding of what it was: in a flight u and s
+/// die out at the rates 0.3 and 0.2, and friction changes them along (1, 2.5).
+#[test]
+fn friction_stops_two_states_at_once() {
+    let text = r#"
+[parameters]
+G = 2
+[flight]
+u = "-0.3*u + 0.2*cos(t)"
+s = "-0.2*s"
+y = "v"
+v = "-1"
+[[contact]]
+name = "floor"
+gap = "y - G*sin(t)"
+impulse = { v = 1 }
+restitution = 0.3
+friction = { coefficient = 0.3, along = { u = 1, s = 2.5 }, rate = "u + s" }
+[initial]
+u = 0.9
+s = 0
+y = 1
+v = 0
+"#;
+    let found = orbit(&with(text, &[]));
+    assert_eq!(found.impacts, Some(1));
+    let period = found.period.to_f64();
+    let (u, s) = ((-0.3 * period).exp(), (-0.2 * period).exp());
+    let expected = (2.5 * u + s) / 3.5;
+    let off = |m: &chatter::numerics::Complex| (m.re - expected).hypot(m.im);
+    let nearest = found
+        .multipliers
+        .iter()
+        .map(off)
+        .fold(f64::INFINITY, f64::min);
+    assert!(nearest < 1e-12, "{:?} {expected}", found.multipliers);
+}

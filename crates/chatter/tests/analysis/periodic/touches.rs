@@ -172,3 +172,101 @@ fn an_event_that_leaves_the_state_on_its_surface_is_not_touched_at_once() {
     assert_eq!(found[0].ends, [End::Range, End::Range]);
     assert!(found[0].special.is_empty(), "{:?}", found[0].special);
 }
+
+/// All touches of a branch over w that goes through its range, with every change one that persists.
+fn all_through(model: &str, (start, range, step): (&str, (f64, f64), f64)) -> Vec<f64> {
+    let context = format!("from {start} by {step}");
+    let found = over(&with(model, &[("w", start)]), "w", range, (4, step));
+    assert_eq!(found[0].ends, [End::Range, End::Range], "{context}");
+    for special in &found[0].special {
+        assert_eq!(special.persists, Some(true), "{context}: {special:?}");
+    }
+    touches(&found[0], &context)
+}
+
+/// A rotor whirls beside a soft stator, pulled down a little: it touches where 0.9 is the radius of its free whirl, with s = w^2
+/// 9 ((1 - s)^2 + 0.04 s) = s^2. Of the stays at the stator that begin and end farther on several are short at once.
+#[test]
+fn a_rotor_has_the_same_touches_whichever_way_it_comes() {
+    let text = r#"
+    [parameters]
+    w = 0.97
+    [definitions]
+    rr = "hypot(x, y)"
+    fn = "5*max(1 - 1/rr, 0)"
+    [flight]
+    x = "u"
+    u = "-0.2*u - x + 0.3*w^2*cos(w*t) - fn*x"
+    y = "v"
+    v = "-0.2*v - y + 0.3*w^2*sin(w*t) - fn*y - 0.1"
+    [section.strobe]
+    surface = "sin(w*t)"
+    direction = "rising"
+    [initial]
+    x = 0.1
+    u = 0.0
+    y = 0.1
+    v = 0.0
+    "#;
+    let s = (17.64 - (17.64_f64 * 17.64 - 4.0 * 8.0 * 9.0).sqrt()) / 16.0;
+    let expected = [s.sqrt(), 0.975_873_182_359_320_6, 0.977_018_684_516_001_3];
+    for (start, step) in [("0.97", 0.03), ("0.92", 0.05)] {
+        let found = all_through(text, (start, (0.88, 0.99), step));
+        assert_near(&found, &expected, start);
+    }
+}
+
+/// Where the way back to the belt takes no time the equations are solved by no time at all, too, and say nothing of where the touch is.
+#[test]
+fn a_slip_that_comes_to_nothing_is_one_touch_at_all_steps() {
+    let text = r#"
+    [parameters]
+    w = 0.93
+    [flight]
+    x = "v"
+    v = "-x - 0.1*v - 0.3*sign(v - 0.2) + 1.5*cos(w*t)"
+    [[contact]]
+    name = "stop"
+    gap = "0.8 - x"
+    impulse = { v = -1 }
+    restitution = 0.7
+    [section.z]
+    surface = "cos(w*t)"
+    direction = "rising"
+    [initial]
+    x = 0
+    v = 0
+    "#;
+    let expected = [0.948_092_428_095_925, 0.970_804_957_367_472];
+    for (start, step) in [("0.93", 0.02), ("0.93", 0.05), ("0.99", 0.05)] {
+        assert_near(
+            &all_through(text, (start, (0.9, 1.0), step)),
+            &expected,
+            start,
+        );
+    }
+}
+
+/// The force of a lift that begins with a corner touches there the value at which a check valve opens.
+#[test]
+fn a_surface_that_is_touched_by_a_corner_of_the_field_is_told() {
+    let text = r#"
+    [parameters]
+    w = 19.2
+    [definitions]
+    lift = "max(-0.02 + 0.03*sin(w*t), 0)"
+    f = "max(8000*(lift + l - y), 0)"
+    [flight]
+    y = "v"
+    v = "f - 400*y - 30 - 5*v"
+    l = "-f/80000 + if(f < 50, 4*(0.002 - (l-y)), 0)"
+    [initial]
+    y = 0.05
+    v = 0
+    l = 0.06
+    "#;
+    for step in [0.05, 0.2] {
+        let found = all_through(text, ("19.2", (19.16, 19.21), step));
+        assert_near(&found, &[19.172_557_924_786_36], "by the corner");
+    }
+}

@@ -20,17 +20,17 @@ const TOGETHER: f64 = 1e-9;
 const STANDS: f64 = 1e-12;
 
 /// A corner that an event has come to.
-struct Met {
-    at: Vec<f64>,
-    residual: f64,
+pub(super) struct Met {
+    pub at: Vec<f64>,
+    pub residual: f64,
     correction: f64,
     /// Of the parameter.
-    error: f64,
+    pub error: f64,
 }
 
 impl Shooting<f64> {
     /// Where the event at the end of a step is at a corner.
-    fn at_corner(
+    pub(super) fn at_corner(
         &mut self,
         start: &[f64],
         (index, guard): (usize, GuardKind),

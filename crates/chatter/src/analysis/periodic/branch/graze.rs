@@ -10,6 +10,7 @@ use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Shooting, station_after};
 use crate::expressions::Symbol;
 use crate::flow::GuardKind;
+use crate::flow::leg::Least;
 
 /// This part of a step before a graze.
 const NOT_QUITE: f64 = 1e-5;
@@ -99,6 +100,8 @@ impl Walker {
         {
             return self.comes_to_corner((curve, step), (&station, index, guard), here, &there);
         }
+        // Of the equations as they are.
+        let headings = (self.heading(&from), self.heading(&station));
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))
             | Broken::Early(index, GuardKind::Gap(contact))
@@ -110,6 +113,10 @@ impl Walker {
                 touched.and_then(|touched| self.impact_comes_in(&station, touched, &there))
             }
             Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
+            // What it is told by is the touch of the surface that it comes back to, and not how slowly.
+            Broken::Event(index) if self.shooting.has_come_back(&station.at, index) => {
+                Err(broken.told(&self.shooting))
+            }
             Broken::Event(index) => self.lose(&station, index, &there),
             // The rate that turns is that of the impact, and the flight after it begins where it does.
             Broken::Beyond(index, GuardKind::Switch(_)) if self.follows_graze(index) => {
@@ -121,25 +128,35 @@ impl Walker {
             {
                 self.lose(&station, index, &there)
             }
-            Broken::Beyond(..) => {
+            Broken::Early(index, guard) => {
+                self.meets_with_event(&station, (index, guard), &there);
+                Err(broken.told(&self.shooting))
+            }
+            Broken::Beyond(index, guard) => {
+                let count = self.shooting.steps.len();
+                let slides = matches!(guard, GuardKind::Leave(..));
+                let met = match slides {
+                    true => (index, guard),
+                    false => ((index + count - 1) % count, guard),
+                };
+                if !self.meets_with_event(&station, met, &there) {
+                    self.begins_at_its_end((&from, &station), &broken, &there);
+                }
+                Err(broken.told(&self.shooting))
+            }
+            Broken::Carried(_) => {
                 self.begins_at_its_end((&from, &station), &broken, &there);
                 Err(broken.told(&self.shooting))
             }
-            Broken::Passed(_) | Broken::Order(_) | Broken::Early(..) => {
-                Err(broken.told(&self.shooting))
-            }
+            Broken::Passed(_) | Broken::Order(_) => Err(broken.told(&self.shooting)),
         };
         if let (Broken::Inner(_, GuardKind::Reaction(_)), Err(why)) = (&broken, &outcome) {
             return Stop::Over(End::Lost(why.clone()));
         }
         // Where crossings come or go the equations themselves turn.
-        let turns = match self.latest_change().map(|special| special.kind) {
-            Some(SpecialKind::Touch) => &from,
-            _ => &station,
-        };
-        let forward = match self.is_flat(turns) {
-            true => station.parameter() - from.parameter(),
-            false => turns.parameter_slope(),
+        let forward = match self.latest_change().map(|special| special.kind) {
+            Some(SpecialKind::Touch) => headings.0,
+            _ => headings.1,
         };
         // An orbit that goes twice around a simple one from here on: it has met that at its graze.
         if let (Broken::Event(_), Ok(next)) = (&broken, &outcome)
@@ -190,7 +207,41 @@ impl Walker {
         }
     }
 
-    /// Notes where a step begins exactly where its own guard would end it.
+    /// Notes where a surface is met with the event at the end of a step, as by what has a corner there, or where a step that slides along it
+    /// could as well go across. Whether such a place is found.
+    fn meets_with_event(
+        &mut self,
+        station: &Station,
+        (index, guard): (usize, GuardKind),
+        there: &Point,
+    ) -> bool {
+        // At the knot of a table nothing happens.
+        if !matches!(guard, GuardKind::Switch(_) | GuardKind::Leave(..)) {
+            return false;
+        }
+        self.settle(station);
+        if let GuardKind::Leave(surface, _) = guard {
+            let turn = (self.shooting)
+                .with_turn_at_start(&station.at, (index, GuardKind::Switch(surface)));
+            let Ok(turn) = turn else { return false };
+            let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
+            let touched = Touched::solve(turn).ok();
+            let touched = touched.filter(|touched| moved(&touched.at, &start, &scales) <= THERE);
+            let is_found = touched.is_some();
+            if let Some(touched) = touched {
+                self.note_touch(there, touched);
+            }
+            return is_found;
+        }
+        let mut watching = self.shooting.clone();
+        let Ok(met) = watching.at_corner(&station.at, (index, guard)) else {
+            return false;
+        };
+        self.note(SpecialKind::Touch, there, &met.at, met.error, met.residual);
+        true
+    }
+
+    /// Notes where a step begins exactly where its own guard would end it, or where a jump leads just onto a surface.
     fn begins_at_its_end(
         &mut self,
         (from, to): (&Station, &Station),
@@ -442,12 +493,20 @@ impl Walker {
         // To the side where the gap stays open.
         let guard = self.shooting.steps[index].ends_at();
         let turns = shorter.steps.len() == self.shooting.steps.len() && shorter.turns(merged);
+        // Of several least values that the gap has on the way the one that was touched; where that was the only event the way begins and ends
+        // with it.
+        let touched_at = self.shooting.latest[index].duration;
+        let is_only = self.shooting.steps.len() == 1;
         let gap = |shooting: &mut Shooting<f64>, station: &Station| {
             let least = shooting.least(&station.at).ok()?;
-            (least.get(merged)?.iter())
-                .filter(|l| Some(l.guard) == guard && l.at_end == turns)
-                .map(|l| l.value)
-                .min_by(f64::total_cmp)
+            let all =
+                (least.get(merged)?.iter()).filter(|l| Some(l.guard) == guard && l.at_end == turns);
+            let off = |l: &Least| match is_only {
+                true => l.value,
+                false => (l.time - touched_at).abs(),
+            };
+            let own = all.min_by(|a, b| off(a).total_cmp(&off(b)));
+            own.map(|l| l.value)
         };
         let probe = 1e-6;
         let mut opens = |station: &Station| {

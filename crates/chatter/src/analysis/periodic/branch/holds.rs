@@ -19,6 +19,8 @@ pub(crate) enum Broken {
     Beyond(usize, GuardKind),
     /// The event at the end of this step has passed the one before, and nothing else is to happen.
     Passed(usize),
+    /// The jump before does not take the state across the surface of the event of this step.
+    Carried(usize),
     /// Of the collisions of one instant another would come before that of this step.
     Order(usize),
 }
@@ -44,6 +46,9 @@ impl Broken {
                 let before = index.checked_sub(1).unwrap_or(shooting.steps.len() - 1);
                 format!("events {before} and {index} of the orbit change places")
             }
+            Self::Carried(index) => format!(
+                "the jump before event {index} of the orbit would no longer cross its surface"
+            ),
             Self::Order(index) => format!(
                 "collisions that share an instant come in another order: that of event {index} of the orbit is no longer the fastest"
             ),
@@ -70,6 +75,7 @@ impl Broken {
             Self::Inner(step, guard) => smallest(step, guard, false),
             Self::Early(step, guard) | Self::Beyond(step, guard) => smallest(step, guard, true),
             Self::Passed(step) => Some(shooting.latest.get(step)?.duration),
+            Self::Carried(step) => shooting.carried(step, least),
             Self::Order(step) => Some(shooting.precedence(step)?.0),
         }
     }
@@ -103,6 +109,9 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             let follows = found.contains(&Broken::Event(index.saturating_sub(1)));
             if !follows && (shooting.precedence(index)).is_some_and(|(first, _)| first < 0.0) {
                 found.push(Broken::Order(index));
+            }
+            if !follows && (shooting.carried(index, least)).is_some_and(|beyond| beyond < 0.0) {
+                found.push(Broken::Carried(index));
             }
             continue;
         }

@@ -6,6 +6,7 @@
 //!
 //! ```text
 //! walker       one side of a branch, station by station
+//! returns      whether it has come back to where it began
 //! limits       within what it is followed, and how it ends
 //! holds        whether the sequence of events still does
 //! events       the equations with an event more, or one less
@@ -34,6 +35,7 @@ mod kept;
 mod limits;
 mod onward;
 mod point;
+mod returns;
 mod saddle;
 mod special;
 mod touch;

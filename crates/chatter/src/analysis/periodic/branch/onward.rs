@@ -9,7 +9,7 @@ use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::orbit::{Orbit, close};
-use crate::analysis::periodic::shooting::Workshop;
+use crate::analysis::periodic::shooting::{Shooting, Workshop};
 use crate::flow::leg::{Least, onto_gaps};
 use crate::flow::{Closed, GuardKind, Settings as FlowSettings, Trajectory};
 use crate::numerics::Real;
@@ -78,18 +78,27 @@ impl Walker {
         let parts = &BEYOND[(before / PATIENCE).min(BEYOND.len() - 1)..];
         let same = |orbit: &Orbit| orbit.impacts == here.impacts;
         let from = broke.unwrap_or(&curve.station).clone();
+        let forward = self.heading(&from);
         let passes = |orbit: &Orbit| {
             let gone = orbit.at.last().map_or(0.0, |to| to - from.parameter());
-            broke.is_none() || gone * from.parameter_slope() > 0.0
+            broke.is_none() || gone * forward > 0.0
         };
+        let mut before = self.shooting.clone();
         let slides = self.shooting.slides();
         let ends: Vec<_> = self.shooting.steps.iter().map(Step::ends_at).collect();
         // Where a stick or a slip comes to nothing the way goes into its time, and hardly past the touch.
-        let is_over = broke.is_none() && slides.iter().any(|&on| on > 0);
+        let stands = self.shooting.comes_back_at_once(&from.at);
+        let is_over = stands || (broke.is_none() && slides.iter().any(|&on| on > 0));
         let over = is_over.then(|| self.over_the_parameter(&from));
-        let mut ways = [&from].into_iter().chain(&over);
+        let mut ways: Vec<&Station> = [&from].into_iter().chain(&over).collect();
+        if stands {
+            ways.reverse();
+        }
         let wanted = |orbit: &Orbit| same(orbit) && passes(orbit);
-        let Some(next) = ways.find_map(|way| self.beyond(way, parts, wanted)) else {
+        let Some(next) = ways
+            .into_iter()
+            .find_map(|way| self.beyond(way, parts, wanted))
+        else {
             return false;
         };
         // Where a stay on a surface shrinks to nothing the orbit beyond only touches it, and where a way off it does, that orbit only just
@@ -107,10 +116,23 @@ impl Walker {
         };
         let mut touched = None;
         if (0..slides.len()).any(is_left) {
-            touched = self.touch_between(&next, between, left);
+            touched = touch_between(&mut self.shooting, &next.at, between, left);
         }
         if touched.is_none() && ends.iter().flatten().any(|&guard| stayed(guard)) {
-            touched = self.touch_between(&next, between, stayed);
+            touched = touch_between(&mut self.shooting, &next.at, between, stayed);
+        }
+        // A crossing and its way back are told by the orbit on either side that has them no more, or not yet. (At the knot of a table nothing
+        // happens.)
+        let is_crossed = |guard: GuardKind| matches!(guard, GuardKind::Switch(_));
+        let goes =
+            |guard: GuardKind| is_crossed(guard) && count(&ends, guard) > count(&ends_on, guard);
+        let comes =
+            |guard: GuardKind| is_crossed(guard) && count(&ends, guard) < count(&ends_on, guard);
+        if touched.is_none() && ends.iter().flatten().any(|&guard| goes(guard)) {
+            touched = touch_between(&mut self.shooting, &next.at, between, goes);
+        }
+        if touched.is_none() && ends_on.iter().flatten().any(|&guard| comes(guard)) {
+            touched = touch_between(&mut before, &from.at, between, comes);
         }
         if let Some(touched) = touched.filter(|touched| !self.has_just_told(touched)) {
             let there = Point::new(&mut self.shooting, &next);
@@ -181,7 +203,7 @@ impl Walker {
         };
         let between = [curve.station.parameter(), next.parameter()];
         let is_force = |guard| matches!(guard, GuardKind::Reaction(_));
-        let Some(touched) = self.touch_between(&next, between, is_force) else {
+        let Some(touched) = touch_between(&mut self.shooting, &next.at, between, is_force) else {
             self.shooting = before;
             return false;
         };
@@ -199,42 +221,9 @@ impl Walker {
             ..station.clone()
         };
         if let (Some(by), Some(scale)) = (over.tangent.last_mut(), self.shooting.scales().last()) {
-            *by = scale.copysign(station.parameter_slope());
+            *by = scale.copysign(self.heading(station));
         }
         over
-    }
-
-    /// Where, between two values of the parameter, the smallest of such guards touches zero on an orbit that does not meet it.
-    fn touch_between(
-        &mut self,
-        next: &Station,
-        between: [f64; 2],
-        is_wanted: impl Fn(GuardKind) -> bool,
-    ) -> Option<Touched> {
-        let least = self.shooting.least(&next.at).unwrap_or_default();
-        let inner = least.iter().enumerate().flat_map(|(index, all)| {
-            let inner = all.iter().filter(|l| is_wanted(l.guard) && !l.at_end);
-            inner.map(move |least| (index, least))
-        });
-        let smallest = inner.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
-        let touches = smallest.and_then(|touch| self.touched(&next.at, touch).ok());
-        // Or, where the surface is crossed, the flow beyond turns back to it as soon as it begins.
-        let crossings = self.shooting.steps.iter().enumerate();
-        let crossings = crossings.filter_map(|(index, step)| Some((index, step.ends_at()?)));
-        let turns =
-            crossings
-                .filter(|(_, guard)| is_wanted(*guard))
-                .filter_map(|(index, guard)| {
-                    let begins = ((index + 1) % self.shooting.steps.len(), guard.opposite()?);
-                    let turn = self.shooting.with_turn_at_start(&next.at, begins).ok()?;
-                    Touched::solve(turn).ok()
-                });
-        let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
-        let is_between = |touched: &Touched| {
-            let value = touched.at.last().copied().unwrap_or(f64::NAN);
-            (low - touched.error..=high + touched.error).contains(&value)
-        };
-        touches.into_iter().chain(turns).find(is_between)
     }
 
     /// The orbit a little farther on, read off the motion itself, if it is one that is looked for.
@@ -323,6 +312,45 @@ impl Walker {
             Some(station)
         })
     }
+}
+
+/// Where, between two values of the parameter, the smallest of such guards touches zero on an orbit that does not meet it.
+fn touch_between(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    between: [f64; 2],
+    is_wanted: impl Fn(GuardKind) -> bool,
+) -> Option<Touched> {
+    shooting.evaluate(at).ok()?;
+    let least = shooting.least(at).unwrap_or_default();
+    let inner = least.iter().enumerate().flat_map(|(index, all)| {
+        let inner = all.iter().filter(|l| is_wanted(l.guard) && !l.at_end);
+        inner.map(move |least| (index, least))
+    });
+    let smallest = inner.min_by(|a, b| a.1.value.abs().total_cmp(&b.1.value.abs()));
+    let touches = smallest.and_then(|(index, least)| {
+        let longer = shooting.with_event(at, index, least).ok()?;
+        Touched::solve(longer).ok()
+    });
+    // Or, where the surface is crossed, the flow beyond turns back to it as soon as it begins.
+    let count = shooting.steps.len();
+    let crossings = shooting.steps.iter().enumerate();
+    let crossings = crossings.filter_map(|(index, step)| Some((index, step.ends_at()?)));
+    let turns = crossings
+        .filter(|(_, guard)| is_wanted(*guard))
+        .filter_map(|(index, guard)| {
+            let begins = ((index + 1) % count, guard.opposite()?);
+            let turn = shooting.with_turn_at_start(at, begins).ok()?;
+            Touched::solve(turn).ok()
+        });
+    // Where rounding decides orbits are known to less than as far as they go from there.
+    let (low, high) = (between[0].min(between[1]), between[0].max(between[1]));
+    let is_between = |touched: &Touched| {
+        let value = touched.at.last().copied().unwrap_or(f64::NAN);
+        let off = (high - low).max(touched.error);
+        (low - off..=high + off).contains(&value)
+    };
+    touches.into_iter().chain(turns).find(is_between)
 }
 
 /// A state that was only guessed: out of the contacts that it penetrates, and at rest on those that are closed.

@@ -20,6 +20,8 @@ use crate::flow::leg::{Jump, Least, LegKind};
 
 /// On the other side an orbit begins with so long a stay, in parts of its period, or else with a shorter one.
 const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
+/// A stay that takes less than this part of the period has come to its end.
+pub(super) const VANISHED: f64 = 1e-6;
 /// Between a crossing and the way back no time is left: less than this part of the period.
 const NO_TIME: f64 = 1e-2;
 
@@ -73,6 +75,14 @@ impl Shooting<f64> {
             && stay.is_some_and(|stay| stay.duration < NO_TIME * self.period())
     }
 
+    /// The crossing whose way back follows soonest, with no time left.
+    pub(super) fn shortest_stay(&self) -> Option<usize> {
+        let count = self.steps.len();
+        let stay = |index: usize| self.latest[(index + 1) % count].duration;
+        let all = (0..count).filter(|&index| self.comes_back(index));
+        all.min_by(|&a, &b| stay(a).total_cmp(&stay(b)))
+    }
+
     /// The same orbit that only touches where it crosses at the end of a step and comes back, and the step that ends there.
     pub(super) fn without_way_back(
         &self,
@@ -109,6 +119,44 @@ impl Shooting<f64> {
         guard.opposite().is_some() && before == guard.opposite()
     }
 
+    /// The mode across a surface from where a step came to it, where it slides along it.
+    fn mode_across(&self, index: usize, guard: GuardKind) -> Option<usize> {
+        let GuardKind::Switch(surface) = guard else {
+            return None;
+        };
+        let count = self.steps.len();
+        let system = &self.workshop.system;
+        let (_, came, _) = system.origin_of(self.steps[(index + count - 1) % count].mode())?;
+        let (grip, sides, _) = system.origin_of(self.steps[index].mode())?;
+        let across = match (came.get(surface), sides.get(surface)) {
+            (Side::Above, Side::Sliding) => Side::Below,
+            (Side::Below, Side::Sliding) => Side::Above,
+            _ => return None,
+        };
+        Some(system.meet(grip, sides.with(surface, across)))
+    }
+
+    /// Whether a step leads back to the surface that it has just crossed, to slide along it, and takes no time any more, but for rounding:
+    /// its equations have a second solution there, of no time at all.
+    pub(super) fn has_come_back(&self, at: &[f64], index: usize) -> bool {
+        let Some(guard @ GuardKind::Switch(surface)) = self.steps[index].ends_at() else {
+            return false;
+        };
+        let next = &self.steps[(index + 1) % self.steps.len()];
+        let origin = self.workshop.system.origin_of(next.mode());
+        let slides = origin.is_some_and(|(_, sides, _)| sides.get(surface) == Side::Sliding);
+        let place = self.duration_place(index);
+        let duration = place.and_then(|place| at.get(place));
+        slides
+            && self.begins_at(index, guard)
+            && duration.is_some_and(|&duration| duration < VANISHED * self.period())
+    }
+
+    /// The same of any step.
+    pub(super) fn comes_back_at_once(&self, at: &[f64]) -> bool {
+        (0..self.steps.len()).any(|index| self.has_come_back(at, index))
+    }
+
     /// The same orbit with the rate of that guard where the step begins for a function that may vanish: beyond, the flow of both sides
     /// leads to the surface, and slides. The step that it belongs to.
     pub(super) fn with_turn_at_start(
@@ -117,9 +165,10 @@ impl Shooting<f64> {
         (index, guard): (usize, GuardKind),
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let mut steps = self.current_steps(at);
+        let mode = self.mode_across(index, guard);
         let begins = Step {
             passage: Passage::AtOnce(LegKind {
-                mode: steps[index].mode(),
+                mode: mode.unwrap_or(steps[index].mode()),
                 ends_at: Some(guard),
                 jump: Jump::None,
             }),

@@ -3,11 +3,12 @@
 use super::holds::broken;
 use super::kept::{Ledger, Of, Stand, Standing, Then, Walked, damaged};
 use super::limits::{End, Limits, station_at};
+use super::returns::passages;
 use super::special::{Near, Seed, Special};
+use super::touch::VANISHED;
 use super::{Point, SpecialKind};
 use crate::analysis::border::{Border, BorderSpec, borders_in};
-use crate::analysis::continuation::{Curve, Problem, Station, StepError, locate};
-use crate::analysis::periodic::cycle::itinerary::Passage;
+use crate::analysis::continuation::{Curve, Problem, Station, StepError};
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::leaves_at_border;
@@ -32,8 +33,6 @@ impl Side {
     }
 }
 
-/// Two orbits at one parameter that are this near, against their size, are one.
-const SAME_ORBIT: f64 = 1e-8;
 /// A graze that leads back to itself this often is no way on.
 const MOST_GRAZES: usize = 4_000;
 /// So many special points, the same two in turn, are no way on.
@@ -49,6 +48,8 @@ const BORDER_SAMPLES: usize = 6;
 const CLOSE: f64 = 1e-4;
 /// A step of this part of the longest is on new ground.
 const OF_NOTE: f64 = 2e-3;
+/// Parameters differ by so much of their size where they tell which way a branch goes.
+const HEADED: f64 = 1e-10;
 /// Points nearer than this to the latest, in parts of a step, are not kept: at a border they accumulate.
 const CROWDED: f64 = 1e-6;
 
@@ -67,48 +68,6 @@ pub(super) enum Stop {
     Broken(End, Box<Station>),
     /// The same, where there is no use in looking for a way on.
     Over(End),
-}
-
-/// What an orbit's sequence of events is.
-fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
-    shooting.steps.iter().map(|step| step.passage).collect()
-}
-
-/// Where a station is, seen from an orbit.
-struct Past {
-    /// How far past it, along the tangent of the station.
-    along: f64,
-    /// How far away, against the size of the orbit.
-    distance: f64,
-}
-
-impl Shooting<f64> {
-    /// Where a station is, seen from an orbit whose events come in this order but for so many that it is told later. Phases may be
-    /// turns further.
-    fn past(&self, station: &Station, (origin, by): (&[f64], usize)) -> Option<Past> {
-        let parameters = self.workshop.parameters(self.free(&station.at));
-        let turns = self.workshop.closure.turns(&parameters).ok()?;
-        let (sizes, scales) = (self.state_sizes(), self.scales());
-        let last = station.at.len() - 1;
-        let gone = (station.at[last] - origin[last]) / scales[last];
-        let mut past = Past {
-            along: gone * station.tangent[last] / scales[last],
-            distance: gone.abs(),
-        };
-        let count = self.steps.len();
-        for k in 0..count {
-            let own = (k + by) % count;
-            let nodes = (self.node(origin, k), self.node(&station.at, own));
-            let (rest, difference) = self.workshop.closure.apart(&turns, nodes, &sizes);
-            past.distance = past.distance.max(difference.distance);
-            let tangent = self.node(&station.tangent, own);
-            let parts = rest.iter().zip(tangent).zip(&sizes);
-            past.along += parts
-                .map(|((x, by), size)| x / size * (by / size))
-                .sum::<f64>();
-        }
-        Some(past)
-    }
 }
 
 impl Walker {
@@ -172,13 +131,10 @@ impl Walker {
                 Ok(found) => found,
                 Err(StepError::TooShort(error)) => {
                     // Where a crossing and the way back become one, no time is left between them.
-                    let count = self.shooting.steps.len();
                     self.settle(&curve.station);
-                    if let Some(index) = (0..count).find(|&k| self.shooting.comes_back(k)) {
+                    if let Some(index) = self.shooting.shortest_stay() {
                         walked.grazes += 1;
-                        let forward = curve.station.parameter_slope();
-                        let outcome = self.lose(&curve.station.clone(), index, &here.clone());
-                        if let Stop::On = self.goes_on(outcome, (&mut curve, forward), &mut here) {
+                        if self.stay_ends(index, &mut curve, &mut here) {
                             at_graze = true;
                             continue;
                         }
@@ -209,11 +165,27 @@ impl Walker {
                 let from = curve.station.clone();
                 break self.loses_section(&from, (step, index), rates, &here);
             }
+            // Beyond where a way back takes no time the equations have solutions that are no motion.
+            if self.shooting.comes_back_at_once(&next.at) {
+                walked.grazes += 1;
+                if self.hop(&mut curve, &mut here, (walked.hops, Some(&next))) {
+                    walked.hops += 1;
+                    at_graze = true;
+                    continue;
+                }
+            }
             // The landings of the last correction belong to a point that differs by less than its square.
             let least = self.shooting.least(&next.at).unwrap_or_default();
             let broken = broken(&self.shooting, &least);
             if !broken.is_empty() {
                 walked.grazes += 1;
+                // What is left of a stay that comes to its end breaks in whichever way rounding says.
+                if let Some(index) = self.stay_vanishes(&curve.station)
+                    && self.stay_ends(index, &mut curve, &mut here)
+                {
+                    at_graze = true;
+                    continue;
+                }
                 let told = self.special.len();
                 match self.pass(&mut curve, step, broken, &mut here) {
                     Stop::On => {
@@ -329,6 +301,52 @@ impl Walker {
         Ok(self.side(end))
     }
 
+    /// The crossing whose way back takes no time any more, but for rounding. Stays that begin are longer.
+    fn stay_vanishes(&mut self, station: &Station) -> Option<usize> {
+        self.settle(station);
+        let index = self.shooting.shortest_stay()?;
+        let place = (self.shooting).duration_place((index + 1) % self.shooting.steps.len())?;
+        (station.at[place] < VANISHED * self.shooting.period()).then_some(index)
+    }
+
+    /// On past where a crossing and the way back become one: no time is left between them. Whether that is so.
+    fn stay_ends(&mut self, index: usize, curve: &mut Curve, here: &mut Point) -> bool {
+        let (station, told) = (curve.station.clone(), self.special.len());
+        self.settle(&station);
+        let forward = self.heading(&station);
+        let outcome = self.lose(&station, index, &here.clone());
+        let ends = matches!(self.goes_on(outcome, (curve, forward), here), Stop::On);
+        if !ends {
+            self.special.truncate(told);
+            self.settle(&station);
+        }
+        ends
+    }
+
+    /// Whether the direction at a station says nothing of where the parameter goes.
+    pub(super) fn stands_still(&self, station: &Station) -> bool {
+        self.is_flat(station) || self.shooting.comes_back_at_once(&station.at)
+    }
+
+    /// Where the parameter goes at a station: where it all but stands still, as where a stay comes to its end, as the points before say.
+    pub(super) fn heading(&self, station: &Station) -> f64 {
+        let value = station.parameter();
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        if !self.stands_still(station) {
+            return station.parameter_slope();
+        }
+        let turns = |special: &&Special| {
+            special.kind == SpecialKind::Fold || special.persists == Some(false)
+        };
+        let turned = self.special.iter().rev().find(turns);
+        let since = turned
+            .map_or(0, |special| special.place)
+            .min(self.points.len());
+        let mut before = self.points[since..].iter().rev();
+        let known = before.find(|point| (value - point.parameter()).abs() > HEADED * scale);
+        known.map_or(station.parameter_slope(), |point| value - point.parameter())
+    }
+
     /// From a station to where, on the way to the next, the parameter leaves its range.
     pub(super) fn ends_at_edge(
         &mut self,
@@ -355,84 +373,6 @@ impl Walker {
             special: self.special,
             end,
         }
-    }
-
-    /// What has come back along itself, by way of its mirror image, is told as far as where it turned: its special points say where.
-    fn forget_way_back(&mut self) {
-        let (all, count) = (&self.special, self.special.len());
-        let near = Near::over(self.limits.range);
-        let is_image = |k: usize| all[k].is_like(&all[count - 1 - k], near);
-        if count > 0 && (0..count / 2).all(is_image) {
-            self.points.truncate(all[count / 2].place);
-            self.special.truncate(count.div_ceil(2));
-        }
-    }
-
-    /// Where the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events; and how
-    /// far that is from the first. The parameter alone does not tell: where the branch began beside a fold a step goes past it, and to the
-    /// same side of where it began.
-    fn returns(
-        &mut self,
-        (from, to): (&Station, &Station),
-        step: f64,
-        began: &Walked,
-    ) -> Option<(Station, f64)> {
-        let own = passages(&self.shooting);
-        let (origin, kinds) = (&began.origin, &began.passages);
-        let count = own.len();
-        if count != kinds.len() {
-            return None;
-        }
-        let rotations =
-            (0..count).filter(|by| (0..count).all(|k| own[(k + by) % count] == kinds[k]));
-        let shooting = &mut self.shooting;
-        for by in rotations {
-            let ends = (
-                shooting.past(from, (origin, by))?,
-                shooting.past(to, (origin, by))?,
-            );
-            if !(ends.0.along < 0.0 && ends.1.along >= 0.0) {
-                continue;
-            }
-            let reader = shooting.clone();
-            let mut past = |_: &mut dyn Problem<f64>, station: &Station| {
-                Some(-reader.past(station, (origin, by))?.along)
-            };
-            let ends = (-ends.0.along, -ends.1.along);
-            let Some((here, ahead)) = locate(shooting, from, step, ends, &mut past) else {
-                continue;
-            };
-            if shooting.past(&here, (origin, by))?.distance <= SAME_ORBIT {
-                return Some((here, ahead));
-            }
-        }
-        self.returns_elsewhere((from, to), step, began)
-    }
-
-    /// The same of an orbit that is told from one of its crossings of the section: it may come back with another of them for that one.
-    /// So it does at the parameter of where it began.
-    fn returns_elsewhere(
-        &mut self,
-        (from, to): (&Station, &Station),
-        step: f64,
-        began: &Walked,
-    ) -> Option<(Station, f64)> {
-        let value = began.origin.last().copied()?;
-        let passes = (from.parameter() - value) * (to.parameter() - value) < 0.0;
-        if !passes || self.shooting.other_crossings(&to.at).is_empty() {
-            return None;
-        }
-        let (here, ahead) = station_at(&mut self.shooting, (from, to), step, value)?;
-        let shooting = &self.shooting;
-        let parameters = shooting.workshop.parameters(shooting.free(&here.at));
-        let turns = shooting.workshop.closure.turns(&parameters).ok()?;
-        let others = shooting.other_crossings(&here.at);
-        let others: Vec<Vec<f64>> = others.into_iter().map(|least| least.state).collect();
-        let origin = [shooting.node(&began.origin, 0).to_vec()];
-        let sizes = shooting.state_sizes();
-        let closure = &shooting.workshop.closure;
-        let is_same = closure.share(&turns, (&others, &origin), &sizes, SAME_ORBIT);
-        is_same.then_some((here, ahead))
     }
 
     /// The landings of a station, which trials may have overwritten.

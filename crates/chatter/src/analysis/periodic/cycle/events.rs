@@ -2,7 +2,7 @@
 
 use super::itinerary::{Passage, Step};
 use super::trace::Instant;
-use crate::expressions::Side;
+use crate::expressions::{Expr, Side};
 use crate::flow::leg::{Jump, LegKind};
 use crate::flow::{Closed, Grip, GuardKind, Occurrence, System};
 use crate::model::Simultaneous;
@@ -63,7 +63,8 @@ pub(super) fn single(instant: &Instant) -> Option<LegKind> {
     })
 }
 
-/// A rate of sliding is zero that is no more than so many roundoffs of what any state has a part in it.
+/// A rate of sliding is zero that is no more than so many roundoffs of what any state has a part in it, or friction may have had at the
+/// impact.
 const STOPPED_ROUNDOFFS: f64 = 16.0;
 
 /// Whether a contact slides the other way after an impact, against the friction of which the impact has no map of its own.
@@ -84,6 +85,27 @@ fn slides_back((system, parameters): (&System, &[f64]), instant: &Instant, conta
         && !stops((system, parameters), instant, contact)
 }
 
+/// The impulse of a contact at an impact.
+fn impulse((system, parameters): (&System, &[f64]), instant: &Instant, contact: usize) -> f64 {
+    let change = instant.told.iter().find_map(|told| match *told {
+        Occurrence::Impact {
+            contact: hit,
+            rate_before,
+            rate_after,
+            ..
+        } if hit == contact => Some(rate_after - rate_before),
+        _ => None,
+    });
+    let origin = system.origin_of(instant.mode);
+    let (Some(change), Some((_, _, on))) = (change, origin) else {
+        return 0.0;
+    };
+    let known = system.with_pieces(parameters, &instant.pieces);
+    let of = on.mechanics.contacts[contact].rate_per_impulse;
+    let each: f64 = on.mechanics.graph.evaluate(of, &instant.state, &known);
+    change / each
+}
+
 /// Whether an impact has stopped the sliding of its contact by friction.
 fn stops((system, parameters): (&System, &[f64]), instant: &Instant, contact: usize) -> bool {
     let model = system.model();
@@ -98,9 +120,17 @@ fn stops((system, parameters): (&System, &[f64]), instant: &Instant, contact: us
         state[i] = 0.0;
         (at(&state, friction.rate) - rate).abs()
     };
-    let largest = (0..instant.state.len()).map(part).fold(0.0, f64::max);
-    at(&instant.state, friction.coefficient) > 0.0
-        && rate.abs() <= STOPPED_ROUNDOFFS * f64::EPSILON * largest
+    let coefficient = at(&instant.state, friction.coefficient);
+    let impulse = impulse((system, parameters), instant, contact);
+    let by_friction = |(i, &along): (usize, &Expr)| {
+        let mut state = instant.state.clone();
+        state[i] += coefficient * impulse * at(&instant.state, along);
+        (at(&state, friction.rate) - rate).abs()
+    };
+    let parts = (0..instant.state.len()).map(part);
+    let parts = parts.chain(friction.along.iter().enumerate().map(by_friction));
+    let largest = parts.fold(0.0, f64::max);
+    coefficient > 0.0 && rate.abs() <= STOPPED_ROUNDOFFS * f64::EPSILON * largest
 }
 
 /// The events of an instant: the one that ends the way to it, and what shares its time.

@@ -34,7 +34,8 @@ pub(crate) enum Passage {
     Leg(LegKind),
     /// The same for a time that is given: whole periods of the forcing.
     Timed(LegKind),
-    /// In no time: an impact of a contact that touches already, at the instant of the event before.
+    /// In no time, at the instant of the event before: an impact of a contact that touches already, an event whose surface that one's jump has
+    /// crossed.
     AtOnce(LegKind),
     /// As a leg, in a time that is zero for reasons of symmetry: an impact that happens to share the instant of the event before.
     Together(LegKind),
@@ -125,7 +126,7 @@ pub(crate) fn read(
         }
         let events = Events::of((system, parameters), instant);
         if let Some((begin, accumulations, mut told)) = open.take() {
-            let Some(events) = events else {
+            let Some(events) = events.filter(|_| !instant.is_caused) else {
                 told.extend(&instant.told);
                 let more = usize::from(instant.accumulated().is_some());
                 open = Some((begin, accumulations + more, told));
@@ -144,7 +145,10 @@ pub(crate) fn read(
             let duration = instant.time - before.time;
             let at_once = duration <= SAME_INSTANT * instant.time.abs().max(span);
             let is_alone = events.then.is_empty();
-            if at_once && is_alone && (kind.jump == Jump::None || gives_jump(&mut steps, kind.jump))
+            if at_once
+                && is_alone
+                && !instant.is_caused
+                && (kind.jump == Jump::None || gives_jump(&mut steps, kind.jump))
             {
                 // Two names for one event, as where a surface is met and held: no motion lies between them.
                 from = index;
@@ -155,9 +159,10 @@ pub(crate) fn read(
                 && matches!((kind.jump.impact(), steps.last().and_then(Step::impact)),
                     (Some(contact), Some(before)) if contact != before);
             let leg = Step {
-                passage: match with_another {
-                    true => Passage::Together(kind),
-                    false => Passage::Leg(kind),
+                passage: match (instant.is_caused, with_another) {
+                    (true, _) => Passage::AtOnce(kind),
+                    (false, true) => Passage::Together(kind),
+                    (false, false) => Passage::Leg(kind),
                 },
                 pieces: instant.pieces.clone(),
                 told: events.told(instant).to_vec(),

@@ -1,6 +1,7 @@
 //! An orbit read once more, from a state that it goes through.
 
 use super::itinerary::{Passage, Step, read};
+use super::rotate::past_instant;
 use super::settle::{Cycle, from_first_turn, sizes, states};
 use super::trace::{Instant, Tracer};
 use crate::analysis::periodic::closure::Turn;
@@ -64,29 +65,30 @@ pub(crate) fn reread(
     if steps.is_empty() {
         steps.push(Step::timed(&tracer.trajectory, state.clone(), period));
     }
-    Ok(from_to(
-        workshop,
+    from_to(
+        (workshop, &parameters),
         (&turns, sizes),
         steps,
         (&ends.0, &ends.1),
-    ))
+    )
 }
 
 /// The cycle of steps that lead from one state to another.
 fn from_to(
-    workshop: &Workshop,
+    (workshop, parameters): (&Workshop, &[f64]),
     (turns, sizes): (&[Turn<f64>], Vec<f64>),
     mut steps: Vec<Step>,
     ends: (&[f64], &[f64]),
-) -> Cycle {
+) -> Result<Cycle, PeriodicError> {
     let difference = workshop.closure.difference(turns, ends, &sizes);
+    past_instant(workshop, parameters, (&mut steps, &difference.turns))?;
     from_first_turn(&mut steps, turns, &difference.turns);
-    Cycle {
+    Ok(Cycle {
         steps,
         counts: difference.turns,
         distance: difference.distance,
         sizes,
-    }
+    })
 }
 
 /// No orbit takes as long.
@@ -122,7 +124,12 @@ pub(crate) fn through_impacts(
     let sizes = sizes(states(&instants), &turns);
     let steps = read((&workshop.system, &parameters), &instants)?;
     let last = &instants[instants.len() - 1].state;
-    Ok(from_to(workshop, (&turns, sizes), steps, (state, last)))
+    from_to(
+        (workshop, &parameters),
+        (&turns, sizes),
+        steps,
+        (state, last),
+    )
 }
 
 /// A cycle with lookups, whose pieces are numbered on from turn to turn, as it is in the first turn of each phase: there phases have

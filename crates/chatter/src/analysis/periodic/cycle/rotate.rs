@@ -22,6 +22,18 @@ pub(crate) fn rotate(
     Ok(())
 }
 
+/// Tells a cycle from where the instant that it begins in is over: what a jump brings about comes with it.
+pub(super) fn past_instant(
+    workshop: &Workshop,
+    parameters: &[f64],
+    (steps, counts): (&mut [Step], &[i64]),
+) -> Result<(), PeriodicError> {
+    match steps.iter().position(|step| !step.is_at_once()) {
+        None | Some(0) => Ok(()),
+        Some(by) => rotate(workshop, parameters, (steps, counts), by),
+    }
+}
+
 /// The cycle's next time around: by `counts` turns of each phase later, in pieces of lookups that many further.
 pub(crate) fn a_turn_later(
     workshop: &Workshop,

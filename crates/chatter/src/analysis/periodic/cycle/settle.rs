@@ -3,7 +3,7 @@
 use super::events::single;
 use super::itinerary::{Step, read};
 use super::reread::from_early_on;
-use super::rotate::rotate;
+use super::rotate::{past_instant, rotate};
 use super::trace::{Instant, ONE_INSTANT, Tracer};
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
@@ -327,6 +327,7 @@ fn cycle(
     let mut steps = read((&workshop.system, parameters), instants)?;
     let (first, last) = (&instants[0].state, &instants[instants.len() - 1].state);
     let difference = workshop.closure.difference(turns, (first, last), sizes);
+    past_instant(workshop, parameters, (&mut steps, &difference.turns))?;
     from_first_turn(&mut steps, turns, &difference.turns);
     Ok(Cycle {
         steps,

@@ -21,6 +21,8 @@ pub(crate) struct Instant {
     pub mode_after: usize,
     /// Whether the maps of all its impacts are those of that mode and these pieces.
     pub in_one_mode: bool,
+    /// Whether it is an event that the jump of the instant before has brought about, at the same time.
+    pub is_caused: bool,
 }
 
 impl Instant {
@@ -119,6 +121,7 @@ impl<'s> Tracer<'s> {
             closed: Closed::NONE,
             mode_after: self.trajectory.mode,
             in_one_mode: true,
+            is_caused: false,
         }
     }
 
@@ -222,6 +225,8 @@ impl<'s> Tracer<'s> {
                     closed: Closed::NONE,
                     mode_after: 0,
                     in_one_mode: true,
+                    is_caused: matches!(told, Some(Occurrence::Reset { .. }))
+                        && self.trajectory.came_by_jump(),
                 });
                 steps = 0;
             } else if happens && let (Some(last), Some(told)) = (instants.last_mut(), told) {

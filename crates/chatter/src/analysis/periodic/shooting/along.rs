@@ -2,10 +2,11 @@
 
 use super::{Flown, Shooting, struck};
 use crate::analysis::continuation::Left;
-use crate::analysis::periodic::cycle::itinerary::Passage;
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::trace::{Instant, Tracer};
-use crate::flow::leg::Least;
+use crate::flow::leg::{Least, LegKind};
 use crate::flow::{Closed, GuardKind};
+use crate::model::Direction;
 use core::ops::ControlFlow;
 
 /// A stretch that is traced once more ends within this part of its duration.
@@ -86,19 +87,64 @@ impl Shooting<f64> {
         let before = (index + count - 1) % count;
         let touching = Closed(struck(&self.steps, before).0 | self.closed_before(index).0);
         let mut zeros: Vec<GuardKind> = touching.contacts().map(GuardKind::Gap).collect();
-        let stays_on = |flown: &Flown<f64>| match flown {
-            Flown::Leg(leg, _) => leg.keeps_surface(),
-            Flown::Stretch(..) => false,
-        };
-        let ends_at = self.steps[before].ends_at();
-        zeros.extend(ends_at.and_then(|guard| match guard {
-            GuardKind::Reaction(contact) => Some(GuardKind::Gap(contact)),
-            _ if !stays_on(&self.flown[before]) => None,
-            GuardKind::Leave(surface, _) => Some(GuardKind::Switch(surface)),
-            GuardKind::Section(_) => Some(guard),
-            _ => guard.opposite(),
-        }));
+        // What came first at that instant, and then what its jump has brought about, which lies beyond its own surface.
+        let others = (0..count - 1).take_while(|&back| self.step_back(before, back).1.is_at_once());
+        let others = others.count();
+        let mut on: Vec<GuardKind> = Vec::new();
+        for back in (0..=others).rev() {
+            let (place, step) = self.step_back(before, back);
+            let keeps = |guard: GuardKind| match &self.flown[place] {
+                Flown::Leg(leg, _) => leg.keeps(guard),
+                Flown::Stretch(..) => false,
+            };
+            on.retain(|&guard| keeps(guard));
+            let begins_on = |guard: GuardKind| match guard {
+                GuardKind::Reaction(contact) => Some(GuardKind::Gap(contact)),
+                _ if !keeps(guard) => None,
+                GuardKind::Leave(surface, _) => Some(GuardKind::Switch(surface)),
+                GuardKind::Section(_) => (!step.is_at_once()).then_some(guard),
+                _ => guard.opposite(),
+            };
+            on.extend(step.ends_at().and_then(begins_on));
+        }
+        zeros.extend(on);
         zeros
+    }
+
+    /// How far beyond the surface of its event the state is at a step that takes no time, if a jump has brought that event about: negative
+    /// where it is still on the side that it came from. After an evaluation, with the least values there.
+    pub(crate) fn carried(&self, index: usize, least: &[Vec<Least>]) -> Option<f64> {
+        let Passage::AtOnce(LegKind {
+            ends_at: Some(guard @ GuardKind::Section(section)),
+            ..
+        }) = self.steps[index].passage
+        else {
+            return None;
+        };
+        let beyond = -self.latest.get(index)?.surface;
+        let told = &self.workshop.model.sections[section];
+        if told.direction != Direction::Either {
+            return Some(beyond);
+        }
+        // What comes both on the way up and down says by where it came from which of them this is.
+        let (before, step) = self.step_back(index, 1);
+        let came_from = match step.is_at_once() {
+            true => Some(self.node(self.watching.as_ref()?, before)),
+            false => (least.get(before)?.iter())
+                .find(|least| least.at_end && least.guard == guard)
+                .map(|least| &*least.state),
+        };
+        let graph = &self.workshop.model.graph;
+        let known = self.latest_parameters()?;
+        let side = came_from.map_or(beyond, |state| graph.evaluate(told.surface, state, &known));
+        Some(beyond * side.signum())
+    }
+
+    /// The step that comes so many before another one.
+    fn step_back(&self, from: usize, back: usize) -> (usize, &Step) {
+        let count = self.steps.len();
+        let place = (from + count - back) % count;
+        (place, &self.steps[place])
     }
 
     /// What happens within a step that is a stretch, which is followed as a whole, and when it begins.

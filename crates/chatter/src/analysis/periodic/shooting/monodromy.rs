@@ -115,7 +115,10 @@ impl<R: Real> Shooting<R> {
             found.pop();
         }
         let left = found.len().saturating_sub(self.lost());
-        let is_product_known = left == 2 && found.len() == 2 && found[0].im == 0.0;
+        // What the largest rounds away of the others is nothing.
+        let unknown = ROUNDED * f64::EPSILON * largest;
+        let is_product_known =
+            left == 2 && found.len() == 2 && found[0].im == 0.0 && found[0].modulus() > unknown;
         if is_product_known {
             // The product of both is a sum of minors, known better than an eigenvalue that is far smaller than the other.
             let minors = self.minors(&kept);
@@ -124,8 +127,6 @@ impl<R: Real> Shooting<R> {
                 im: 0.0,
             };
         }
-        // What the largest rounds away of the others is nothing.
-        let unknown = ROUNDED * f64::EPSILON * largest;
         for (place, value) in found.iter_mut().enumerate() {
             if place >= left || (!is_product_known && value.modulus() <= unknown) {
                 *value = Complex::default();
@@ -212,7 +213,8 @@ impl<R: Real> Shooting<R> {
         let n = self.workshop.model.states.len();
         let parameters = self.workshop.parameters(self.free(at));
         let mut product = R::ONE;
-        for index in 0..self.steps.len() {
+        // No motion lies between events of one instant.
+        for index in (0..self.steps.len()).filter(|&index| !self.steps[index].is_at_once()) {
             let all = self.parameters_of(&parameters, &self.steps[index]);
             let x = &at[self.places[index]..self.places[index] + n];
             let Flown::Leg(leg, flyer) = &self.flown[index] else {

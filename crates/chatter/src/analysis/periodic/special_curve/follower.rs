@@ -410,7 +410,11 @@ impl Follower {
         let is_graze = match *broken {
             Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
             Broken::Inner(_, guard) => matches!(guard, crate::flow::GuardKind::Gap(_)),
-            Broken::Early(..) | Broken::Beyond(..) | Broken::Passed(_) | Broken::Order(_) => false,
+            Broken::Early(..)
+            | Broken::Beyond(..)
+            | Broken::Passed(_)
+            | Broken::Carried(_)
+            | Broken::Order(_) => false,
         };
         if !is_graze {
             return lost();
