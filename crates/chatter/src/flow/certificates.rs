@@ -113,19 +113,10 @@ impl<S: Scalar> Ahead<S> {
 /// Whether p' < 0 on all of [0, s], by bounding what follows the quadratic: then p has no other root there.
 #[inline(always)]
 pub(super) fn falls_steadily<S: Scalar>(p: &[S], s: S) -> S::Mask {
-    let mut falls = S::Mask::splat(false);
-    for part in 0..S::PARTS {
-        S::set_mask_part(&mut falls, part, falls_in_part(p, s.part(part), part));
-    }
-    falls
-}
-
-#[inline(always)]
-fn falls_in_part<S: Scalar>(p: &[S], s: S::Part, part: usize) -> <S::Part as Scalar>::Mask {
-    let zero = S::Part::splat(0.0);
-    let first = p[1].part(part);
+    let zero = S::splat(0.0);
+    let first = p[1];
     let bend = match p.get(2) {
-        Some(c) => c.part(part) + c.part(part),
+        Some(&c) => c + c,
         None => zero,
     };
     // Even and odd powers need not wait for each other.
@@ -137,17 +128,17 @@ fn falls_in_part<S: Scalar>(p: &[S], s: S::Part, part: usize) -> <S::Part as Sca
     let pairs = fours.remainder().chunks_exact(2);
     let of_pairs = factors.remainder().chunks_exact(2);
     if let ([c], &[k]) = (pairs.remainder(), of_pairs.remainder()) {
-        odd = c.part(part).abs() * S::Part::splat(k);
+        odd = c.abs() * S::splat(k);
     }
     for (pair, k) in pairs.rev().zip(of_pairs.rev()) {
-        even = even.mul_add(square, pair[1].part(part).abs() * S::Part::splat(k[1]));
-        odd = odd.mul_add(square, pair[0].part(part).abs() * S::Part::splat(k[0]));
+        even = even.mul_add(square, pair[1].abs() * S::splat(k[1]));
+        odd = odd.mul_add(square, pair[0].abs() * S::splat(k[0]));
     }
     for (four, k) in fours.rev().zip(factors.rev()) {
-        even = even.mul_add(square, four[3].part(part).abs() * S::Part::splat(k[3]));
-        odd = odd.mul_add(square, four[2].part(part).abs() * S::Part::splat(k[2]));
-        even = even.mul_add(square, four[1].part(part).abs() * S::Part::splat(k[1]));
-        odd = odd.mul_add(square, four[0].part(part).abs() * S::Part::splat(k[0]));
+        even = even.mul_add(square, four[3].abs() * S::splat(k[3]));
+        odd = odd.mul_add(square, four[2].abs() * S::splat(k[2]));
+        even = even.mul_add(square, four[1].abs() * S::splat(k[1]));
+        odd = odd.mul_add(square, four[0].abs() * S::splat(k[0]));
     }
     let rest = even.mul_add(s, odd) * square;
     let last = bend.mul_add(s, first);
