@@ -67,6 +67,7 @@ pub(super) struct Ahead<S> {
 impl<S: Scalar> Ahead<S> {
     /// Where nothing happens: p keeps its sign, or changes it in the direction that is none of the guard's. Certificates, cheapest
     /// first, until all lanes beside those `settled` have one. A section's function that keeps its sign is beyond noise everywhere.
+    /// With the value of p at the end.
     #[inline(always)]
     pub(super) fn has_no_event(
         &self,
@@ -74,22 +75,23 @@ impl<S: Scalar> Ahead<S> {
         guard: &Guard,
         settled: S::Mask,
         scratch: &mut [S],
-    ) -> S::Mask {
+    ) -> (S::Mask, S) {
         let Self { end, noise, .. } = *self;
-        let mut settled = settled | self.runs_steadily(p, guard.crossing);
+        let value = horner(p, end);
+        let mut settled = settled | self.runs_steadily((p, value), guard.crossing);
         if !settled.all() {
             settled = settled | keeps_sign(p, end, noise, scratch);
         }
         if !settled.all() && guard.section().is_none() {
             settled = settled | rises(p, end, noise, NOISE_ROUNDOFFS * S::ROUNDOFF, scratch);
         }
-        settled
+        (settled, value)
     }
 
     /// [`has_no_event`](Self::has_no_event) by the leading terms: p runs steadily from its value at 0 to that at the end, which both
     /// are beyond noise, on one side of zero or from below to above.
     #[inline(always)]
-    fn runs_steadily(&self, p: &[S], crossing: Crossing) -> S::Mask {
+    fn runs_steadily(&self, (p, value): (&[S], S), crossing: Crossing) -> S::Mask {
         let Self {
             start,
             end,
@@ -99,10 +101,6 @@ impl<S: Scalar> Ahead<S> {
         let ([first, last], rest) = leading_slopes(p, end, beyond);
         let (rises, falls) = (rest.less(first.min(last)), first.max(last).less(-rest));
         let is_steady = rises | falls;
-        if !is_steady.any() {
-            return is_steady;
-        }
-        let value = horner(p, end);
         let stays = noise.less(start.min(value)) | start.max(value).less(-noise);
         let only_rises = rises & start.less(-noise) & noise.less(value);
         let is_none = S::Mask::splat(crossing == Crossing::Falling);
@@ -296,7 +294,7 @@ mod tests {
 
     #[test]
     fn steady_runs_are_told_by_their_ends() {
-        let runs = |p: &[f64], crossing| ahead(p, 1.0).runs_steadily(p, crossing);
+        let runs = |p: &[f64], crossing| ahead(p, 1.0).runs_steadily((p, horner(p, 1.0)), crossing);
         for crossing in [Crossing::Falling, Crossing::Either] {
             assert!(runs(&[1.0, -0.5, 0.01, 0.02, -0.01, 0.001], crossing));
             assert!(runs(&[-1.0, 0.5], crossing));
@@ -331,10 +329,10 @@ mod tests {
             if falls_by_leading(&p, end, ahead.beyond) {
                 prop_assert!(at.iter().all(|&(_, slope)| slope < 0.0));
             }
-            if ahead.runs_steadily(&p, Crossing::Either) {
+            if ahead.runs_steadily((&p, horner(&p, end)), Crossing::Either) {
                 prop_assert!(at.iter().all(|&(value, _)| value * p[0] > 0.0));
             }
-            if ahead.runs_steadily(&p, Crossing::Falling) {
+            if ahead.runs_steadily((&p, horner(&p, end)), Crossing::Falling) {
                 prop_assert!(at.windows(2).all(|w| !(w[0].0 > 0.0 && w[1].0 <= 0.0)));
             }
             let mut scratch = vec![0.0; p.len()];

@@ -329,9 +329,10 @@ impl<S: Scalar> Workspace<S> {
                 guess = Some(root);
             }
             if !is_expected {
-                settled = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
+                let value;
+                (settled, value) = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
                 if let Some(section) = guard.section() {
-                    let keeps_side = settled & S::splat(0.0).less(start * horner(p, end));
+                    let keeps_side = settled & S::splat(0.0).less(start * value);
                     self.met[section] = !keeps_side;
                     sections_met = sections_met || !keeps_side.all();
                 }
@@ -360,7 +361,7 @@ impl<S: Scalar> Workspace<S> {
             settled = settled | found;
             let mut at = root;
             if !settled.all() && is_expected {
-                settled = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
+                (settled, _) = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
             }
             if !settled.all() {
                 let n = p.len();
