@@ -67,6 +67,7 @@ pub(super) struct Ahead<S> {
 impl<S: Scalar> Ahead<S> {
     /// Where nothing happens: p keeps its sign, or changes it in the direction that is none of the guard's. Certificates, cheapest
     /// first, until all lanes beside those `settled` have one. A section's function that keeps its sign is beyond noise everywhere.
+    /// With the value of p at the end.
     #[inline(always)]
     pub(super) fn has_no_event(
         &self,
@@ -74,22 +75,23 @@ impl<S: Scalar> Ahead<S> {
         guard: &Guard,
         settled: S::Mask,
         scratch: &mut [S],
-    ) -> S::Mask {
+    ) -> (S::Mask, S) {
         let Self { end, noise, .. } = *self;
-        let mut settled = settled | self.runs_steadily(p, guard.crossing);
+        let value = horner(p, end);
+        let mut settled = settled | self.runs_steadily((p, value), guard.crossing);
         if !settled.all() {
             settled = settled | keeps_sign(p, end, noise, scratch);
         }
         if !settled.all() && guard.section().is_none() {
             settled = settled | rises(p, end, noise, NOISE_ROUNDOFFS * S::ROUNDOFF, scratch);
         }
-        settled
+        (settled, value)
     }
 
     /// [`has_no_event`](Self::has_no_event) by the leading terms: p runs steadily from its value at 0 to that at the end, which both
     /// are beyond noise, on one side of zero or from below to above.
     #[inline(always)]
-    fn runs_steadily(&self, p: &[S], crossing: Crossing) -> S::Mask {
+    fn runs_steadily(&self, (p, value): (&[S], S), crossing: Crossing) -> S::Mask {
         let Self {
             start,
             end,
@@ -99,10 +101,6 @@ impl<S: Scalar> Ahead<S> {
         let ([first, last], rest) = leading_slopes(p, end, beyond);
         let (rises, falls) = (rest.less(first.min(last)), first.max(last).less(-rest));
         let is_steady = rises | falls;
-        if !is_steady.any() {
-            return is_steady;
-        }
-        let value = horner(p, end);
         let stays = noise.less(start.min(value)) | start.max(value).less(-noise);
         let only_rises = rises & start.less(-noise) & noise.less(value);
         let is_none = S::Mask::splat(crossing == Crossing::Falling);
@@ -113,19 +111,10 @@ impl<S: Scalar> Ahead<S> {
 /// Whether p' < 0 on all of [0, s], by bounding what follows the quadratic: then p has no other root there.
 #[inline(always)]
 pub(super) fn falls_steadily<S: Scalar>(p: &[S], s: S) -> S::Mask {
-    let mut falls = S::Mask::splat(false);
-    for part in 0..S::PARTS {
-        S::set_mask_part(&mut falls, part, falls_in_part(p, s.part(part), part));
-    }
-    falls
-}
-
-#[inline(always)]
-fn falls_in_part<S: Scalar>(p: &[S], s: S::Part, part: usize) -> <S::Part as Scalar>::Mask {
-    let zero = S::Part::splat(0.0);
-    let first = p[1].part(part);
+    let zero = S::splat(0.0);
+    let first = p[1];
     let bend = match p.get(2) {
-        Some(c) => c.part(part) + c.part(part),
+        Some(&c) => c + c,
         None => zero,
     };
     // Even and odd powers need not wait for each other.
@@ -137,17 +126,17 @@ fn falls_in_part<S: Scalar>(p: &[S], s: S::Part, part: usize) -> <S::Part as Sca
     let pairs = fours.remainder().chunks_exact(2);
     let of_pairs = factors.remainder().chunks_exact(2);
     if let ([c], &[k]) = (pairs.remainder(), of_pairs.remainder()) {
-        odd = c.part(part).abs() * S::Part::splat(k);
+        odd = c.abs() * S::splat(k);
     }
     for (pair, k) in pairs.rev().zip(of_pairs.rev()) {
-        even = even.mul_add(square, pair[1].part(part).abs() * S::Part::splat(k[1]));
-        odd = odd.mul_add(square, pair[0].part(part).abs() * S::Part::splat(k[0]));
+        even = even.mul_add(square, pair[1].abs() * S::splat(k[1]));
+        odd = odd.mul_add(square, pair[0].abs() * S::splat(k[0]));
     }
     for (four, k) in fours.rev().zip(factors.rev()) {
-        even = even.mul_add(square, four[3].part(part).abs() * S::Part::splat(k[3]));
-        odd = odd.mul_add(square, four[2].part(part).abs() * S::Part::splat(k[2]));
-        even = even.mul_add(square, four[1].part(part).abs() * S::Part::splat(k[1]));
-        odd = odd.mul_add(square, four[0].part(part).abs() * S::Part::splat(k[0]));
+        even = even.mul_add(square, four[3].abs() * S::splat(k[3]));
+        odd = odd.mul_add(square, four[2].abs() * S::splat(k[2]));
+        even = even.mul_add(square, four[1].abs() * S::splat(k[1]));
+        odd = odd.mul_add(square, four[0].abs() * S::splat(k[0]));
     }
     let rest = even.mul_add(s, odd) * square;
     let last = bend.mul_add(s, first);
@@ -305,7 +294,7 @@ mod tests {
 
     #[test]
     fn steady_runs_are_told_by_their_ends() {
-        let runs = |p: &[f64], crossing| ahead(p, 1.0).runs_steadily(p, crossing);
+        let runs = |p: &[f64], crossing| ahead(p, 1.0).runs_steadily((p, horner(p, 1.0)), crossing);
         for crossing in [Crossing::Falling, Crossing::Either] {
             assert!(runs(&[1.0, -0.5, 0.01, 0.02, -0.01, 0.001], crossing));
             assert!(runs(&[-1.0, 0.5], crossing));
@@ -340,10 +329,10 @@ mod tests {
             if falls_by_leading(&p, end, ahead.beyond) {
                 prop_assert!(at.iter().all(|&(_, slope)| slope < 0.0));
             }
-            if ahead.runs_steadily(&p, Crossing::Either) {
+            if ahead.runs_steadily((&p, horner(&p, end)), Crossing::Either) {
                 prop_assert!(at.iter().all(|&(value, _)| value * p[0] > 0.0));
             }
-            if ahead.runs_steadily(&p, Crossing::Falling) {
+            if ahead.runs_steadily((&p, horner(&p, end)), Crossing::Falling) {
                 prop_assert!(at.windows(2).all(|w| !(w[0].0 > 0.0 && w[1].0 <= 0.0)));
             }
             let mut scratch = vec![0.0; p.len()];

@@ -13,7 +13,9 @@ use super::system::Settings;
 use super::touching::Touching;
 use crate::expressions::{Expansion, MAX_ORDER, Operand, Tape};
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
-use crate::numerics::polynomial::{bernstein, horner, horner_with_slope_of_part, magnitude, sizes};
+use crate::numerics::polynomial::{
+    bernstein, horner, horner_with_slope, leading_with_slope, magnitude, sizes,
+};
 use crate::numerics::roots::Crossing;
 use crate::numerics::{Mask, Real, Scalar, two_sum};
 
@@ -327,9 +329,10 @@ impl<S: Scalar> Workspace<S> {
                 guess = Some(root);
             }
             if !is_expected {
-                settled = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
+                let value;
+                (settled, value) = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
                 if let Some(section) = guard.section() {
-                    let keeps_side = settled & S::splat(0.0).less(start * horner(p, end));
+                    let keeps_side = settled & S::splat(0.0).less(start * value);
                     self.met[section] = !keeps_side;
                     sections_met = sections_met || !keeps_side.all();
                 }
@@ -358,7 +361,7 @@ impl<S: Scalar> Workspace<S> {
             settled = settled | found;
             let mut at = root;
             if !settled.all() && is_expected {
-                settled = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
+                (settled, _) = ahead.has_no_event(p, guard, settled, &mut self.bernstein);
             }
             if !settled.all() {
                 let n = p.len();
@@ -634,67 +637,51 @@ fn quadratic_root<S: Scalar>(p: &[S]) -> (S, S::Mask) {
     (root, zero.at_most(radicand))
 }
 
-/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do. Also tells the
-/// slope at the root.
-#[inline(always)]
-fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
-    let (mut at, mut slope, mut converged) = (guess, guess, S::Mask::splat(false));
-    for part in 0..S::PARTS {
-        let found = newton_of_part(p, (guess.part(part), end.part(part)), part);
-        at.set_part(part, found.0);
-        S::set_mask_part(&mut converged, part, found.1);
-        slope.set_part(part, found.2);
-    }
-    (at, converged, slope)
-}
-
 /// Whether a place is on (0, end].
 #[inline(always)]
 fn is_inside<S: Scalar>(place: S, end: S) -> S::Mask {
     S::splat(0.0).less(place) & place.at_most(end)
 }
 
+/// Newton's method from a guess; each lane stops when its own correction is small, whatever the others do. Also tells the
+/// slope at the root.
 #[inline(always)]
-fn newton_of_part<S: Scalar>(
-    p: &[S],
-    (guess, end): (S::Part, S::Part),
-    part: usize,
-) -> (S::Part, <S::Part as Scalar>::Mask, S::Part) {
-    let zero = S::Part::splat(0.0);
+fn newton<S: Scalar>(p: &[S], guess: S, end: S) -> (S, S::Mask, S) {
+    let zero = S::splat(0.0);
     let far = end + end;
     let usable = is_inside(guess, far);
-    let mut at = S::Part::select(usable, guess, end);
+    let mut at = S::select(usable, guess, end);
     let mut done = !usable;
     // The leading terms bring the guess close at a part of the cost: a few of them where it may be far, more when it is near.
     let mut inverse = zero;
-    if p.len() >= 2 * NEWTON_LEADING {
+    if let (Some(few), Some(more)) = (p.first_chunk(), p.first_chunk::<{ 2 * NEWTON_LEADING }>()) {
         let next;
-        (next, inverse) = chebyshev_of_part(&p[..NEWTON_LEADING], at, part);
-        at = S::Part::select(usable & is_inside(next, far), next, at);
-        let (value, slope) = horner_with_slope_of_part(&p[..2 * NEWTON_LEADING], at, part);
+        (next, inverse) = chebyshev(few, at);
+        at = S::select(usable & is_inside(next, far), next, at);
+        let (value, slope) = leading_with_slope(more, at);
         // From where the step of Chebyshev's began: twice, since it was a long one. What comes of slopes that differ more is mended below.
         for _ in 0..2 {
             inverse = nearer_inverse(inverse, slope).0;
         }
         let next = at - value * inverse;
-        at = S::Part::select(usable & is_inside(next, far), next, at);
+        at = S::select(usable & is_inside(next, far), next, at);
     }
     let mut last_slope = zero;
     // The square of what double-double has to reach is not reached by what suffices for a double; nor is that of the error of an
     // inverse by more than its root.
     let least = NEWTON_DONE * (S::ROUNDOFF * 1e16).sqrt();
-    let (least, close) = (S::Part::splat(least), S::Part::splat(least.sqrt()));
+    let (least, close) = (S::splat(least), S::splat(least.sqrt()));
     for _ in 0..NEWTON_STEPS {
-        let (value, slope) = horner_with_slope_of_part(p, at, part);
+        let (value, slope) = horner_with_slope(p, at);
         let (nearer, miss) = nearer_inverse(inverse, slope);
         let is_close = miss.abs().at_most(close);
         inverse = nearer;
         if !is_close.all() {
-            inverse = S::Part::select(is_close, nearer, S::Part::splat(1.0) / slope);
+            inverse = S::select(is_close, nearer, S::splat(1.0) / slope);
         }
         let correction = value * inverse;
-        last_slope = S::Part::select(done, last_slope, slope);
-        at = S::Part::select(done, at, at - correction);
+        last_slope = S::select(done, last_slope, slope);
+        at = S::select(done, at, at - correction);
         let small = correction.abs().at_most(at.abs() * least);
         done = done | small;
         if done.all() {
@@ -713,14 +700,14 @@ fn nearer_inverse<S: Scalar>(nearby: S, slope: S) -> (S, S) {
 
 /// A step of Chebyshev's method on a few terms: it triples the digits where Newton's doubles them. With the inverse of the slope.
 #[inline(always)]
-fn chebyshev_of_part<S: Scalar>(p: &[S], at: S::Part, part: usize) -> (S::Part, S::Part) {
-    let mut half_bend = S::Part::splat(0.0);
-    for k in (2..p.len()).rev() {
-        let weight = S::Part::splat((k * (k - 1) / 2) as f64);
-        half_bend = half_bend.mul_add(at, p[k].part(part) * weight);
+fn chebyshev<S: Scalar>(p: &[S; NEWTON_LEADING], at: S) -> (S, S) {
+    const LAST: usize = NEWTON_LEADING - 1;
+    let mut half_bend = p[LAST] * S::splat((LAST * (LAST - 1) / 2) as f64);
+    for k in (2..LAST).rev() {
+        half_bend = half_bend.mul_add(at, p[k] * S::splat((k * (k - 1) / 2) as f64));
     }
-    let (value, slope) = horner_with_slope_of_part(p, at, part);
-    let inverse = S::Part::splat(1.0) / slope;
+    let (value, slope) = leading_with_slope(p, at);
+    let inverse = S::splat(1.0) / slope;
     let (newton, bend) = (value * inverse, half_bend * inverse);
     (at - (newton * newton).mul_add(bend, newton), inverse)
 }

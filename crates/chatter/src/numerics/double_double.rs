@@ -231,7 +231,6 @@ impl PartialOrd for DoubleDouble {
 }
 
 impl Scalar for DoubleDouble {
-    crate::numerics::scalar::is_its_own_part!();
     type Mask = bool;
     const ROUNDOFF: f64 = 6.162_975_822_039_155e-33; // 2^-107
     const ORDERS: [usize; 6] = [14, 18, 24, 32, 40, 50];

@@ -228,38 +228,8 @@ impl<const L: usize> Neg for Lanes<L> {
     }
 }
 
-/// Lanes of a part: one register with AVX-512, two with AVX2. Four running sums of sixteen lanes are more than there are registers.
-const PART: usize = 8;
-
-/// These values of an array, or zeros beyond its end.
-#[inline(always)]
-fn part<T: Copy, const L: usize>(values: &[T; L], index: usize, beyond: T) -> [T; PART] {
-    if let Some(part) = values.as_chunks().0.get(index) {
-        return *part;
-    }
-    let mut part = [beyond; PART];
-    for (lane, &value) in part.iter_mut().zip(values.iter().skip(index * PART)) {
-        *lane = value;
-    }
-    part
-}
-
-/// Replaces these values of an array, as far as it goes.
-#[inline(always)]
-fn set_part<T: Copy, const L: usize>(values: &mut [T; L], index: usize, part: [T; PART]) {
-    if let Some(place) = values.as_chunks_mut().0.get_mut(index) {
-        *place = part;
-        return;
-    }
-    for (value, &new) in values.iter_mut().skip(index * PART).zip(&part) {
-        *value = new;
-    }
-}
-
 impl<const L: usize> Scalar for Lanes<L> {
     type Mask = LaneMask<L>;
-    type Part = Lanes<PART>;
-    const PARTS: usize = L.div_ceil(PART);
     const ROUNDOFF: f64 = f64::ROUNDOFF;
     const ORDERS: [usize; 6] = f64::ORDERS;
 
@@ -346,18 +316,6 @@ impl<const L: usize> Scalar for Lanes<L> {
         } else {
             no.0[i]
         }))
-    }
-    #[inline(always)]
-    fn part(&self, index: usize) -> Lanes<PART> {
-        Lanes(part(&self.0, index, 0.0))
-    }
-    #[inline(always)]
-    fn set_part(&mut self, index: usize, part: Lanes<PART>) {
-        set_part(&mut self.0, index, part.0);
-    }
-    #[inline(always)]
-    fn set_mask_part(mask: &mut LaneMask<L>, index: usize, part: LaneMask<PART>) {
-        set_part(&mut mask.0, index, part.0);
     }
     #[inline(always)]
     fn coarse_log2(self) -> Self {

@@ -28,35 +28,26 @@ static INVERSE_BINOMIALS: LazyLock<Vec<Vec<DoubleDouble>>> = LazyLock::new(|| {
 /// p(s), the even and the odd powers each by Horner's rule: two sums that need not wait for each other.
 #[inline(always)]
 pub fn horner<S: Scalar>(coefficients: &[S], s: S) -> S {
-    let mut value = s;
-    for part in 0..S::PARTS {
-        value.set_part(part, horner_of_part(coefficients, s.part(part), part));
-    }
-    value
-}
-
-#[inline(always)]
-fn horner_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> S::Part {
     let square = s * s;
-    let mut sums = [S::Part::splat(0.0); 2];
+    let mut sums = [S::splat(0.0); 2];
     // Two pairs at a time, after those that are left over at the top. A pair is a loop of its own: for single numbers one
     // instruction.
     let fours = coefficients.chunks_exact(4);
     let pairs = fours.remainder().chunks_exact(2);
     if let [last] = pairs.remainder() {
-        sums[0] = last.part(part);
+        sums[0] = *last;
     }
     for pair in pairs.rev() {
         for k in 0..2 {
-            sums[k] = sums[k].mul_add(square, pair[k].part(part));
+            sums[k] = sums[k].mul_add(square, pair[k]);
         }
     }
     for four in fours.rev() {
         for k in 0..2 {
-            sums[k] = sums[k].mul_add(square, four[k + 2].part(part));
+            sums[k] = sums[k].mul_add(square, four[k + 2]);
         }
         for k in 0..2 {
-            sums[k] = sums[k].mul_add(square, four[k].part(part));
+            sums[k] = sums[k].mul_add(square, four[k]);
         }
     }
     let [even, odd] = sums;
@@ -66,43 +57,48 @@ fn horner_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> S::
 /// p(s) and p'(s), each as [`horner`].
 #[inline(always)]
 pub fn horner_with_slope<S: Scalar>(coefficients: &[S], s: S) -> (S, S) {
-    let (mut value, mut slope) = (s, s);
-    for part in 0..S::PARTS {
-        let (here, change) = horner_with_slope_of_part(coefficients, s.part(part), part);
-        value.set_part(part, here);
-        slope.set_part(part, change);
-    }
-    (value, slope)
-}
-
-/// [`horner_with_slope`] of one part of the lanes.
-#[inline(always)]
-pub(crate) fn horner_with_slope_of_part<S: Scalar>(
-    coefficients: &[S],
-    s: S::Part,
-    part: usize,
-) -> (S::Part, S::Part) {
     let square = s * s;
-    let (mut sums, mut slopes) = ([S::Part::splat(0.0); 2], [S::Part::splat(0.0); 2]);
+    let (mut sums, mut slopes) = ([S::splat(0.0); 2], [S::splat(0.0); 2]);
     let fours = coefficients.chunks_exact(4);
     let pairs = fours.remainder().chunks_exact(2);
     if let [last] = pairs.remainder() {
-        sums[0] = last.part(part);
+        sums[0] = *last;
     }
     for pair in pairs.rev() {
         for k in 0..2 {
             slopes[k] = slopes[k].mul_add(square, sums[k]);
-            sums[k] = sums[k].mul_add(square, pair[k].part(part));
+            sums[k] = sums[k].mul_add(square, pair[k]);
         }
     }
     for four in fours.rev() {
         for k in 0..2 {
             slopes[k] = slopes[k].mul_add(square, sums[k]);
-            sums[k] = sums[k].mul_add(square, four[k + 2].part(part));
+            sums[k] = sums[k].mul_add(square, four[k + 2]);
         }
         for k in 0..2 {
             slopes[k] = slopes[k].mul_add(square, sums[k]);
-            sums[k] = sums[k].mul_add(square, four[k].part(part));
+            sums[k] = sums[k].mul_add(square, four[k]);
+        }
+    }
+    let ([even, odd], [even_slope, odd_slope]) = (sums, slopes);
+    let value = odd.mul_add(s, even);
+    let slope = (s + s).mul_add(odd_slope.mul_add(s, even_slope), odd);
+    (value, slope)
+}
+
+/// [`horner_with_slope`] of an even number of leading terms, at least four.
+#[inline(always)]
+pub(crate) fn leading_with_slope<S: Scalar, const N: usize>(leading: &[S; N], s: S) -> (S, S) {
+    let square = s * s;
+    let mut slopes = [leading[N - 2], leading[N - 1]];
+    let mut sums = slopes;
+    for k in 0..2 {
+        sums[k] = sums[k].mul_add(square, leading[N - 4 + k]);
+    }
+    for pair in (0..N / 2 - 2).rev() {
+        for k in 0..2 {
+            slopes[k] = slopes[k].mul_add(square, sums[k]);
+            sums[k] = sums[k].mul_add(square, leading[2 * pair + k]);
         }
     }
     let ([even, odd], [even_slope, odd_slope]) = (sums, slopes);
@@ -136,22 +132,11 @@ pub(crate) struct Sizes<S> {
 /// The sums of sizes, of even and of odd powers as in [`horner`].
 #[inline(always)]
 pub(crate) fn sizes<S: Scalar>(coefficients: &[S], s: S) -> Sizes<S> {
-    let mut sizes = Sizes { all: s, beyond: s };
-    for part in 0..S::PARTS {
-        let here = sizes_of_part(coefficients, s.part(part), part);
-        sizes.all.set_part(part, here.all);
-        sizes.beyond.set_part(part, here.beyond);
-    }
-    sizes
-}
-
-#[inline(always)]
-fn sizes_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> Sizes<S::Part> {
-    let zero = S::Part::splat(0.0);
+    let zero = S::splat(0.0);
     let Some((leading, others)) = coefficients.split_first_chunk::<LEADING>() else {
         let mut all = zero;
         for c in coefficients.iter().rev() {
-            all = all.mul_add(s, c.part(part).abs());
+            all = all.mul_add(s, c.abs());
         }
         return Sizes { all, beyond: zero };
     };
@@ -159,17 +144,17 @@ fn sizes_of_part<S: Scalar>(coefficients: &[S], s: S::Part, part: usize) -> Size
     let mut sums = [zero; 2];
     let pairs = others.chunks_exact(2);
     if let [last] = pairs.remainder() {
-        sums[0] = last.part(part).abs();
+        sums[0] = last.abs();
     }
     for pair in pairs.rev() {
         for k in 0..2 {
-            sums[k] = sums[k].mul_add(square, pair[k].part(part).abs());
+            sums[k] = sums[k].mul_add(square, pair[k].abs());
         }
     }
     let beyond = sums[1].mul_add(s, sums[0]);
     for first in [2, 0] {
         for k in 0..2 {
-            sums[k] = sums[k].mul_add(square, leading[first + k].part(part).abs());
+            sums[k] = sums[k].mul_add(square, leading[first + k].abs());
         }
     }
     Sizes {
@@ -218,45 +203,43 @@ pub fn bernstein_from<S: Scalar>(constant: S, rest: &[S], width: S, out: &mut [S
     }
     // The scaled coefficients are the forward differences of the Bernstein ones: sum them up, antidiagonal by
     // antidiagonal.
-    for part in 0..S::PARTS {
-        let mut first = 1;
-        while first + 3 < n {
-            add_up::<S, 4>(out, first, part);
-            first += 4;
-        }
-        while first < n {
-            add_up::<S, 1>(out, first, part);
-            first += 1;
-        }
+    let mut first = 1;
+    while first + 3 < n {
+        add_up::<S, 4>(out, first);
+        first += 4;
+    }
+    while first < n {
+        add_up::<S, 1>(out, first);
+        first += 1;
     }
 }
 
 /// Adds to each number from `first` on the one before it, `TIMES` times in turn, each time from one place further on. All in one
 /// run, which hands sums from one to the next.
 #[inline(always)]
-fn add_up<S: Scalar, const TIMES: usize>(out: &mut [S], first: usize, part: usize) {
+fn add_up<S: Scalar, const TIMES: usize>(out: &mut [S], first: usize) {
     let (before, rest) = out.split_at_mut(first);
-    let Some(last) = before.last() else { return };
+    let Some(&last) = before.last() else { return };
     // What the number before was after so many times.
-    let mut below = [last.part(part); TIMES];
+    let mut below = [last; TIMES];
     let (begin, rest) = rest.split_at_mut((TIMES - 1).min(rest.len()));
     for (done, value) in begin.iter_mut().enumerate() {
-        let mut sum = value.part(part);
+        let mut sum = *value;
         for (time, below) in below.iter_mut().enumerate() {
             let next = if time <= done { sum + *below } else { sum };
             *below = sum;
             sum = next;
         }
-        value.set_part(part, sum);
+        *value = sum;
     }
     for value in rest {
-        let mut sum = value.part(part);
+        let mut sum = *value;
         for below in &mut below {
             let next = sum + *below;
             *below = sum;
             sum = next;
         }
-        value.set_part(part, sum);
+        *value = sum;
     }
 }
 

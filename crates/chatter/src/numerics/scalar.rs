@@ -124,18 +124,6 @@ pub trait Scalar:
         Self::select(other.less(self), self, other)
     }
 
-    /// A few lanes of a number, so few that several running sums of them fit the registers of a processor at once; a number with a
-    /// single lane is its own part.
-    type Part: Scalar;
-    /// How many parts a number has.
-    const PARTS: usize;
-    /// One of them.
-    fn part(&self, index: usize) -> Self::Part;
-    /// Replaces one of them.
-    fn set_part(&mut self, index: usize, part: Self::Part);
-    /// Replaces one part of truth values.
-    fn set_mask_part(mask: &mut Self::Mask, index: usize, part: <Self::Part as Scalar>::Mask);
-
     /// A crude base-two logarithm of a positive number, off by at most 0.09: enough to choose an order or a step, and
     /// free of any call. Zero gives about -1023.
     fn coarse_log2(self) -> Self;
@@ -144,27 +132,6 @@ pub trait Scalar:
     /// The nearest number of 24 binary digits, so that products with other short ones are exact.
     fn short(self) -> Self;
 }
-
-/// For an implementation of [`Scalar`]: a number with a single lane is its own part.
-macro_rules! is_its_own_part {
-    () => {
-        type Part = Self;
-        const PARTS: usize = 1;
-        #[inline(always)]
-        fn part(&self, _: usize) -> Self {
-            *self
-        }
-        #[inline(always)]
-        fn set_part(&mut self, _: usize, part: Self) {
-            *self = part;
-        }
-        #[inline(always)]
-        fn set_mask_part(mask: &mut bool, _: usize, part: bool) {
-            *mask = part;
-        }
-    };
-}
-pub(crate) use is_its_own_part;
 
 /// A [`Scalar`] with a single lane: values can be compared and decided upon.
 pub trait Real: Scalar<Mask = bool> + PartialOrd + PartialEq + Display {
@@ -214,7 +181,6 @@ pub(super) fn short(value: f64) -> f64 {
 }
 
 impl Scalar for f64 {
-    is_its_own_part!();
     type Mask = bool;
     const ROUNDOFF: f64 = f64::EPSILON / 2.0;
     const ORDERS: [usize; 6] = [8, 10, 13, 16, 20, 26];

@@ -172,7 +172,6 @@ impl<R: Real, const SERIES: bool> MulAssign for WithTerms<R, SERIES> {
 }
 
 impl<R: Real, const SERIES: bool> Scalar for WithTerms<R, SERIES> {
-    crate::numerics::scalar::is_its_own_part!();
     type Mask = bool;
     const ROUNDOFF: f64 = R::ROUNDOFF;
     /// Values at a point are all that it is for, unless it says that it is for series.

@@ -9,12 +9,11 @@
 //! ```
 //!
 //! What an operation reads and writes stands in memory, so that nothing has to be kept in registers from one to the next,
-//! nor over a call. Where there are registers to spare they hold the latest coefficients beside that ([`latest`](super::latest)). For
-//! single numbers the lower orders are written out before the loop ([`straight`](super::straight)).
+//! nor over a call. Where there are registers for it the lower orders are written out before the loop
+//! ([`straight`](super::straight)).
 
-use super::assembler::{Assembler, At, Label, Source, Vector, When, Width};
+use super::assembler::{Assembler, At, Label, Vector, When, Width};
 use super::executable::{Callee, Frame, Table, function_of};
-use super::latest::Latest;
 use super::straight::Kept;
 use crate::expressions::tape::{Op, Operand, Sign, Tape};
 use core::mem::offset_of;
@@ -70,7 +69,7 @@ pub(super) struct Layout {
     pub size: usize,
     /// Coefficients from one series to the next.
     pub stride: usize,
-    /// So many bytes of code may be spent on writing orders out for single numbers.
+    /// So many bytes of code may be spent on writing orders out.
     pub straight: usize,
 }
 
@@ -89,7 +88,6 @@ pub(super) fn compile(tape: &Tape, layout: Layout, width: Width) -> Option<Vec<u
         layout,
         registers,
         bytes: width.doubles() * size_of::<f64>(),
-        latest: Latest::of(tape, width, registers),
         kept: Kept::default(),
     };
     compiler.whole()?;
@@ -175,10 +173,9 @@ pub(super) struct Compiler<'t> {
     pub(super) tape: &'t Tape,
     pub(super) layout: Layout,
     /// Registers in a chunk.
-    registers: usize,
+    pub(super) registers: usize,
     /// Bytes in a register.
     bytes: usize,
-    latest: Latest,
     pub(super) kept: Kept,
 }
 
@@ -236,7 +233,7 @@ impl Compiler<'_> {
             self.keep_short()?;
         }
         self.integrate(true);
-        let (next, done) = if self.code.width == Width::One {
+        let (next, done) = if self.has_room_to_write_out() {
             let (first, done) = self.orders_straight();
             if first == self.layout.stride {
                 self.code.bind(done);
@@ -250,14 +247,12 @@ impl Compiler<'_> {
         };
         self.code.compare(ORDER, LAST);
         self.code.jump(When::AtLeast, done);
-        self.load_latest();
         self.code.bind(next);
         self.code.add_to(ORDER, 1);
         self.code.add_to(NOW, self.layout.size);
         self.code.compare(ORDER, LAST);
         self.code.jump(When::Greater, done);
         self.factor();
-        self.latest.next_order();
         for op in &tape.ops {
             self.go_on(op);
             self.keep_short()?;
@@ -321,12 +316,12 @@ impl Compiler<'_> {
     /// Registers that no chunk uses.
     const FREE: [Vector; 4] = [Vector(12), Vector(13), Vector(14), Vector(15)];
 
-    fn parts(&self) -> core::ops::Range<usize> {
+    pub(super) fn parts(&self) -> core::ops::Range<usize> {
         0..self.registers
     }
 
     /// The part of a number that belongs to a register of the chunk.
-    fn part(&self, at: At, part: usize) -> At {
+    pub(super) fn part(&self, at: At, part: usize) -> At {
         at.plus(part * self.bytes)
     }
 
@@ -354,50 +349,15 @@ impl Compiler<'_> {
     /// Stores the sums as the present coefficient of a series, or as that after it.
     fn finish_now(&mut self, slot: usize) {
         self.store_sums(self.now(slot));
-        for part in self.parts() {
-            self.keep_latest(slot, part, self.sum(part));
-        }
-        self.latest.is_computed(slot);
     }
 
     fn finish_after(&mut self, state: usize) {
         self.store_sums(self.after(state));
-        for part in self.parts() {
-            self.keep_latest(state, part, self.sum(part));
-        }
     }
 
-    fn keep_latest(&mut self, slot: usize, part: usize, value: Vector) {
-        if let Some(register) = self.latest.register(slot, part) {
-            self.code.copy(register, value);
-        }
-    }
-
-    /// The coefficients of the states that the loop begins with.
-    fn load_latest(&mut self) {
-        for state in 0..self.tape.dimension {
-            for part in self.parts() {
-                if let Some(register) = self.latest.register(state, part) {
-                    let at = self.part(self.after(state), part);
-                    self.code.load(register, at);
-                }
-            }
-        }
-    }
-
-    /// Where the present coefficient of a series is read from.
-    fn present(&self, slot: usize, part: usize) -> Source {
-        match self.latest.present(slot, part) {
-            Some(register) => register.into(),
-            None => self.part(self.now(slot), part).into(),
-        }
-    }
-
-    fn fetch(&mut self, into: Vector, from: Source) {
-        match from {
-            Source::Register(register) => self.code.copy(into, register),
-            Source::Memory(at) => self.code.load(into, at),
-        }
+    /// A part of the present coefficient of a series.
+    fn present(&self, slot: usize, part: usize) -> At {
+        self.part(self.now(slot), part)
     }
 
     fn negate_sums(&mut self) {
@@ -425,21 +385,17 @@ impl Compiler<'_> {
             for part in self.parts() {
                 let sum = self.sum(part);
                 let rate = match rate {
-                    Operand::Series(of) if at_zero => self.part(self.now(of), part).into(),
                     Operand::Series(of) => self.present(of, part),
-                    Operand::Constant(index) if at_zero => {
-                        self.part(self.constant(index), part).into()
-                    }
+                    Operand::Constant(index) if at_zero => self.part(self.constant(index), part),
                     Operand::Constant(_) => {
                         self.code.zero(sum);
                         continue;
                     }
                 };
-                self.fetch(sum, rate);
+                self.code.load(sum, rate);
                 self.code.multiply(sum, sum, self.part(FACTOR, part));
             }
             self.finish_after(state);
-            self.latest.has_moved(state);
         }
         self.code.bind(skip);
     }
@@ -686,7 +642,6 @@ impl Compiler<'_> {
                 self.combine_times_factor(first, end);
                 self.finish_after(state);
                 self.code.bind(skip);
-                self.latest.has_moved(state);
             }
             Op::Multiply { out, left, right } => {
                 self.convolve((left, 0), (right, 0), Terms::Order(1));
@@ -718,7 +673,7 @@ impl Compiler<'_> {
                     self.code.multiply(rest, rest, factor);
                     if let Operand::Series(slot) = numerator {
                         let value = self.odd(part);
-                        self.fetch(value, self.present(slot, part));
+                        self.code.load(value, self.present(slot, part));
                         self.code.multiply_subtract(value, factor, rest);
                         self.code.copy(rest, value);
                     }
@@ -849,7 +804,7 @@ impl Compiler<'_> {
         self.divide_by_order();
         for part in self.parts() {
             let newest = self.other(part);
-            self.fetch(newest, self.present(argument, part));
+            self.code.load(newest, self.present(argument, part));
             let weight = self.part(self.first(weight, 0), part);
             self.code.multiply_add(self.sum(part), newest, weight);
         }
@@ -908,9 +863,6 @@ impl Compiler<'_> {
             }
             Terms::Half(first) => self.now(right.0).minus(first * size),
         };
-        // Of these two, and of the last coefficient of the first series, the present ones may be in registers.
-        let newest_is_present = newest.1 == self.now(right.0).1;
-        let last_is_present = left.1 == 0 && matches!(terms, Terms::Order(1));
         // Products between the two outermost ones.
         match terms {
             Terms::Order(more) => {
@@ -935,9 +887,8 @@ impl Compiler<'_> {
             self.code.bind(one);
             for part in self.parts() {
                 let sum = self.sum(part);
-                let newest = self.present_or(newest_is_present, (right.0, part), newest);
                 self.code.load(sum, self.part(outermost, part));
-                self.code.multiply(sum, sum, newest);
+                self.code.multiply(sum, sum, self.part(newest, part));
             }
             self.code.jump(When::Always, done);
         }
@@ -971,36 +922,9 @@ impl Compiler<'_> {
             let sum = self.sum(part);
             self.code.add(sum, sum, self.odd(part));
         }
-        for part in self.parts() {
-            let last = self.present_or(last_is_present, (left.0, part), a);
-            self.product(part, last, self.part(b, part));
-        }
-        for part in self.parts() {
-            let newest = self.present_or(newest_is_present, (right.0, part), newest);
-            self.product(part, newest, self.part(outermost, part));
-        }
+        self.products(Self::sum, a, b);
+        self.products(Self::sum, newest, outermost);
         self.code.bind(done);
-    }
-
-    /// The present coefficient of a series, if it is that, or what is at a place.
-    fn present_or(&self, is_present: bool, (slot, part): (usize, usize), at: At) -> Source {
-        if is_present {
-            self.present(slot, part)
-        } else {
-            self.part(at, part).into()
-        }
-    }
-
-    /// Adds the product of two numbers to a sum.
-    fn product(&mut self, part: usize, left: Source, right: At) {
-        let (sum, factor) = (self.sum(part), self.other(part));
-        match left {
-            Source::Register(left) => self.code.multiply_add(sum, left, right),
-            Source::Memory(left) => {
-                self.code.load(factor, left);
-                self.code.multiply_add(sum, factor, right);
-            }
-        }
     }
 
     /// Adds the products of two numbers to sums.

@@ -449,6 +449,8 @@ fn code_for_every_processor_keeps_bits_and_to_its_places() {
             agrees::<1>(Width::One, texts, outputs, 26);
             agrees::<1>(Width::One, texts, outputs, 4);
             for straight in [0, 2000, 5000] {
+                agrees_written_out::<16>(Width::Eight, texts, outputs, (26, 4 * straight));
+                agrees_written_out::<16>(Width::Eight, texts, outputs, (3, 4 * straight));
                 agrees_written_out::<1>(Width::One, texts, outputs, (26, straight));
                 agrees_written_out::<1>(Width::One, texts, outputs, (3, straight));
             }

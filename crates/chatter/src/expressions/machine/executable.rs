@@ -16,7 +16,7 @@ use core::any::TypeId;
 use core::fmt;
 use memmap2::{Mmap, MmapMut};
 
-/// So much code is written out for single numbers: all orders of the valve, and of the same with its derivative columns those
+/// So much code is written out: all orders of the valve, and of the same with its derivative columns those
 /// that short flights ask for.
 const STRAIGHT: usize = 64 << 10;
 

@@ -4,8 +4,8 @@
 //! Backend       which of the two runs a tape, from when on
 //! assembler     instructions for registers of one, four or eight doubles
 //! compile       a tape's operations as such
-//! latest        the latest coefficients in registers, with AVX-512
-//! straight      orders above zero written out, for single numbers
+//! straight      orders above zero written out, where there are registers for it
+//! group         the registers of a number
 //! executable    memory that is executed
 //! ```
 
@@ -21,7 +21,7 @@ mod executable;
 #[path = "none.rs"]
 mod executable;
 #[cfg(target_arch = "x86_64")]
-mod latest;
+mod group;
 #[cfg(target_arch = "x86_64")]
 mod straight;
 

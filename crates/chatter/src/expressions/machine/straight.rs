@@ -1,32 +1,37 @@
-//! Orders above zero for single numbers, written out: no loop is left, and what was just computed is still in a register.
+//! Orders above zero written out: no loop is left, and what was just computed is still in a register.
 //!
 //! A trajectory alone waits for its own latest coefficient and for nothing else, so that every load from where it was just
-//! stored, and every loop that ends at another count, shows. Of models so large that the code would not stay in the cache the
-//! higher orders are left to the loop of [`compile`](super::compile), which is shorter.
+//! stored, and every loop that ends at another count, shows. Lanes wait for loads: two a product, where none is left in a register.
+//! Of models so large that the code would not stay in the cache the higher orders are left to the loop of
+//! [`compile`](super::compile), which is shorter.
 
-use super::assembler::{At, Label, Source, Vector, When};
+use super::assembler::{At, Label, When, Width};
 use super::compile::{Compiler, LAST, TABLE, TAU};
 use super::executable::Table;
+use super::group::{Group, Place};
 use crate::expressions::tape::{Op, Operand, Sign};
 use core::mem::offset_of;
 
-/// Registers for sums and factors; …
-const SECOND: Vector = Vector(1);
-const MIDDLE: Vector = Vector(2);
-const PAIRS: Vector = Vector(3);
-const FACTORS: [Vector; 4] = [Vector(4), Vector(5), Vector(6), Vector(7)];
+/// Groups of registers for sums and factors; …
+const SECOND: Group = Group(1);
+const MIDDLE: Group = Group(2);
+const PAIRS: Group = Group(3);
+const FACTORS: [Group; 4] = [Group(4), Group(5), Group(6), Group(7)];
 /// … for coefficients that were computed last, in turn; …
-const KEPT: [Vector; 7] = [
-    Vector(8),
-    Vector(9),
-    Vector(10),
-    Vector(11),
-    Vector(12),
-    Vector(13),
-    Vector(14),
+const KEPT: [Group; 7] = [
+    Group(8),
+    Group(9),
+    Group(10),
+    Group(11),
+    Group(12),
+    Group(13),
+    Group(14),
 ];
 /// … and for the unit of time over the order to come.
-const UNIT: Vector = Vector(15);
+const UNIT: Group = Group(15);
+
+/// Groups that are named here.
+const GROUPS: usize = 16;
 
 /// Which coefficients stand in which registers.
 #[derive(Default)]
@@ -37,7 +42,7 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    fn find(&self, slot: usize, k: usize) -> Option<Vector> {
+    fn find(&self, slot: usize, k: usize) -> Option<Group> {
         let place = (self.coefficients)
             .iter()
             .position(|&kept| kept == Some((slot, k)))?;
@@ -45,7 +50,7 @@ impl Kept {
     }
 
     /// The register that was filled first of all; it holds nothing any more.
-    fn fresh(&mut self) -> (usize, Vector) {
+    fn fresh(&mut self) -> (usize, Group) {
         let place = self.turn;
         self.turn = (self.turn + 1) % KEPT.len();
         self.coefficients[place] = None;
@@ -54,6 +59,15 @@ impl Kept {
 }
 
 impl Compiler<'_> {
+    /// Whether there are the registers for it.
+    pub(super) fn has_room_to_write_out(&self) -> bool {
+        let registers = match self.code.width {
+            Width::One | Width::Four => 16,
+            Width::Eight => 32,
+        };
+        GROUPS * self.registers <= registers
+    }
+
     /// Orders from the first on, as far as the code may be written out; the order that is next, and where a run that needs
     /// no more of them goes to.
     pub(super) fn orders_straight(&mut self) -> (usize, Label) {
@@ -83,8 +97,8 @@ impl Compiler<'_> {
 
     fn unit(&mut self, k: usize) {
         let reciprocal = offset_of!(Table, reciprocals) + (k + 1) * size_of::<f64>();
-        self.code.load(UNIT, At(TABLE, reciprocal));
-        self.code.multiply(UNIT, UNIT, At(TAU, 0));
+        self.broadcast(UNIT, At(TABLE, reciprocal));
+        self.multiply(UNIT, UNIT, At(TAU, 0));
     }
 
     fn integrate_straight(&mut self, k: usize) {
@@ -94,16 +108,16 @@ impl Compiler<'_> {
             match rate {
                 Operand::Series(of) => {
                     let rate = self.value(of, k);
-                    self.code.multiply(out, UNIT, rate);
+                    self.multiply(out, UNIT, rate);
                 }
-                Operand::Constant(_) => self.code.zero(out),
+                Operand::Constant(_) => self.zero(out),
             }
             self.keep(place, (state, k + 1));
         }
     }
 
     /// Where a coefficient is read from.
-    fn value(&self, slot: usize, k: usize) -> Source {
+    fn value(&self, slot: usize, k: usize) -> Place {
         match self.kept.find(slot, k) {
             Some(register) => register.into(),
             None => self.first(slot, k).into(),
@@ -111,65 +125,67 @@ impl Compiler<'_> {
     }
 
     /// A coefficient in some register.
-    fn in_register(&mut self, slot: usize, k: usize) -> Vector {
+    fn in_register(&mut self, slot: usize, k: usize) -> Group {
         if let Some(register) = self.kept.find(slot, k) {
             return register;
         }
         let register = self.next_factor();
-        self.code.load(register, self.first(slot, k));
+        self.load(register, self.first(slot, k));
         register
     }
 
-    fn next_factor(&mut self) -> Vector {
+    fn next_factor(&mut self) -> Group {
         self.kept.factor = (self.kept.factor + 1) % FACTORS.len();
         FACTORS[self.kept.factor]
     }
 
     /// Stores what a fresh register holds.
     fn keep(&mut self, place: usize, (slot, k): (usize, usize)) {
-        self.code.store(self.first(slot, k), KEPT[place]);
+        self.store(self.first(slot, k), KEPT[place]);
         self.kept.coefficients[place] = Some((slot, k));
     }
 
-    fn number(table: usize, index: usize) -> At {
-        At(TABLE, table + index * size_of::<f64>())
+    /// A number of the table, in every lane.
+    fn number(&mut self, table: usize, index: usize) -> Group {
+        let number = self.next_factor();
+        self.broadcast(number, At(TABLE, table + index * size_of::<f64>()));
+        number
     }
 
     /// Adds the product of two coefficients to a sum.
-    fn add_product(&mut self, sum: Vector, left: (usize, usize), right: (usize, usize)) {
+    fn add_product(&mut self, sum: Group, left: (usize, usize), right: (usize, usize)) {
         if let Some(right) = self.kept.find(right.0, right.1) {
             let left = self.value(left.0, left.1);
-            self.code.multiply_add(sum, right, left);
+            self.multiply_add(sum, right, left);
         } else {
             let left = self.in_register(left.0, left.1);
-            self.code
-                .multiply_add(sum, left, self.first(right.0, right.1));
+            self.multiply_add(sum, left, self.first(right.0, right.1));
         }
     }
 
     /// sum_{i=0..n-1} a_{first + i} b_{last - i}, in the order of [`convolve`](crate::expressions::series::convolve).
     fn convolution(
         &mut self,
-        sum: Vector,
+        sum: Group,
         (left, first): (usize, usize),
         (right, last): (usize, usize),
         n: usize,
     ) {
         match n {
-            0 => self.code.zero(sum),
+            0 => self.zero(sum),
             1 => {
                 let factor = self.in_register(left, first);
                 let other = self.value(right, last);
-                self.code.multiply(sum, factor, other);
+                self.multiply(sum, factor, other);
             }
             _ => {
-                self.code.zero(sum);
-                self.code.zero(SECOND);
+                self.zero(sum);
+                self.zero(SECOND);
                 for i in 1..n - 1 {
                     let into = if i % 2 == 1 { sum } else { SECOND };
                     self.add_product(into, (left, first + i), (right, last - i));
                 }
-                self.code.add(sum, sum, SECOND);
+                self.add(sum, sum, SECOND);
                 self.add_product(sum, (left, first + n - 1), (right, last + 1 - n));
                 self.add_product(sum, (left, first), (right, last));
             }
@@ -183,51 +199,50 @@ impl Compiler<'_> {
     }
 
     /// The square of the coefficient in the middle, or zero.
-    fn middle_square(&mut self, into: Vector, slot: usize, k: usize) {
+    fn middle_square(&mut self, into: Group, slot: usize, k: usize) {
         if k.is_multiple_of(2) {
             let middle = self.in_register(slot, k / 2);
-            self.code.multiply(into, middle, middle);
+            self.multiply(into, middle, middle);
         } else {
-            self.code.zero(into);
+            self.zero(into);
         }
     }
 
-    fn sum_of_terms(&mut self, sum: Vector, first: usize, end: usize, k: usize) {
+    fn sum_of_terms(&mut self, sum: Group, first: usize, end: usize, k: usize) {
         let tape = self.tape;
-        self.code.zero(sum);
+        self.zero(sum);
         for &(coefficient, slot) in &tape.terms[first..end] {
             let coefficient = self.constant(coefficient);
             if let Some(value) = self.kept.find(slot, k) {
-                self.code.multiply_add(sum, value, coefficient);
+                self.multiply_add(sum, value, coefficient);
             } else {
                 let factor = self.next_factor();
-                self.code.load(factor, coefficient);
-                self.code.multiply_add(sum, factor, self.first(slot, k));
+                self.load(factor, coefficient);
+                self.multiply_add(sum, factor, self.first(slot, k));
             }
         }
     }
 
     /// A linear combination times the unit of time, what is computed last apart from the rest.
-    fn sum_of_terms_times_unit(&mut self, sum: Vector, first: usize, end: usize, k: usize) {
+    fn sum_of_terms_times_unit(&mut self, sum: Group, first: usize, end: usize, k: usize) {
         let Some(&(coefficient, slot)) = self.tape.terms[first..end].last() else {
-            self.code.zero(sum);
+            self.zero(sum);
             return;
         };
         let scaled = MIDDLE;
-        self.code.multiply(scaled, UNIT, self.constant(coefficient));
+        self.multiply(scaled, UNIT, self.constant(coefficient));
         if end - first == 1 {
             let newest = self.value(slot, k);
-            self.code.multiply(sum, scaled, newest);
+            self.multiply(sum, scaled, newest);
             return;
         }
         self.sum_of_terms(sum, first, end - 1, k);
-        self.code.multiply(sum, sum, UNIT);
+        self.multiply(sum, sum, UNIT);
         let newest = self.value(slot, k);
-        self.code.multiply_add(sum, scaled, newest);
+        self.multiply_add(sum, scaled, newest);
     }
 
     fn at_order(&mut self, op: &Op, k: usize) {
-        let reciprocal = Self::number(offset_of!(Table, reciprocals), k);
         match *op {
             Op::Linear {
                 out, first, end, ..
@@ -252,8 +267,8 @@ impl Compiler<'_> {
                 let (place, value) = self.kept.fresh();
                 self.different_pairs(base, 0, k);
                 self.middle_square(value, base, k);
-                let two = At(TABLE, offset_of!(Table, two));
-                self.code.multiply_add(value, PAIRS, two);
+                let two = self.number(offset_of!(Table, two), 0);
+                self.multiply_add(value, PAIRS, two);
                 self.keep(place, (out, k));
             }
             Op::Divide {
@@ -264,16 +279,16 @@ impl Compiler<'_> {
             } => {
                 let (place, value) = self.kept.fresh();
                 self.convolution(PAIRS, (out, 0), (denominator, k), k);
-                self.code.multiply(PAIRS, PAIRS, self.auxiliary(inverse));
+                self.multiply(PAIRS, PAIRS, self.auxiliary(inverse));
                 match numerator {
                     Operand::Series(slot) => {
-                        self.code.load(value, self.auxiliary(inverse));
+                        self.load(value, self.auxiliary(inverse));
                         let above = self.in_register(slot, k);
-                        self.code.multiply_subtract(value, above, PAIRS);
+                        self.multiply_subtract(value, above, PAIRS);
                     }
                     Operand::Constant(_) => {
-                        self.code.copy(value, PAIRS);
-                        self.code.negate(value, Self::minus_zero());
+                        self.copy(value, PAIRS);
+                        self.negate(value);
                     }
                 }
                 self.keep(place, (out, k));
@@ -285,15 +300,13 @@ impl Compiler<'_> {
             } => {
                 let (place, value) = self.kept.fresh();
                 self.middle_square(MIDDLE, out, k);
-                self.code.multiply(MIDDLE, MIDDLE, self.auxiliary(inverse));
+                self.multiply(MIDDLE, MIDDLE, self.auxiliary(inverse));
                 self.different_pairs(out, 1, k);
-                let minus_two = At(TABLE, offset_of!(Table, minus_two));
-                self.code.load(value, self.auxiliary(inverse));
-                self.code.multiply(value, value, minus_two);
-                self.code.multiply_subtract(value, PAIRS, MIDDLE);
+                let minus_two = self.number(offset_of!(Table, minus_two), 0);
+                self.multiply(value, minus_two, self.auxiliary(inverse));
+                self.multiply_subtract(value, PAIRS, MIDDLE);
                 let radicand = self.in_register(radicand, k);
-                self.code
-                    .multiply_add(value, radicand, self.auxiliary(inverse));
+                self.multiply_add(value, radicand, self.auxiliary(inverse));
                 self.keep(place, (out, k));
             }
             Op::Power {
@@ -303,36 +316,32 @@ impl Compiler<'_> {
                 inverse,
             } => {
                 let (place, sum) = self.kept.fresh();
-                self.code.zero(sum);
+                self.zero(sum);
                 for j in 1..k {
-                    let negative = Self::number(offset_of!(Table, negatives), k - j);
-                    let whole = self.next_factor();
-                    self.code.load(MIDDLE, negative);
-                    self.code
-                        .load(whole, Self::number(offset_of!(Table, numbers), j));
-                    self.code
-                        .multiply_add(MIDDLE, whole, self.constant(exponent));
+                    let negative = self.number(offset_of!(Table, negatives), k - j);
+                    self.copy(MIDDLE, negative);
+                    let whole = self.number(offset_of!(Table, numbers), j);
+                    self.multiply_add(MIDDLE, whole, self.constant(exponent));
                     let coefficient = self.value(base, j);
-                    self.code.multiply(MIDDLE, MIDDLE, coefficient);
+                    self.multiply(MIDDLE, MIDDLE, coefficient);
                     let other = self.value(out, k - j);
-                    self.code.multiply_add(sum, MIDDLE, other);
+                    self.multiply_add(sum, MIDDLE, other);
                 }
-                self.code.multiply(sum, sum, self.auxiliary(inverse));
-                self.code.multiply(sum, sum, reciprocal);
-                self.code.load(MIDDLE, self.constant(exponent));
-                self.code.multiply(MIDDLE, MIDDLE, self.first(out, 0));
-                self.code.multiply(MIDDLE, MIDDLE, self.auxiliary(inverse));
+                self.multiply(sum, sum, self.auxiliary(inverse));
+                let reciprocal = self.number(offset_of!(Table, reciprocals), k);
+                self.multiply(sum, sum, reciprocal);
+                self.load(MIDDLE, self.constant(exponent));
+                self.multiply(MIDDLE, MIDDLE, self.first(out, 0));
+                self.multiply(MIDDLE, MIDDLE, self.auxiliary(inverse));
                 let newest = self.value(base, k);
-                self.code.multiply_add(sum, MIDDLE, newest);
+                self.multiply_add(sum, MIDDLE, newest);
                 self.keep(place, (out, k));
             }
             Op::Slope { out, of } => {
                 let (place, value) = self.kept.fresh();
-                let whole = self.next_factor();
-                self.code
-                    .load(whole, Self::number(offset_of!(Table, numbers), k));
+                let whole = self.number(offset_of!(Table, numbers), k);
                 let coefficient = self.value(of, k);
-                self.code.multiply(value, whole, coefficient);
+                self.multiply(value, whole, coefficient);
                 self.keep(place, (out, k));
             }
             Op::Integral {
@@ -364,11 +373,11 @@ impl Compiler<'_> {
     ) {
         let (place, sum) = self.kept.fresh();
         self.convolution(sum, (slope, 1), (weight, k - 1), k - 1);
-        let reciprocal = Self::number(offset_of!(Table, reciprocals), k);
-        self.code.multiply(sum, sum, reciprocal);
+        let reciprocal = self.number(offset_of!(Table, reciprocals), k);
+        self.multiply(sum, sum, reciprocal);
         self.add_product(sum, (weight, 0), (argument, k));
         if sign == Sign::Minus {
-            self.code.negate(sum, Self::minus_zero());
+            self.negate(sum);
         }
         self.keep(place, (out, k));
     }

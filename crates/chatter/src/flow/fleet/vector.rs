@@ -79,6 +79,9 @@ pub(super) trait VectorStep<const L: usize> {
     fn step(&mut self, cohort: &mut Cohort<L>, newcomers: LaneSet, common: Common<'_>) -> LaneSet;
 }
 
+/// Lanes of the widest register; vectors are made of whole ones.
+const REGISTER: usize = 8;
+
 macro_rules! vector_step {
     ($width:expr) => {
         impl VectorStep<{ $width }> for Vector<'_, { $width }> {
@@ -245,12 +248,14 @@ fn store<const L: usize>(work: &Workspace<Lanes<L>>, (places, block): (Places, &
     copy(&mut block[places.reach()], &work.reach);
 }
 
-/// Copies a few numbers, part by part: for so few a call of the library, which is what copying them whole becomes, costs more.
+/// Copies a few numbers, some lanes at a time: for so few a call of the library, which is what copying them whole becomes, costs more.
 #[inline(always)]
 fn copy<const L: usize>(to: &mut [Lanes<L>], from: &[Lanes<L>]) {
+    const { assert!(L.is_multiple_of(REGISTER)) };
     for (to, from) in to.iter_mut().zip(from) {
-        for part in 0..Lanes::<L>::PARTS {
-            to.set_part(part, from.part(part));
+        let from = from.0.as_chunks::<REGISTER>().0;
+        for (to, from) in to.0.as_chunks_mut::<REGISTER>().0.iter_mut().zip(from) {
+            *to = *from;
         }
     }
 }
