@@ -499,6 +499,10 @@ pub fn variable(name: &str) -> String {
         _ if is_greek => format!("\\{stem}"),
         _ => return escape(name),
     };
+    // A sign such as `^` says something else there.
+    if !index.chars().all(|c| c.is_alphanumeric() || c == '_') {
+        return escape(name);
+    }
     if index.is_empty() {
         format!("${base}$")
     } else if index.chars().all(|c| c.is_ascii_digit()) {
@@ -511,7 +515,7 @@ pub fn variable(name: &str) -> String {
             .chars()
             .map(|c| if c == '_' { ',' } else { c })
             .collect();
-        format!("${base}_\\mathrm{{{}}}$", escape(&index))
+        format!("${base}_\\mathrm{{{index}}}$")
     }
 }
 
@@ -616,6 +620,7 @@ mod tests {
             ("displacement", "displacement"),
             ("Omega", "$\\Omega$"),
             ("impacts_per_return", "impacts_per_return"),
+            ("y0^", "y0^"),
         ] {
             assert_eq!(variable(name), label);
             assert!(parse(label).is_ok());
