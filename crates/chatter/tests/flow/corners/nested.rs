@@ -2,6 +2,7 @@
 
 use super::run;
 use chatter::analysis::simulate::Outcome;
+use chatter::flow::EventKind;
 use chatter::numerics::{DoubleDouble, Real};
 
 /// The rate x' of a state, y' = 1, from where; until when, and where x is then.
@@ -92,4 +93,24 @@ fn sliding_asks_corners_where_the_state_is() {
         assert!(end(rate, 1.0).abs() < 1e-14, "{rate}");
         assert!(end(rate, -1.0).abs() < 1e-14, "{rate}");
     }
+}
+
+/// Where sliding ends by a corner of one side that is crossed by force of motion, nothing holds the state on that corner.
+#[test]
+fn a_corner_that_ends_sliding_is_crossed() {
+    let text = "[flight]\nx = \"v\"\n\
+                v = \"-1.71*x - 0.838*(x - y) + 0.2*cos(3.67*t + 1.9) + if(v - 0.726*w > 0 and x < 0, -0.341, 0.695)\"\n\
+                y = \"w\"\nw = \"-2.17*y + 0.735*cos(3.67*t + 1.03)\"\n\
+                [initial]\nx = -0.043\nv = 0.441\ny = 0.136\nw = 0.646\n";
+    let run = run::<f64>(text, 0.3);
+    assert_eq!(run.outcome, Outcome::Horizon);
+    let told: Vec<_> = run
+        .events
+        .iter()
+        .filter_map(|event| event.detail.kind())
+        .collect();
+    assert!(
+        told.contains(&EventKind::Slide) && told.contains(&EventKind::Leave),
+        "{told:?}"
+    );
 }

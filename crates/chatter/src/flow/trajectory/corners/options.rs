@@ -146,9 +146,9 @@ impl<R: Real> Trajectory<R> {
         };
         let beside = self.beside(system, index, (base, touched, asked))?;
         let free = base.sliding_nowhere();
-        let slides = free != *base;
+        let (slides, is_free) = (free != *base, is_unheld(&beside));
         // Nothing holds a rate that no side changes, unless by what is slid along elsewhere, which may end here.
-        if !slides && is_unheld(&beside) {
+        if is_free && !slides {
             return Ok(false);
         }
         if beside.iter().any(|beside| beside.is_kept) {
@@ -156,14 +156,16 @@ impl<R: Real> Trajectory<R> {
             return Ok(false);
         }
         let mut known = agree(&beside);
-        if known != Some(false) && slides {
-            // What is slid along elsewhere may be so on one of these sides only, or hide the jump: of three bodies that hold each
-            // other one pair is at rest whatever rubs between them.
+        if slides && (is_free || known != Some(false)) {
             let freely = self.beside(system, index, (&free, touched, asked))?;
-            if is_unheld(&beside) && is_unheld(&freely) {
+            if is_free && is_unheld(&freely) {
                 return Ok(false);
             }
-            known = agree(&freely).or(known);
+            // What is slid along elsewhere may be so on one of these sides only, or hide the jump: of three bodies that hold each
+            // other one pair is at rest whatever rubs between them.
+            if known != Some(false) {
+                known = agree(&freely).or(known);
+            }
         }
         match known {
             Some(true) => self.is_held_by_nothing(system, index, (base, touched, asked)),

@@ -136,13 +136,15 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// How the state stands to corners once it is on the surfaces that the present mode slides along: what rounding has left beside
-    /// these is no motion. One that may have jumped is left where it is.
+    /// these is no motion. One that may have jumped, or that the state runs away from, is left where it is.
     fn standings_on_surfaces(&mut self, system: &System) -> Result<Vec<Standing<R>>, FlowError> {
+        let standings = self.standings(system)?;
         let mut slid = (0..Sides::MOST).filter(|&k| self.regime.get(k) == Side::Sliding);
         let is_beside = slid.clone().next().is_some()
-            && !slid.any(|index| self.may_jump(system, Corner::Surface(index)));
+            && !slid.any(|index| self.may_jump(system, Corner::Surface(index)))
+            && standings.iter().all(|s| s.departure().is_none());
         if !is_beside {
-            return self.standings(system);
+            return Ok(standings);
         }
         let beside = (self.state.clone(), self.low.clone());
         self.stay_on_surfaces(system)?;
