@@ -53,12 +53,12 @@ impl Stored {
         };
         let text = |name: &str| file.text(name).map_err(|error| foreign(error.to_string()));
         // What a motion is sampled at, a diagram has no column of.
-        let other = match file.info("time").is_ok() {
+        let other = || match file.info("time").is_ok() {
             true => "it holds a motion, as `chatter simulate` writes it",
             false => "what it says of itself is no specification of one",
         };
         let subject =
-            serde_json::from_str(&text(SPECIFICATION)?).map_err(|_| foreign(other.to_owned()))?;
+            serde_json::from_str(&text(SPECIFICATION)?).map_err(|_| foreign(other().to_owned()))?;
         let model_text = text(MODEL)?;
         Ok(Self {
             file,

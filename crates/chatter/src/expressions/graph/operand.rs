@@ -223,19 +223,17 @@ impl Parser<'_> {
                 let span = self.lexemes[self.at - 1].span.start..self.span().end;
                 let follows_number = matches!(self.lexemes[self.at - 1].token, Token::Number(_));
                 if follows_number && self.token() == Token::Name && !self.knows(&after) {
-                    let is_exponent = ["e", "E"].contains(&after.as_str());
-                    if is_exponent && self.lexemes[self.at - 1].span.end == self.span().start {
-                        let number = self.text[span.clone()].to_owned();
-                        return ParseError {
-                            span,
-                            suggestion: None,
-                            kind: ParseErrorKind::MalformedNumber(number),
-                        };
-                    }
+                    let is_joined = self.lexemes[self.at - 1].span.end == self.span().start;
+                    let (kind, suggestion) = match after.as_str() {
+                        "e" | "E" if is_joined => {
+                            (ParseErrorKind::MalformedNumber(before + &after), None)
+                        }
+                        _ => (ParseErrorKind::NumberWithUnit(after), Some(before)),
+                    };
                     return ParseError {
                         span,
-                        suggestion: Some(before),
-                        kind: ParseErrorKind::NumberWithUnit(after),
+                        suggestion,
+                        kind,
                     };
                 }
                 // As in `a if b else c`, which is no product.
