@@ -201,6 +201,11 @@ impl Tape {
         (roots > 0).then_some(tape)
     }
 
+    /// Whether a root or a power is taken of a series, or it is divided by.
+    pub(crate) fn takes_root_of(&self, of: Operand) -> bool {
+        matches!(of, Operand::Series(slot) if self.singular.iter().any(|s| s.slot == slot))
+    }
+
     /// Whether the field changes by no more than a multiple of a series where that vanishes, as a power of it above one does and a root
     /// of it does not.
     pub(crate) fn has_slope_at<R: Real>(&self, vanishing: usize, constants: &[R]) -> bool {
@@ -448,6 +453,12 @@ impl<S: Scalar> Expansion<S> {
             }
         }
         None
+    }
+
+    /// Whether a series is told from zero at its start.
+    pub(crate) fn is_told(&mut self, tape: &Tape, constants: &[S], slot: usize) -> S::Mask {
+        self.bound_errors(tape, constants);
+        self.told_from_zero(slot)
     }
 
     #[inline(always)]

@@ -111,6 +111,8 @@ pub struct Program {
     pub(crate) tape: Tape,
     /// What must not vanish, in the order of the tape's singular points.
     pub(crate) vanishing: Vec<String>,
+    /// Whether a root is taken of what vanishes at the end of a side.
+    pub(crate) roots_at_sides: bool,
     pub(crate) guards: Vec<Guard>,
     /// Whether nothing holds the state: no contact is closed, no surface slid along.
     pub(crate) is_free: bool,
@@ -383,7 +385,7 @@ impl Program {
             .filter(|(kind, ..)| matches!(kind, GuardKind::Switch(_)))
             .map(|&(.., function)| function)
             .collect();
-        let guards = (listed.into_iter().zip(&tape.outputs))
+        let guards: Vec<Guard> = (listed.into_iter().zip(&tape.outputs))
             .map(|((kind, crossing, function), &series)| Guard {
                 kind,
                 transition: Transition::new(
@@ -485,9 +487,12 @@ impl Program {
             .collect();
         let asked_values = Tape::new(graph, dimension, &[], &asked);
         let at_point = Tape::new(graph, dimension, &[], &field[..mechanics.field.len()]);
+        let roots_at_sides =
+            (guards.iter()).any(|guard| guard.meets_corner() && tape.takes_root_of(guard.series));
         Self {
             tape,
             vanishing,
+            roots_at_sides,
             gaps: contacts.len() - closed.contacts().count(),
             guards,
             is_free,

@@ -391,7 +391,20 @@ impl<S: Scalar> Workspace<S> {
         if sections_met {
             certain = certain & self.find_sides(program, touching);
         }
+        if program.roots_at_sides {
+            // Towards a root that vanishes with its rate steps become shorter than the time is known.
+            let is_event = S::splat(NO_EVENT).less(self.event);
+            certain = certain & (is_event | !self.is_untold());
+        }
         certain & !self.is_crowded(program, touching)
+    }
+
+    /// Whether the step is shorter than the time is known, or, near time zero, than numbers have digits for its square.
+    #[inline(always)]
+    pub(crate) fn is_untold(&self) -> S::Mask {
+        const NOTHING: f64 = 1e-100;
+        let least = (self.time.abs()).mul_add(S::splat(S::ROUNDOFF), S::splat(NOTHING));
+        (self.scaled_step * self.tau).at_most(least)
     }
 
     /// Finds on which side of the sections that may be [`met`](Self::met) the step ends. Returns where this is certain.
@@ -818,6 +831,13 @@ impl<R: Real> Workspace<R> {
         let step = self.scaled_step;
         let (which, reach) = (self.expansion).singularity(&program.tape, &self.constants, step)?;
         Some((which, reach * self.tau))
+    }
+
+    /// Whether a series of the latest expansion is told from zero at its start, by the bounds of its rounding.
+    pub(crate) fn is_told(&mut self, program: &Program, slot: usize) -> bool {
+        (self.expansion)
+            .is_told(&program.tape, &self.constants, slot)
+            .all()
     }
 
     /// Which of the program's singular points is not positive, or cannot be told from zero: that which is nearest by its rate, where

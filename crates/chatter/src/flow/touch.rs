@@ -407,6 +407,43 @@ pub(crate) fn series_with_terms<R: Real>(
     series.map(|&c| WithTerms::of_series(c)).collect()
 }
 
+/// A tape without the roots of what one of its series is, if that is all that is left out.
+pub(crate) fn after_roots<R: Real>(tape: &Tape, slot: usize, constants: &[R]) -> Option<Tape> {
+    let which = tape
+        .singular
+        .iter()
+        .position(|singular| singular.slot == slot)?;
+    tape.without_roots(which, constants, Negligible::Integrable)
+}
+
+/// As [`series_with_terms`], of a series that vanishes at the start: along the motion without the roots of it, and of whatever else
+/// vanishes there. None if more than roots would be left out.
+pub(crate) fn series_after_roots<R: Real>(
+    tape: &Tape,
+    constants: &[R],
+    start: (&[R], &[R]),
+    (slot, unit): (usize, R),
+) -> Option<Vec<WithTerms<R>>> {
+    let mut plain = after_roots(tape, slot, constants)?;
+    loop {
+        let values: Vec<(usize, R, R)> = {
+            let (state, low) = (WithTerms::all(start.0), WithTerms::remainders(start.1));
+            let mut expansion = Expansion::new(&[&plain]);
+            let numbers = WithTerms::all(constants);
+            expansion.run(&plain, &numbers, &state, &low, WithTerms::exact(R::ONE), 0);
+            (plain.singular.iter())
+                .map(|singular| (singular.slot, expansion.series(singular.slot)[0]))
+                .map(|(slot, value)| (slot, value.value, value.level()))
+                .collect()
+        };
+        let vanishing = values.iter().find(|(_, value, level)| value <= level);
+        let Some(&(other, ..)) = vanishing else {
+            return Some(series_with_terms(&plain, constants, start, (slot, unit)));
+        };
+        plain = after_roots(&plain, other, constants)?;
+    }
+}
+
 struct Evaluation<'a, R> {
     tape: &'a Tape,
     constants: &'a [R],

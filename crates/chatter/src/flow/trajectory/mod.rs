@@ -10,6 +10,7 @@ mod cascade;
 mod collisions;
 mod contact;
 mod corners;
+mod flat_root;
 mod friction;
 mod grazing;
 mod known_gap;
@@ -365,12 +366,23 @@ impl<R: Real> Trajectory<R> {
         program: &Program,
     ) -> Result<StepResult<R>, FlowError> {
         let class = self.load(work);
-        let resolution = match resolve(work, program, class, (self.touching, self.left)) {
-            Ok(resolution) => {
+        let mut resolved = resolve(work, program, class, (self.touching, self.left));
+        let is_untold = work.event == R::splat(NO_EVENT) && work.is_untold();
+        let mut at_root = None;
+        if program.roots_at_sides && is_untold && resolved.is_ok() {
+            at_root = self.come_to_root(system, work, (program, None));
+            if at_root.is_none() {
+                let class = self.load(work);
+                resolved = resolve(work, program, class, (self.touching, self.left));
+            }
+        }
+        let resolution = match (at_root, resolved) {
+            (Some(resolution), _) => resolution,
+            (None, Ok(resolution)) => {
                 work.travel();
                 resolution
             }
-            Err(unsettled) => {
+            (None, Err(unsettled)) => {
                 let singular = match unsettled {
                     Unsettled::Singular { which, .. } => Some(which),
                     Unsettled::NotFinite => work.vanishing(program),
@@ -378,6 +390,7 @@ impl<R: Real> Trajectory<R> {
                 };
                 let off =
                     singular.and_then(|which| self.step_off_root(system, work, (program, which)));
+                let off = off.or_else(|| self.come_to_root(system, work, (program, singular)));
                 let start = (self.time, &self.state[..self.coordinates]);
                 off.ok_or_else(|| unsettled.into_error(start, (system, program)))?
             }

@@ -21,9 +21,10 @@ use crate::flow::program::Program;
 use crate::flow::resolve::{Resolution, Unsettled, expand_within_reach, resolve};
 use crate::flow::step::{NO_EVENT, Workspace};
 use crate::flow::system::System;
+use crate::flow::touching::Touching;
 use crate::numerics::polynomial::{horner, magnitude};
 use crate::numerics::roots::{Crossing, first_root};
-use crate::numerics::{Real, two_sum};
+use crate::numerics::{Real, dot, two_sum};
 
 /// The base has to be so many times as large after the step as it is before, and as its rounding.
 const GROWS: f64 = 1e3;
@@ -107,11 +108,15 @@ impl<R: Real> Trajectory<R> {
         if !(system.goes_past_roots() || begins || ends_here || rests) {
             return Err(None);
         }
-        if rests && !(system.goes_past_roots() || self.has_slopes(program, slots)) {
+        let is_held = || system.goes_past_roots() || self.has_slopes(program, slots);
+        if rests && !(is_held() || self.are_drawn_back(system, program, slots)) {
             return Err(None);
         }
         let has_grown = |s: R| moving().all(|base| horner(&base.series, s) >= base.least());
-        let mut s = reach * R::splat(R::ROUNDOFF).sqrt();
+        let flat = self.begins_flat(program, slots);
+        // What is left out is as small as one more power of it.
+        let omitted = flat.map_or(2.0, |order| f64::from(order) + 1.0);
+        let mut s = reach * R::splat(libm::pow(R::ROUNDOFF, 1.0 / omitted));
         for _ in 0..LENGTHENED {
             if has_grown(s) || s > reach {
                 break;
@@ -139,7 +144,12 @@ impl<R: Real> Trajectory<R> {
         work.travel();
         let meets = work.event != R::splat(NO_EVENT);
         if grows && !meets && resolution.touched.is_none() {
-            self.add_root(work, (program, plain));
+            match (flat, &bases[..]) {
+                (Some(_), [base]) => {
+                    self.add_flat_root(work, (program, plain), (slots[0], horner(&base.series, s)))
+                }
+                _ => self.add_root(work, (program, plain)),
+            }
         }
         if !grows && !meets && !system.goes_past_roots() {
             return Err(near);
@@ -151,6 +161,18 @@ impl<R: Real> Trajectory<R> {
     pub(super) fn has_slopes(&self, program: &Program, vanishing: &[usize]) -> bool {
         (self.constants[self.mode].as_ref()).is_some_and(|constants| {
             (vanishing.iter()).all(|&slot| program.tape.has_slope_at(slot, &constants.tape))
+        })
+    }
+
+    /// Whether the roots of all these series draw them back to zero.
+    fn are_drawn_back(&self, system: &System, program: &Program, slots: &[usize]) -> bool {
+        let of_slot = |slot: usize| {
+            let mut sides = program.guards.iter().filter(|guard| guard.meets_corner());
+            sides.find(|guard| guard.series == Operand::Series(slot))
+        };
+        (slots.iter()).all(|&slot| {
+            of_slot(slot)
+                .is_some_and(|guard| self.is_drawn_back(system, guard.kind).unwrap_or(false))
         })
     }
 
@@ -168,41 +190,164 @@ impl<R: Real> Trajectory<R> {
     /// Adds what the root has added to the state by the end of the step that was made without it: what it adds along the motion without
     /// it, what that in turn changes, and so on.
     fn add_root(&self, work: &mut Workspace<R>, (program, plain): (&Program, &Program)) {
-        let Some(constants) = &self.constants[self.mode] else {
+        let Some(mut moved) = Moved::new(self, work, plain) else {
             return;
         };
-        let step = work.step;
-        let size = work.state.len();
-        let low = vec![R::ZERO; size];
-        let parts = [R::ONE, R::splat(0.5)];
-        let path = parts
-            .map(|part| -> Vec<R> { (0..size).map(|i| work.dense().state(i, part)).collect() });
-        let mut moved = path.clone();
-        let mut rates = |program: &Program, states: &[Vec<R>; 2]| {
-            [0, 1].map(|k| -> Vec<R> {
-                work.expand_at(&program.tape, &constants.tape, (&states[k], &low), step);
-                (0..size).map(|i| work.point.series(i)[1]).collect()
-            })
-        };
-        let mut known = rates(plain, &path);
-        let mut by = vec![R::ZERO; size];
         for _ in 0..ROUNDS {
-            let found = rates(program, &moved);
-            for i in 0..size {
-                let [end, middle] = [0, 1].map(|k| found[k][i] - known[k][i]);
-                let grown = Grown::new(end, middle);
-                by[i] += grown.by(R::ONE);
-                for (state, part) in moved.iter_mut().zip(parts) {
-                    state[i] += grown.by(part);
+            moved.again(work, program, |_| R::ONE);
+        }
+        moved.finish(work);
+    }
+
+    /// The same where the base begins with its second derivative, or a later one: the root changes as much of it as it has. Along the
+    /// motion without it the base becomes `base`, and the root would take k of that: so it is y^2 of that, y^2 = 1 - k y, and its root y
+    /// times as large. What columns of derivatives have added they take by a part of itself, which the second time tells.
+    fn add_flat_root(
+        &self,
+        work: &mut Workspace<R>,
+        (program, plain): (&Program, &Program),
+        (slot, base): (usize, R),
+    ) {
+        let Some(unmoved) = Moved::new(self, work, plain) else {
+            return;
+        };
+        let mut moved = unmoved.clone();
+        moved.again(work, program, |_| R::ONE);
+        let taken = (base - moved.value(work, program, slot)) / base;
+        let part = R::splat(2.0) / (taken + taken.mul_add(taken, R::splat(4.0)).sqrt());
+        let size = self.coordinates;
+        let (of_state, of_columns) = (
+            |i: usize| if i < size { part } else { R::ZERO },
+            |i: usize| if i < size { R::ZERO } else { R::ONE },
+        );
+        let mut moved = unmoved.clone();
+        moved.again(work, program, of_state);
+        if self.state.len() > size {
+            moved.known = unmoved.known;
+            moved.again(work, program, of_columns);
+            let first = moved.by.clone();
+            moved.again(work, program, of_columns);
+            for (by, first) in moved.by.chunks_mut(size).zip(first.chunks(size)).skip(1) {
+                let more: Vec<R> = by
+                    .iter()
+                    .zip(first)
+                    .map(|(&by, &first)| by - first)
+                    .collect();
+                let square = dot(first, first);
+                if square > R::ZERO {
+                    let share = R::ONE - dot(&more, first) / square;
+                    by.iter_mut()
+                        .zip(first)
+                        .for_each(|(by, &first)| *by = first / share);
                 }
             }
-            known = found;
         }
-        for (i, by) in by.into_iter().enumerate() {
+        moved.finish(work);
+    }
+
+    /// By which derivative, above the first, the one base here begins.
+    fn begins_flat(&self, program: &Program, slots: &[usize]) -> Option<u8> {
+        let [slot] = slots else {
+            return None;
+        };
+        let mut sides =
+            program.guards.iter().enumerate().filter(|(_, guard)| {
+                guard.meets_corner() && guard.series == Operand::Series(*slot)
+            });
+        let roots = sides.next().map(|(index, _)| self.touching.get(index))?;
+        (roots > 1 && roots != Touching::BALANCED).then_some(roots)
+    }
+}
+
+/// A step that was made without roots, and what they add to it.
+#[derive(Clone)]
+struct Moved<'t, R> {
+    constants: &'t [R],
+    step: R,
+    /// States at its end and in its middle.
+    moved: [Vec<R>; 2],
+    /// What has been added at the end.
+    by: Vec<R>,
+    /// Rates, times the step, that are in these already.
+    known: [Vec<R>; 2],
+}
+
+/// The parts of a step that rates are asked at.
+const PARTS: [f64; 2] = [1.0, 0.5];
+
+impl<'t, R: Real> Moved<'t, R> {
+    fn new(
+        trajectory: &'t Trajectory<R>,
+        work: &mut Workspace<R>,
+        plain: &Program,
+    ) -> Option<Self> {
+        let constants = &trajectory.constants[trajectory.mode].as_ref()?.tape;
+        let size = work.state.len();
+        let at = |part: f64| -> Vec<R> {
+            (0..size)
+                .map(|i| work.dense().state(i, R::splat(part)))
+                .collect()
+        };
+        let path = PARTS.map(at);
+        let mut step = Self {
+            constants,
+            step: work.step,
+            moved: path,
+            by: vec![R::ZERO; size],
+            known: [Vec::new(), Vec::new()],
+        };
+        step.known = step.rates(work, plain);
+        Some(step)
+    }
+
+    fn rates(&self, work: &mut Workspace<R>, program: &Program) -> [Vec<R>; 2] {
+        let low = vec![R::ZERO; self.by.len()];
+        [0, 1].map(|k| {
+            work.expand_at(
+                &program.tape,
+                self.constants,
+                (&self.moved[k], &low),
+                self.step,
+            );
+            (0..self.by.len())
+                .map(|i| work.point.series(i)[1])
+                .collect()
+        })
+    }
+
+    /// Adds what the program's rates have more than is known, so many times in each component.
+    fn again(&mut self, work: &mut Workspace<R>, program: &Program, times: impl Fn(usize) -> R) {
+        let found = self.rates(work, program);
+        for i in 0..self.by.len() {
+            let [end, middle] = [0, 1].map(|k| found[k][i] - self.known[k][i]);
+            let grown = Grown::new(end, middle);
+            self.by[i] += times(i) * grown.by(R::ONE);
+            for (state, part) in self.moved.iter_mut().zip(PARTS) {
+                state[i] += times(i) * grown.by(R::splat(part));
+            }
+        }
+        self.known = found;
+    }
+
+    /// A series' value at the end.
+    fn value(&self, work: &mut Workspace<R>, program: &Program, slot: usize) -> R {
+        let low = vec![R::ZERO; self.by.len()];
+        work.expand_at(
+            &program.tape,
+            self.constants,
+            (&self.moved[0], &low),
+            self.step,
+        );
+        work.point.series(slot)[0]
+    }
+
+    /// Ends the step where what was added has led.
+    fn finish(self, work: &mut Workspace<R>) {
+        for (i, by) in self.by.into_iter().enumerate() {
             (work.state[i], work.low[i]) = two_sum(work.state[i], work.low[i] + by);
         }
         // Series reach about as far as the base is from zero.
-        work.reach.iter_mut().for_each(|reach| *reach = step);
+        work.reach.iter_mut().for_each(|reach| *reach = self.step);
     }
 }
 

@@ -2,10 +2,12 @@
 //! begins on the surface, nor does one reach it, and motion goes through.
 
 use super::run;
-use chatter::analysis::simulate::{Outcome, Simulation};
-use chatter::flow::Occurrence;
+use chatter::analysis::simulate::{Outcome, SimulateError, Simulation, Spec, simulate};
+use chatter::flow::{Column, FlowError, Occurrence, Settings, System, Trajectory};
+use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real};
 use core::f64::consts::PI;
+use std::ops::ControlFlow;
 
 fn switches<R: Real>(run: &Simulation<R>) -> Vec<f64> {
     (run.events.iter())
@@ -240,12 +242,18 @@ fn what_touches_at_rest_stays_where_it_is() {
         assert!(rests.events.len() <= 2, "{force}: {:?}", rests.events);
         assert_eq!(rests.state, [0.0, 0.0], "{force}");
     }
-    // Where no other motion is ruled out the run ends.
-    let starts = run::<f64>(
-        "[flight]\nx = \"sign(x)*sqrt(abs(x))\"\n[initial]\nx = 0\n",
-        6.0,
+    // Where another motion may begin none is chosen.
+    let text = "[flight]\nx = \"sign(x)*sqrt(abs(x))\"\n[initial]\nx = 0\n";
+    let model = Model::from_toml(text, "model.toml").unwrap();
+    let mut on = |_: &_| ControlFlow::Continue(());
+    let refused = simulate::<f64>(&model, &Spec::until(6.0), &mut on);
+    assert!(
+        matches!(
+            refused,
+            Err(SimulateError::Start(FlowError::Singular { .. }))
+        ),
+        "{refused:?}"
     );
-    assert_ne!(starts.outcome, Outcome::Horizon);
 }
 
 /// Newton's cradle: a ball hits two that touch, wherever they are and however fast the frame.
@@ -334,5 +342,111 @@ fn springs_at_rest_wait_for_others() {
         for (a, b) in short.iter().zip(&long) {
             assert!((a - b.to_f64()).abs() < 1e-12, "{exponent}: {a} {b:?}");
         }
+    }
+}
+
+/// p' = -a t - K sign(p) sqrt|p|, from wherever it begins, is zero at t = 0 for K^2 >= 8 a, and -(c t)^2 after it, 2 c^2 + K c = a: flow
+/// through an orifice that turns round in a stiff chamber.
+fn turned(a: f64, stiffness: f64) -> f64 {
+    let c = 2.0 * a / (stiffness + (stiffness * stiffness + 8.0 * a).sqrt());
+    -(c * c)
+}
+
+#[test]
+fn flow_through_an_orifice_turns_round_in_a_stiff_chamber() {
+    fn through<R: Real>(tolerance: f64) {
+        for (a, stiffness) in [(10.0, 9.0), (10.0, 10.0), (100.0, 100.0), (1.0, 60.0)] {
+            for (from, begins) in [(-1.0, 1.0), (-0.3, 0.004), (0.0, 0.0)] {
+                let text = format!(
+                    "[flight]\np = \"-{a}*(t - 2) - {stiffness}*sign(p)*sqrt(abs(p))\"\n[initial]\nt = {}\np = {begins}\n",
+                    2.0 + from
+                );
+                let run = run::<R>(&text, 3.0);
+                assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+                let times = switches(&run);
+                assert_eq!(times.len(), usize::from(from < 0.0), "{times:?}");
+                assert!(times.iter().all(|time| (time - 2.0).abs() < 1e-15));
+                let off = run.state[0].to_f64() / turned(a, stiffness) - 1.0;
+                assert!(off.abs() < tolerance, "{a} {stiffness} {from}: {off}");
+            }
+        }
+    }
+    through::<f64>(1e-13);
+    through::<DoubleDouble>(1e-15);
+}
+
+/// The same of the difference of two pressures, in pascal and seconds, one of which follows a volume that the other does not see.
+#[test]
+fn flow_between_two_chambers_turns_round() {
+    let text = "[flight]\np = \"1e7*(-3e5*t - 10*sign(p - q)*sqrt(abs(p - q)))\"\nq = \"4e5\"\n\
+        [initial]\np = 5.2e6\nq = 5e6\nt = -0.1\n";
+    let run = run::<f64>(text, 0.1);
+    assert_eq!(run.outcome, Outcome::Horizon);
+    // 1e7*(-3e5 t - 10 r) = 4e5 where r begins: the flow turns at t = -4e-2/3e5.
+    let (turns, c) = (-0.04 / 3e5, turned(3e12, 1e8));
+    let times = switches(&run);
+    assert!((times[0] - turns).abs() < 1e-16, "{times:?}");
+    let off = (run.state[0] - run.state[1]) / (c * (0.1 - turns).powi(2)) - 1.0;
+    assert!(off.abs() < 1e-10, "{off}");
+}
+
+/// A chamber that is let out through an orifice is empty in a finite time, and stays so until something flows in.
+#[test]
+fn a_chamber_stays_empty_until_something_flows_in() {
+    for size in [1.0_f64, 1e-6, 1e6] {
+        let text = format!(
+            "[flight]\np = \"{0}*max(t - 3, 0) - {1}*sign(p)*sqrt(abs(p))\"\n[initial]\np = {0}\n",
+            size,
+            size.sqrt()
+        );
+        let run = run::<f64>(&text, 2.5);
+        assert_eq!((run.outcome, run.state[0]), (Outcome::Horizon, 0.0));
+        let filled = super::run::<f64>(&text, 5.0);
+        assert_eq!(filled.outcome, Outcome::Horizon);
+        assert!(
+            (filled.state[0] / size - 1.0).abs() < 1e-13,
+            "{:?}",
+            filled.state
+        );
+    }
+}
+
+/// Columns of derivatives where flow turns round: what was before is forgotten, what moves the turn is not.
+#[test]
+fn columns_follow_a_flow_that_turns_round() {
+    let text = "[parameters]\na = 10\nK = 12\nt0 = 0.5\n[flight]\np = \"-a*(t - t0) - K*sign(p)*sqrt(abs(p))\"\n\
+        [initial]\np = 1\n";
+    let model = Model::from_toml(text, "model.toml").unwrap();
+    let columns = [
+        Column::State,
+        Column::Parameter(0),
+        Column::Parameter(1),
+        Column::Parameter(2),
+    ];
+    let system = System::with_columns(&model, &columns).unwrap();
+    let mut work = system.workspace::<f64>(&Settings::default());
+    let parameters = model.parameter_values::<f64>(&[]);
+    let mut start = vec![1.0, 0.0, 1.0, 0.0];
+    start.extend([0.0; 6]);
+    let mut trajectory = Trajectory::start(&system, &mut work, &parameters, 0.0, &start).unwrap();
+    while trajectory.time() < 1.5 {
+        trajectory.advance(&system, &mut work, 1.5).unwrap();
+    }
+    let (a, k) = (10.0_f64, 12.0_f64);
+    let root = (k * k + 8.0 * a).sqrt();
+    let c = (root - k) / 4.0;
+    // p = -(c (t - t0))^2 a second after the turn.
+    let expected = [
+        0.0,
+        -2.0 * c / root,
+        -2.0 * c * (k / root - 1.0) / 4.0,
+        2.0 * c * c,
+    ];
+    for (index, expected) in expected.into_iter().enumerate() {
+        let found = system.column(trajectory.state(), index)[0];
+        assert!(
+            (found - expected).abs() < 1e-9,
+            "{index}: {found} {expected}"
+        );
     }
 }

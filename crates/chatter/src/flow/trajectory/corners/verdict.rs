@@ -2,13 +2,14 @@
 
 use super::choice::{Asked, Fields, change};
 use super::{Candidate, Standing};
-use crate::expressions::{Operand, Side, Sides};
+use crate::expressions::{Side, Sides};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
 use crate::flow::system::System;
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::Trajectory;
+use crate::flow::trajectory::flat_root::root_of;
 use crate::numerics::{Real, WithTerms};
 use core::cmp::Ordering;
 
@@ -96,17 +97,32 @@ impl<R: Real> Trajectory<R> {
                     continue;
                 }
                 let decides = orders.iter().take(1).chain(moving.map(|(_, order)| order));
-                let leaves = if decides.into_iter().all(|order| order.value.is_finite()) {
+                // Derivatives of what a root is taken of, other than the first, are those of the root.
+                let off = self.moves_off_root(system, *kind)?;
+                let decided = decides.into_iter().all(|order| order.value.is_finite());
+                let is_known = match off {
+                    Some((Ordering::Equal, _)) => moving.is_none_or(|(order, _)| order == 1),
+                    Some(_) => false,
+                    None => true,
+                };
+                let leaves = if decided && is_known {
                     if is_clear && orders[0].value < -level {
                         return Ok(None);
                     }
                     moving.map(|(order, moving)| (moving.value > R::ZERO, order as u8))
                 } else {
-                    let begins = (standing.corner, *kind);
-                    match self.moves_by_a_root(system, begins, &verdict.fields[0])? {
-                        Some(Ordering::Greater) => Some((true, 1)),
-                        Some(Ordering::Less) => Some((false, 1)),
-                        Some(Ordering::Equal)
+                    let off = match off {
+                        Some(off) => Some(off),
+                        None => {
+                            let begins = (standing.corner, *kind);
+                            let moves = self.moves_by_a_root(system, begins, &verdict.fields[0])?;
+                            moves.map(|moves| (moves, 1))
+                        }
+                    };
+                    match off {
+                        Some((Ordering::Greater, order)) => Some((true, order)),
+                        Some((Ordering::Less, order)) => Some((false, order)),
+                        Some((Ordering::Equal, _))
                             if !may_slide && self.may_rest_at(system, *kind)? =>
                         {
                             None
@@ -125,7 +141,7 @@ impl<R: Real> Trajectory<R> {
                         verdict.opens_there &=
                             is_slid || self.opens_there(system, standing.corner)?;
                         verdict.is_plain &= is_slid || self.is_plain(system, standing);
-                        verdict.is_smooth &= self.root_at(system, *kind)?.is_none();
+                        verdict.is_smooth &= root_of(self.program(system)?, *kind).is_none();
                         verdict.roots.push((*kind, Touching::BALANCED));
                     }
                 }
@@ -188,20 +204,10 @@ impl<R: Real> Trajectory<R> {
     /// Whether no other motion begins where a guard vanishes than one that it vanishes along: no root of it has a slope without bound
     /// there.
     fn may_rest_at(&self, system: &System, kind: GuardKind) -> Result<bool, FlowError> {
-        let (program, root) = (self.program(system)?, self.root_at(system, kind)?);
-        Ok(root.is_none_or(|slot| self.has_slopes(program, &[slot])))
-    }
-
-    /// The series that vanishes where a guard does, if a root is taken of it in the present mode.
-    fn root_at(&self, system: &System, kind: GuardKind) -> Result<Option<usize>, FlowError> {
         let program = self.program(system)?;
-        let own = program.guards.iter().find(|guard| guard.kind == kind);
-        Ok(own
-            .and_then(|guard| match guard.series {
-                Operand::Series(slot) => Some(slot),
-                Operand::Constant(_) => None,
-            })
-            .filter(|&slot| program.tape.singular.iter().any(|s| s.slot == slot)))
+        let root = root_of(program, kind);
+        Ok(root.is_none_or(|slot| self.has_slopes(program, &[slot]))
+            || self.is_drawn_back(system, kind)?)
     }
 
     /// That what must not vanish in the present mode does so.
