@@ -1,10 +1,12 @@
 //! Release against forces that saturate: the contact is left by its jerk, and nothing that rounding makes of gap, rate or
 //! acceleration in the moment after it is an impact.
 
+use chatter::analysis::simulate::{Outcome, Spec, simulate};
 use chatter::flow::{FlowError, Occurrence, Settings, System, Trajectory};
 use chatter::model::{Model, ModelBuilder};
 use chatter::numerics::{DoubleDouble, Real};
 use proptest::prelude::*;
+use std::ops::ControlFlow;
 
 const UNTIL: f64 = 15.0;
 
@@ -212,4 +214,36 @@ fn what_follows_a_release_is_the_same_in_longer_numbers_and_after_a_pause() {
         panic!("{failure}");
     }
     assert!(releases.get() > 30, "{}", releases.get());
+}
+
+/// A contact leaves at a kink of its gap, and what pressed another begins to pull at the same instant: both open.
+#[test]
+fn what_begins_to_pull_as_another_leaves_is_let_go() {
+    let kinked = "[[contact]]\nname = \"kinked\"\ngap = \"y + 0.2*abs(t - 1)\"\nimpulse = { u = 1 }\nrestitution = 0.2\n";
+    let pressed =
+        "[[contact]]\nname = \"pressed\"\ngap = \"x\"\nimpulse = { v = 1 }\nrestitution = 0.5\n";
+    for contacts in [[kinked, pressed], [pressed, kinked]] {
+        for force in ["if(t < 1, 0, 1.3)", "1.3*step(t - 1)"] {
+            let text = format!(
+                "[flight]\nx = \"v\"\nv = \"-0.5 + {force}\"\ny = \"u\"\nu = \"-1\"\n{}{}\
+                 [initial]\nx = 0\nv = 0\ny = -0.2\nu = 0.2\n",
+                contacts[0], contacts[1]
+            );
+            let model = Model::from_toml(&text, "test").unwrap();
+            let run = simulate::<f64>(
+                &model,
+                &Spec::until(1.9),
+                &mut |_| ControlFlow::Continue(()),
+            )
+            .unwrap();
+            assert_eq!(run.outcome, Outcome::Horizon);
+            assert_eq!(run.counts.releases, 2, "{:?}", run.events);
+            assert!(
+                (run.state[0] - 0.4 * 0.81).abs() < 1e-14,
+                "{}",
+                run.state[0]
+            );
+            assert!((run.state[1] - 0.72).abs() < 1e-14, "{}", run.state[1]);
+        }
+    }
 }

@@ -155,3 +155,28 @@ fn what_touches_in_numbers_without_rounding_grazes() {
         }
     }
 }
+
+/// A particle that passes a disc so near that its rate there is rounding of its speed: a restitution of 0 or 1 is what it is.
+#[test]
+fn a_weak_impact_obeys_its_restitution() {
+    let mut hits = 0;
+    for restitution in ["0", "1"] {
+        for k in 0..40 {
+            let (depth, angle) = (1e-12 * 1.2_f64.powi(k), 0.1 + 0.037 * f64::from(k));
+            let (sin, cos) = angle.sin_cos();
+            let text = format!(
+                "[flight]\nx = \"u\"\nu = \"0\"\ny = \"v\"\nv = \"0\"\n\
+                 [[contact]]\nname = \"disc\"\ngap = \"hypot(x, y) - 1\"\nimpulse = {{ u = \"x\", v = \"y\" }}\nrestitution = {restitution}\n\
+                 [initial]\nx = {}\nu = {}\ny = {}\nv = {}\n",
+                -2.0 * cos - (1.0 - depth) * sin,
+                1.1 * cos,
+                -2.0 * sin + (1.0 - depth) * cos,
+                1.1 * sin
+            );
+            let model = Model::from_toml(&text, "test").unwrap();
+            let (_, rates) = touches::<f64>(&model, 3.0);
+            hits += rates.len();
+        }
+    }
+    assert!(hits > 60, "{hits}");
+}

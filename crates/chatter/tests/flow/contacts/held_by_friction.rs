@@ -119,3 +119,28 @@ fn a_hammer_lifts_off_a_pile_that_friction_holds() {
         );
     }
 }
+
+/// What a magnet holds by its friction flies off as the magnet is turned round: nothing rubs any more.
+#[test]
+fn what_sticks_lets_go_where_its_force_jumps() {
+    for (force, t) in [
+        ("if(t < 1, 0, 1.3)", 1.0),
+        ("1.3*step(t - 1)", 1.0),
+        ("1.3*floor(t)", 1.0),
+    ] {
+        for belt in [0.178, 0.0, -2.0] {
+            let text = format!(
+                "[flight]\nx = \"v\"\nv = \"-0.5 + {force}\"\ny = \"u\"\nu = \"0.1 - y\"\n\
+                 [[contact]]\nname = \"c\"\ngap = \"x\"\nimpulse = {{ v = 1 }}\nrestitution = 0.4\n\
+                 friction = {{ coefficient = 0.5, along = {{ u = 1 }}, rate = \"u - {belt}\" }}\n\
+                 [initial]\nx = 0\nv = 0\ny = 0\nu = {belt}\n"
+            );
+            let run = run(&text, 1.9);
+            assert_eq!(run.outcome, Outcome::Horizon, "{force} {belt}");
+            assert_eq!(run.counts.releases, 1, "{force} {belt}");
+            let since = 1.9 - t;
+            assert!((run.state[0] - 0.4 * since * since).abs() < 1e-15);
+            assert!((run.state[1] - 0.8 * since).abs() < 1e-15);
+        }
+    }
+}

@@ -86,6 +86,8 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<(), FlowError> {
         if verdicts.iter().any(|verdict| verdict.contacts_stay) {
             verdicts.retain(|verdict| verdict.contacts_stay);
+        } else {
+            self.forget_what_lets_go(system, &mut verdicts, now);
         }
         if verdicts.iter().any(|verdict| verdict.opens_there) {
             verdicts.retain(|verdict| verdict.opens_there);
@@ -128,6 +130,35 @@ impl<R: Real> Trajectory<R> {
         }
         // A rounding error beside what is slid along from here on would be a side.
         self.stay_on_surfaces(system)
+    }
+
+    /// What contacts rub that do not stay says nothing of the motion that follows: of verdicts that differ in nothing else one is left,
+    /// on the side that it was on where there is such.
+    fn forget_what_lets_go(
+        &self,
+        system: &System,
+        verdicts: &mut Vec<Verdict<R>>,
+        now: &Candidate,
+    ) {
+        let carrying = self.grip().carrying();
+        let rubbed = |candidate: &Candidate| {
+            let of_carrying = system
+                .rubbing()
+                .iter()
+                .filter(|r| carrying.contains(r.contact));
+            of_carrying.fold(candidate.clone(), |free, r| {
+                free.with_side(r.surface, Side::Above)
+            })
+        };
+        let stays = |verdict: &Verdict<R>| verdict.candidate.sides == now.sides;
+        verdicts.sort_by_key(|verdict| !stays(verdict));
+        let mut kept: Vec<Candidate> = Vec::new();
+        verdicts.retain(|verdict| {
+            let free = rubbed(&verdict.candidate);
+            let is_new = !kept.contains(&free);
+            kept.extend(is_new.then_some(free));
+            is_new
+        });
     }
 
     /// All combinations of what may become of corners that are touched, those within others first: what a corner is a

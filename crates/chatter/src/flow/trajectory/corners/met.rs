@@ -7,7 +7,7 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::Closed;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
-use crate::flow::touch::with_terms;
+use crate::flow::touch::{Touch, with_terms};
 use crate::flow::trajectory::Trajectory;
 use crate::flow::trajectory::start::{is_inside, slack};
 use crate::numerics::{Real, WithTerms};
@@ -125,18 +125,7 @@ impl<R: Real> Trajectory<R> {
         };
         let moves = |contact: usize| touch.rate[contact].value.abs() > level(contact);
         if !self.closed.contacts().any(moves) {
-            // The force that holds a contact may have jumped, too.
-            let pressed = |contact: usize| {
-                let free = &touch.acceleration[contact];
-                free.value < -free.level()
-            };
-            let mut members = self.closed.contacts();
-            if let (Some(contact), None) = (members.next(), members.next())
-                && pressed(contact)
-            {
-                return Ok(());
-            }
-            return self.rest_again(system, work);
+            return self.press_again(system, work, &touch);
         }
         let fastest = (self.closed.contacts()).min_by(|&a, &b| {
             let (a, b) = (touch.rate[a].value, touch.rate[b].value);
@@ -155,7 +144,26 @@ impl<R: Real> Trajectory<R> {
             self.open(system, contact, 1)?;
             self.pending.push_back(Occurrence::Release { contact });
         }
-        Ok(())
+        self.press_again(system, work, &touch)
+    }
+
+    /// Lets go what closed contacts do not hold any more: their forces may have jumped.
+    fn press_again(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        touch: &Touch<R>,
+    ) -> Result<(), FlowError> {
+        let pressed = |contact: usize| {
+            let free = &touch.acceleration[contact];
+            free.value < -free.level()
+        };
+        let mut members = self.closed.contacts();
+        match (members.next(), members.next()) {
+            (None, _) => Ok(()),
+            (Some(contact), None) if pressed(contact) => Ok(()),
+            _ => self.rest_again(system, work),
+        }
     }
 
     /// Decides anew which of the closed contacts stay closed; tells of those that open.
