@@ -64,7 +64,7 @@ pub(crate) fn search(
         Some(period) => (orbit.period.to_f64() / period).round() as usize <= search.periods,
         None => orbit.shooting.crossings(&orbit.at) <= search.periods,
     };
-    let wanted = (&*extent, &is_wanted as &dyn Fn(&mut Orbit) -> bool);
+    let wanted: Wanted<'_> = (&extent, &is_wanted);
     if let Ok(orbit) = settled(workshop, &[], state, patience, &mut quiet) {
         add(workshop, wanted, &mut found, orbit);
     }
@@ -243,13 +243,11 @@ fn comes_back(workshop: &Workshop, orbit: &Orbit) -> Option<f64> {
     Some(difference.distance)
 }
 
+/// What the settled motion covers, and which orbits are looked for.
+type Wanted<'a> = (&'a [(f64, f64)], &'a dyn Fn(&mut Orbit) -> bool);
+
 /// Adds an orbit, or that which the motion from it is near to, if it is wanted and not known.
-fn add(
-    workshop: &Arc<Workshop>,
-    (extent, is_wanted): (&[(f64, f64)], &dyn Fn(&mut Orbit) -> bool),
-    found: &mut Found,
-    orbit: Orbit,
-) {
+fn add(workshop: &Arc<Workshop>, (extent, is_wanted): Wanted<'_>, found: &mut Found, orbit: Orbit) {
     let Some(mut orbit) = motion(workshop, orbit) else {
         return;
     };

@@ -29,7 +29,7 @@ pub struct Saddle {
     pub period: f64,
     /// How the period grows, where enough orbits are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub unbounded: Option<Unbounded>,
+    pub unbounded: Option<Box<Unbounded>>,
 }
 
 impl fmt::Display for Saddle {
@@ -44,7 +44,7 @@ impl fmt::Display for Saddle {
             write!(out, "{comma}{name} = {value:.6}")?;
         }
         write!(out, ", which it leaves at the rate {:.6}", self.rate)?;
-        match &self.unbounded {
+        match self.unbounded.as_deref() {
             Some(Unbounded {
                 name, value, error, ..
             }) => write!(out, "; {name} comes to {value} (error {error:.0e})"),

@@ -347,7 +347,7 @@ impl Walker {
         let unbounded = self.unbounded();
         match self.shooting.saddle(&station.at) {
             Some(saddle) => Some(End::Saddle(Saddle {
-                unbounded,
+                unbounded: unbounded.map(Box::new),
                 ..saddle
             })),
             None => unbounded.map(End::Unbounded),
