@@ -5,7 +5,7 @@
 //! What complete chatter, contact or sticking forgets has no exponent: it is minus infinity.
 
 use crate::analysis::periodic::PeriodicError;
-use crate::flow::{Column, Occurrence, Settings, System, Trajectory, Workspace};
+use crate::flow::{Column, NoDerivative, Occurrence, Settings, System, Trajectory, Workspace};
 use crate::model::Model;
 use crate::numerics::{Matrix, balance, unit};
 use core::ops::ControlFlow;
@@ -91,7 +91,6 @@ pub fn exponents(
         put(&frame, &units, (&system, &mut work, &mut trajectory))?;
         trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
         let mut steps = 0;
-        let mut latest: Option<(f64, usize)> = None;
         let mut logarithms = vec![0.0; moving.len()];
         let mut forgets = trajectory.is_held(&system);
         let mut whole = frame.clone();
@@ -99,15 +98,8 @@ pub fn exponents(
             let told = (trajectory.advance_to_horizon(&system, &mut work))
                 .map_err(PeriodicError::Ended)?;
             steps += 1;
-            if let Some(Occurrence::Impact { contact, .. }) = told {
-                let time = trajectory.time();
-                // Displacements separate what happens at one instant, in an order that is another for each of them.
-                if latest.is_some_and(|(other, at)| other == time && at != contact) {
-                    return Err(PeriodicError::Unfollowed {
-                        what: format!("the impacts of several contacts at time {time}"),
-                    });
-                }
-                latest = Some((time, contact));
+            if let Some(why) = trajectory.no_derivative() {
+                return Err(no_derivative(model, why));
             }
             forgets |= told.is_some_and(|told| may_forget(model, &told));
             if interval == 0 && !forgets {
@@ -154,6 +146,21 @@ pub fn exponents(
         return Err(PeriodicError::Interrupted);
     }
     Ok(averaged(&growth, spec.interval))
+}
+
+fn no_derivative(model: &Model, why: NoDerivative) -> PeriodicError {
+    let name = |contact: usize| model.contacts[contact].name.clone();
+    match why {
+        NoDerivative::Order(contact) => PeriodicError::OrderMatters {
+            contact: name(contact),
+        },
+        NoDerivative::Joint(contact) => PeriodicError::Unfollowed {
+            what: format!(
+                "an impact at `{}` that others feel at the same instant by Moreau's law",
+                name(contact)
+            ),
+        },
+    }
 }
 
 /// Puts displacements, told in these units, beside a state.

@@ -48,5 +48,6 @@ pub use program::{Closed, Held};
 pub use step::Workspace;
 pub use system::{Settings, System, SystemError};
 pub use trajectory::Trajectory;
+pub(crate) use trajectory::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
 pub use variation::Column;
 pub(crate) use variation::{Direction, with_identity};

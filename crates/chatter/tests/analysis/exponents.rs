@@ -1,16 +1,21 @@
 //! Lyapunov exponents where several things happen at one instant, and where the motion is held for ever.
 
 use chatter::analysis::exponents::{Exponents, Spec, exponents};
+use chatter::analysis::periodic::PeriodicError;
 use chatter::model::Model;
 use core::f64::consts::{PI, TAU};
 use core::ops::ControlFlow;
 
 fn of(text: &str, interval: f64) -> Exponents {
+    of_spec(text, interval, (40, 64))
+}
+
+fn of_spec(text: &str, interval: f64, (transient, intervals): (u64, u64)) -> Exponents {
     let model = Model::from_toml(text, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
     let spec = Spec {
         interval,
-        transient: 40,
-        intervals: 64,
+        transient,
+        intervals,
     };
     exponents(&model, &spec, &mut |_| ControlFlow::Continue(())).expect("exponents")
 }
@@ -107,4 +112,79 @@ fn sliding_that_has_stopped_to_rounding_leaves_what_it_does_not_hold() {
                 friction = { coefficient = 0.3, along = { u = 1, s = 2.5 }, rate = \"u + s\" }\n\
                 [initial]\nx = 0\nu = 0.9\ny = 1\nv = 0\ns = 0\n";
     agree(&of(text, TAU), &[0.0, 0.0, LOST, LOST, LOST], 1e-12);
+}
+
+/// Two equal masses under one force, each at a stop of its own.
+fn in_phase(coupling: &str, law: &str) -> String {
+    format!(
+        "{law}[parameters]\nF = 2.0\n[flight]\nx = \"v\"\nv = \"-x - 0.1*v + F*cos(2.1*t) - {coupling}\"\ny = \"w\"\n\
+         w = \"-y - 0.1*w + F*cos(2.1*t) + {coupling}\"\n[[contact]]\nname = \"right\"\ngap = \"0.3 - x\"\n\
+         impulse = {{ v = -1 }}\nrestitution = 0.7\n[[contact]]\nname = \"top\"\ngap = \"0.3 - y\"\nimpulse = {{ w = -1 }}\n\
+         restitution = 0.7\n[initial]\nx = 0\nv = 0\ny = 0\nw = 0\n"
+    )
+}
+
+/// In phase and against each other they are two oscillators of their own: each shrinks areas as one that is alone.
+#[test]
+fn what_ends_in_flight_at_one_instant_is_followed_where_it_has_one_derivative() {
+    let period = TAU / 2.1;
+    let alone = of(
+        "[flight]\nx = \"v\"\nv = \"-x - 0.1*v + 2*cos(2.1*t)\"\n[[contact]]\nname = \"right\"\ngap = \"0.3 - x\"\n\
+         impulse = { v = -1 }\nrestitution = 0.7\n[initial]\nx = 0\nv = 0\n",
+        period,
+    );
+    let twice: Vec<f64> = alone.values.iter().flat_map(|&x| [x, x]).collect();
+    agree(&of(&in_phase("0", ""), period), &twice, 1e-9);
+    agree(
+        &of(&in_phase("0", "simultaneous = \"moreau\"\n"), period),
+        &twice,
+        1e-9,
+    );
+}
+
+fn refusal(text: &str, interval: f64) -> PeriodicError {
+    let model = Model::from_toml(text, "model.toml").unwrap_or_else(|errors| panic!("{errors}"));
+    let spec = Spec {
+        interval,
+        transient: 4,
+        intervals: 16,
+    };
+    exponents(&model, &spec, &mut |_| ControlFlow::Continue(())).expect_err("none")
+}
+
+#[test]
+fn what_depends_on_which_contact_is_met_first_has_no_exponents() {
+    let period = TAU / 2.1;
+    let damped = refusal(&in_phase("0.3*(v - w)", ""), period);
+    assert!(
+        matches!(damped, PeriodicError::OrderMatters { .. }),
+        "{damped:?}"
+    );
+    // A plate on two springs falls flat onto two stops that feel each other.
+    let plate = |law: &str| {
+        format!(
+            "{law}[flight]\ny = \"v\"\nv = \"-1\"\na = \"w\"\nw = \"0\"\n[[contact]]\nname = \"left\"\ngap = \"y - a\"\n\
+             impulse = {{ v = 1, w = -1 }}\nrestitution = 0.9\n[[contact]]\nname = \"right\"\ngap = \"y + a\"\n\
+             impulse = {{ v = 1, w = 1 }}\nrestitution = 0.9\n[initial]\ny = 1\nv = 0\na = 0\nw = 0\n"
+        )
+    };
+    let uncoupled = of_spec(&plate(""), 0.1, (0, 20));
+    // Each impact shrinks areas by the square of its restitution.
+    let shrunk: f64 = uncoupled.values.iter().sum::<f64>() * 2.0;
+    assert!((shrunk - 4.0 * 0.9_f64.ln()).abs() < 1e-10, "{uncoupled:?}");
+    let heavy = |law: &str| {
+        plate(law)
+            .replace("w = -1 }", "w = -3 }")
+            .replace("w = 1 }", "w = 3 }")
+    };
+    let binary = refusal(&heavy(""), 1.0);
+    assert!(
+        matches!(binary, PeriodicError::OrderMatters { .. }),
+        "{binary:?}"
+    );
+    let joint = refusal(&heavy("simultaneous = \"moreau\"\n"), 1.0);
+    assert!(
+        matches!(joint, PeriodicError::Unfollowed { .. }),
+        "{joint:?}"
+    );
 }

@@ -182,3 +182,58 @@ fn columns_follow_powers_from_where_they_begin() {
     let kinds = check(&root, &[1.0, 0.1], 12.0, 1e-7);
     assert!(kinds.contains(&"corner"), "{kinds:?}");
 }
+
+/// Two equal masses under one force, each at a stop of its own, in phase.
+fn in_phase(coupling: &str) -> Model {
+    read(&format!(
+        "[parameters]\nF = 2.0\n[flight]\nx = \"v\"\nv = \"-x - 0.1*v + F*cos(2.1*t) - {coupling}\"\ny = \"w\"\n\
+         w = \"-y - 0.1*w + F*cos(2.1*t) + {coupling}\"\nz = \"x - 2*y - z\"\n[[contact]]\nname = \"right\"\ngap = \"0.3 - x\"\n\
+         impulse = {{ v = -1 }}\nrestitution = 0.7\n[[contact]]\nname = \"top\"\ngap = \"0.3 - y\"\nimpulse = {{ w = -1 }}\n\
+         restitution = 0.7\n[initial]\nx = 0\nv = 0\ny = 0\nw = 0\nz = 0\n"
+    ))
+}
+
+#[test]
+fn columns_follow_flights_that_end_at_one_instant() {
+    for coupling in ["0", "0.3*(x - y)"] {
+        let kinds = check(&in_phase(coupling), &[0.0; 6], 9.0, 1e-8);
+        let impacts = kinds.iter().filter(|&&kind| kind == "impact").count();
+        assert!(impacts >= 4, "{kinds:?}");
+    }
+    // One law of impacts at once is as good as another where none feels another.
+    let moreau = in_phase("0");
+    let moreau = Model {
+        simultaneous: chatter::model::Simultaneous::Moreau,
+        ..moreau
+    };
+    check(&moreau, &[0.0; 6], 9.0, 1e-8);
+    // Three balls fall onto one floor at once, the last of them plastic.
+    let three = read(
+        "[parameters]\ng = 1\n[flight]\na = \"p\"\np = \"-g\"\nb = \"q\"\nq = \"-g - 0.1*q\"\nc = \"r\"\nr = \"-g\"\n\
+         [[contact]]\nname = \"a\"\ngap = \"a - 0.1*a^2\"\nimpulse = { p = 1 }\nrestitution = 0.7\n\
+         [[contact]]\nname = \"b\"\ngap = \"b\"\nimpulse = { q = 1 }\nrestitution = 0.7\n\
+         [[contact]]\nname = \"c\"\ngap = \"c\"\nimpulse = { r = 1 }\nrestitution = 0\n[initial]\na = 1\np = 0\nb = 1\nq = 0\nc = 1\nr = 0\n",
+    );
+    let (fall, drag) = (core::f64::consts::SQRT_2, 0.1);
+    // How far the ball with drag falls in that time.
+    let height = fall / drag + (libm::exp(-drag * fall) - 1.0) / (drag * drag);
+    let kinds = check(&three, &[1.0, 0.0, height, 0.0, 1.0, 0.0], 2.0, 1e-8);
+    assert_eq!(kinds.iter().filter(|&&kind| kind == "impact").count(), 3);
+}
+
+/// A nail that a spring holds on a stop feels the blow of a hammer, and comes back to it.
+#[test]
+fn columns_follow_what_a_closed_contact_feels() {
+    let hammer = read(
+        "[parameters]\np = 2\n[flight]\nx = \"v\"\nv = \"-x - 0.2*v + 2*cos(1.5*t)\"\ny = \"w\"\nw = \"-4*y - 0.3*w - p\"\n\
+         [[contact]]\nname = \"stop\"\ngap = \"y\"\nimpulse = { w = 1 }\nrestitution = 0.3\n\
+         [[contact]]\nname = \"hammer\"\ngap = \"x - y + 0.3\"\nimpulse = { v = 1, w = -0.5 }\nrestitution = 0.5\n[initial]\nx = 1\nv = 0\ny = 0\nw = 0\n",
+    );
+    let mut all = Vec::new();
+    for k in 0..4 {
+        // The nail falls on its stop from a little above it.
+        let state = [1.0 + 0.1 * f64::from(k), -0.2, 0.02, 0.0, 0.0];
+        all.extend(check(&hammer, &state, 6.0, 1e-8));
+    }
+    assert!(all.contains(&"impact"), "{all:?}");
+}

@@ -217,10 +217,11 @@ impl Closure {
         })
     }
 
-    /// Leaves free some states more that nothing depends on between events, but for phases.
+    /// Leaves free some states more that nothing depends on between events. A phase among them, as a count that enters by its remainder, is
+    /// to come back shifted by whole turns all the same.
     pub(crate) fn frees(&mut self, states: Vec<usize>) {
         for state in states {
-            if !self.is_phase(state) && !self.is_idle(state) {
+            if !self.is_idle(state) {
                 let others = Vec::new();
                 self.idle.push(Translation { state, others });
             }
@@ -311,7 +312,7 @@ impl Closure {
                 rest[other] -= times * rest[free.state];
             }
         }
-        for free in &self.idle {
+        for free in self.idle.iter().filter(|free| !self.is_phase(free.state)) {
             rest[free.state] = 0.0;
         }
         let mut counts = Vec::with_capacity(turns.len());

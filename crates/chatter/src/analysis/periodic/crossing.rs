@@ -32,29 +32,54 @@ impl Shooting<f64> {
         }
         let nodes = (0..self.steps.len()).map(|index| self.node(at, index).to_vec());
         let mut found: Vec<Vec<f64>> = nodes.collect();
+        let crossings = self.crossings_on_the_way(at).into_iter();
+        found.extend(crossings.map(|crossing| crossing.state));
+        found
+    }
+
+    /// The crossings of the section that are no nodes.
+    fn crossings_on_the_way(&mut self, at: &[f64]) -> Vec<Least> {
         let Some(section) = self.workshop.section.map(GuardKind::Section) else {
-            return found;
+            return Vec::new();
         };
         let least = self.least(at).unwrap_or_default();
         let crossings = least.into_iter().flatten();
         let crossings = crossings.filter(|least| least.guard == section);
-        let others = self.other_crossings(at);
-        found.extend(crossings.chain(others).map(|crossing| crossing.state));
-        found
+        // A leg that the section itself ends does not look for it.
+        let ends = |step: &Step| step.ends_at() == Some(section);
+        let legs = (0..self.steps.len()).filter(|&index| ends(&self.steps[index]));
+        let others = legs.flat_map(|index| self.crossings_of_leg(at, index));
+        crossings.chain(others).collect()
     }
 
-    /// Of an orbit whose only event is one crossing of the section, the others on its way.
+    /// How often a period crosses the section.
+    pub(crate) fn crossings(&mut self, at: &[f64]) -> usize {
+        let section = self.workshop.section.map(GuardKind::Section);
+        let ends = |step: &&Step| section.is_some() && step.ends_at() == section;
+        self.steps.iter().filter(ends).count() + self.crossings_on_the_way(at).len()
+    }
+
+    /// Of an orbit whose only event is one crossing of the section, the others on its way; of one on which nothing happens, all.
     pub(crate) fn other_crossings(&self, at: &[f64]) -> Vec<Least> {
-        let ([only], Some(section)) = (&self.steps[..], self.workshop.section) else {
+        match self.steps.len() {
+            1 => self.crossings_of_leg(at, 0),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The crossings of the section on the way of a leg that another crossing of it ends, or none.
+    fn crossings_of_leg(&self, at: &[f64], index: usize) -> Vec<Least> {
+        let only = &self.steps[index];
+        let Some(section) = self.workshop.section.map(GuardKind::Section) else {
             return Vec::new();
         };
-        let section = GuardKind::Section(section);
-        let Passage::Leg(kind) = only.passage else {
+        let (Some(kind), Some(place)) = (only.flight(), self.duration_place(index)) else {
             return Vec::new();
         };
-        let (Some(place), true) = (self.duration_place(0), kind.ends_at == Some(section)) else {
+        let goes_around = matches!(only.passage, Passage::Around(_));
+        if !(goes_around || kind.ends_at == Some(section)) {
             return Vec::new();
-        };
+        }
         let on_the_way = LegKind {
             ends_at: None,
             ..kind
@@ -64,9 +89,12 @@ impl Shooting<f64> {
         };
         let parameters = self.parameters_of(&self.workshop.parameters(self.free(at)), only);
         let mut flyer = leg.flyer(&Settings::default());
-        let way = (self.node(at, 0), at[place]);
+        let way = (self.node(at, index), at[place]);
         let seen = leg.least(&mut flyer, &parameters, way, &|guard| guard == section);
-        let inside = AT_ENDS * at[place]..(1.0 - AT_ENDS) * at[place];
+        let inside = match goes_around {
+            true => 0.0..at[place],
+            false => AT_ENDS * at[place]..(1.0 - AT_ENDS) * at[place],
+        };
         let mut seen = seen.unwrap_or_default();
         seen.retain(|least| least.guard == section && inside.contains(&least.time));
         seen
@@ -177,7 +205,8 @@ impl Shooting<f64> {
         };
         let mut steps = self.current_steps(at);
         let whole = steps[index].clone();
-        let (Passage::Leg(kind) | Passage::Timed(kind)) = whole.passage else {
+        let (Passage::Leg(kind) | Passage::Timed(kind) | Passage::Around(kind)) = whole.passage
+        else {
             return Ok(None);
         };
         let crosses = Passage::Leg(LegKind {
@@ -186,7 +215,7 @@ impl Shooting<f64> {
             ..kind
         });
         let begin = match whole.passage {
-            Passage::Timed(_) => {
+            Passage::Timed(_) | Passage::Around(_) => {
                 let period = steps.iter().map(|step| step.duration).sum();
                 steps = vec![Step {
                     passage: crosses,

@@ -204,6 +204,12 @@ fn is_at_border(shooting: &Shooting<f64>, at: &[f64], is_left: bool) -> bool {
             .any(|border| border.value.abs() <= AT_BORDER)
 }
 
+/// The coordinate of the nearest border, if there is one that can be told.
+pub(super) fn border_coordinate(shooting: &Shooting<f64>, at: &[f64]) -> Option<f64> {
+    let all = borders(shooting, at).into_iter().map(|border| border.value);
+    all.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+}
+
 /// What happens in three periods from the first node on.
 fn followed(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<Vec<Instant>> {
     let workshop = &shooting.workshop;

@@ -45,7 +45,9 @@ pub(in crate::analysis) mod shooting;
 mod special_curve;
 mod survey;
 
-pub use branch::{Branch, End, Limits, Point, Record, Saddle, Special, SpecialKind};
+pub use branch::{
+    Branch, End, Law, Limits, Point, Record, Saddle, Special, SpecialKind, Unbounded,
+};
 pub use cycle::settle::Patience;
 pub use diary::Told;
 pub use distinct::{Distinct, Start};

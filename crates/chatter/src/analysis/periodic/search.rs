@@ -1,7 +1,6 @@
 //! Every periodic orbit that Newton's method finds from many starts, stable or not.
 
 use super::branch::is_broken;
-use super::cycle::itinerary::Step;
 use super::cycle::reread::reread;
 use super::cycle::settle::{Patience, loops};
 use super::cycle::trace::Tracer;
@@ -10,7 +9,6 @@ use super::margins::MarginKind;
 use super::orbit::{Orbit, as_told, close, settled};
 use super::shooting::Workshop;
 use crate::analysis::diagram::Generator;
-use crate::flow::GuardKind;
 use crate::numerics::Real;
 use core::ops::ControlFlow;
 use std::sync::Arc;
@@ -60,18 +58,15 @@ pub(crate) fn search(
     let extent = extent(workshop, state, &parameters)?;
     let patience = Patience::default();
     let mut quiet = |_: f64| ControlFlow::Continue(());
+    let forcing = workshop.closure.forcing(&parameters);
+    // Newton's method may close a loop by an orbit that goes around more often, and the motion lead to one that does.
+    let is_wanted = |orbit: &mut Orbit| match forcing {
+        Some(period) => (orbit.period.to_f64() / period).round() as usize <= search.periods,
+        None => orbit.shooting.crossings(&orbit.at) <= search.periods,
+    };
+    let wanted: Wanted<'_> = (&extent, &is_wanted);
     if let Ok(orbit) = settled(workshop, &[], state, patience, &mut quiet) {
-        let laps = match (workshop.closure.forcing(&parameters), workshop.section) {
-            (Some(period), _) => (orbit.period.to_f64() / period).round() as usize,
-            (None, Some(section)) => {
-                let crosses = |step: &&Step| step.ends_at() == Some(GuardKind::Section(section));
-                orbit.shooting.steps.iter().filter(crosses).count()
-            }
-            (None, None) => 1,
-        };
-        if laps <= search.periods {
-            add(workshop, &extent, &mut found, orbit);
-        }
+        add(workshop, wanted, &mut found, orbit);
     }
     for start in 0..search.starts {
         let told = Searched {
@@ -105,7 +100,7 @@ pub(crate) fn search(
         let quiet = loops.quiet(workshop, &[], search.periods);
         for cycle in loops.cycles.into_iter().chain(quiet) {
             if let Ok(orbit) = close(workshop, cycle, &[]) {
-                add(workshop, &extent, &mut found, orbit);
+                add(workshop, wanted, &mut found, orbit);
             }
         }
     }
@@ -248,11 +243,17 @@ fn comes_back(workshop: &Workshop, orbit: &Orbit) -> Option<f64> {
     Some(difference.distance)
 }
 
-/// Adds an orbit, or that which the motion from it is near to, unless it is known.
-fn add(workshop: &Arc<Workshop>, extent: &[(f64, f64)], found: &mut Found, orbit: Orbit) {
+/// What the settled motion covers, and which orbits are looked for.
+type Wanted<'a> = (&'a [(f64, f64)], &'a dyn Fn(&mut Orbit) -> bool);
+
+/// Adds an orbit, or that which the motion from it is near to, if it is wanted and not known.
+fn add(workshop: &Arc<Workshop>, (extent, is_wanted): Wanted<'_>, found: &mut Found, orbit: Orbit) {
     let Some(mut orbit) = motion(workshop, orbit) else {
         return;
     };
+    if !is_wanted(&mut orbit) {
+        return;
+    }
     let Ok(turns) = workshop.closure.turns::<f64>(&workshop.parameters(&[])) else {
         return;
     };

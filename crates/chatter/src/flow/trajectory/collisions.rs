@@ -6,11 +6,13 @@
 //! one impulse vector with 0 <= p, v+ + r v- >= 0, p (v+ + r v-) = 0 for all contacts that touch.
 //!
 //! Each collision is told by itself, one a call. Where columns of derivatives are carried, they are those of the point of
-//! the event while it lasts: m + f s with the shift s = -grad(h) m / v of its time, and m - f s again afterwards.
+//! the event while it lasts: m + f s with the shift s = -grad(h) m / v of its time, and m - f s again afterwards. Where
+//! flights of several contacts end at once each has a shift of its own (`orders`).
 
 use super::Trajectory;
 use super::cascade::Cascade;
 use super::corners::Earlier;
+use super::orders::NoDerivative;
 use super::sequence::BURST;
 use super::tops::Tops;
 use crate::expressions::Tape;
@@ -46,6 +48,9 @@ const SAME_OUTCOME: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct Collisions<R> {
     touching: Closed,
+    law: Simultaneous,
+    /// The contact whose flight ended first, if the flight of one did.
+    came: Option<usize>,
     /// How many there were so far.
     count: u64,
     /// The rate before the latest.
@@ -59,6 +64,8 @@ pub(super) struct Collisions<R> {
     greatest: Vec<R>,
     /// The shift of the event's time, one a column of derivatives.
     shifts: Vec<R>,
+    /// The columns after all collisions, where flights of several contacts end.
+    columns: Option<Vec<R>>,
 }
 
 impl<R: Real> Trajectory<R> {
@@ -76,19 +83,36 @@ impl<R: Real> Trajectory<R> {
             (self.state, self.low) = (state, low);
         }
         let touch = self.touch_values(system)?;
+        let law = self.law_of(&touch, touching);
+        let flights = self.ending(&touch, touching);
+        let mut columns = None;
+        if self.carries_columns() {
+            if law == Simultaneous::Moreau && touching.contacts().count() > 1 {
+                self.no_derivative = Some(NoDerivative::Joint(contact));
+            } else if flights.len() > 1 {
+                columns = self.columns_after(system, work, (&flights, touching))?;
+                if columns.is_none() {
+                    self.no_derivative = Some(NoDerivative::Order(contact));
+                }
+            }
+        }
         let shifts = self.event_columns(system, work, &touch, contact)?;
         self.collisions = Some(Collisions {
             touching,
+            law,
+            came: flights.first().copied(),
             count: 0,
             latest: R::ZERO,
             mode: self.mode,
             sides: self.standing_now(system),
             greatest: self.greatest_rates(system),
             shifts,
+            columns,
         });
-        if self.law == Simultaneous::Binary
+        if law == Simultaneous::Binary
             && let Some((contact, other)) = ambiguity(&touch, touching)
         {
+            self.no_derivative = Some(NoDerivative::Order(contact));
             return Ok(Some(Occurrence::Ambiguity { contact, other }));
         }
         self.collide_on(system, work)
@@ -119,15 +143,17 @@ impl<R: Real> Trajectory<R> {
                     count: MOST as usize,
                 });
             }
-            let can_carry_on = self.law == Simultaneous::Binary
+            let (law, came) = (collisions.law, collisions.came);
+            let is_apart = collisions.columns.is_some();
+            let can_carry_on = law == Simultaneous::Binary
                 && system.rubbing().is_empty()
                 && self.touches(system)?.0.is_linear()
                 && self.asks_nothing(system, touching)?
-                && self.state.len() == self.coordinates;
+                && !self.carries_columns();
             let (impulses, made) = if count >= TOLD && can_carry_on {
                 (Vec::new(), self.carry_on(&touch)?)
             } else {
-                let impulses = match self.law {
+                let impulses = match law {
                     Simultaneous::Binary => self.collide_one(system, &touch, fastest)?,
                     Simultaneous::Moreau => self.moreau(system, &touch, touching)?,
                 };
@@ -136,7 +162,11 @@ impl<R: Real> Trajectory<R> {
             };
             let done = count + made;
             self.follow_jump(system)?;
-            let touch = self.touch_values(system)?;
+            let (before, touch) = (touch, self.touch_values(system)?);
+            let ends_flight = count == 0 && came == Some(fastest);
+            if self.carries_columns() && law == Simultaneous::Binary && !ends_flight && !is_apart {
+                self.note_tie(fastest, touching, (&before, &touch));
+            }
             let Some(collisions) = &mut self.collisions else {
                 return Ok(None);
             };
@@ -304,6 +334,10 @@ impl<R: Real> Trajectory<R> {
         }
         // At fixed time again, in the mode that follows.
         self.shift_columns(system, work, &collisions.shifts, -R::ONE)?;
+        if let Some(columns) = &collisions.columns {
+            self.state[self.coordinates..].copy_from_slice(columns);
+            self.low[self.coordinates..].fill(R::ZERO);
+        }
         let lone = (collisions.lone()).filter(|_| separating == collisions.touching);
         self.rates_of_instant = collisions.greatest;
         if let Some(contact) = lone.filter(|_| self.mode == collisions.mode) {
@@ -576,7 +610,7 @@ impl<R: Real> Trajectory<R> {
         touch: &Touch<R>,
         contact: usize,
     ) -> Result<Vec<R>, FlowError> {
-        if self.state.len() == self.coordinates {
+        if !self.carries_columns() {
             return Ok(Vec::new());
         }
         let rate = touch.rate[contact].value;

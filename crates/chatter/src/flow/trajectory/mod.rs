@@ -15,6 +15,7 @@ mod friction;
 mod grazing;
 mod known_gap;
 mod off_root;
+mod orders;
 mod ordinary;
 mod projection;
 mod recurrence;
@@ -45,6 +46,7 @@ use crate::numerics::dispatch::dispatch_narrow;
 use crate::numerics::{Real, index_of};
 use alone::{StepAlone, Stepped};
 use collisions::Collisions;
+pub(crate) use orders::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
 use ordinary::Untold;
 pub(crate) use ordinary::{Caught, Passed};
 use recurrence::Latest;
@@ -114,6 +116,8 @@ pub struct Trajectory<R> {
     burst: usize,
     /// By how much each column of derivatives shifts the time of the latest event.
     shifts: Vec<R>,
+    /// What has left the columns without a meaning.
+    no_derivative: Option<NoDerivative>,
     /// The latest event on each surface that changes the state.
     latest_resets: Vec<Option<Latest<R>>>,
     /// Impacts whose flights are longer, and lower than gaps are known.

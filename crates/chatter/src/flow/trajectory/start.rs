@@ -81,6 +81,7 @@ impl<R: Real> Trajectory<R> {
             longest_step: R::ZERO,
             burst: 0,
             shifts: Vec::new(),
+            no_derivative: None,
             latest_resets: Vec::new(),
             stall: Stall::NONE,
             squeezes: 0,

@@ -165,7 +165,7 @@ fn a_cycle_that_shrinks_to_the_corner_ends_there() {
         let set = [("b", "-1.5")];
         let model = with(&ticked("mu = 0.3\na = 0.5\nb = -0.8", TENT), &set);
         let branch = &over(&model, "mu", (-1.0, 1.0), (8, step))[0];
-        let expected = [End::At(SpecialKind::Touch), End::Range];
+        let expected = [End::Again(SpecialKind::Touch), End::Range];
         assert_eq!(branch.ends, expected, "{step}");
         assert!(branch.special.len() == 1 && value(&branch.special[0]).abs() < 1e-15);
         for point in &branch.points {

@@ -2,7 +2,7 @@
 
 use super::{GRAZES, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
-    Beside, BranchSpec, End, Known, Limits, Point, Spec, SpecialKind, branches, special_curve,
+    Beside, BranchSpec, End, Known, Law, Limits, Point, Spec, SpecialKind, branches, special_curve,
 };
 use std::ops::ControlFlow;
 
@@ -338,9 +338,21 @@ om = 0.4
     assert!(saddle.period > 20.0, "{saddle:?}");
     // The energy at the top is nothing: of what a step loses by its impact the slope gives back.
     let slope = found[0].points[0].parameter();
-    let top = 1.0 - (0.25 - slope).cos();
-    let before = top + (slope - 0.25).cos() - (slope + 0.25).cos();
-    assert!((before * 0.5_f64.cos().powi(2) - top).abs() < 1e-8);
+    let off = |slope: f64| {
+        let top = 1.0 - (0.25 - slope).cos();
+        let before = top + (slope - 0.25).cos() - (slope + 0.25).cos();
+        before * 0.5_f64.cos().powi(2) - top
+    };
+    assert!(off(slope).abs() < 1e-8, "{slope}");
+    let unbounded = saddle.unbounded.as_ref().unwrap();
+    let (beyond, near) = (
+        unbounded.value - unbounded.error,
+        unbounded.value + unbounded.error,
+    );
+    assert!(
+        off(beyond) * off(near) <= 0.0 && unbounded.error < 1e-10,
+        "{unbounded:?}"
+    );
 }
 
 /// The particle of an impact damper: where both its impacts graze at once one of them is left, which comes to nothing, and beyond
@@ -422,4 +434,48 @@ fn doublings_of_linear_maps_have_no_side() {
     assert_eq!(special.kind, SpecialKind::PeriodDoubling);
     assert!((value(special) + 1.0).abs() < 1e-13);
     assert_eq!(special.above, None);
+}
+
+/// th' = a - sin(th) goes around in 2 pi / sqrt(a^2 - 1): two equilibria come about on the orbit at a = 1.
+#[test]
+fn a_period_that_grows_as_an_inverse_root_is_told_with_where_it_ends() {
+    let text = "[parameters]\na = 1.5\n[flight]\nth = \"a - sin(th)\"\nx = \"cos(th) - x\"\n[section.s]\nsurface = \"sin(th)\"\n\
+                direction = \"rising\"\n[initial]\nth = 0\nx = 0\n";
+    let found = over(&with(text, &[]), "a", (0.5, 2.0), (8, 0.02));
+    let End::Unbounded(unbounded) = &found[0].ends[0] else {
+        panic!("{:?}", found[0].ends);
+    };
+    let off = (unbounded.value - 1.0).abs();
+    assert!(
+        off <= unbounded.error && unbounded.error < 1e-6,
+        "{unbounded:?}"
+    );
+    let Law::InverseRoot(factor) = unbounded.law else {
+        panic!("{unbounded:?}");
+    };
+    let expected = core::f64::consts::TAU / 2.0_f64.sqrt();
+    assert!((factor - expected).abs() < 1e-2 * expected, "{unbounded:?}");
+}
+
+/// A thermostat with one lag: x falls to its lower threshold ref - h as exp(-t), for ever if that is zero.
+#[test]
+fn a_period_that_grows_as_a_logarithm_is_told_with_where_it_ends() {
+    let text = "[parameters]\nh = 0.2\nref = 1\n[flight]\nx = \"2*q - x\"\nq = \"0\"\n[[event]]\nname = \"off\"\n\
+                surface = \"x - ref - h\"\ndirection = \"rising\"\nreset = { q = 0 }\n[[event]]\nname = \"on\"\n\
+                surface = \"x - ref + h\"\ndirection = \"falling\"\nreset = { q = 1 }\n[initial]\nx = 0\nq = 1\n";
+    let branch = &over(&with(text, &[]), "ref", (0.1, 2.0), (8, 0.02))[0];
+    for (end, expected) in branch.ends.iter().zip([0.2, 1.8]) {
+        let End::Unbounded(unbounded) = end else {
+            panic!("{end:?}");
+        };
+        let off = (unbounded.value - expected).abs();
+        assert!(
+            off <= unbounded.error && unbounded.error < 1e-12,
+            "{unbounded:?}"
+        );
+        let Law::Logarithm(rate) = unbounded.law else {
+            panic!("{unbounded:?}");
+        };
+        assert!((rate - 1.0).abs() < 1e-3, "{unbounded:?}");
+    }
 }

@@ -71,30 +71,93 @@ fn a_limit_cycle_that_is_born_unstable_folds_once() {
     assert!((folds[0] + 0.25).abs() < 1e-13 && hopfs[0].abs() < 1e-13);
 }
 
-/// FitzHugh and Nagumo: v^2 = 1 - eps b, w = (v + a)/b, I = w - v + v^3/3. The section goes through the equilibrium at the upper point alone; the other
-/// end is where the orbit no longer crosses it.
+/// FitzHugh and Nagumo: v^2 = 1 - eps b, w = (v + a)/b, I = w - v + v^3/3. The section goes through the equilibrium at the upper point alone; where
+/// the orbit no longer crosses it, beyond a fold, it is told from planes across the flow.
 #[test]
 fn away_from_zero_the_point_is_where_eigenvalues_say() {
     let (eps, a, b) = (0.5_f64, 0.7, 0.8);
     let v = (1.0 - eps * b).sqrt();
-    let expected = (v + a) / b - v + v.powi(3) / 3.0;
+    let expected = [-v, v].map(|v| (v + a) / b - v + v.powi(3) / 3.0);
     let field = ("x - x^3/3 - y + I", "0.5*(x + 0.7 - 0.8*y)");
     let section = format!("x - {v:?}");
     let model = with(&system("I = 0.8", field, &section, (1.0, 0.0)), &[]);
     for step in [0.01, 0.004] {
         let branch = &over(&model, "I", (0.2, 1.6), (8, step))[0];
-        assert_eq!(
-            branch.ends[1],
-            End::Equilibrium,
-            "{step}: {:?}",
-            branch.ends
-        );
-        let hopfs = of(branch, SpecialKind::Hopf);
-        assert_eq!(hopfs.len(), 1, "{step}");
+        let both = [End::Equilibrium, End::Equilibrium];
+        assert_eq!(branch.ends, both, "{step}: {:?}", branch.ends);
+        let (hopfs, folds) = (of(branch, SpecialKind::Hopf), of(branch, SpecialKind::Fold));
+        assert_eq!((hopfs.len(), folds.len()), (2, 2), "{step}");
+        for (hopf, expected) in hopfs.iter().zip(expected) {
+            assert!((hopf - expected).abs() < 1e-13, "{step}: {hopf} {expected}");
+        }
+    }
+}
+
+/// Roessler's limit cycle does not cross y = 0 where it is small: from there on it is told from planes across the flow. The equilibrium is
+/// x = a s, y = -s, z = s with a s^2 - c s + b = 0.
+#[test]
+fn a_limit_cycle_that_leaves_its_section_is_followed_to_where_it_is_born() {
+    let text = "[parameters]\na = 0.2\nb = 0.2\nc = 2.5\n[flight]\nx = \"-y - z\"\ny = \"x + a*y\"\nz = \"b + z*(x - c)\"\n\
+                [section.y]\nsurface = \"y\"\ndirection = \"falling\"\n[initial]\nx = 2\ny = 1\nz = 0.1\n";
+    // Routh and Hurwitz: of l^3 + p l^2 + q l + r a pair is imaginary where p q = r.
+    let off = |a: f64| {
+        let (b, c) = (0.2_f64, 2.5_f64);
+        let s = (c - (c * c - 4.0 * a * b).sqrt()) / (2.0 * a);
+        let d = a * s - c;
+        let (p, q, r) = (-(a + d), a * d + 1.0 + s, -(d + a * s));
+        (p * q - r, q)
+    };
+    let (mut low, mut high) = (0.02, 0.05);
+    assert!(off(low).0 * off(high).0 < 0.0);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        match off(middle).0 * off(low).0 > 0.0 {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    for step in [0.02, 0.005] {
+        let found = over(&with(text, &[]), "a", (-0.1, 0.2), (8, step));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Equilibrium, End::Range], "{step}");
+        let [hopf] = &branch.special[..] else {
+            panic!("{step}: {}", branch.special.len());
+        };
+        assert_eq!(hopf.kind, SpecialKind::Hopf);
         assert!(
-            (hopfs[0] - expected).abs() < 1e-13,
-            "{step}: {} {expected}",
-            hopfs[0]
+            (value(hopf) - low).abs() <= hopf.error.max(1e-13),
+            "{} {low}",
+            value(hopf)
+        );
+        let period = core::f64::consts::TAU / off(low).1.sqrt();
+        assert!(
+            (hopf.point.period - period).abs() < 1e-10,
+            "{}",
+            hopf.point.period
         );
     }
+}
+
+/// Predators are harvested above a threshold y = 1.2: at m = 1/2 the equilibrium of both fields lies on it, x = 1, a focus from which the motion
+/// spirals out below and into which it does above. The limit cycle comes to a point there, with no pair of eigenvalues that is imaginary.
+#[test]
+fn a_limit_cycle_that_shrinks_to_a_corner_ends_there() {
+    let field = (
+        "x*(1 - x/4) - x*y/(1 + 0.6*x)",
+        "0.8*x*y/(1 + 0.6*x) - m*y - 0.3*max(y - 1.2, 0)",
+    );
+    let model = with(&system("m = 0.35", field, "1.2 - x", (1.0, 1.0)), &[]);
+    let branch = &over(&model, "m", (0.2, 0.6), (8, 0.02))[0];
+    assert_eq!(branch.ends, [End::Range, End::Equilibrium]);
+    let last = branch.points.last().unwrap();
+    assert!(
+        (last.parameter() - 0.5).abs() < 1e-3,
+        "{}",
+        last.parameter()
+    );
+    assert!(
+        (last.state[0] - 1.0).hypot(last.state[1] - 1.2) < 1e-2,
+        "{:?}",
+        last.state
+    );
 }

@@ -1,8 +1,7 @@
 //! Orbits with events that change the state, dead zones, motion that comes to rest, and ends of what theory allows.
 
 use super::{model, nearest, orbit, over, value, with};
-use chatter::analysis::exponents::{Spec as Averages, exponents};
-use chatter::analysis::periodic::{End, PeriodicError, Spec, SpecialKind, settled};
+use chatter::analysis::periodic::{End, Spec, SpecialKind, settled};
 use chatter::numerics::Real;
 use core::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -116,43 +115,6 @@ fn flights_below_rounding_are_no_impacts() {
     for point in many.filter(|point| point.impacts.is_some_and(|n| n > 3)) {
         assert!(point.parameter() > border - 1e-12, "{point:?}");
     }
-}
-
-/// Two equal oscillators hit their stops at one instant: displacements do so in an order that depends on them.
-#[test]
-fn exponents_are_refused_where_contacts_close_at_one_instant() {
-    let text = r#"
-        [flight]
-        x = "v"
-        v = "cos(1.4*t) - 0.1*v - x"
-        y = "w"
-        w = "cos(1.4*t) - 0.1*w - y"
-        [[contact]]
-        name = "one"
-        gap = "0.5 - x"
-        impulse = { v = -1 }
-        restitution = 0.6
-        [[contact]]
-        name = "other"
-        gap = "0.5 - y"
-        impulse = { w = -1 }
-        restitution = 0.6
-        [initial]
-        x = 0
-        v = 0
-        y = 0
-        w = 0
-        "#;
-    let spec = Averages {
-        interval: 2.0 * PI / 1.4,
-        transient: 10,
-        intervals: 40,
-    };
-    let found = exponents(&with(text, &[]), &spec, &mut |_| ControlFlow::Continue(()));
-    assert!(
-        matches!(found, Err(PeriodicError::Unfollowed { .. })),
-        "{found:?}"
-    );
 }
 
 /// A thyristor that fires and goes out once a period, which sets its current to zero: nothing is left of a displacement, and no quotient of

@@ -443,7 +443,7 @@ w = 0.3
 /// matter of the motion.
 #[test]
 fn a_counter_to_and_fro_comes_back() {
-    let wheel = |counts: &str| {
+    let wheel = |(asks, counts): (&str, &str)| {
         let text = format!(
             r#"
 [parameters]
@@ -455,7 +455,7 @@ om = "sin(th)"
 n = "0"
 [[event]]
 name = "heel"
-surface = "th - gamma - alpha*(1 + 0.05*if(n > 0.5, 1, -1))"
+surface = "th - gamma - alpha*(1 + 0.05*if({asks}, 1, -1))"
 direction = "rising"
 reset = {{ th = "gamma - alpha", om = "cos(2*alpha)*om", n = "{counts}" }}
 [initial]
@@ -467,13 +467,42 @@ n = 0
         orbit(&with(&text, &[]))
     };
     let known = 0.6_f64.cos().powi(4);
-    for counts in ["if(n > 0.5, 0, 1)", "1 - n", "mod(n + 1, 2)"] {
-        let found = wheel(counts);
+    for (asks, counts) in [
+        ("n > 0.5", "if(n > 0.5, 0, 1)"),
+        ("n > 0.5", "1 - n"),
+        ("n > 0.5", "mod(n + 1, 2)"),
+        ("mod(n, 2) >= 1", "mod(n + 1, 2)"),
+        ("mod(n, 2) >= 1", "n + 1"),
+    ] {
+        let found = wheel((asks, counts));
         let period = found.period.to_f64();
         assert!(
             (period - 1.893_074_051_1).abs() < 1e-9,
-            "{counts}: {period}"
+            "{asks}, {counts}: {period}"
         );
-        assert!((found.multipliers[0].re - known).abs() < 1e-9, "{counts}");
+        assert!(
+            (found.multipliers[0].re - known).abs() < 1e-9,
+            "{asks}, {counts}"
+        );
+    }
+}
+
+/// Lorenz's orbits of up to four returns: the periods of all of them are known, and none that returns more often is among them.
+#[test]
+fn no_orbit_returns_more_often_than_was_asked_for() {
+    let text = "[flight]\nx = \"10*(y - x)\"\ny = \"x*(28 - z) - y\"\nz = \"x*y - 8*z/3\"\n[section.z]\nsurface = \"z - 27\"\n\
+                direction = \"rising\"\n[initial]\nx = 10\ny = 1\nz = 20\n";
+    let known = [
+        1.558_652_210_7,
+        2.305_907_263_9,
+        3.023_583_703_4,
+        3.084_276_775_8,
+    ];
+    for orbit in orbits_from(&with(text, &[]), (4, 24, 1)) {
+        let period = orbit.period.to_f64();
+        assert!(
+            known.iter().any(|known| (known - period).abs() < 1e-9),
+            "{period}"
+        );
     }
 }

@@ -344,3 +344,34 @@ v = 0
     assert!((orbit.period.to_f64() - 0.4 * core::f64::consts::PI).abs() < 1e-13);
     assert_eq!(orbit.impacts, None);
 }
+
+/// A magnet that a clock turns on and off holds a ball between floor and ceiling. Where the ball hits the floor as the clock ticks either may come
+/// first, and the state after both is one: the branch goes on with the other order, and turns back there.
+#[test]
+fn an_impact_and_the_tick_of_a_clock_change_places() {
+    let text = "[parameters]\nT = 2.0\nB = 3.0\n[flight]\ny = \"v\"\nv = \"-1 + if(m > 0.5, B*(1.2 - y), 0) - 0.1*v\"\nm = \"0\"\n\
+                s = \"m - 0.7*s\"\n[[event]]\nname = \"tick\"\nsurface = \"sin(2*pi*t/T)\"\ndirection = \"either\"\n\
+                reset = { m = \"if(m > 0.5, 0, 1)\" }\n[[contact]]\nname = \"floor\"\ngap = \"y\"\nimpulse = { v = 1 }\nrestitution = 0.5\n\
+                [[contact]]\nname = \"top\"\ngap = \"1 - y\"\nimpulse = { v = -1 }\nrestitution = 0.5\n[initial]\ny = 0.5\nv = 0\nm = 0\ns = 0\n";
+    for step in [0.02, 0.007] {
+        let found = over(&with(text, &[]), "B", (1.9, 3.5), (8, step));
+        let branch = &found[0];
+        let touches = branch
+            .special
+            .iter()
+            .filter(|special| special.kind == SpecialKind::Touch);
+        let touches: Vec<_> = touches.collect();
+        let [first, second] = [1.978_338_811_553_527, 1.954_857_459_088_327].map(|at| {
+            let known = touches
+                .iter()
+                .find(|special| (value(special) - at).abs() < 1e-11);
+            known.unwrap_or_else(|| panic!("{step}: {at} {:?}", branch.special.len()))
+        });
+        assert_eq!(
+            (first.persists, second.persists),
+            (Some(true), Some(false)),
+            "{step}"
+        );
+        assert_eq!(branch.ends[1], End::Range, "{step}");
+    }
+}

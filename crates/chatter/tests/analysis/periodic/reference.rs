@@ -470,7 +470,11 @@ fn grazes_and_doublings_of_the_forced_oscillator() {
     let found = over(&oscillator, "omega", (2.6, 2.9), (11, 0.01));
     let leaves = nearest(&found, &[SpecialKind::BranchPoint], 2.653);
     assert!((value(&leaves) - 2.653_347_727_855_323).abs() < 1e-13);
-    assert!(found[0].ends.contains(&End::At(SpecialKind::BranchPoint)));
+    assert!(
+        found[0]
+            .ends
+            .contains(&End::Again(SpecialKind::BranchPoint))
+    );
 }
 
 #[test]

@@ -90,7 +90,7 @@ s = 0
         assert_eq!(found.len(), 1);
         let ends = &found[0].ends;
         let (parts, grazes) = (SpecialKind::BranchPoint, SpecialKind::FlightGraze);
-        assert_eq!(*ends, [End::At(parts), End::At(grazes)], "{step}");
+        assert_eq!(*ends, [End::Again(parts), End::Again(grazes)], "{step}");
         let parts = nearest(&found, &[parts], 1.1148);
         assert!((value(&parts) - 1.114_845_214_256_72).abs() < 1e-12);
         assert!(parts.error < 1e-12);

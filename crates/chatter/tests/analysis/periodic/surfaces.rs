@@ -100,7 +100,12 @@ fn a_graze_that_parts_what_sticks_together_ends_the_branch() {
     let fold = |at: f64| (at - 3.016_260_102).abs() < 1e-8;
     let graze = |at: f64| (at - 2.873_461_2).abs() < 1e-6;
     // A second slide comes in: the least value of u - v without it falls from 0.0221 at 2.05 over 0.0050 at 2.08 to zero.
-    let touch = |at: f64| (at - 2.088_715_6).abs() < 1e-6;
+    // The impacts of both blocks change places: 5e-6 apart at 2.2869, 9e-6 the other way at 2.2870, with other multipliers.
+    let touch = |at: f64| {
+        [2.088_715_6, 2.286_937_8]
+            .iter()
+            .any(|known| (at - known).abs() < 1e-6)
+    };
     assert!(
         special.iter().all(|&(kind, at)| match kind {
             SpecialKind::Fold => fold(at),

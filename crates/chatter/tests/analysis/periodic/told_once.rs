@@ -421,7 +421,7 @@ fn orbits_told_from_sections_alone_are_told_once() {
     };
     assert_eq!(simple.ends, [End::Range, End::Range]);
     let ends = [&doubled.ends[0], &doubled.ends[1]];
-    assert!(ends.contains(&&End::At(SpecialKind::BranchPoint)) && ends.contains(&&End::Range));
+    assert!(ends.contains(&&End::Again(SpecialKind::BranchPoint)) && ends.contains(&&End::Range));
     let of = |branch: &Branch, kind: SpecialKind| {
         let all = branch.special.iter().filter(|s| s.kind == kind);
         all.map(value).collect::<Vec<f64>>()

@@ -76,7 +76,7 @@ impl Walker {
         }
         if doubles && let Some(special) = self.special.last_mut() {
             special.seed = None;
-            return Some(End::At(SpecialKind::BranchPoint));
+            return Some(End::Again(SpecialKind::BranchPoint));
         }
         None
     }

@@ -117,7 +117,7 @@ impl Walker {
         if shorter(&other, &next.at).is_ok_and(|part| part.is_some()) {
             let last = there.moved(&mut self.shooting, &met.at);
             self.points.push(last);
-            return Stop::Over(End::At(SpecialKind::Touch));
+            return Stop::Over(End::Again(SpecialKind::Touch));
         }
         self.shooting = other;
         // A family has come to its end, from neither side.

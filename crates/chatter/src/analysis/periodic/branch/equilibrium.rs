@@ -1,10 +1,9 @@
 //! Equilibria of the flight that a step of an orbit is.
 
-use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::expressions::{Expr, Graph, Symbol};
-use crate::flow::Closed;
-use crate::flow::leg::LegKind;
+use crate::flow::leg::{Jump, LegKind};
+use crate::flow::{Closed, Settings};
 use crate::numerics::{Equations, Linearised, Matrix, Newton};
 use core::convert::Infallible;
 
@@ -90,13 +89,46 @@ impl Equilibria {
     }
 }
 
+/// An orbit that goes no farther than this part of the sizes of states has shrunk to a point.
+const SHRUNK: f64 = 1e-4;
+
 impl Shooting<f64> {
+    /// Whether an orbit has shrunk to a point: all its nodes, and where its flights are half over.
+    pub(super) fn has_shrunk(&mut self, at: &[f64]) -> bool {
+        if self.workshop.closure.time.is_some() || self.counts.iter().any(|&count| count != 0) {
+            return false;
+        }
+        let (sizes, origin) = (self.state_sizes(), self.node(at, 0).to_vec());
+        let is_near = |state: &[f64]| {
+            let parts = state.iter().zip(&origin).zip(&sizes).enumerate();
+            let mut parts = parts.filter(|(index, _)| !self.workshop.closure.is_idle(*index));
+            parts.all(|(_, ((x, y), size))| (x - y).abs() <= SHRUNK * size)
+        };
+        let parameters = self.workshop.parameters(self.free(at));
+        (0..self.steps.len()).all(|index| {
+            let step = &self.steps[index];
+            let (Some(kind), Some(place)) = (step.flight(), self.duration_place(index)) else {
+                return false;
+            };
+            let flight = LegKind {
+                ends_at: None,
+                jump: Jump::None,
+                ..kind
+            };
+            let Some(leg) = self.workshop.leg(flight) else {
+                return false;
+            };
+            let all = self.parameters_of(&parameters, step);
+            let (node, half) = (self.node(at, index), 0.5 * at[place]);
+            let landing = leg.fly(&mut leg.flyer(&Settings::default()), &all, node, half);
+            is_near(node) && landing.is_ok_and(|landing| is_near(&landing.image))
+        })
+    }
+
     /// Those of the mode of a step in which nothing is held.
     pub(super) fn equilibria(&self, at: &[f64], index: usize) -> Option<Equilibria> {
         let workshop = &self.workshop;
-        let Passage::Leg(LegKind { mode, .. }) = self.steps[index].passage else {
-            return None;
-        };
+        let LegKind { mode, .. } = self.steps[index].flight()?;
         let (grip, _, on) = workshop.system.origin_of(mode)?;
         if grip.closed != Closed::NONE {
             return None;

@@ -1,5 +1,6 @@
 //! The equations of an orbit with an event more, where a guard touches zero, and with one less.
 
+use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
@@ -50,7 +51,7 @@ impl Shooting<f64> {
                 index
             }
             // Nothing else happens: one leg from the touch to the next one.
-            Passage::Timed(kind) => {
+            Passage::Timed(kind) | Passage::Around(kind) => {
                 let period = steps.iter().map(|step| step.duration).sum();
                 steps = vec![Step {
                     passage: touches(kind.mode),
@@ -131,10 +132,14 @@ impl Shooting<f64> {
                 jump: Jump::None,
                 ..kind
             };
-            if self.counts.iter().all(|count| *count == 0) {
-                return Err(unfollowed("the loss of its only event"));
-            }
-            steps[0].passage = Passage::Timed(timed);
+            // A phase that states hold back takes no time that is known.
+            let parameters = self.workshop.parameters(self.free(at));
+            let turns = self.workshop.closure.turns(&parameters)?;
+            steps[0].passage = match Closure::time_of(&turns, &self.counts) {
+                Some(_) => Passage::Timed(timed),
+                None if is_section => return Err(unfollowed("the loss of its only event")),
+                None => Passage::Around(timed),
+            };
             let (shooting, at) = self.like(steps, at)?;
             return Ok((shooting, at, 0));
         }

@@ -163,7 +163,7 @@ impl Walker {
             && shorter(&self.shooting, &next.at).is_ok_and(|part| part.is_some())
         {
             let kind = self.special.last().map(|special| special.kind);
-            return Stop::End(kind.map_or(End::Range, End::At));
+            return Stop::End(kind.map_or(End::Range, End::Again));
         }
         match self.goes_on(outcome, (curve, forward), here) {
             Stop::End(end @ End::Lost(_)) => Stop::Broken(end, Box::new(station)),
@@ -171,7 +171,7 @@ impl Walker {
         }
     }
 
-    /// On with two events in another order, which is nothing that happens to the orbit.
+    /// On with two events in another order. At the knot of a table that is nothing that happens to the orbit; elsewhere the place is told.
     fn exchange(
         &mut self,
         (curve, step, reached): (&mut Curve, f64, f64),
@@ -184,6 +184,12 @@ impl Walker {
             return Stop::End(end);
         }
         self.settle(&station);
+        let is_told = !self.shooting.is_knot(index);
+        let forward = self.heading(&curve.station);
+        if is_told {
+            self.note_exchange(&station, index, &there);
+            self.settle(&station);
+        }
         let exchanged = self.shooting.exchanged(&station.at, index);
         let next = exchanged
             .map_err(|error| error.to_string())
@@ -200,11 +206,24 @@ impl Walker {
             Ok(next) => {
                 self.settle(&next);
                 self.shooting.adopt(&next.at);
+                if is_told && let Some(special) = self.special.last_mut() {
+                    special.persists = Some(next.parameter_slope() * forward > 0.0);
+                }
                 self.begins_anew((next, step), curve, here);
                 Stop::On
             }
             Err(why) => Stop::Broken(End::Lost(why), Box::new(station)),
         }
+    }
+
+    /// Notes where two events share their instant.
+    fn note_exchange(&mut self, station: &Station, index: usize, there: &Point) {
+        let place = self.shooting.duration_place(index);
+        let (left, by) = place.map_or((0.0, 1.0), |k| (station.at[k], station.tangent[k]));
+        let off = (left / by * station.parameter_slope()).abs();
+        let error = off + SOLVED * station.parameter().abs();
+        self.note(SpecialKind::Touch, there, &station.at, error, left.abs());
+        self.tell_no_multipliers();
     }
 
     /// Notes where a surface is met with the event at the end of a step, as by what has a corner there, or where a step that slides along it

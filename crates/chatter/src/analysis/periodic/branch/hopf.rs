@@ -1,13 +1,15 @@
 //! Where a branch ends since its orbit shrinks to an equilibrium, of which a pair of eigenvalues is imaginary there: a Hopf bifurcation.
 //!
 //! Through that point the equations of the orbit go on along the same orbits, told half a turn later: with the rate at which the section is
-//! crossed of the other sign. So they do where the section is only touched, which is no matter of the orbit.
+//! crossed of the other sign. So they do where the section is only touched, which is no matter of the orbit: that is told from a plane
+//! across the flow from there on.
 
 use super::equilibrium::Equilibrium;
 use super::special::Seed;
 use super::walker::{NOISE, Walker};
 use super::{End, Point, SpecialKind};
-use crate::analysis::continuation::{Problem, Station, locate};
+use crate::analysis::continuation::{Curve, Problem, Station, locate};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
 use crate::numerics::{Complex, eigenvalues};
@@ -20,6 +22,8 @@ const NEARLY: f64 = 0.999;
 /// The first two values of the parameter for the secant, apart by this part of its size; and so many more are never needed.
 const APART: f64 = 1e-4;
 const MOST: usize = 50;
+/// A step on which an orbit turns too far against the plane that it is told from is taken again with this part of its length.
+const SHORTER: f64 = 0.4;
 /// The frequency of a pair is that of the last orbit up to this part.
 const SAME_FREQUENCY: f64 = 0.1;
 
@@ -36,12 +40,12 @@ struct Hopf {
 
 impl Shooting<f64> {
     /// The rates at which the section is crossed at the ends of steps, where the orbit is told from it and nothing else happens there;
-    /// zero for other steps.
+    /// or from a plane across the flow; zero for other steps.
     pub(super) fn section_rates(&self) -> Vec<f64> {
         let rates = self.steps.iter().zip(&self.latest).map(|(step, landing)| {
             let is_plain = match step.ends_at() {
                 Some(GuardKind::Section(section)) => !self.workshop.system.is_event(section),
-                _ => false,
+                _ => matches!(step.passage, Passage::Around(_)),
             };
             if is_plain && !step.is_stretch() {
                 landing.surface_rate
@@ -99,49 +103,82 @@ impl Shooting<f64> {
 }
 
 impl Walker {
-    /// How the branch ends where, on the way to the next station, the section that an orbit is told from comes to be crossed the other way.
+    /// How the branch ends where, on the way to the next station, the section that an orbit is told from comes to be crossed the other way;
+    /// nothing where it goes on, told from elsewhere or by shorter steps.
     pub(super) fn loses_section(
         &mut self,
-        from: &Station,
+        curve: &mut Curve,
         (step, index): (f64, usize),
         ends: (f64, f64),
-        here: &Point,
-    ) -> End {
+        here: &mut Point,
+    ) -> Option<End> {
+        let from = &curve.station.clone();
         let mut reader = self.shooting.clone();
         let found = locate(&mut self.shooting, from, step, ends, &mut |_, station| {
             reader.evaluate(&station.at).ok()?;
             reader.section_rates().get(index).copied()
         });
         let touch = found.unwrap_or_else(|| (from.clone(), 0.0));
+        self.settle(&touch.0);
+        let hopf = self.hopf_beside(from, &touch.0, index);
+        if hopf.is_none() && self.goes_around(curve, step, here) {
+            return None;
+        }
         if let Some(edge) = self.limits.beyond(touch.0.parameter())
             && let Some(end) = self.ends_at_edge((from, &touch.0), (touch.1, edge), here)
         {
-            return end;
+            return Some(end);
         }
         if let Ok((nearly, _)) = from.ahead(&mut self.shooting, NEARLY * touch.1) {
             self.settle(&nearly);
             let near = Point::new(&mut self.shooting, &nearly);
-            if let Some(end) = self.between(from, &nearly, NEARLY * touch.1, (here, &near)) {
-                return end;
+            let ends = (&*here, &near);
+            if let Some(end) = self.between(from, &nearly, NEARLY * touch.1, ends) {
+                return Some(end);
             }
             self.points.push(near);
         }
         self.settle(&touch.0);
-        match self.hopf_at(from, &touch.0, index) {
-            Some(()) => End::Equilibrium,
-            None => {
-                let guard = self.shooting.steps[index].ends_at();
-                let named = guard.map(|guard| self.shooting.workshop.named(guard));
-                End::Lost(format!(
-                    "the orbit comes to where it only touches the section {} that it is told from",
-                    named.unwrap_or_default()
-                ))
-            }
-        }
+        let Some(hopf) = hopf else {
+            let guard = self.shooting.steps[index].ends_at();
+            let named = guard.map(|guard| self.shooting.workshop.named(guard));
+            return Some(End::Lost(format!(
+                "the orbit comes to where it only touches the section {} that it is told from",
+                named.unwrap_or_default()
+            )));
+        };
+        self.note_hopf(&touch.0, hopf);
+        Some(End::Equilibrium)
     }
 
-    /// Notes the Hopf point where an orbit has shrunk to nothing.
-    fn hopf_at(&mut self, from: &Station, touch: &Station, index: usize) -> Option<()> {
+    /// Goes on where the section is only touched, told from a plane across the flow; where one of these is, by a shorter step. Whether that
+    /// can be.
+    fn goes_around(&mut self, curve: &mut Curve, step: f64, here: &mut Point) -> bool {
+        let station = &curve.station;
+        self.settle(station);
+        let Some((mut other, guess)) = self.shooting.told_around(&station.at) else {
+            let goes_around = |step: &Step| matches!(step.passage, Passage::Around(_));
+            curve.step = SHORTER * step;
+            return self.shooting.steps.iter().any(goes_around)
+                && curve.step > self.limits.settings().shortest_step;
+        };
+        let last = guess.len() - 1;
+        let Ok(found) = Station::near(&mut other, &guess, last) else {
+            return false;
+        };
+        let found = match (found.parameter_slope() > 0.0) == (station.parameter_slope() > 0.0) {
+            true => found,
+            false => found.reversed(),
+        };
+        self.shooting = other;
+        self.settle(&found);
+        *here = Point::new(&mut self.shooting, &found);
+        curve.moves(found);
+        true
+    }
+
+    /// The Hopf point where an orbit has shrunk to nothing.
+    fn hopf_beside(&mut self, from: &Station, touch: &Station, index: usize) -> Option<Hopf> {
         let sizes = self.shooting.state_sizes();
         let next = (index + 1) % self.shooting.steps.len();
         let speed = |station: &Station| {
@@ -152,10 +189,16 @@ impl Walker {
             return None;
         }
         let frequency = TAU / self.shooting.period();
-        let hopf = self.shooting.hopf(&touch.at, (next, frequency))?;
+        self.shooting.hopf(&touch.at, (next, frequency))
+    }
+
+    /// Notes a Hopf point.
+    fn note_hopf(&mut self, touch: &Station, hopf: Hopf) {
         let workshop = self.shooting.workshop.clone();
         let mut free = self.shooting.free(&touch.at).to_vec();
-        *free.last_mut()? = hopf.parameter;
+        if let Some(parameter) = free.last_mut() {
+            *parameter = hopf.parameter;
+        }
         let parameters = workshop.parameters(&free);
         let period = TAU / hopf.frequency;
         // Beside the trivial one the pair leaves another 1: to first order orbits of any size are orbits.
@@ -191,6 +234,5 @@ impl Walker {
         self.points.push(point.clone());
         let told = (hopf.error, hopf.residual);
         self.note_with(SpecialKind::Hopf, point, seed, told);
-        Some(())
     }
 }

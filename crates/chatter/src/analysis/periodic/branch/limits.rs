@@ -1,6 +1,6 @@
 //! Within what branches are followed, and how they end.
 
-use super::{Saddle, SpecialKind};
+use super::{Saddle, SpecialKind, Unbounded};
 use crate::analysis::continuation::{Problem, Settings, Station, locate};
 use serde::{Deserialize, Serialize};
 
@@ -23,10 +23,14 @@ pub enum End {
     Lost(String),
     /// The orbit comes to a saddle, and its period grows without bound.
     Saddle(Saddle),
+    /// The period grows without bound at a value of the parameter.
+    Unbounded(Unbounded),
     /// The orbit shrinks to an equilibrium.
     Equilibrium,
     /// No such points lie beyond a point of this kind.
     At(SpecialKind),
+    /// From a point of this kind on the orbit goes more than once around another one, whose branch it has met.
+    Again(SpecialKind),
     /// It came back to where it began.
     Closed,
     /// It came back to where it began along itself, by way of its mirror image, say: its other side is another.
@@ -47,8 +51,14 @@ impl core::fmt::Display for End {
             Self::Interrupted => write!(out, "broken off"),
             Self::Lost(why) => out.write_str(why),
             Self::Saddle(saddle) => saddle.fmt(out),
+            Self::Unbounded(unbounded) => unbounded.fmt(out),
             Self::Equilibrium => write!(out, "the orbit shrinks to an equilibrium"),
             Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
+            Self::Again(kind) => write!(
+                out,
+                "{}, beyond which it goes more than once around the orbit of another branch",
+                kind.name().replace('_', " ")
+            ),
             Self::Closed => write!(out, "where it began"),
             Self::Back => write!(out, "where it began, back along itself"),
         }

@@ -16,7 +16,8 @@
 //! corner       where an event comes to a corner that only it asks for
 //! onward       past what equations can say, and where they may not go on
 //! equilibrium  equilibria of the flight that a step is
-//! saddle       where the period grows without bound
+//! saddle       where the orbit comes to a saddle
+//! unbounded    by which law the period grows without bound
 //! hopf         where the orbit shrinks to an equilibrium
 //! between      special points between two stations
 //! branch_point those where branches meet
@@ -40,6 +41,7 @@ mod saddle;
 mod special;
 mod touch;
 mod turn;
+mod unbounded;
 mod walker;
 
 pub use kept::Record;
@@ -48,6 +50,7 @@ pub use point::Point;
 pub use saddle::Saddle;
 pub(super) use special::Near;
 pub use special::{Special, SpecialKind};
+pub use unbounded::{Law, Unbounded};
 
 pub(super) use graze::moved;
 pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};

@@ -1,7 +1,7 @@
 //! Where a branch ends since its orbit comes to an equilibrium: the time beside that grows without bound, as the logarithm of how far away
 //! the orbit passes it.
 
-use crate::analysis::periodic::cycle::itinerary::Passage;
+use super::unbounded::Unbounded;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::Settings;
 use crate::flow::leg::{Jump, LegKind};
@@ -27,6 +27,9 @@ pub struct Saddle {
     /// The period of the last orbit.
     #[serde(with = "number")]
     pub period: f64,
+    /// How the period grows, where enough orbits are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unbounded: Option<Box<Unbounded>>,
 }
 
 impl fmt::Display for Saddle {
@@ -40,7 +43,13 @@ impl fmt::Display for Saddle {
             let comma = if index == 0 { "" } else { ", " };
             write!(out, "{comma}{name} = {value:.6}")?;
         }
-        write!(out, ", which it leaves at the rate {:.6}", self.rate)
+        write!(out, ", which it leaves at the rate {:.6}", self.rate)?;
+        match self.unbounded.as_deref() {
+            Some(Unbounded {
+                name, value, error, ..
+            }) => write!(out, "; {name} comes to {value} (error {error:.0e})"),
+            None => Ok(()),
+        }
     }
 }
 
@@ -59,9 +68,7 @@ impl Shooting<f64> {
 
     fn saddle_beside(&mut self, at: &[f64], index: usize) -> Option<Saddle> {
         let workshop = self.workshop.clone();
-        let Passage::Leg(LegKind { mode, .. }) = self.steps[index].passage else {
-            return None;
-        };
+        let LegKind { mode, .. } = self.steps[index].flight()?;
         let equilibria = self.equilibria(at, index)?;
         let (sizes, period) = (self.state_sizes(), self.period());
         let duration = at[self.duration_place(index)?];
@@ -94,8 +101,10 @@ impl Shooting<f64> {
             .iter()
             .fold(f64::NEG_INFINITY, |most, rate| most.max(rate.re));
         let is_saddle = rate > 0.0 && rates.iter().any(|rate| rate.re < 0.0);
+        // Beside a saddle time goes as the logarithm of the distance; an orbit that shrinks to it does so in a time of its own.
+        let stays = rate * period >= -libm::log(distance);
         let states = &equilibria.states;
-        (is_saddle && distance <= NEAR).then(|| Saddle {
+        (is_saddle && stays && distance <= NEAR).then(|| Saddle {
             names: states
                 .iter()
                 .map(|&state| workshop.model.states[state].name.clone())
@@ -114,6 +123,7 @@ impl Shooting<f64> {
             rate,
             distance,
             period,
+            unbounded: None,
         })
     }
 }

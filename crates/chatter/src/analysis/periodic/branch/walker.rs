@@ -6,12 +6,13 @@ use super::limits::{End, Limits, station_at};
 use super::returns::passages;
 use super::special::{Near, Seed, Special};
 use super::touch::VANISHED;
-use super::{Point, SpecialKind};
+use super::unbounded::unbounded;
+use super::{Point, Saddle, SpecialKind, Unbounded};
 use crate::analysis::border::{Border, BorderSpec, borders_in};
 use crate::analysis::continuation::{Curve, Problem, Station, StepError};
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::margins::leaves_at_border;
+use crate::analysis::periodic::margins::{border_coordinate, leaves_at_border};
 use crate::analysis::periodic::shooting::Shooting;
 
 /// One side of a branch.
@@ -42,6 +43,9 @@ pub(in crate::analysis::periodic) const NOISE: f64 = 16.0;
 /// A branch comes this near to a border, in parts of the parameter; the border itself is looked for as far away as this.
 const BESIDE_BORDER: f64 = 1e-10;
 const LOOKED_AT: f64 = 1e-7;
+/// Its coordinate is looked at here and so far back, in parts of the longest step, and the distance that this tells is known to a factor.
+const BORDER_STEP: f64 = 1e-3;
+const BORDER_ROOM: f64 = 2.0;
 /// There is one border in so short a range.
 const BORDER_SAMPLES: usize = 6;
 /// Close to a graze is this part of the next step.
@@ -50,6 +54,8 @@ const CLOSE: f64 = 1e-4;
 const OF_NOTE: f64 = 2e-3;
 /// Parameters differ by so much of their size where they tell which way a branch goes.
 const HEADED: f64 = 1e-10;
+/// After so many points each the period is looked at.
+const LOOKED_BACK: usize = 8;
 /// Points nearer than this to the latest, in parts of a step, are not kept: at a border they accumulate.
 const CROWDED: f64 = 1e-6;
 
@@ -154,16 +160,18 @@ impl Walker {
                         continue;
                     }
                     self.settle(&curve.station);
-                    let saddle = self.shooting.saddle(&curve.station.at);
-                    break saddle.map_or_else(|| End::Lost(error.to_string()), End::Saddle);
+                    let longer = self.comes_to_rest(&curve.station);
+                    break longer.unwrap_or_else(|| End::Lost(error.to_string()));
                 }
             };
             let crosses = self.shooting.section_rates();
             let both = crossed.into_iter().zip(crosses);
             if let Some((index, rates)) = { both }.enumerate().find(|(_, (was, is))| was * is < 0.0)
             {
-                let from = curve.station.clone();
-                break self.loses_section(&from, (step, index), rates, &here);
+                match self.loses_section(&mut curve, (step, index), rates, &mut here) {
+                    Some(end) => break end,
+                    None => continue,
+                }
             }
             // Beyond where a way back takes no time the equations have solutions that are no motion.
             if self.shooting.comes_back_at_once(&next.at) {
@@ -279,6 +287,12 @@ impl Walker {
             if walked.since_kept > CROWDED * self.limits.longest_step {
                 self.points.push(here.clone());
                 walked.since_kept = 0.0;
+                if self.points.len().is_multiple_of(LOOKED_BACK)
+                    && let Some(unbounded) = self.unbounded()
+                {
+                    let end = self.comes_to_rest(&curve.station);
+                    break end.unwrap_or(End::Unbounded(unbounded));
+                }
             }
             let broken_off = diary.tell(Told::Orbit(&here)).is_break();
             if broken_off || ledger.is_due(made) {
@@ -297,8 +311,47 @@ impl Walker {
                 }
             }
         };
+        // Whatever else is said where nothing is left of the orbit.
+        let end = match end {
+            End::Lost(_) if self.has_shrunk(&curve.station) => End::Equilibrium,
+            end => end,
+        };
         let end = ledger.close((&self.points, &self.special), end, diary);
         Ok(self.side(end))
+    }
+
+    /// The law by which the period has grown, if it does without bound.
+    fn unbounded(&self) -> Option<Unbounded> {
+        let workshop = &self.shooting.workshop;
+        let name = &workshop.model.parameters[*workshop.free.last()?].name;
+        let scale = self.shooting.scales().last().copied()?;
+        unbounded(&self.points, name, scale)
+    }
+
+    /// Whether nothing is left of the orbit at a station.
+    fn has_shrunk(&mut self, station: &Station) -> bool {
+        if self.shooting.scales().len() != station.at.len() {
+            return false;
+        }
+        self.settle(station);
+        self.shooting.has_shrunk(&station.at)
+    }
+
+    /// How the branch ends where its orbit has shrunk to a point, or its period grows without bound, to a saddle if the last orbit passes
+    /// one.
+    fn comes_to_rest(&mut self, station: &Station) -> Option<End> {
+        if self.has_shrunk(station) {
+            return Some(End::Equilibrium);
+        }
+        self.settle(station);
+        let unbounded = self.unbounded();
+        match self.shooting.saddle(&station.at) {
+            Some(saddle) => Some(End::Saddle(Saddle {
+                unbounded: unbounded.map(Box::new),
+                ..saddle
+            })),
+            None => unbounded.map(End::Unbounded),
+        }
     }
 
     /// The crossing whose way back takes no time any more, but for rounding. Stays that begin are longer.
@@ -432,6 +485,12 @@ impl Walker {
         let off = |border: &Border<f64>| (border.value.value - value).abs();
         let borders = found.map_or_else(|_| Vec::new(), |found| found.borders);
         let nearest = borders.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        if nearest.is_none()
+            && let Some(distance) = self.distance_to_border(station)
+            && let Some(special) = self.special.last_mut()
+        {
+            special.error = special.error.max(BORDER_ROOM * distance);
+        }
         if let (Some(border), Some(special)) = (nearest, self.special.last_mut()) {
             special.error = border.value.error;
             special.point.period = border.period.value;
@@ -440,6 +499,21 @@ impl Walker {
                 *parameter = border.value.value;
             }
         }
+    }
+
+    /// How far the parameter is from a border, by its coordinate, which vanishes linearly, there and a little before.
+    fn distance_to_border(&mut self, station: &Station) -> Option<f64> {
+        self.settle(station);
+        let here = border_coordinate(&self.shooting, &station.at)?;
+        let back = station.clone().reversed();
+        let way = BORDER_STEP * self.limits.longest_step;
+        let (before, _) = back.ahead(&mut self.shooting, way).ok()?;
+        self.settle(&before);
+        let there = border_coordinate(&self.shooting, &before.at)?;
+        self.settle(station);
+        let slope = (there - here) / (before.parameter() - station.parameter());
+        let distance = (here / slope).abs();
+        distance.is_finite().then_some(distance)
     }
 
     /// Notes a special point: an orbit near it, with the state and parameter of the solution of its equations, which the trace that finds

@@ -34,6 +34,9 @@ pub(crate) enum Passage {
     Leg(LegKind),
     /// The same for a time that is given: whole periods of the forcing.
     Timed(LegKind),
+    /// As a leg, once around to the plane through where it is guessed to start, across the flow there: of an orbit on which nothing
+    /// happens, not even a crossing of the section.
+    Around(LegKind),
     /// In no time, at the instant of the event before: an impact of a contact that touches already, an event whose surface that one's jump has
     /// crossed.
     AtOnce(LegKind),
@@ -66,7 +69,15 @@ impl Step {
             Passage::Leg(kind) | Passage::AtOnce(kind) | Passage::Together(kind) => {
                 kind.jump.impact()
             }
-            Passage::Timed(_) | Passage::Stretch(_) => None,
+            Passage::Timed(_) | Passage::Around(_) | Passage::Stretch(_) => None,
+        }
+    }
+
+    /// The flight that it is, where its time is its own and nothing at its instant came before.
+    pub(crate) fn flight(&self) -> Option<LegKind> {
+        match self.passage {
+            Passage::Leg(kind) | Passage::Around(kind) => Some(kind),
+            _ => None,
         }
     }
 
@@ -81,7 +92,10 @@ impl Step {
 
     /// Whether its time is an unknown.
     pub(crate) fn has_own_time(&self) -> bool {
-        matches!(self.passage, Passage::Leg(_) | Passage::Together(_))
+        matches!(
+            self.passage,
+            Passage::Leg(_) | Passage::Around(_) | Passage::Together(_)
+        )
     }
 
     /// The guard that ends it; none where a time does.
@@ -89,7 +103,7 @@ impl Step {
         match self.passage {
             Passage::Leg(kind) | Passage::AtOnce(kind) | Passage::Together(kind) => kind.ends_at,
             Passage::Stretch(kind) => kind.last.ends_at,
-            Passage::Timed(_) => None,
+            Passage::Timed(_) | Passage::Around(_) => None,
         }
     }
 
@@ -98,6 +112,7 @@ impl Step {
         match self.passage {
             Passage::Leg(kind)
             | Passage::Timed(kind)
+            | Passage::Around(kind)
             | Passage::AtOnce(kind)
             | Passage::Together(kind) => kind.mode,
             Passage::Stretch(kind) => kind.last.mode,

@@ -60,7 +60,7 @@ impl Shooting<f64> {
                 continue;
             };
             let duration = match self.steps[index].passage {
-                Passage::Leg(_) => at[place + n],
+                Passage::Leg(_) | Passage::Around(_) => at[place + n],
                 _ => self
                     .latest
                     .get(index)

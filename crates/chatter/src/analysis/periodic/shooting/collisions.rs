@@ -5,15 +5,10 @@ use super::Shooting;
 use super::monodromy::transfer;
 use crate::analysis::continuation::{Left, Problem};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
-use crate::flow::Closed;
 use crate::flow::leg::{LegKind, StretchKind};
+use crate::flow::{Closed, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
 use crate::numerics::Matrix;
 use core::ops::Range;
-
-/// A collision that changes another contact's rate by less than this part of its own leaves it as it is.
-const UNFELT: f64 = 1e-12;
-/// Two that close at rates nearer to each other than this, in parts of them, close at one.
-const SAME_RATE: f64 = 1e-9;
 
 /// Contacts that the collisions up to the end of a step have struck at one instant, and that are open after it.
 pub(crate) fn struck(steps: &[Step], last: usize) -> Closed {
@@ -81,9 +76,6 @@ impl Shooting<f64> {
     }
 }
 
-/// Derivatives of collisions in two orders that differ by less than this part of their largest entry are one.
-const SAME_DERIVATIVE: f64 = 1e-8;
-
 impl Shooting<f64> {
     /// A contact whose flight ends at the instant of another's, where the derivative depends on which of them is met first: at a point.
     pub(crate) fn depends_on_order(&mut self, at: &[f64]) -> Result<Option<usize>, Left> {
@@ -130,7 +122,10 @@ impl Shooting<f64> {
         let largest = (0..own.rows())
             .flat_map(|row| own.row(row))
             .fold(0.0_f64, |most, x| most.max(x.abs()));
-        for order in orders(groups.len()) {
+        for order in orders(groups.len())
+            .into_iter()
+            .filter(|order| !order.is_sorted())
+        {
             let sorted = order.iter().map(|&group| &groups[group]);
             let chosen = sorted.enumerate().flat_map(|(place, group)| {
                 let way = &steps[chain.start];
@@ -204,31 +199,12 @@ impl Shooting<f64> {
     }
 }
 
-/// Orders of so many, but for their own.
-fn orders(count: usize) -> Vec<Vec<usize>> {
-    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
-    for next in 0..count {
-        let insert = |order: &Vec<usize>| -> Vec<Vec<usize>> {
-            let at = |place: usize| {
-                let mut longer = order.clone();
-                longer.insert(place, next);
-                longer
-            };
-            (0..=order.len()).map(at).collect()
-        };
-        all = all.iter().flat_map(insert).collect();
-    }
-    let own: Vec<usize> = (0..count).collect();
-    all.retain(|order| *order != own);
-    all
-}
-
 /// The event of a step that is an impact.
 fn event(passage: Passage) -> Option<LegKind> {
     match passage {
         Passage::Leg(kind) | Passage::AtOnce(kind) | Passage::Together(kind) => Some(kind),
         Passage::Stretch(kind) => Some(kind.last),
-        Passage::Timed(_) => None,
+        Passage::Timed(_) | Passage::Around(_) => None,
     }
 }
 

@@ -1,5 +1,6 @@
-//! Events that change places with the knot of a table: functions go on smoothly at a knot, and nothing happens to an orbit whose impact
-//! comes before it and not after it any more. Beside that place the time between both is an unknown like others, of either sign.
+//! Events that change places. Where one is the knot of a table functions go on smoothly, and nothing happens to an orbit whose impact
+//! comes before it and not after it any more. An impact and the tick of a clock, say, of which neither changes what the other does, lead to one
+//! state in either order: the orbit goes on with a bend. Beside that place the time between both is an unknown like others, of either sign.
 
 use super::Shooting;
 use crate::analysis::continuation::{
@@ -13,8 +14,8 @@ use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, LegKind};
 use crate::numerics::{Real, dot};
 
-/// An event of an orbit after the exchange is where it was before, to this part of the states' sizes: where it is not, the knot was one at
-/// which something jumps.
+/// An event of an orbit after the exchange is where it was before, to this part of the states' sizes: where it is not, one of the events
+/// changes what the other does.
 const SMOOTH: f64 = 1e-6;
 
 /// The legs of two events that may change places, the first of them first, and those of the same as they are afterwards.
@@ -38,7 +39,23 @@ fn knot<R: Real>(shooting: &Shooting<R>, kind: LegKind) -> Option<(usize, i64)> 
     (is_table && kind.jump == Jump::None).then_some((lookup, by))
 }
 
+/// Whether the leg ends with a jump that may leave another one as it is.
+fn jumps(kind: LegKind) -> bool {
+    let ends = matches!(
+        kind.ends_at,
+        Some(GuardKind::Gap(_) | GuardKind::Section(_))
+    );
+    ends && matches!(kind.jump, Jump::Impact(_) | Jump::Reset(_))
+}
+
 impl<R: Real> Shooting<R> {
+    /// Whether the event at the end of a step, or the one before, is the knot of a table: so nothing happens where they change places.
+    pub(crate) fn is_knot(&self, index: usize) -> bool {
+        let before = (index + self.steps.len() - 1) % self.steps.len();
+        let mut both = [before, index].into_iter().map(|k| &self.steps[k]);
+        both.any(|step| step.flight().is_some_and(|kind| knot(self, kind).is_some()))
+    }
+
     /// Whether the event at the end of a step may change places with the one before.
     pub(super) fn may_exchange(&self, index: usize) -> bool {
         self.exchange(index).is_some()
@@ -104,6 +121,36 @@ impl<R: Real> Shooting<R> {
                         pieces: first.pieces.clone(),
                         closed: second.closed,
                         told: Vec::new(),
+                        ..second.clone()
+                    },
+                })
+            }
+            (None, None) if jumps(one) && jumps(other) && one.ends_at != other.ends_at => {
+                let passes = wraps || first.pieces == second.pieces;
+                let closed = self.closed_before(before);
+                let opens_none = first.closed == closed && second.closed == closed;
+                // The mode between both, if one of them leaves it as it is.
+                let between = match [first.mode(), second.mode(), next.mode()] {
+                    [before, after, next] if before == after => Some(next),
+                    [before, after, next] if after == next => Some(before),
+                    _ => None,
+                };
+                let between = between.filter(|_| passes && opens_none)?;
+                Some(Exchange {
+                    first: Step {
+                        passage: Passage::Leg(LegKind {
+                            mode: one.mode,
+                            ..other
+                        }),
+                        told: second.told.clone(),
+                        ..first.clone()
+                    },
+                    second: Step {
+                        passage: Passage::Leg(LegKind {
+                            mode: between,
+                            ..one
+                        }),
+                        told: first.told.clone(),
                         ..second.clone()
                     },
                 })
@@ -269,7 +316,7 @@ pub(crate) fn station_after(
         .any(|((x, guess), scale)| (x - guess).abs() > SMOOTH * scale);
     if far {
         return Err(NewtonError::Left(Left::because(
-            "an event passes the knot of a table at which something jumps",
+            "two events change places, and the order in which they come matters",
         )));
     }
     let mut along = tangent(problem, &found.at, &row)?;

@@ -16,9 +16,11 @@
 //! corner      corners that an event asks for: how far it is from them
 //! collisions  whether those of one instant could come in another order
 //! exchange    events that change places with the knot of a table
+//! around      orbits on which nothing happens, told from a plane across the flow
 //! ```
 
 mod along;
+mod around;
 mod collisions;
 mod corner;
 mod equations;
@@ -100,6 +102,8 @@ pub(crate) struct Shooting<R: Real> {
     pub told: Option<Vec<f64>>,
     /// The corner whose function is watched.
     corner: Option<corner::Watched<R>>,
+    /// The normal of the plane that each step leads around to, empty for others; none before these are needed.
+    pub(super) planes: Vec<Vec<R>>,
 }
 
 /// Sizes of states that fall below this part of what they were.
@@ -139,6 +143,7 @@ impl<R: Real> Shooting<R> {
             match step.passage {
                 Passage::Leg(kind)
                 | Passage::Timed(kind)
+                | Passage::Around(kind)
                 | Passage::AtOnce(kind)
                 | Passage::Together(kind) => {
                     let leg = workshop.leg(kind).ok_or_else(unfollowed)?;
@@ -173,6 +178,7 @@ impl<R: Real> Shooting<R> {
             exchanges: Vec::new(),
             told: None,
             corner: None,
+            planes: Vec::new(),
         };
         let exchanges = (0..shooting.steps.len()).map(|index| shooting.may_exchange(index));
         shooting.exchanges = exchanges.collect();
@@ -298,6 +304,9 @@ impl<R: Real> Shooting<R> {
     /// Takes a solution as what later guesses and sizes start from.
     pub(crate) fn adopt(&mut self, at: &[R]) {
         self.steps = self.current_steps(at);
+        if !self.planes.is_empty() {
+            self.set_planes(at);
+        }
     }
 
     /// The steps with their nodes and times as they are at a point.
@@ -370,6 +379,10 @@ impl<R: Real> Shooting<R> {
         let n = self.workshop.model.states.len();
         let mut landings = Vec::with_capacity(self.steps.len());
         let timed = self.timed(turns);
+        let goes_around = |step: &Step| matches!(step.passage, Passage::Around(_));
+        if self.planes.is_empty() && self.steps.iter().any(goes_around) {
+            self.set_planes(at);
+        }
         for index in 0..self.steps.len() {
             let all = self.parameters_of(parameters, &self.steps[index]);
             let place = self.places[index];
@@ -394,7 +407,7 @@ impl<R: Real> Shooting<R> {
                 }
                 Flown::Leg(leg, flyer) => {
                     let duration = match step.passage {
-                        Passage::Leg(_) => at[place + n],
+                        Passage::Leg(_) | Passage::Around(_) => at[place + n],
                         _ => timed.as_ref().map_or(R::ZERO, |lap| lap.time),
                     };
                     let flyer = &mut self.flyers[*flyer].1;
@@ -411,7 +424,14 @@ impl<R: Real> Shooting<R> {
                             index + 1
                         )));
                     }
-                    leg.fly(flyer, &all, x, duration).map_err(Left::because)?
+                    let landing = leg.fly(flyer, &all, x, duration).map_err(Left::because)?;
+                    match (step.passage, self.planes.get(index)) {
+                        (Passage::Around(_), Some(normal)) => {
+                            let turned = turns.iter().cloned().zip(self.counts.iter().copied());
+                            around::onto(landing, (normal, step), turned)
+                        }
+                        _ => landing,
+                    }
                 }
                 Flown::Stretch(stretch, follower) => {
                     let longest = R::splat(LONGEST * step.duration);

@@ -25,7 +25,7 @@ pub struct Record {
 
 impl Record {
     /// In which form records are kept.
-    pub const FORMAT: u32 = 5;
+    pub const FORMAT: u32 = 6;
 
     /// How many orbits it adds.
     pub fn orbits(&self) -> usize {
@@ -52,6 +52,9 @@ struct Equations {
     #[serde(with = "list")]
     pins: Vec<f64>,
     told: Option<Vec<f64>>,
+    /// Normals of the planes that steps lead around to.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    planes: Vec<Vec<f64>>,
     #[serde(with = "list")]
     at: Vec<f64>,
 }
@@ -114,6 +117,7 @@ impl Equations {
             scales: shooting.scales.clone(),
             pins: shooting.pins.clone(),
             told: shooting.told.clone(),
+            planes: shooting.planes.clone(),
             at: at.to_vec(),
         }
     }
@@ -126,6 +130,7 @@ impl Equations {
         shooting.scales = self.scales;
         shooting.pins = self.pins;
         shooting.told = self.told;
+        shooting.planes = self.planes;
         Ok(Seed {
             shooting,
             at: self.at,
@@ -144,6 +149,7 @@ fn mode(passage: &mut Passage) -> &mut usize {
     match passage {
         Passage::Leg(kind)
         | Passage::Timed(kind)
+        | Passage::Around(kind)
         | Passage::AtOnce(kind)
         | Passage::Together(kind) => &mut kind.mode,
         Passage::Stretch(kind) => &mut kind.last.mode,
