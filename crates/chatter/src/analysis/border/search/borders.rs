@@ -307,7 +307,7 @@ pub fn search_near<R: Real>(
         _ => (value * 2.0, value * 0.5),
     };
     let stretch = |place: u32| {
-        let edge = if place % 2 == 0 { high } else { low };
+        let edge = if place.is_multiple_of(2) { high } else { low };
         let end = 1.0 / f64::from(1 << (GRADES - place / 2));
         let begin = if place < 2 { 0.0 } else { 0.5 * end };
         // A value more on either side.
