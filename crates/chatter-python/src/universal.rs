@@ -97,7 +97,8 @@ impl Upsilon {
         last: i64,
     ) -> PyResult<Bound<'py, PyDict>> {
         let laps = chatter_work::options::Counts { first, last };
-        let found = chatter_work::universal::Window::list(&self.0, slope, laps).map_err(refused)?;
+        let found =
+            chatter_work::universal::Window::list(&self.0, (slope, None), laps).map_err(refused)?;
         let dict = PyDict::new(py);
         let column = |of: fn(&chatter_work::universal::Window<f64>) -> Option<f64>| {
             let values = found.iter().map(|window| of(window).unwrap_or(f64::NAN));

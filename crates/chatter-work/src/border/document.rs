@@ -127,11 +127,15 @@ fn one<R: Real + Argument<Real = R>>(
 
 fn exact<R: Real>(subject: &Subject, border: &Border<R>) -> Object {
     let exact = &border.exact;
-    let flight: Vec<Vec<R>> = exact.flight.iter().map(|row| values(row)).collect();
+    let flight: Vec<Vec<R>> = exact
+        .flight
+        .iter()
+        .map(|row| Estimate::values(row))
+        .collect();
     let flight_errors = exact.flight.iter().map(|row| Json::List(errors(row)));
     let with = |object: Object, name: &str, estimates: &[Estimate<R>]| {
         object
-            .numbers(name, &values(estimates))
+            .numbers(name, &Estimate::values(estimates))
             .with(&format!("{name}_error"), errors(estimates))
     };
     let object = Object::new(subject.digits)
@@ -175,10 +179,6 @@ fn memory<R: Real>(subject: &Subject, form: &Memory<R>) -> Object {
         .numbers("covector", &form.covector)
         .number("slope", form.slope)
         .number("doubling_slope", form.doubling_slope)
-}
-
-fn values<R: Real>(estimates: &[Estimate<R>]) -> Vec<R> {
-    estimates.iter().map(|estimate| estimate.value).collect()
 }
 
 fn errors<R: Real>(estimates: &[Estimate<R>]) -> Vec<Json> {

@@ -130,17 +130,8 @@ pub fn prediction<R: Real + Argument<Real = R>>(
     let exact = &border.exact;
     let universal = Universal::new(border.constants.restitution).ok()?;
     let slope = exact.slope.value;
-    let mut windows = Window::list(&universal, slope, subject.windows(border)).ok()?;
-    if let Some(memory) = &exact.memory {
-        // The same x as at the slope that periods double at.
-        for window in &mut windows {
-            let at = universal
-                .windows(memory.doubling_slope, window.n..=window.n)
-                .ok()?;
-            let doubling = at.first().and_then(|window| window.period_doubling);
-            window.period_doubling = doubling.map(|point| point.x - slope * point.z);
-        }
-    }
+    let doubling = exact.memory.as_ref().map(|memory| memory.doubling_slope);
+    let windows = Window::list(&universal, (slope, doubling), subject.windows(border)).ok()?;
     let by_parameter = |mu: R| border.value.value + mu / exact.unfolding_rate.value;
     let windows = windows.into_iter();
     Some(windows.map(|window| window.map(by_parameter)).collect())

@@ -38,7 +38,7 @@ impl Atlas {
         };
         let slope: DoubleDouble = request.slope.get();
         let universal = Universal::new(request.restitution.get()).map_err(refused)?;
-        let windows = Window::list(&universal, slope, laps).map_err(refused)?;
+        let windows = Window::list(&universal, (slope, None), laps).map_err(refused)?;
         let periods = match (&request.periods, request.basins) {
             (Some(periods), _) => periods.0.clone().collect(),
             (None, true) => vec![1],

@@ -24,16 +24,16 @@ pub struct Window<R> {
 const NAMES: [&str; 5] = ["n", "fold", "period_doubling", "superstable", "grazing"];
 
 impl<R: Real> Window<R> {
-    /// The windows of these laps in mu, for a map with slope K.
+    /// The windows of these laps in mu, for a map with slope K, and the slope that periods double at where that is another one.
     pub fn list(
         universal: &Universal<R>,
-        slope: R,
+        (slope, doubling): (R, Option<R>),
         laps: Counts,
     ) -> Result<Vec<Self>, UniversalError>
     where
         R: Argument<Real = R>,
     {
-        let windows = universal.windows(slope, laps.first..=laps.last)?;
+        let windows = universal.windows_remembered(slope, doubling, laps.first..=laps.last)?;
         let list = windows.into_iter().map(|window| Self {
             n: window.lap,
             fold: window.fold.map(|point| point.mu),

@@ -5,7 +5,7 @@
 //! What complete chatter, contact or sticking forgets has no exponent: it is minus infinity.
 
 use crate::analysis::periodic::PeriodicError;
-use crate::flow::{Column, NoDerivative, Occurrence, Settings, System, Trajectory, Workspace};
+use crate::flow::{Column, NoDerivative, Occurrence, System, Trajectory, Workspace};
 use crate::model::Model;
 use crate::numerics::{Matrix, balance, unit};
 use core::ops::ControlFlow;
@@ -73,14 +73,13 @@ pub fn exponents(
     let moving: Vec<usize> = (0..n).filter(|&i| Some(i) != model.time).collect();
     let columns = vec![Column::State; moving.len()];
     let system = System::with_columns(model, &columns).map_err(PeriodicError::System)?;
-    let mut work = system.workspace::<f64>(&Settings::default());
     let parameters = model.parameter_values::<f64>(&[]);
     let initial = model.initial_state(&parameters);
     let mut frame: Vec<Vec<f64>> = moving.iter().map(|&i| unit(n, i)).collect();
-    let begin = model.time.map_or(0.0, |index| initial[index]);
     let start = [initial, frame.concat()].concat();
-    let mut trajectory = Trajectory::start(&system, &mut work, &parameters, begin, &start)
-        .map_err(PeriodicError::Start)?;
+    let (mut work, mut trajectory) =
+        (system.trajectory_from(&parameters, &start)).map_err(PeriodicError::Start)?;
+    let begin = trajectory.time();
     let mut units = vec![1.0; n];
     let mut growth: Vec<Vec<f64>> = Vec::new();
     let total = spec.transient + spec.intervals;

@@ -78,6 +78,20 @@ impl<R: Real> Bracket<R> {
     }
 }
 
+/// The last whole number for which something holds that does so from `first` on and no more from some number on, `end` at the latest.
+pub(crate) fn last_where(first: i64, end: i64, holds: impl Fn(i64) -> bool) -> i64 {
+    let (mut first, mut end) = (first, end);
+    while end - first > 1 {
+        let middle = first + (end - first) / 2;
+        if holds(middle) {
+            first = middle;
+        } else {
+            end = middle;
+        }
+    }
+    first
+}
+
 /// The root between two places, to rounding error.
 ///
 /// `None` where the function does not change sign, or is not a number.
@@ -108,6 +122,13 @@ pub fn root_between<R: Real>(function: impl Fn(R) -> R, a: R, b: R) -> Option<R>
 mod tests {
     use super::*;
     use crate::numerics::{DoubleDouble, Scalar};
+
+    #[test]
+    fn the_last_number_is_found_wherever_it_lies() {
+        for last in [-3, -1, 0, 7, 12] {
+            assert_eq!(last_where(-3, 13, |number| number <= last), last);
+        }
+    }
 
     #[test]
     fn roots_are_found_to_rounding_error() {

@@ -13,6 +13,11 @@ pub struct Estimate<R> {
 }
 
 impl<R: Real> Estimate<R> {
+    /// The numbers alone.
+    pub fn values(estimates: &[Self]) -> Vec<R> {
+        estimates.iter().map(|estimate| estimate.value).collect()
+    }
+
     /// The estimate times an exact factor.
     pub(crate) fn scaled(self, factor: R) -> Self {
         Self {

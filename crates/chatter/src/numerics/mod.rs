@@ -17,6 +17,7 @@ mod scalar;
 pub(crate) mod stored;
 mod with_terms;
 
+pub(crate) use bracket::last_where;
 pub use bracket::{Bracket, root_between};
 pub(crate) use double_double::two_sum;
 pub use double_double::{DoubleDouble, NotANumber};

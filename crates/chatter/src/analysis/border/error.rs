@@ -58,8 +58,8 @@ pub enum BorderError {
     System(SystemError),
     /// A trajectory cannot go on.
     Flow {
-        /// The parameter value, where it is known.
-        at: Option<f64>,
+        /// The parameter value.
+        at: f64,
         /// Why.
         error: FlowError,
     },
@@ -112,26 +112,6 @@ impl BorderError {
             kind,
             name: name.to_owned(),
             nearest: nearest(name, known),
-        }
-    }
-
-    /// The parameter value at which something is wrong.
-    fn at(&self) -> Option<f64> {
-        match *self {
-            Self::Lacks { at, .. } => Some(at),
-            Self::Flow { at, .. } => at,
-            _ => None,
-        }
-    }
-
-    /// The same, where it is a trajectory's, with the parameter value at which it goes on no more.
-    pub(crate) fn with_parameter(self, value: f64) -> Self {
-        match self {
-            Self::Flow { error, .. } => Self::Flow {
-                at: Some(value),
-                error,
-            },
-            other => other,
         }
     }
 }
@@ -210,14 +190,34 @@ impl fmt::Display for Break {
     }
 }
 
+impl fmt::Display for Lack {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+                Self::Release => out.write_str(
+                    "no release point was found: no state with gap, rate and acceleration zero and positive jerk",
+                ),
+                Self::Chatter => out.write_str("no chatter follows the release point"),
+                Self::Period => out.write_str(
+                    "the equations have no period in time, or in an angle that they depend on; a border orbit is periodic",
+                ),
+                Self::Alone => out.write_str(
+                    "orbits return to wherever they are released: something is conserved, and border orbits come in \
+                     families; fix what is conserved, such as the amplitude of a forcing that two states make, by \
+                     writing it as a function of time",
+                ),
+                Self::Restitution(value) => write!(
+                    out,
+                    "the restitution at release is {value}; a border orbit needs one between 0 and 1, both excluded"
+                ),
+            }
+    }
+}
+
 /// More places than this are not listed in a message.
 const BREAKS_TOLD: usize = 3;
 
 impl fmt::Display for BorderError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(value) = self.at() {
-            write!(out, "with the parameter at {} ", ParameterValue(value))?;
-        }
         match self {
             Self::Unknown {
                 kind,
@@ -238,24 +238,9 @@ impl fmt::Display for BorderError {
                 "border orbits need a point where gap, rate and acceleration vanish, which takes three states, time \
                  included; this model has {count}"
             ),
-            Self::Lacks { what, .. } => match what {
-                Lack::Release => out.write_str(
-                    "no release point was found: no state with gap, rate and acceleration zero and positive jerk",
-                ),
-                Lack::Chatter => out.write_str("no chatter follows the release point"),
-                Lack::Period => out.write_str(
-                    "the equations have no period in time, or in an angle that they depend on; a border orbit is periodic",
-                ),
-                Lack::Alone => out.write_str(
-                    "orbits return to wherever they are released: something is conserved, and border orbits come in \
-                     families; fix what is conserved, such as the amplitude of a forcing that two states make, by \
-                     writing it as a function of time",
-                ),
-                Lack::Restitution(value) => write!(
-                    out,
-                    "the restitution at release is {value}; a border orbit needs one between 0 and 1, both excluded"
-                ),
-            },
+            Self::Lacks { at, what } => {
+                write!(out, "with the parameter at {} {what}", ParameterValue(*at))
+            }
             Self::Range { low, high } => write!(
                 out,
                 "no parameter values between {} and {}: the range must go from a smaller to a larger finite number",
@@ -276,7 +261,9 @@ impl fmt::Display for BorderError {
                 }
             }
             Self::System(error) => error.fmt(out),
-            Self::Flow { error, .. } => error.fmt(out),
+            Self::Flow { at, error } => {
+                write!(out, "with the parameter at {} {error}", ParameterValue(*at))
+            }
         }
     }
 }
@@ -287,12 +274,6 @@ impl From<ReleaseSection> for BorderError {
     fn from(ReleaseSection { state, level }: ReleaseSection) -> Self {
         let section = format!("{state} = {level}");
         Self::NotCrossed { section }
-    }
-}
-
-impl From<FlowError> for BorderError {
-    fn from(error: FlowError) -> Self {
-        Self::Flow { at: None, error }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! spec           the question
-//! problem        a model and its parameter, compiled for it
+//! problem        a model and its parameter, compiled for it; and at a value of that, which most questions are asked at
 //! release/       where contact ends
 //!   equations    the point h = v = a = 0, j > 0
 //!   all          all of them at a parameter value
@@ -17,7 +17,7 @@
 //! search/        borders of a parameter
 //!   sample       the verdict at a parameter value
 //!   closing_in   from a change of the verdict to the root between
-//!   borders      all of a range, stretch by stretch, or the nearest to a value
+//!   borders      stretch by stretch: all of a range, or outwards to the nearest to a value
 //!   breaks       what ends complete chatter where no border is
 //! orbit          a border orbit with its normal form
 //! normal_form/   K, M and what they are made of
@@ -42,19 +42,20 @@ mod search;
 mod spec;
 
 pub use crate::numerics::Estimate;
-pub use coordinate::{Extrapolation, LocalCoordinate, Verdict};
+pub use coordinate::limits::Extrapolation;
+pub use coordinate::local::LocalCoordinate;
+pub use coordinate::sequence::Verdict;
 pub use error::{BorderError, Break, BreakCause, Lack, Named};
-pub use normal_form::{
-    Exact, LeadingOrder, Memory, ReleaseSection, leading_order_at, section_states,
-};
+pub use normal_form::exact::{Exact, Memory};
+pub use normal_form::leading_order::{LeadingOrder, ReleaseSection, leading_order_at};
+pub use normal_form::section::section_states;
 pub use orbit::{Border, FirstImpact};
-pub use prediction::{
-    AffineStates, Discrepancy, LocatedWindow, Passage, PredictedPassage, PredictedPoint,
-    PredictedWindow, Prediction, Simulated, Simulator, WindowComparison, WindowEnds,
-};
-pub use release::{ReleasePoint, Turn};
-pub use search::{
-    Borders, SearchObserver, SearchProgress, border_near, borders_in, search_near, search_range,
-    verdicts_in,
-};
+pub use prediction::located::{Discrepancy, LocatedWindow, WindowComparison, WindowEnds};
+pub use prediction::map::{AffineStates, PredictedPassage, Prediction};
+pub use prediction::simulated::{Passage, Simulated, Simulator};
+pub use prediction::windows::{PredictedPoint, PredictedWindow};
+pub use release::equations::ReleasePoint;
+pub use release::forcing::Turn;
+pub use search::borders::{Borders, SearchObserver, SearchProgress};
+pub use search::borders::{border_near, borders_in, search_near, search_range, verdicts_in};
 pub use spec::BorderSpec;

@@ -2,12 +2,11 @@
 
 use super::coordinate::root::Root;
 use super::error::{BorderError, BreakCause};
-use super::normal_form::exact::{Exact, SectionChart, exact};
+use super::normal_form::exact::{Exact, exact};
 use super::normal_form::leading_order::{LeadingOrder, ReleaseSection, leading_order};
-use super::problem::Problem;
-use super::release::{ReleasePoint, Turn};
+use super::release::equations::ReleasePoint;
+use super::release::forcing::Turn;
 use super::search::breaks::grazing_start;
-use super::spec::BorderSpec;
 use crate::analysis::universal::Constants;
 use crate::numerics::{DoubleDouble, Estimate, Real, Rounded, with_rounding};
 use serde::{Deserialize, Serialize};
@@ -61,17 +60,16 @@ with_rounding! {
 /// The normal form at a root found in `f64`, or why that is no border; in double-double: its limits keep half the digits of the number that they
 /// are computed with, and cost little.
 pub(super) fn complete<R: Real>(
-    problem: &Problem,
-    spec: &BorderSpec,
-    rough: &Root<f64>,
+    rough: &Root<'_, f64>,
 ) -> Result<Result<Border<R>, BreakCause>, BorderError> {
-    let start = rough.point.value;
+    let problem = rough.point.here.problem;
+    let start = rough.point.here.value;
     let slack = (POLISH_SLACK * rough.point.parameter_scale()).max(4.0 * rough.error);
     let near = rough.point.release.place();
     let settles = rough.point.settles;
     let guess = DoubleDouble::from(start);
     let within = (start - slack, start + slack);
-    let root = problem.root(guess, &near, settles, spec.extrapolation, within);
+    let root = problem.root(guess, &near, settles, within);
     let Some(Root { point, error }) = root else {
         return Ok(Err(BreakCause::Jump));
     };
@@ -84,19 +82,13 @@ pub(super) fn complete<R: Real>(
     let first = &point.sequence.impacts[0];
     let started =
         (problem.model.time).map_or(DoubleDouble::ZERO, |index| point.release.state[index]);
-    let parameters = problem.parameters(point.value);
-    let chart = SectionChart::new(
-        problem,
-        point.release.contact,
-        &parameters,
-        &first.state[..problem.states()],
-    );
+    let chart = point.chart();
     let mut period = point.limits.accumulation(&point.sequence);
     period.value -= started;
     let border = Border {
-        parameter: spec.parameter.clone(),
+        parameter: problem.spec.parameter.clone(),
         value: Estimate {
-            value: point.value,
+            value: point.here.value,
             error,
         },
         constants: point.limits.constants,
@@ -110,8 +102,8 @@ pub(super) fn complete<R: Real>(
         sequence_begins: point.sequence.begins,
         long_flights: point.sequence.arrivals(),
         impacts: point.followed,
-        exact: exact(problem, &point, &chart)?,
-        leading_order: leading_order(problem, &point, &chart, spec.section.as_ref())?,
+        exact: exact(&point, &chart)?,
+        leading_order: leading_order(&point, &chart)?,
         section: chart.free.clone(),
         release: point.release,
     };

@@ -1,13 +1,13 @@
-//! A model and one of its parameters, compiled for the search of border orbits.
+//! A model and one of its parameters, compiled for the search of border orbits; and the same at a value of the parameter.
 
 use super::coordinate::local::LocalTape;
 use super::coordinate::sequence::{Follower, Impact, Sequence, Until, Verdict};
 use super::error::{BorderError, Lack, Named};
-use super::release::equations::{CONDITIONS, Place, ReleaseEquations, ReleasePoint};
+use super::release::equations::{CONDITIONS, ReleaseEquations, ReleasePoint};
 use super::spec::BorderSpec;
-use crate::analysis::universal::Constants;
-use crate::flow::{Column, System, SystemError, with_identity};
-use crate::model::{MechanicsError, Model};
+use crate::analysis::periodic::closure::{Closure, Turn};
+use crate::flow::{Column, FlowError, System, SystemError, with_identity};
+use crate::model::{Mechanics, Model};
 use crate::numerics::Real;
 
 /// Gap, rate and acceleration that vanish where contact ends: with fewer states there is no such point.
@@ -21,13 +21,27 @@ const SAME_RELEASE: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub(crate) struct Problem {
     pub model: Model,
+    pub mechanics: Mechanics,
     pub parameter: usize,
+    pub spec: BorderSpec,
     /// For each contact where it ends.
     pub releases: Vec<ReleaseEquations>,
+    /// The phases of a forcing; none where the equations have no period.
+    pub closure: Option<Closure>,
     pub plain: Follower,
-    pub variational: Follower,
-    /// Most long flights before chatter.
-    pub excursions: usize,
+    variational: Follower,
+}
+
+/// The problem at a value of the parameter.
+#[derive(Clone, Debug)]
+pub(crate) struct Here<'p, R> {
+    pub problem: &'p Problem,
+    pub value: R,
+    /// All parameter values.
+    pub parameters: Vec<R>,
+    pub closure: &'p Closure,
+    /// The phases, which the equations know up to whole periods.
+    pub phases: Vec<Turn<R>>,
 }
 
 impl Problem {
@@ -47,33 +61,43 @@ impl Problem {
         let mut model = model.with_whole_exponents(&[index]);
         // Sections would only cut the flights, but for those that change the state.
         model.sections.retain(|section| section.reset.is_some());
-        let mechanics = |error: MechanicsError| BorderError::System(SystemError::Model(error));
-        let columns = columns(&model, index);
+        let mechanics = Mechanics::new(&model).map_err(SystemError::Model)?;
         let contacts = 0..model.contacts.len();
         let follower = |columns: &[Column]| -> Result<Follower, BorderError> {
-            let local = |contact| LocalTape::new(&model, contact, columns, spec.coordinate);
+            let local =
+                |contact| LocalTape::new((&model, &mechanics), contact, columns, spec.coordinate);
             Ok(Follower {
                 system: System::with_columns(&model, columns)?,
-                locals: (contacts.clone().map(local).collect::<Result<_, _>>())
-                    .map_err(mechanics)?,
-                time: model.time,
+                locals: contacts.clone().map(local).collect(),
             })
         };
-        let equations = |contact| ReleaseEquations::new(&model, index, contact);
+        let release = |contact| ReleaseEquations::new(&model, &mechanics, index, contact);
+        let closure = Closure::with_section(&model, &[index], None, None).ok();
         Ok(Self {
-            releases: (contacts.clone().map(equations).collect::<Result<_, _>>())
-                .map_err(mechanics)?,
+            releases: contacts.clone().map(release).collect(),
+            closure: closure.map(|(closure, _)| closure),
             plain: follower(&[])?,
-            variational: follower(&columns)?,
+            variational: follower(&columns(&model, index))?,
             parameter: index,
-            excursions: spec.excursions,
+            spec: spec.clone(),
+            mechanics,
             model,
         })
     }
 
-    /// All parameter values with the varied one at `value`.
-    pub(crate) fn parameters<R: Real>(&self, value: R) -> Vec<R> {
-        self.model.parameter_values(&[(self.parameter, value)])
+    /// At a value of the parameter: fails where the equations never return to what they were.
+    pub(crate) fn at<R: Real>(&self, value: R) -> Result<Here<'_, R>, BorderError> {
+        let parameters = self.model.parameter_values(&[(self.parameter, value)]);
+        let lacks = || Lack::Period.at(value);
+        let closure = self.closure.as_ref().ok_or_else(lacks)?;
+        let phases = closure.turns(&parameters).map_err(|_| lacks())?;
+        Ok(Here {
+            problem: self,
+            value,
+            parameters,
+            closure,
+            phases,
+        })
     }
 
     /// How many states there are.
@@ -85,54 +109,86 @@ impl Problem {
     pub(crate) fn dimensions(&self) -> usize {
         self.states() - CONDITIONS
     }
+}
 
-    /// All release points at a parameter value: at least one.
-    pub(crate) fn release_points(&self, value: f64) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
-        let parameters = self.parameters(value);
+impl<R: Real> Here<'_, R> {
+    /// That something is missing here.
+    pub(crate) fn lacks(&self, what: Lack) -> BorderError {
+        what.at(self.value)
+    }
+
+    /// That a trajectory cannot go on here.
+    pub(crate) fn ends(&self, error: FlowError) -> BorderError {
+        let at = self.value.to_f64();
+        BorderError::Flow { at, error }
+    }
+
+    /// The impacts from a state, with derivatives by that state and by the parameter: so many, or fewer if chatter ends
+    /// earlier, though after impact number `after`.
+    pub(crate) fn variation(
+        &self,
+        (contact, state): (usize, &[R]),
+        after: usize,
+        impacts: usize,
+    ) -> Result<Sequence<R>, BorderError> {
+        let start = with_identity(state, self.problem.states() + 1);
+        let until = Until {
+            impacts,
+            after,
+            ..Until::NEVER
+        };
+        let sequence =
+            (self.problem.variational).follow(&self.parameters, (contact, &start), until);
+        sequence.map_err(|error| self.ends(error))
+    }
+}
+
+impl Here<'_, f64> {
+    /// The impacts from a state, without derivatives.
+    pub(crate) fn follow(
+        &self,
+        start: (usize, &[f64]),
+        until: Until,
+    ) -> Result<Sequence<f64>, BorderError> {
+        let sequence = self.problem.plain.follow(&self.parameters, start, until);
+        sequence.map_err(|error| self.ends(error))
+    }
+
+    /// All release points: at least one.
+    pub(crate) fn release_points(&self) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
         let mut found = Vec::new();
-        for release in &self.releases {
-            release.check_forcing(&parameters, value)?;
-            found.extend(match self.dimensions() {
-                0 => release.all(&self.model, &self.plain.system, &parameters),
-                _ => self.settled(value, release)?,
+        for contact in 0..self.problem.releases.len() {
+            found.extend(match self.problem.dimensions() {
+                0 => self.all(contact),
+                _ => self.settled(contact)?,
             });
         }
         if found.is_empty() {
-            return Err(Lack::Release.at(value));
+            return Err(self.lacks(Lack::Release));
         }
         Ok(found)
     }
 
-    /// The release point near one that is known, with its coordinates.
-    pub(crate) fn release_point<R: Real>(
-        &self,
-        value: R,
-        near: &Place,
-    ) -> Result<ReleasePoint<R>, BorderError> {
-        let rough = value.to_f64();
-        let release = &self.releases[near.contact];
-        release.check_forcing(&self.parameters(rough), rough)?;
-        (release.polish(&self.parameters(value), near)).ok_or_else(|| Lack::Release.at(value))
-    }
-
-    /// The impacts after release up to the end of the first chatter sequence, without derivatives. One that belongs to another
-    /// release point and ends in flight is a part of the way, complete chatter there the end of it.
+    /// The impacts after release up to the end of the first chatter sequence. One that belongs to another release point and ends
+    /// in flight is a part of the way, complete chatter there the end of it.
     pub(crate) fn sequence(
         &self,
-        value: f64,
         release: &ReleasePoint<f64>,
     ) -> Result<Sequence<f64>, BorderError> {
-        let parameters = self.parameters(value);
-        let start = (release.contact, &*release.state);
         let mut after = 0;
         loop {
             let until = Until {
-                excursions: self.excursions,
+                excursions: self.problem.spec.excursions,
                 after,
                 ..Until::NEVER
             };
-            let mut sequence = self.plain.follow(&parameters, start, until)?;
-            if self.dimensions() > 0 || self.leads_back(&sequence, &parameters, release) {
+            let mut sequence = self.follow((release.contact, &release.state), until)?;
+            // To a release point belongs the chatter that ends there, in contact or in flight.
+            let leads_back = || {
+                (self.released(&sequence, release.contact))
+                    .is_none_or(|state| self.apart(&state, &release.state).1 <= SAME_RELEASE)
+            };
+            if self.problem.dimensions() > 0 || leads_back() {
                 return Ok(sequence);
             }
             match sequence.verdict {
@@ -148,62 +204,14 @@ impl Problem {
 
     /// Where the contact is released that chatter ends in, or would if it lasted from the last impact on that presses; `None`
     /// if there is none.
-    pub(crate) fn released(
-        &self,
-        sequence: &Sequence<f64>,
-        parameters: &[f64],
-        contact: usize,
-    ) -> Option<Vec<f64>> {
+    pub(crate) fn released(&self, sequence: &Sequence<f64>, contact: usize) -> Option<Vec<f64>> {
         if sequence.verdict == Verdict::Complete {
             return sequence.released.clone();
         }
         let presses = |impact: &&Impact<f64>| impact.local.acceleration < 0.0;
         let last = sequence.impacts.iter().rev().find(presses)?;
-        let rest = self.releases[contact].brought_to_rest(&last.state, parameters);
-        (self.plain).contact_until_release(parameters, (contact, &rest))
-    }
-
-    /// Whether contact from the last impact on that presses would last until this release point: to it belongs the chatter
-    /// that ends there, in contact or in flight.
-    fn leads_back(
-        &self,
-        sequence: &Sequence<f64>,
-        parameters: &[f64],
-        release: &ReleasePoint<f64>,
-    ) -> bool {
-        let equations = &self.releases[release.contact];
-        match self.released(sequence, parameters, release.contact) {
-            Some(state) => equations.apart(&state, &release.state, parameters).1 <= SAME_RELEASE,
-            None => true,
-        }
-    }
-
-    /// The impacts from a state, with derivatives by that state and by the parameter: so many, or fewer if chatter ends
-    /// earlier, though after impact number `after`.
-    pub(crate) fn variation<R: Real>(
-        &self,
-        parameters: &[R],
-        (contact, state): (usize, &[R]),
-        after: usize,
-        impacts: usize,
-    ) -> Result<Sequence<R>, BorderError> {
-        let start = with_identity(state, self.states() + 1);
-        let until = Until {
-            impacts,
-            after,
-            ..Until::NEVER
-        };
-        self.variational
-            .follow(parameters, (contact, &start), until)
-    }
-
-    /// What the restitution at release determines.
-    pub(crate) fn constants<R: Real>(
-        value: R,
-        release: &ReleasePoint<R>,
-    ) -> Result<Constants<R>, BorderError> {
-        let restitution = release.restitution.to_f64();
-        Constants::new(release.restitution).map_err(|_| Lack::Restitution(restitution).at(value))
+        let rest = self.problem.releases[contact].brought_to_rest(&last.state, &self.parameters);
+        (self.problem.plain).contact_until_release(&self.parameters, (contact, &rest))
     }
 }
 

@@ -53,8 +53,41 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
         slope: R,
         laps: RangeInclusive<i64>,
     ) -> Result<Vec<Window<R>>, UniversalError> {
+        self.windows_remembered(slope, None, laps)
+    }
+
+    /// The same for orbits of which those that repeat obey this map, but which remember more than z: the period doubles where it
+    /// does at another slope, at the same arguments of Upsilon.
+    ///
+    /// # Errors
+    /// As for [`windows`](Self::windows).
+    pub fn windows_remembered(
+        &self,
+        slope: R,
+        doubling_slope: Option<R>,
+        laps: RangeInclusive<i64>,
+    ) -> Result<Vec<Window<R>>, UniversalError> {
         UniversalError::check_slope(slope)?;
-        Ok(laps.map(|lap| self.window_of(slope, lap)).collect())
+        let window = |lap| self.window_remembered(slope, doubling_slope, lap);
+        Ok(laps.map(window).collect())
+    }
+
+    /// One of these.
+    pub(crate) fn window_remembered(
+        &self,
+        slope: R,
+        doubling_slope: Option<R>,
+        lap: i64,
+    ) -> Window<R> {
+        let mut window = self.window_of(slope, lap);
+        if let Some(other) = doubling_slope {
+            let doubling = self.window_of(other, lap).period_doubling;
+            window.period_doubling = doubling.map(|located| Located {
+                mu: located.x - slope * located.z,
+                ..located
+            });
+        }
+        window
     }
 
     /// The fixed points on one lap. Where K is zero or no number there are no events but the graze.

@@ -11,7 +11,7 @@ pub use build::MOST_KNOTS;
 pub use error::{Axis, CurveError};
 pub use kind::{CURVE_KINDS, CurveKind, OUTSIDES, Outside};
 
-use crate::numerics::{DoubleDouble, Real};
+use crate::numerics::{DoubleDouble, Real, last_where};
 
 /// A named function of one argument: a polynomial of degree three at most between each knot and the next.
 #[derive(Clone, PartialEq, Debug)]
@@ -125,18 +125,8 @@ impl Curve {
         lap -= i64::from(x < self.knot(lap * self.inner()));
         lap += i64::from(self.knot((lap + 1) * self.inner()) <= x);
         let first = lap * self.inner();
-        let within = self.coefficients.len();
-        // Bisection over 1 .. within: knot `first` is at or below x.
-        let (mut below, mut above) = (0, within);
-        while above - below > 1 {
-            let middle = below + (above - below) / 2;
-            if self.knot(first + middle as i64) <= x {
-                below = middle;
-            } else {
-                above = middle;
-            }
-        }
-        first + below as i64
+        // Knot `first` is at or below x.
+        last_where(first, first + self.inner(), |number| self.knot(number) <= x)
     }
 
     /// Where piece `number` of a periodic curve begins.

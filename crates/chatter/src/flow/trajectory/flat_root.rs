@@ -77,7 +77,7 @@ impl<R: Real> Trajectory<R> {
         let (value, gradient) =
             self.surface_with_gradient(system, surface, (&work.state, &work.low))?;
         let square = dot(&gradient, &gradient);
-        if !(square > R::ZERO) {
+        if square == R::ZERO {
             return None;
         }
         for ((x, low), &g) in work.state.iter_mut().zip(&mut work.low).zip(&gradient) {

@@ -10,7 +10,7 @@ use crate::flow::guard::GuardKind;
 use crate::flow::program::Closed;
 use crate::flow::sides::Sides;
 use crate::flow::step::{FOREVER, Workspace};
-use crate::flow::system::{FLIGHT, System};
+use crate::flow::system::{FLIGHT, Settings, System};
 use crate::flow::touching::{Left, Touching};
 use crate::numerics::{Real, WithTerms};
 use std::collections::VecDeque;
@@ -30,6 +30,23 @@ pub(super) fn is_inside<R: Real>(gap: &WithTerms<R>) -> bool {
 /// How far from zero a gap may be that is touched.
 pub(super) fn slack<R: Real>(gap: &WithTerms<R>) -> R {
     gap.level().max(R::splat(PENETRATION * gap.terms))
+}
+
+impl System {
+    /// A trajectory from a state, at the time that this says, with the space for its steps.
+    ///
+    /// # Errors
+    /// As for [`Trajectory::start`].
+    pub(crate) fn trajectory_from<R: Real>(
+        &self,
+        parameters: &[R],
+        state: &[R],
+    ) -> Result<(Workspace<R>, Trajectory<R>), FlowError> {
+        let mut work = self.workspace(&Settings::default());
+        let clock = self.model().time.map_or(R::ZERO, |index| state[index]);
+        let trajectory = Trajectory::start(self, &mut work, parameters, clock, state)?;
+        Ok((work, trajectory))
+    }
 }
 
 impl<R: Real> Trajectory<R> {

@@ -33,6 +33,8 @@
 //! dz_k              -> dZ    lambda^j  and  lambda^(j + 2) / eta
 //! ```
 
+use super::super::error::{BorderError, Lack};
+use super::super::problem::Here;
 use super::super::release::equations::ReleasePoint;
 use super::sequence::{Impact, Sequence};
 use crate::analysis::universal::Constants;
@@ -83,12 +85,12 @@ pub(crate) struct Limits<R> {
     noise: f64,
 }
 
-impl<R: Real> Limits<R> {
-    pub(crate) fn new(
-        constants: Constants<R>,
-        release: &ReleasePoint<R>,
-        extrapolation: Extrapolation,
-    ) -> Self {
+impl<R: Real> Here<'_, R> {
+    /// What the restitution at a release point determines.
+    pub(crate) fn limits(&self, release: &ReleasePoint<R>) -> Result<Limits<R>, BorderError> {
+        let restitution = Lack::Restitution(release.restitution.to_f64());
+        let constants = Constants::new(release.restitution).map_err(|_| self.lacks(restitution))?;
+        let extrapolation = self.problem.spec.extrapolation;
         let ln_lambda = constants.ln_lambda.to_f64();
         let stride = (libm::log(TERM_RATIO) / ln_lambda).round().max(1.0) as usize;
         let tail = TAIL_POWER * libm::log(R::ROUNDOFF) / ln_lambda;
@@ -101,7 +103,7 @@ impl<R: Real> Limits<R> {
         let changes = |x: &R| *x != R::ZERO;
         let is_constant =
             !changes(&release.restitution_slope) && !release.restitution_by.iter().any(changes);
-        Self {
+        Ok(Limits {
             constants,
             fixed_point_slope,
             impacts,
@@ -111,14 +113,11 @@ impl<R: Real> Limits<R> {
             },
             copies: if is_constant { 1 } else { 2 },
             noise: NOISE_ROUNDOFFS * R::ROUNDOFF,
-        }
+        })
     }
+}
 
-    /// Each of these times lambda, lambda^2, …, so often.
-    fn ratios(&self, firsts: &[R], copies: usize) -> Vec<R> {
-        ratios(firsts, self.constants.lambda, MOST_ORDERS - 1, copies)
-    }
-
+impl<R: Real> Limits<R> {
     /// The impact where a sequence stops approaching u* for good: where it departs, it does so from impact to impact. Before
     /// that, u may cross u* more than once.
     pub(crate) fn nearest(&self, sequence: &Sequence<R>) -> usize {
@@ -183,13 +182,16 @@ impl<R: Real> Limits<R> {
         self.noise = NOISE_ROUNDOFFS * R::ROUNDOFF * amplified;
     }
 
-    /// The limit of a quantity that is multiplied by one more `growth` at each impact.
+    /// The limit of a quantity that is multiplied by one more `growth` at each impact. The errors have the ratios lambda, lambda^2, …,
+    /// each times each of these, so often.
     fn scaled_limit(
         &self,
         sequence: &Sequence<R>,
-        (growth, ratios): (R, &[R]),
+        growth: R,
+        (firsts, copies): (&[R], usize),
         quantity: impl Fn(&Impact<R>) -> R,
     ) -> Estimate<R> {
+        let ratios = ratios(firsts, self.constants.lambda, MOST_ORDERS - 1, copies);
         let mut scale = (0..sequence.begins).fold(R::ONE, |power, _| power * growth);
         let terms: Vec<R> = (sequence.impacts.iter().skip(sequence.begins))
             .map(|impact| {
@@ -198,7 +200,7 @@ impl<R: Real> Limits<R> {
                 term
             })
             .collect();
-        let taken = |terms: &[R]| limit(terms, ratios, self.plan);
+        let taken = |terms: &[R]| limit(terms, &ratios, self.plan);
         let Some(mut found) = taken(&terms) else {
             return Estimate {
                 value: R::splat(f64::NAN),
@@ -219,7 +221,7 @@ impl<R: Real> Limits<R> {
 
     /// X, from the impacts of a sequence that is followed to where it is nearest to the border.
     pub(crate) fn x(&self, sequence: &Sequence<R>) -> Estimate<R> {
-        let mut x = self.x_without(sequence, &self.ratios(&[self.constants.eta], 1));
+        let mut x = self.x_without(sequence, &[self.constants.eta], 1);
         x.error = (x.error).max(self.noise * self.constants.chatter_fixed_point.to_f64());
         x
     }
@@ -227,17 +229,33 @@ impl<R: Real> Limits<R> {
     /// X where it is not quite zero: the tail of its derivative times X is removed, too.
     #[cfg(test)]
     pub(crate) fn x_off_border(&self, sequence: &Sequence<R>) -> Estimate<R> {
-        let ratios = self.ratios(&[R::ONE, self.constants.eta], self.copies);
-        self.x_without(sequence, &ratios)
+        self.x_without(sequence, &[R::ONE, self.constants.eta], self.copies)
     }
 
-    fn x_without(&self, sequence: &Sequence<R>, ratios: &[R]) -> Estimate<R> {
-        self.scaled_limit(sequence, (self.constants.eta, ratios), |impact| {
+    fn x_without(&self, sequence: &Sequence<R>, firsts: &[R], copies: usize) -> Estimate<R> {
+        self.scaled_limit(sequence, self.constants.eta, (firsts, copies), |impact| {
             impact.local.u() - self.constants.chatter_fixed_point
         })
     }
 
-    /// The derivative of X along a combination of columns, along which the restitution at release changes so much.
+    /// The derivative of X along a combination of columns, along which the restitution where the impacts accumulate changes by what
+    /// the coordinates of that place make of it, and by so much.
+    pub(crate) fn x_along(
+        &self,
+        sequence: &Sequence<R>,
+        release: &ReleasePoint<R>,
+        weights: &[R],
+        held_restitution: R,
+    ) -> Estimate<R> {
+        let changes = release.restitution_by.iter().zip(&release.free);
+        let changes = changes.filter(|(by, _)| **by != R::ZERO);
+        let restitution = changes.fold(held_restitution, |sum, (&by, &i)| {
+            sum + by * self.place_slope(sequence, i, weights).value
+        });
+        self.x_slope(sequence, weights, restitution)
+    }
+
+    /// The same, along which it changes by so much in all.
     pub(crate) fn x_slope(
         &self,
         sequence: &Sequence<R>,
@@ -250,8 +268,8 @@ impl<R: Real> Limits<R> {
         } else {
             self.copies
         };
-        let ratios = self.ratios(&[R::ONE, self.constants.eta], copies);
-        self.scaled_limit(sequence, (self.constants.eta, &ratios), |impact| {
+        let Constants { eta, .. } = self.constants;
+        self.scaled_limit(sequence, eta, (&[R::ONE, eta], copies), |impact| {
             (weights.iter().enumerate())
                 .map(|(column, &weight)| weight * impact.local.u_slope(column))
                 .fold(-shift, |sum, part| sum + part)
@@ -260,10 +278,8 @@ impl<R: Real> Limits<R> {
 
     /// A component of the place where the impacts accumulate.
     pub(crate) fn place(&self, sequence: &Sequence<R>, i: usize) -> R {
-        let ratios = self.ratios(&[R::ONE], 1);
-        let scaled = (R::ONE, &*ratios);
-        self.scaled_limit(sequence, scaled, |impact| impact.local.place[i])
-            .value
+        let place = |impact: &Impact<R>| impact.local.place[i];
+        (self.scaled_limit(sequence, R::ONE, (&[R::ONE], 1), place)).value
     }
 
     /// Its derivative along a combination of columns.
@@ -274,20 +290,19 @@ impl<R: Real> Limits<R> {
         weights: &[R],
     ) -> Estimate<R> {
         let Constants { lambda, eta, .. } = self.constants;
-        let ratios = self.ratios(&[R::ONE, lambda * lambda / eta], self.copies);
+        let firsts = [R::ONE, lambda * lambda / eta];
         let along = |impact: &Impact<R>| impact.local.place_along(i, weights);
-        self.scaled_limit(sequence, (R::ONE, &ratios), along)
+        self.scaled_limit(sequence, R::ONE, (&firsts, self.copies), along)
     }
 
     /// N.
     pub(crate) fn amplitude(&self, sequence: &Sequence<R>) -> Estimate<R> {
-        let scaled = (R::ONE / self.constants.lambda, &*self.ratios(&[R::ONE], 1));
-        self.scaled_limit(sequence, scaled, |impact| impact.local.nu())
+        let growth = R::ONE / self.constants.lambda;
+        self.scaled_limit(sequence, growth, (&[R::ONE], 1), |impact| impact.local.nu())
     }
 
     /// When the impacts accumulate.
     pub(crate) fn accumulation(&self, sequence: &Sequence<R>) -> Estimate<R> {
-        let scaled = (R::ONE, &*self.ratios(&[R::ONE], 1));
-        self.scaled_limit(sequence, scaled, |impact| impact.time)
+        self.scaled_limit(sequence, R::ONE, (&[R::ONE], 1), |impact| impact.time)
     }
 }

@@ -1,10 +1,9 @@
 //! Local coordinates after an impact, and their derivatives from impact to impact.
 
-use super::super::release::equations::CONDITIONS;
 use crate::expressions::{Expansion, Expr, Graph, Symbol, Tape};
 use crate::flow::{Column, Direction};
-use crate::model::{Mechanics, MechanicsError, Model};
-use crate::numerics::Real;
+use crate::model::{Mechanics, Model};
+use crate::numerics::{Matrix, Real, dot};
 use serde::{Deserialize, Serialize};
 
 /// How u = j w / nu^2 and nu = -a are read off the state after an impact. All choices agree to leading order in nu, so
@@ -36,8 +35,8 @@ pub(crate) struct Local<R> {
     pub acceleration: R,
     pub jerk: R,
     pub place: Vec<R>,
-    /// Derivatives: a row for each column, with those of rate, acceleration, jerk, states, place.
-    slopes: Vec<Vec<R>>,
+    /// Derivatives along the columns: rows for rate, acceleration, jerk, states, place.
+    slopes: Matrix<R>,
 }
 
 const SCALARS: usize = 3;
@@ -45,15 +44,17 @@ const SCALARS: usize = 3;
 impl LocalTape {
     /// Of a contact, for states followed by these columns.
     pub(crate) fn new(
-        model: &Model,
+        (model, mechanics): (&Model, &Mechanics),
         contact: usize,
         columns: &[Column],
         coordinate: LocalCoordinate,
-    ) -> Result<Self, MechanicsError> {
-        let mut mechanics = Mechanics::new(model)?;
-        let contact = mechanics.contacts[contact].clone();
-        let field = mechanics.field.clone();
-        let graph = &mut mechanics.graph;
+    ) -> Self {
+        let Mechanics {
+            contacts, field, ..
+        } = mechanics;
+        let contact = &contacts[contact];
+        let mut derived = mechanics.graph.clone();
+        let graph = &mut derived;
         let states: Vec<Expr> = (0..field.len()).map(|i| graph.state(i)).collect();
         let mut functions = vec![contact.rate, contact.acceleration, contact.jerk];
         if coordinate == LocalCoordinate::AtRest {
@@ -75,7 +76,7 @@ impl LocalTape {
         // A state, or a change of it, less what W and the field make of it.
         let less = |graph: &mut Graph, x: &[Expr], by_jump: Expr, by_field: Expr| {
             let rest = back(graph, x, by_jump, &contact.jump);
-            back(graph, &rest, by_field, &field)
+            back(graph, &rest, by_field, field)
         };
         let by_field = |graph: &mut Graph, rate: Expr, acceleration: Expr| {
             let share = back(graph, &[acceleration], rate, &by_jump)[0];
@@ -93,24 +94,22 @@ impl LocalTape {
         let turned = graph.div(turned, contact.jerk);
         for (index, &column) in columns.iter().enumerate() {
             let along = Direction::of(column, model, graph, (index + 1) * field.len());
-            let mut slopes = along.at_event(graph, (&field, contact.gap), &functions);
+            let mut slopes = along.at_event(graph, (field, contact.gap), &functions);
             let acceleration = slopes.pop().unwrap_or(contact.acceleration);
             outputs.extend(&slopes);
-            if field.len() > CONDITIONS {
-                let first = by_field(graph, slopes[0], acceleration);
-                let second = graph.mul(first, turned);
-                let alpha = graph.add(first, second);
-                let gamma = back(graph, &slopes[..1], alpha, &[contact.acceleration])[0];
-                outputs.extend(less(graph, &slopes[SCALARS..], gamma, alpha));
-            }
+            let first = by_field(graph, slopes[0], acceleration);
+            let second = graph.mul(first, turned);
+            let alpha = graph.add(first, second);
+            let gamma = back(graph, &slopes[..1], alpha, &[contact.acceleration])[0];
+            outputs.extend(less(graph, &slopes[SCALARS..], gamma, alpha));
         }
         let dimension = field.len() * (1 + columns.len());
         let tape = Tape::new(graph, dimension, &[], &outputs);
-        Ok(Self {
-            graph: mechanics.graph,
+        Self {
+            graph: derived,
             tape,
             states: field.len(),
-        })
+        }
     }
 
     /// Scratch space, with the constants at a parameter set.
@@ -128,20 +127,20 @@ impl LocalTape {
     ) -> Local<R> {
         let mut values = vec![R::ZERO; self.tape.outputs.len()];
         expansion.evaluate(&self.tape, constants, state, low, &mut values);
-        let place = SCALARS
-            + if values.len() > SCALARS {
-                self.states
-            } else {
-                0
-            };
-        let places = if self.states > CONDITIONS { 2 } else { 1 };
-        let columns = values[place..].chunks(SCALARS + places * self.states);
+        // Without columns there is no place, either.
+        let (scalars, rest) = values.split_at(SCALARS);
+        let (place, rest) = rest.split_at(rest.len().min(self.states));
+        let rows = SCALARS + 2 * self.states;
+        let mut slopes = Matrix::zeros(rows, rest.len() / rows);
+        for (index, &slope) in rest.iter().enumerate() {
+            slopes[(index % rows, index / rows)] = slope;
+        }
         Local {
-            rate: values[0],
-            acceleration: values[1],
-            jerk: values[2],
-            place: values[SCALARS..place].to_vec(),
-            slopes: columns.map(<[R]>::to_vec).collect(),
+            rate: scalars[0],
+            acceleration: scalars[1],
+            jerk: scalars[2],
+            place: place.to_vec(),
+            slopes,
         }
     }
 }
@@ -168,40 +167,31 @@ impl<R: Real> Local<R> {
 
     /// du along a column.
     pub(crate) fn u_slope(&self, column: usize) -> R {
-        let [rate, acceleration, jerk] = [0, 1, 2].map(|of| self.slopes[column][of]);
+        let [rate, acceleration, jerk] = [0, 1, 2].map(|of| self.slopes[(of, column)]);
         let square = self.acceleration * self.acceleration;
         let product = jerk * self.rate + self.jerk * rate;
         let two = R::splat(2.0);
         (product - two * self.jerk * self.rate * acceleration / self.acceleration) / square
     }
 
-    fn sum(&self, which: usize, weights: &[R]) -> R {
-        (self.slopes.iter().zip(weights)).fold(R::ZERO, |sum, (slopes, &weight)| {
-            sum + slopes[which] * weight
-        })
-    }
-
     /// How rate and acceleration change along a combination of columns.
     pub(crate) fn rates_along(&self, weights: &[R]) -> [R; 2] {
-        [0, 1].map(|of| self.sum(of, weights))
+        [0, 1].map(|of| dot(self.slopes.row(of), weights))
     }
 
     /// How a state changes along each column.
-    pub(crate) fn state_slopes(&self, state: usize) -> Vec<R> {
-        (self.slopes.iter())
-            .map(|slopes| slopes[SCALARS + state])
-            .collect()
+    pub(crate) fn state_slopes(&self, state: usize) -> &[R] {
+        self.slopes.row(SCALARS + state)
     }
 
     /// How the state changes along a combination of columns.
     pub(crate) fn along(&self, weights: &[R]) -> Vec<R> {
-        (0..self.place.len())
-            .map(|i| self.sum(SCALARS + i, weights))
-            .collect()
+        let states = 0..self.place.len();
+        states.map(|i| dot(self.state_slopes(i), weights)).collect()
     }
 
-    /// How a component of its place does, where there are more than three states.
+    /// How a component of its place does.
     pub(crate) fn place_along(&self, component: usize, weights: &[R]) -> R {
-        self.sum(SCALARS + self.place.len() + component, weights)
+        dot(self.state_slopes(self.place.len() + component), weights)
     }
 }

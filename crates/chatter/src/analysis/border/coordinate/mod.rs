@@ -1,10 +1,6 @@
 //! The exact coordinate X of what follows release: impacts, their limits, and the root X(p) = 0.
 
-pub(in crate::analysis::border) mod limits;
-pub(in crate::analysis::border) mod local;
-pub(in crate::analysis::border) mod root;
-pub(in crate::analysis::border) mod sequence;
-
-pub use limits::Extrapolation;
-pub use local::LocalCoordinate;
-pub use sequence::Verdict;
+pub(super) mod limits;
+pub(super) mod local;
+pub(super) mod root;
+pub(super) mod sequence;

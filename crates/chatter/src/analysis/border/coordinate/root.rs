@@ -1,12 +1,12 @@
 //! The border as the smooth root X(p) = 0.
 
 use super::super::error::{BorderError, Lack};
-use super::super::problem::Problem;
+use super::super::problem::{Here, Problem};
 use super::super::release::equations::{Place, ReleasePoint};
 use super::super::release::forcing::Turn;
-use super::limits::{Extrapolation, Limits};
+use super::limits::Limits;
 use super::sequence::{Impact, Sequence};
-use crate::numerics::{Estimate, Matrix, Real, dot};
+use crate::numerics::{Estimate, Factored, Matrix, Real, dot, moved};
 
 /// Newton's method gives up after so many steps: from where it starts each gains two digits at first.
 const NEWTON_STEPS: usize = 30;
@@ -40,8 +40,8 @@ const ALONE: f64 = 1e-6;
 /// X and its derivative at a parameter value, with the sequence that they were taken from: up to the last impact that still
 /// approaches the border.
 #[derive(Clone, Debug)]
-pub(crate) struct Point<R> {
-    pub value: R,
+pub(crate) struct Point<'p, R> {
+    pub here: Here<'p, R>,
     /// Its slope is that of orbits that return to it.
     pub release: ReleasePoint<R>,
     pub limits: Limits<R>,
@@ -71,53 +71,40 @@ pub(crate) struct Point<R> {
 /// One loop through the surface of release points, to first order in its coordinates.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory<R> {
-    /// How coordinates return: a row for each, a column for each that they begin with.
-    pub returns: Matrix<R>,
+    /// How coordinates return from a unit of each.
+    pub returns: Vec<Vec<R>>,
     /// What the parameter adds.
     pub by_parameter: Vec<R>,
     /// What the rate at release adds.
-    pub by_rate: Vec<R>,
-    /// How well that is known.
-    pub by_rate_error: Vec<R>,
+    pub by_rate: Vec<Estimate<R>>,
     /// dX by the coordinates.
     pub covector: Vec<R>,
 }
 
 impl<R: Real> Memory<R> {
-    /// Of so many coordinates, without rows yet.
-    fn nothing(dimensions: usize) -> Self {
-        Self {
-            returns: Matrix::zeros(0, dimensions),
-            by_parameter: Vec::new(),
-            by_rate: Vec::new(),
-            by_rate_error: Vec::new(),
-            covector: Vec::new(),
-        }
-    }
-
     /// What coordinates come to where each loop adds this: (I - sign returns)^-1 of it; `None` where that has no answer.
     pub(crate) fn settled(&self, added: &[R], sign: f64) -> Option<Vec<R>> {
-        let size = added.len();
-        let mut rows = Matrix::identity(size);
-        for i in 0..size {
-            for (entry, &back) in rows.row_mut(i).iter_mut().zip(self.returns.row(i)) {
-                *entry -= R::splat(sign) * back;
+        let mut rows = Matrix::identity(added.len());
+        for (j, returned) in self.returns.iter().enumerate() {
+            for (i, &back) in returned.iter().enumerate() {
+                rows[(i, j)] -= R::splat(sign) * back;
             }
         }
-        if size == 0 {
-            return Some(Vec::new());
-        }
-        let factors = rows.factored()?;
-        let small = |column: Vec<R>| column.iter().all(|x| x.abs().to_f64() * ALONE <= 1.0);
-        (factors.inverse().all(small)).then(|| factors.solve(added))
+        regular(&rows, ALONE).map(|factors| factors.solve(added))
     }
 }
 
-impl<R: Real> Point<R> {
+/// The factors of what does not return of changes, where none returns but for less than this part.
+pub(crate) fn regular<R: Real>(rows: &Matrix<R>, least: f64) -> Option<Factored<R>> {
+    let small = |column: Vec<R>| column.iter().all(|x| x.abs().to_f64() * least <= 1.0);
+    (rows.factored()).filter(|factors| factors.inverse().all(small))
+}
+
+impl<R: Real> Point<'_, R> {
     /// The size of the parameter, or what of it changes X by one.
     pub(crate) fn parameter_scale(&self) -> f64 {
         let unit = 1.0 / self.slope.value.abs().to_f64();
-        self.value.abs().to_f64().max(unit)
+        self.here.value.abs().to_f64().max(unit)
     }
 
     /// Whether the impacts accumulate at the release point.
@@ -137,78 +124,68 @@ impl<R: Real> Point<R> {
 
 /// A parameter value where X vanishes.
 #[derive(Clone, Debug)]
-pub(crate) struct Root<R> {
-    pub point: Point<R>,
+pub(crate) struct Root<'p, R> {
+    pub point: Point<'p, R>,
     /// Estimated error of the parameter value.
     pub error: f64,
 }
 
-impl Root<f64> {
-    /// Whether two searches came to the same root.
-    pub(crate) fn is_same(&self, other: &Self) -> bool {
-        let off = (self.point.value - other.point.value).abs();
-        off <= SAME_ROOT * self.point.value.abs() + self.error + other.error
-    }
+/// Whether two searches came to the same root.
+pub(crate) fn is_same(a: &Estimate<f64>, b: &Estimate<f64>) -> bool {
+    (a.value - b.value).abs() <= SAME_ROOT * a.value.abs() + a.error + b.error
 }
 
-impl Problem {
-    /// X and dX/dp at a parameter value near a border.
-    pub(crate) fn point<R: Real>(
-        &self,
-        value: R,
-        near: &Place,
-        settles: usize,
-        extrapolation: Extrapolation,
-    ) -> Result<Point<R>, BorderError> {
-        let mut release = self.release_point(value, near)?;
-        let mut limits = Limits::new(Self::constants(value, &release)?, &release, extrapolation);
-        let parameters = self.parameters(value);
+impl<'p, R: Real> Here<'p, R> {
+    /// X and dX/dp near a border.
+    pub(crate) fn point(self, near: &Place, settles: usize) -> Result<Point<'p, R>, BorderError> {
+        let mut release = self.release(near)?;
+        let mut limits = self.limits(&release)?;
         let most = settles + limits.impacts;
         let start = (release.contact, &*release.state);
-        let mut sequence = self.variation(&parameters, start, settles, most)?;
+        let mut sequence = self.variation(start, settles, most)?;
         if sequence.impacts.len() <= sequence.begins {
-            return Err(Lack::Chatter.at(value));
+            return Err(self.lacks(Lack::Chatter));
         }
         let followed = sequence.impacts.len();
         sequence.impacts.truncate(limits.nearest(&sequence) + 1);
         limits.set_noise(&sequence);
         let x = limits.x(&sequence);
         let (held_slope, held_restitution) = (release.slope.clone(), release.restitution_slope);
-        let mut turns = self.releases[release.contact].turns(&parameters);
-        let place: Vec<R> = (0..self.states())
+        let place: Vec<R> = (0..self.problem.states())
             .map(|i| limits.place(&sequence, i))
             .collect();
-        for turn in &mut turns {
-            let way = place[turn.state] - release.state[turn.state];
-            turn.count = libm::round((way / turn.period).to_f64()) as i64;
-        }
-        let (mut missed, mut memory) = (Vec::new(), Memory::nothing(release.free.len()));
-        for &i in &release.free {
-            let [turned, turned_slope] = Turn::of(&turns, i);
-            let by = |weights: &Vec<R>| limits.place_slope(&sequence, i, weights);
-            missed.push(place[i] - release.state[i] - turned);
-            let returns: Vec<R> = release.directions.iter().map(|d| by(d).value).collect();
-            memory.returns.push(&returns);
-            (memory.by_parameter).push(by(&release.slope).value - turned_slope);
-            let by_rate = by(&release.jump);
-            memory.by_rate.push(by_rate.value);
-            memory.by_rate_error.push(R::splat(by_rate.error));
-        }
-        let back = |j: usize| (0..release.free.len()).map(move |i| (i, j));
-        for (j, weights) in release.directions.iter().enumerate() {
-            let back: Vec<R> = back(j).map(|place| memory.returns[place]).collect();
-            let restitution = dot(&release.restitution_by, &back);
-            let slope = limits.x_slope(&sequence, weights, restitution);
-            memory.covector.push(slope.value);
-        }
+        let turns = self.turns(&release.state, &place);
+        let free = || release.free.iter().copied();
+        let returning = |weights: &Vec<R>| -> Vec<Estimate<R>> {
+            free()
+                .map(|i| limits.place_slope(&sequence, i, weights))
+                .collect()
+        };
+        let turned = |i: usize| Turn::of(&turns, i);
+        let missed: Vec<R> = free()
+            .map(|i| place[i] - release.state[i] - turned(i)[0])
+            .collect();
+        let returns: Vec<Vec<R>> = (release.directions.iter())
+            .map(|direction| Estimate::values(&returning(direction)))
+            .collect();
+        let by_parameter = Estimate::values(&returning(&release.slope))
+            .into_iter()
+            .zip(free());
+        let x_along =
+            |weights: &Vec<R>| limits.x_along(&sequence, &release, weights, R::ZERO).value;
+        let memory = Memory {
+            by_parameter: by_parameter.map(|(back, i)| back - turned(i)[1]).collect(),
+            by_rate: returning(&release.jump),
+            covector: release.directions.iter().map(x_along).collect(),
+            returns,
+        };
         let settled =
-            |added: &[R]| (memory.settled(added, 1.0)).ok_or_else(|| Lack::Alone.at(value));
+            |added: &[R]| (memory.settled(added, 1.0)).ok_or_else(|| self.lacks(Lack::Alone));
         let shift = settled(&missed)?;
         let moved = settled(&memory.by_parameter)?;
         release.follow_orbit(&moved);
         let slope = limits.x_slope(&sequence, &release.slope, release.restitution_slope);
         Ok(Point {
-            value,
             limits,
             sequence,
             settles,
@@ -223,30 +200,30 @@ impl Problem {
             place,
             turns,
             release,
+            here: self,
         })
     }
+}
 
+impl Problem {
     /// Newton's method on X(p) = 0 from a value close enough for the sequence to come near u*.
     pub(crate) fn root<R: Real>(
         &self,
         guess: R,
         near: &Place,
         settles: usize,
-        extrapolation: Extrapolation,
         within: (f64, f64),
-    ) -> Option<Root<R>> {
+    ) -> Option<Root<'_, R>> {
         let mut value = guess;
         let mut near = near.clone();
         let mut before = f64::INFINITY;
         let mut stalls = 0;
         let settled = libm::pow(R::ROUNDOFF, SETTLED_POWER);
         for _ in 0..NEWTON_STEPS {
-            let point = self.point(value, &near, settles, extrapolation).ok()?;
+            let point = self.at(value).ok()?.point(&near, settles).ok()?;
             let correction = (point.x.value + point.x_shift) / point.slope.value;
-            let moved: Vec<R> = (point.release.slope.iter().zip(&point.shift))
-                .map(|(&slope, &shift)| shift - slope * correction)
-                .collect();
-            near = point.release.moved(&moved, R::ONE);
+            let by = moved(&point.shift, &point.release.slope, -correction);
+            near = point.release.moved(&by, R::ONE);
             let scales = point.release.state.iter().map(|x| x.abs().to_f64() + 1.0);
             let shift = (point.shift.iter().zip(scales)).fold(0.0_f64, |most, (x, scale)| {
                 most.max(x.abs().to_f64() / scale)
@@ -310,7 +287,7 @@ mod tests {
             let value: DoubleDouble = value.parse().unwrap();
             let at = |shift: f64| {
                 let value = value + DoubleDouble::from(shift);
-                (problem.point(value, &near, 0, Extrapolation::default())).unwrap()
+                problem.at(value).unwrap().point(&near, 0).unwrap()
             };
             let x = |shift: f64| {
                 let mut point = at(shift);
@@ -322,11 +299,10 @@ mod tests {
             if parameter != "q" {
                 continue;
             }
-            let parameters = problem.parameters(value);
             let from = |i: usize, shift: f64| {
                 let mut state = point.sequence.impacts[0].state[..STATES].to_vec();
                 state[i] += DoubleDouble::from(shift);
-                (problem.variation(&parameters, (0, &state), 0, LAST + 1)).unwrap()
+                (point.here.variation((0, &state), 0, LAST + 1)).unwrap()
             };
             for i in 1..STATES {
                 let x = |shift: f64| point.limits.x_off_border(&from(i, shift)).value;

@@ -1,8 +1,7 @@
 //! The impact sequence that follows a state, and how it ends.
 
-use super::super::error::BorderError;
 use super::local::{Local, LocalTape};
-use crate::flow::{Occurrence, Settings, System, Trajectory, Workspace};
+use crate::flow::{FlowError, Occurrence, System, Trajectory, Workspace};
 use crate::numerics::Real;
 use serde::{Deserialize, Serialize};
 
@@ -69,8 +68,6 @@ pub(crate) struct Sequence<R> {
 pub(crate) struct Follower {
     pub system: System,
     pub locals: Vec<LocalTape>,
-    /// Place of time among the states.
-    pub time: Option<usize>,
 }
 
 /// Where to stop: whatever comes first, complete chatter at the latest.
@@ -95,11 +92,6 @@ impl Until {
         after: usize::MAX,
     };
 
-    /// Whether a verdict is asked for.
-    fn is_verdict(self) -> bool {
-        self.impacts == usize::MAX && self.arrivals == usize::MAX
-    }
-
     /// Impacts that are followed at most: counted anew for each sequence, or only if there may be so many.
     fn is_too_long<R>(self, sequence: &Sequence<R>) -> bool {
         let before = match self.arrivals {
@@ -119,9 +111,7 @@ impl Follower {
         (contact, rest): (usize, &[f64]),
     ) -> Option<Vec<f64>> {
         let system = &self.system;
-        let mut work = system.workspace::<f64>(&Settings::default());
-        let time = self.time.map_or(0.0, |index| rest[index]);
-        let mut trajectory = Trajectory::start(system, &mut work, parameters, time, rest).ok()?;
+        let (mut work, mut trajectory) = system.trajectory_from(parameters, rest).ok()?;
         until_release(system, &mut work, &mut trajectory, contact)
     }
 
@@ -132,13 +122,11 @@ impl Follower {
         parameters: &[R],
         (contact, start): (usize, &[R]),
         until: Until,
-    ) -> Result<Sequence<R>, BorderError> {
+    ) -> Result<Sequence<R>, FlowError> {
         let system = &self.system;
         let local_tape = &self.locals[contact];
-        let mut work = system.workspace::<R>(&Settings::default());
         let mut scratch = local_tape.scratch(parameters);
-        let time = self.time.map_or(R::ZERO, |index| start[index]);
-        let mut trajectory = Trajectory::start(system, &mut work, parameters, time, start)?;
+        let (mut work, mut trajectory) = system.trajectory_from(parameters, start)?;
         let mut sequence = Sequence {
             impacts: Vec::new(),
             verdict: Verdict::NoChatter,
@@ -197,7 +185,8 @@ impl Follower {
                     | Occurrence::Capture { contact: closes },
                 ) if closes == contact => {
                     sequence.verdict = Verdict::Complete;
-                    if until.is_verdict() {
+                    // Where a verdict is asked for.
+                    if until.impacts == usize::MAX && until.arrivals == usize::MAX {
                         sequence.released =
                             until_release(system, &mut work, &mut trajectory, contact);
                     }
@@ -222,10 +211,8 @@ fn until_release<R: Real>(
     contact: usize,
 ) -> Option<Vec<R>> {
     for _ in 0..STEPS_WITHOUT_IMPACT {
-        match trajectory
-            .advance(system, work, R::splat(NO_HORIZON))
-            .ok()?
-        {
+        let next = trajectory.advance(system, work, R::splat(NO_HORIZON));
+        match next.ok()? {
             Some(Occurrence::Release { contact: opened }) if opened == contact => {
                 return Some(trajectory.state().to_vec());
             }
@@ -244,11 +231,8 @@ impl<R: Real> Sequence<R> {
 
     /// The largest rate before an impact.
     pub(crate) fn largest_rate(&self) -> f64 {
-        let rates = self
-            .impacts
-            .iter()
-            .map(|impact| impact.rate_before.to_f64());
-        rates.fold(0.0_f64, |most, rate| most.max(rate.abs()))
+        let rates = self.impacts.iter().map(|impact| impact.rate_before);
+        rates.fold(0.0_f64, |most, rate| most.max(rate.abs().to_f64()))
     }
 
     /// How many long flights there are.

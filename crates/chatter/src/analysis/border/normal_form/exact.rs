@@ -2,7 +2,7 @@
 
 use super::super::coordinate::root::Point;
 use super::super::error::{BorderError, Lack};
-use super::super::problem::Problem;
+use super::super::problem::Here;
 use crate::numerics::{Estimate, Real, dot, moved, unit, with_rounding};
 use serde::{Deserialize, Serialize};
 
@@ -77,27 +77,36 @@ pub(crate) struct SectionChart<R> {
 }
 
 impl<R: Real> SectionChart<R> {
-    pub(crate) fn new(problem: &Problem, contact: usize, parameters: &[R], state: &[R]) -> Self {
-        let equations = &problem.releases[contact];
+    pub(crate) fn new(here: &Here<'_, R>, contact: usize, state: &[R]) -> Self {
         let states = state.len();
-        let gap = equations.at(0..1, state, parameters).jacobian;
+        let gap = here.functions(contact, 0..1, state).jacobian;
         // No phase, since it does not come back, nor the parameter.
         let mut movable = gap.clone();
-        let fixed = (0..=states).filter(|&i| i == states || equations.is_phase(i));
+        let fixed = (0..=states).filter(|&i| i == states || here.closure.is_phase(i));
         fixed.for_each(|i| movable[(0, i)] = R::ZERO);
-        let others = movable.free_columns();
-        let bound = (0..states).find(|i| !others.contains(i)).unwrap_or(0);
-        let along = |i: usize| {
+        let mut free = movable.free_columns();
+        let bound = (0..states).find(|i| !free.contains(i)).unwrap_or(0);
+        let along = |&i: &usize| {
             let mut along = unit(states + 1, i);
             along[bound] = -gap[(0, i)] / gap[(0, bound)];
             along
         };
-        let others = (0..=states).filter(|&i| i != bound);
+        let weights = free.iter().map(along).collect();
+        free.pop();
         Self {
-            free: (0..states).filter(|&i| i != bound).collect(),
+            free,
             bound,
-            weights: others.map(along).collect(),
+            weights,
         }
+    }
+}
+
+impl<R: Real> Point<'_, R> {
+    /// At the first impact.
+    pub(crate) fn chart(&self) -> SectionChart<R> {
+        let states = self.here.problem.states();
+        let first = &self.sequence.impacts[0].state[..states];
+        SectionChart::new(&self.here, self.release.contact, first)
     }
 }
 
@@ -109,18 +118,17 @@ const RESTARTS: usize = 3;
 
 /// The exact normal form at a border.
 pub(crate) fn exact<R: Real>(
-    problem: &Problem,
-    point: &Point<R>,
+    point: &Point<'_, R>,
     chart: &SectionChart<R>,
 ) -> Result<Exact<R>, BorderError> {
     let Point {
+        here,
         release,
         limits,
         sequence,
         ..
     } = point;
-    let parameters = problem.parameters(point.value);
-    let states = problem.states();
+    let states = here.problem.states();
     let contact = release.contact;
     let amplitude = limits.amplitude(sequence);
     let scale = amplitude.value * amplitude.value / release.jerk;
@@ -131,20 +139,18 @@ pub(crate) fn exact<R: Real>(
         product
     };
     let loops = &point.memory;
+    let by_rate = Estimate::values(&loops.by_rate);
     let remembered = |sign: f64| -> Option<Vec<R>> {
-        let added = loops.settled(&loops.by_rate, sign)?;
+        let added = loops.settled(&by_rate, sign)?;
         Some(added.iter().map(|&x| x * R::splat(sign)).collect())
     };
-    let by_memory = remembered(1.0).ok_or_else(|| Lack::Alone.at(point.value))?;
-    let x_by_rate = |weights: &[R], memory: &[R]| {
-        let restitution = dot(&release.restitution_by, memory);
-        limits.x_slope(sequence, weights, restitution)
-    };
-    let by_rate = moved(&release.jump, &release.along(&by_memory), R::ONE);
+    let by_memory = remembered(1.0).ok_or_else(|| here.lacks(Lack::Alone))?;
+    let x_by_rate = |weights: &[R]| limits.x_along(sequence, release, weights, R::ZERO);
+    let offset = moved(&release.jump, &release.along(&by_memory), R::ONE);
     let local = &sequence.impacts[0].local;
     // One flight knows its derivatives to roundoff against the largest of them. X misses zero at the border that was found, and the
     // parameter is rounded: derivatives are those at that place.
-    let place = point.value.abs().to_f64() * point.slope.value.abs().to_f64();
+    let place = here.value.abs().to_f64() * point.slope.value.abs().to_f64();
     let relative_error = R::ROUNDOFF + point.x.error.max(R::ROUNDOFF * place);
     let known = |value: R, size: f64| Estimate {
         value,
@@ -158,7 +164,7 @@ pub(crate) fn exact<R: Real>(
     };
     let along = |weights: &[R]| -> Vec<Estimate<R>> {
         (local.along(weights).into_iter().enumerate())
-            .map(|(i, value)| known(value, largest(&local.state_slopes(i), weights)))
+            .map(|(i, value)| known(value, largest(local.state_slopes(i), weights)))
             .collect()
     };
     let flight = (0..states)
@@ -169,26 +175,26 @@ pub(crate) fn exact<R: Real>(
         })
         .collect();
     // What is remembered is known no better than its limits are.
-    let unsure = release.along(&loops.by_rate_error);
+    let errors = loops.by_rate.iter().map(|by| R::splat(by.error));
+    let errors: Vec<R> = errors.collect();
+    let unsure = release.along(&errors);
     let less_sure = |mut estimate: Estimate<R>, by: R| {
         estimate.error += by.abs().to_f64();
         times_scale(estimate)
     };
-    let offset = (by_rate[..states].iter().zip(&unsure))
-        .map(|(&value, &by)| less_sure(known(value, value.abs().to_f64()), by))
-        .collect();
-    let first_impact_by_upsilon = (along(&by_rate).into_iter().zip(local.along(&unsure)))
+    let first_impact_by_upsilon = (along(&offset).into_iter().zip(local.along(&unsure)))
         .map(|(estimate, by)| less_sure(estimate, by))
         .collect();
-    let memory = (problem.dimensions() > 0).then(|| {
-        let direct = x_by_rate(&release.jump, &loops.by_rate).value * scale;
+    let memory = (here.problem.dimensions() > 0).then(|| {
+        let direct = x_by_rate(&release.jump).value * scale;
         let twice = remembered(-1.0).map(|added| direct + dot(&loops.covector, &added) * scale);
         let scaled = |values: &[R]| values.iter().map(|&x| x * scale).collect();
         let count = release.free.len();
+        let row = |i: usize| loops.returns.iter().map(|back| back[i]).collect();
         Memory {
             states: release.free.clone(),
-            returns: (0..count).map(|i| loops.returns.row(i).to_vec()).collect(),
-            by_upsilon: scaled(&loops.by_rate),
+            returns: (0..count).map(row).collect(),
+            by_upsilon: scaled(&by_rate),
             by_parameter: loops.settled(&loops.by_parameter, 1.0).unwrap_or_default(),
             covector: loops.covector.clone(),
             slope: direct,
@@ -208,16 +214,12 @@ pub(crate) fn exact<R: Real>(
     let (mut covector, mut covector_parameter) = (Vec::new(), point.slope);
     for _ in 0..RESTARTS {
         let most = sequence.impacts.len() - 1;
-        let mut onward = problem.variation(&parameters, (contact, &start), settles, most)?;
+        let mut onward = here.variation((contact, &start), settles, most)?;
         onward.impacts.truncate(most);
         let by = |along: usize, held_restitution: R| {
             let weights = &chart.weights[along];
-            let restitution = (release.restitution_by.iter().zip(&release.free))
-                .filter(|(by, _)| **by != R::ZERO)
-                .fold(held_restitution, |sum, (&by, &i)| {
-                    sum + by * limits.place_slope(&onward, i, weights).value
-                });
-            (limits.x_slope(&onward, weights, restitution)).scaled(limits.constants.eta)
+            let slope = limits.x_along(&onward, release, weights, held_restitution);
+            slope.scaled(limits.constants.eta)
         };
         covector = (0..coordinates).map(|i| by(i, R::ZERO)).collect();
         covector_parameter = by(coordinates, point.held_restitution);
@@ -236,16 +238,15 @@ pub(crate) fn exact<R: Real>(
         start[chart.free[finest]] -= correction;
     }
     Ok(Exact {
-        slope: less_sure(
-            x_by_rate(&by_rate, &by_memory),
-            dot(&loops.covector, &loops.by_rate_error),
-        ),
+        slope: less_sure(x_by_rate(&offset), dot(&loops.covector, &errors)),
         unfolding_rate: point.slope,
         amplitude,
         first_impact_by_upsilon,
         first_impact_by_parameter: along(&release.slope),
         flight,
-        offset,
+        offset: (offset[..states].iter().zip(&unsure))
+            .map(|(&value, &by)| less_sure(known(value, value.abs().to_f64()), by))
+            .collect(),
         covector,
         covector_parameter,
         memory,

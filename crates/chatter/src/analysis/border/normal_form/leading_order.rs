@@ -13,7 +13,6 @@ use super::super::search::sample::Sample;
 use super::super::spec::BorderSpec;
 use super::exact::SectionChart;
 use super::section::crossing;
-use crate::flow::SystemError;
 use crate::flow::with_identity;
 use crate::model::{Direction, Model, Section};
 use crate::numerics::{Matrix, Real, dot, unchanged, unit, with_rounding};
@@ -68,11 +67,11 @@ with_rounding! {
 }
 
 /// The state that changes most against its size at release, where the field is this, and a level that it reaches soon after.
-fn default_section<R: Real>(problem: &Problem, point: &Point<R>, field: &[R]) -> (usize, f64) {
+fn default_section<R: Real>(point: &Point<'_, R>, field: &[R]) -> (usize, f64) {
     let release = &point.release;
     let distance = |i: usize| {
         let size = release.state[i].abs().to_f64();
-        if problem.releases[release.contact].is_phase(i) || size <= SECTION_DISTANCE * AT_REST {
+        if point.here.closure.is_phase(i) || size <= SECTION_DISTANCE * AT_REST {
             SECTION_DISTANCE
         } else {
             SECTION_DISTANCE * size
@@ -92,11 +91,10 @@ fn default_section<R: Real>(problem: &Problem, point: &Point<R>, field: &[R]) ->
 
 /// The state where the flight from release reaches the section.
 fn reached<R: Real>(
-    problem: &Problem,
-    point: &Point<R>,
+    point: &Point<'_, R>,
     (index, level): (usize, f64),
 ) -> Result<Option<Vec<R>>, BorderError> {
-    let mut model = problem.model.clone();
+    let mut model = point.here.problem.model.clone();
     let (state, level) = (model.graph.state(index), model.graph.number(level));
     model.sections.push(Section {
         reset: None,
@@ -107,46 +105,44 @@ fn reached<R: Real>(
     let start = &*point.release.state;
     let started = model.time.map_or(R::ZERO, |index| start[index]);
     let within = point.sequence.impacts[0].time - started;
-    let parameters = problem.parameters(point.value);
-    crossing(&model, &[], &parameters, (start, within))
+    crossing(&point.here, &model, &[], (start, within))
 }
 
 /// The leading-order coefficients at a border, with the section asked for or a default one.
 pub(crate) fn leading_order<R: Real>(
-    problem: &Problem,
-    point: &Point<R>,
+    point: &Point<'_, R>,
     chart: &SectionChart<R>,
-    section: Option<&ReleaseSection>,
 ) -> Result<Result<LeadingOrder<R>, ReleaseSection>, BorderError> {
-    let parameters = problem.parameters(point.value);
-    let release = &point.release;
-    let equations = &problem.releases[release.contact];
+    let Point {
+        here: at, release, ..
+    } = point;
+    let (problem, contact) = (at.problem, release.contact);
     let states = problem.states();
-    let here = equations.at(JERK..FIELD + states, &release.state, &parameters);
+    let here = at.functions(contact, JERK..FIELD + states, &release.state);
     let field = &here.residual[FIELD - JERK..];
-    let (index, level) = match section {
+    let (index, level) = match &problem.spec.section {
         Some(section) => {
             let (name, model) = (&*section.state, &problem.model);
             let unknown = || BorderError::unknown(Named::State, name, model.state_names());
             (model.state_index(name).ok_or_else(unknown)?, section.level)
         }
-        None => default_section(problem, point, field),
+        None => default_section(point, field),
     };
     let section = ReleaseSection {
         state: problem.model.states[index].name.clone(),
         level,
     };
-    let Some(at) = reached(problem, point, (index, level))? else {
+    let Some(start) = reached(point, (index, level))? else {
         return Ok(Err(section));
     };
 
     // The flight from the section to the first impact, in terms of gap and rate there.
-    let crossing = equations.at(0..2, &at, &parameters);
+    let crossing = at.functions(contact, 0..2, &start);
     let [gap, rate] = [0, 1].map(|row| crossing.jacobian.row(row));
     let mut rows = vec![gap[..states].to_vec(), rate[..states].to_vec()];
     rows.extend((release.free.iter().chain([&index])).map(|&held| unit(states, held)));
     let factors = Matrix::from_rows(&rows).factored();
-    let flight = problem.variation(&parameters, (release.contact, &at), 0, 1)?;
+    let flight = at.variation((contact, &start), 0, 1)?;
     let (Some(first), Some(factors)) = (flight.impacts.first(), factors) else {
         return Ok(Err(section));
     };
@@ -166,12 +162,11 @@ pub(crate) fn leading_order<R: Real>(
 
     // u and nu at the first impact.
     let columns = columns(&problem.model, problem.parameter);
-    let contact = release.contact;
-    let at_rest = LocalTape::new(&problem.model, contact, &columns, LocalCoordinate::AtRest)
-        .map_err(|error| BorderError::System(SystemError::Model(error)))?;
+    let model = (&problem.model, &problem.mechanics);
+    let at_rest = LocalTape::new(model, contact, &columns, LocalCoordinate::AtRest);
     let start = with_identity(&point.sequence.impacts[0].state[..states], columns.len());
     let low = vec![R::ZERO; start.len()];
-    let local = at_rest.at(&mut at_rest.scratch(&parameters), &start, &low);
+    let local = at_rest.at(&mut at_rest.scratch(&at.parameters), &start, &low);
     let (jerk, nu, w) = (release.jerk, local.nu(), local.rate);
     let number = |value: f64| R::splat(value);
     let u_slope = |along: usize| {
@@ -223,21 +218,13 @@ pub fn leading_order_at<R: Real>(
     value: R,
 ) -> Result<LeadingOrder<R>, BorderError> {
     let problem = Problem::new(model, spec)?;
-    let at = value.to_f64();
-    let releases = problem.release_points(at)?;
-    let samples = releases.into_iter();
-    let samples: Vec<Sample> = samples
-        .map(|release| problem.sample(at, release))
-        .collect::<Result<_, _>>()?;
-    let nearest = samples
-        .iter()
-        .min_by(|a, b| a.distance.total_cmp(&b.distance));
+    let at = problem.at(value.to_f64())?;
+    let releases = at.release_points()?.into_iter();
+    let samples: Vec<Sample> =
+        (releases.map(|release| at.sample(release))).collect::<Result<_, _>>()?;
+    let nearest = (samples.iter()).min_by(|a, b| a.distance.total_cmp(&b.distance));
     let found = nearest.and_then(|sample| Some((sample.found.as_ref()?, sample.settles)));
-    let ((release, _), settles) = found.ok_or_else(|| Lack::Release.at(value))?;
-    let point = problem.point(value, &release.place(), settles, spec.extrapolation)?;
-    let parameters = problem.parameters(value);
-    let first = &point.sequence.impacts[0].state[..problem.states()];
-    let chart = SectionChart::new(&problem, release.contact, &parameters, first);
-    let form = leading_order(&problem, &point, &chart, spec.section.as_ref())??;
-    Ok(form)
+    let ((release, _), settles) = found.ok_or_else(|| at.lacks(Lack::Release))?;
+    let point = problem.at(value)?.point(&release.place(), settles)?;
+    Ok(leading_order(&point, &point.chart())??)
 }

@@ -2,30 +2,31 @@
 
 use super::super::error::{BorderError, Named};
 use super::super::orbit::Border;
-use super::super::prediction::AffineStates;
-use super::super::problem::{Problem, columns};
+use super::super::prediction::map::AffineStates;
+use super::super::problem::{Here, Problem, columns};
 use super::super::spec::BorderSpec;
 use crate::expressions::Expr;
 use crate::flow::with_identity;
-use crate::flow::{Column, Direction, Occurrence, Settings, System, Trajectory};
+use crate::flow::{Column, Direction, Occurrence, System};
 use crate::model::Model;
-use crate::numerics::{DoubleDouble, Real};
+use crate::numerics::{DoubleDouble, Estimate, Real, Rounded, moved};
 
 /// The state, columns included, in which the flight from a state crosses a section of a model, within a time and before an
 /// impact; `None` if it does not.
 pub(super) fn crossing<R: Real>(
+    here: &Here<'_, R>,
     model: &Model,
     columns: &[Column],
-    parameters: &[R],
     (start, within): (&[R], R),
 ) -> Result<Option<Vec<R>>, BorderError> {
     let system = System::with_columns(model, columns)?;
-    let mut work = system.workspace::<R>(&Settings::default());
-    let time = model.time.map_or(R::ZERO, |index| start[index]);
     let start = with_identity(start, columns.len());
-    let mut trajectory = Trajectory::start(&system, &mut work, parameters, time, &start)?;
+    let started = system.trajectory_from(&here.parameters, &start);
+    let (mut work, mut trajectory) = started.map_err(|error| here.ends(error))?;
+    let end = trajectory.time() + within;
     loop {
-        match trajectory.advance(&system, &mut work, time + within)? {
+        let next = trajectory.advance(&system, &mut work, end);
+        match next.map_err(|error| here.ends(error))? {
             Some(Occurrence::Section { .. }) => return Ok(Some(trajectory.state().to_vec())),
             Some(Occurrence::Impact { .. } | Occurrence::Horizon) => return Ok(None),
             _ => {}
@@ -60,11 +61,11 @@ pub fn section_states<R: Real>(
     let states = problem.states();
     // The coefficients are wanted to plot by: the border is needed more finely than they are.
     let value: DoubleDouble = border.value.value.to_double_double();
-    let parameters = problem.parameters(value);
-    let release = problem.release_point(value, &border.release.place())?;
+    let here = problem.at(value)?;
+    let release = here.release(&border.release.place())?;
     let within = border.first_impact.time.to_double_double();
     let from = (&*release.state, within);
-    let state = &*crossing(&model, &columns, &parameters, from)?.ok_or_else(not_crossed)?;
+    let state = &*crossing(&here, &model, &columns, from)?.ok_or_else(not_crossed)?;
     let mut graph = model.graph.clone();
     let coordinates: Vec<Expr> = (0..states).map(|i| graph.state(i)).collect();
     let on = (&*model.field(), surface);
@@ -72,22 +73,20 @@ pub fn section_states<R: Real>(
         .map(|(index, &column)| {
             let along = Direction::of(column, &model, &mut graph, (index + 1) * states);
             let slopes = along.at_event(&mut graph, on, &coordinates);
-            graph.evaluate_all(&slopes, state, &parameters)
+            graph.evaluate_all(&slopes, state, &here.parameters)
         })
         .collect();
-    let along = |weights: &mut dyn Iterator<Item = R>| -> Vec<f64> {
-        let weights: Vec<DoubleDouble> = weights.map(|x| x.to_double_double()).collect();
-        let moved = (0..states).map(|i| {
-            let parts = slopes.iter().zip(&weights);
-            parts.fold(DoubleDouble::ZERO, |sum, (slopes, &weight)| {
-                sum + slopes[i] * weight
+    let along = |weights: &[DoubleDouble]| -> Vec<f64> {
+        let (nowhere, parts) = (vec![DoubleDouble::ZERO; states], slopes.iter().zip(weights));
+        parts
+            .fold(nowhere, |sum, (slopes, &weight)| {
+                moved(&sum, slopes, weight)
             })
-        });
-        moved.map(|x| x.to_f64()).collect()
+            .rounded()
     };
     Ok(AffineStates {
-        origin: state[..states].iter().map(|x| x.to_f64()).collect(),
-        by_upsilon: along(&mut border.exact.offset.iter().map(|x| x.value)),
-        by_parameter: along(&mut border.release.slope.iter().copied()),
+        origin: state[..states].to_vec().rounded(),
+        by_upsilon: along(&Estimate::values(&border.exact.offset.rounded())),
+        by_parameter: along(&border.release.slope.rounded()),
     })
 }

@@ -5,9 +5,9 @@ use super::map::Prediction;
 use super::simulated::Simulator;
 use super::windows::{PredictedPoint, PredictedWindow};
 use crate::analysis::periodic;
-use crate::analysis::periodic::arc::arc_ends;
+use crate::analysis::periodic::arc::{ArcEnd, ArcEnds, arc_ends};
 use crate::analysis::periodic::shooting::Workshop;
-use crate::numerics::{Estimate, moved};
+use crate::numerics::{Estimate, last_where, moved};
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -54,7 +54,7 @@ const NEAR: f64 = 5.0;
 
 /// A window must lie so many roundoffs from the border, and no window beyond this one is looked at.
 const RESOLVED: f64 = 1e7;
-const LAST_LAP: u32 = 1 << 20;
+const LAST_LAP: i64 = 1 << 20;
 
 impl WindowComparison {
     /// Relative differences, for a border at the parameter value `border`.
@@ -75,8 +75,7 @@ impl WindowComparison {
 /// A window of the system with the prediction that led to it.
 struct Found {
     compared: WindowComparison,
-    /// State and parameter at period doubling and fold.
-    ends: [Option<Vec<f64>>; 2],
+    ends: ArcEnds,
 }
 
 impl Simulator {
@@ -100,9 +99,9 @@ impl Simulator {
         (first, last): (u32, u32),
         observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Option<Vec<WindowComparison>> {
-        let (Some(nearest), Some(arcs)) =
-            (self.last_resolved(prediction), Arcs::new(self, prediction))
-        else {
+        let arcs = Arcs::new(self, prediction);
+        let resolved = arcs.and_then(|arcs| Some((arcs.last_resolved()?, arcs)));
+        let Some((nearest, arcs)) = resolved else {
             return Some(Vec::new());
         };
         let last = last.min(nearest);
@@ -134,44 +133,6 @@ impl Simulator {
         windows.reverse();
         (!stopped).then_some(windows)
     }
-
-    /// The states that tell orbits just after their first impact, at the border.
-    fn chart(&self, prediction: &Prediction) -> SectionChart<f64> {
-        let parameters = self.problem.parameters(prediction.border);
-        let contact = self.release.contact;
-        SectionChart::new(
-            &self.problem,
-            contact,
-            &parameters,
-            &prediction.states.origin,
-        )
-    }
-
-    /// The last lap whose window doubles tell from the border, in the parameter and in these states: windows come nearer to it
-    /// from lap to lap.
-    fn last_resolved(&self, prediction: &Prediction) -> Option<u32> {
-        let free = self.chart(prediction).free;
-        let least = RESOLVED * f64::EPSILON;
-        let border = prediction.border;
-        let origin = &prediction.states.origin;
-        let is_resolved = |lap: u32| {
-            let graze = prediction.window(lap).grazing;
-            let distance = graze.parameter - border;
-            let state = prediction.states.at(graze.z, distance);
-            let moved = |i: usize| (state[i] - origin[i]).abs() > least * origin[i].abs();
-            distance.abs() > least * border.abs() && free.iter().copied().any(moved)
-        };
-        let (mut resolved, mut lost) = (is_resolved(0).then_some(0)?, LAST_LAP);
-        while lost - resolved > 1 {
-            let middle = resolved + (lost - resolved) / 2;
-            if is_resolved(middle) {
-                resolved = middle;
-            } else {
-                lost = middle;
-            }
-        }
-        Some(resolved)
-    }
 }
 
 /// Where arcs of periodic orbits are looked for.
@@ -179,21 +140,39 @@ struct Arcs<'a> {
     simulator: &'a Simulator,
     prediction: &'a Prediction,
     workshop: Arc<Workshop>,
-    /// The state that follows from the others just after an impact.
-    bound: usize,
+    /// The states that tell orbits just after their first impact, at the border.
+    chart: SectionChart<f64>,
 }
 
 impl<'a> Arcs<'a> {
     /// None where the system has no periodic orbits that can be followed.
     fn new(simulator: &'a Simulator, prediction: &'a Prediction) -> Option<Self> {
         let problem = &simulator.problem;
+        let here = problem.at(prediction.border).ok()?;
+        let (contact, state) = (simulator.release.contact, &prediction.states.origin);
         let free = (&[problem.parameter][..], &[size(prediction)][..]);
         Some(Self {
             simulator,
             prediction,
             workshop: periodic::workshop(&problem.model, &periodic::Spec::default(), free).ok()?,
-            bound: simulator.chart(prediction).bound,
+            chart: SectionChart::new(&here, contact, state),
         })
+    }
+
+    /// The last lap whose window doubles tell from the border, in the parameter and in the states: windows come nearer to it from
+    /// lap to lap.
+    fn last_resolved(&self) -> Option<u32> {
+        let least = RESOLVED * f64::EPSILON;
+        let Prediction { border, states, .. } = self.prediction;
+        let is_resolved = |lap: i64| {
+            let graze = self.prediction.window(lap as u32).grazing;
+            let distance = graze.parameter - border;
+            let state = states.at(graze.z, distance);
+            let moved =
+                |i: usize| (state[i] - states.origin[i]).abs() > least * states.origin[i].abs();
+            distance.abs() > least * border.abs() && self.chart.free.iter().copied().any(moved)
+        };
+        is_resolved(0).then(|| last_where(0, LAST_LAP, is_resolved) as u32)
     }
 
     /// State and parameter of a predicted point.
@@ -220,18 +199,19 @@ impl<'a> Arcs<'a> {
     fn locate_beside(&self, predicted: PredictedWindow, next: &Found) -> Option<Found> {
         // What the prediction leaves out is quadratic in x, which goes like eta^n.
         let eta = self.prediction.universal().constants().eta;
-        let equations = self.simulator.equations();
         let known = next.compared.predicted;
-        let doubling = (known.period_doubling, predicted.period_doubling);
-        let pairs = [doubling, (known.fold, predicted.fold)];
-        let starts = next.ends.iter().zip(pairs);
-        let starts = starts.filter_map(|(found, (known, here))| {
-            let (found, known, here) = (found.as_ref()?, known?, here?);
-            let [known, here] = [known, here].map(|point| self.expected(point.z, point.parameter));
-            let (&value, state) = found.split_last()?;
-            let parameters = self.simulator.problem.parameters(value);
-            let (mut off, _) = equations.apart(&known[..state.len()], state, &parameters);
-            off.push(value - known[state.len()]);
+        let [fold, doubling, _] = &next.ends;
+        let pairs = [
+            (doubling, known.period_doubling, predicted.period_doubling),
+            (fold, known.fold, predicted.fold),
+        ];
+        let starts = pairs.into_iter().filter_map(|(found, known, here)| {
+            let ArcEnd { state, parameter } = found.as_ref()?;
+            let [known, here] =
+                [known?, here?].map(|point| self.expected(point.z, point.parameter));
+            let there = self.simulator.problem.at(parameter.value).ok()?;
+            let (mut off, _) = there.apart(&known[..state.len()], state);
+            off.push(parameter.value - known[state.len()]);
             let offset: Vec<f64> = off.iter().map(|off| off / (eta * eta)).collect();
             Some((moved(&here, &offset, 1.0), offset))
         });
@@ -244,10 +224,10 @@ impl<'a> Arcs<'a> {
     /// The window of the orbit with n + 1 impacts in a loop near a state at a value of the parameter, if it has an end.
     fn window(&self, predicted: PredictedWindow, start: &[f64]) -> Option<Found> {
         let (&value, state) = start.split_last()?;
-        let equations = self.simulator.equations();
-        let parameters = self.simulator.problem.parameters(value);
-        let state = equations.onto_surface(&parameters, state, self.bound)?;
-        let impacts = (equations.contact, predicted.lap as usize + 1);
+        let contact = self.simulator.release.contact;
+        let here = self.simulator.problem.at(value).ok()?;
+        let state = here.onto_surface(contact, state, self.chart.bound)?;
+        let impacts = (contact, predicted.lap as usize + 1);
         let slack = NEAR * (value - self.prediction.border).abs();
         let ends = arc_ends(&self.workshop, (&state, value, slack), impacts).ok()?;
         let [fold, period_doubling, grazing] = ends
@@ -258,11 +238,9 @@ impl<'a> Arcs<'a> {
             period_doubling,
             grazing,
         };
-        let [fold, doubling, _] =
-            ends.map(|end| end.map(|end| [end.state, vec![end.parameter.value]].concat()));
         (located.ends().iter().any(Option::is_some)).then_some(Found {
             compared: WindowComparison { predicted, located },
-            ends: [doubling, fold],
+            ends,
         })
     }
 }

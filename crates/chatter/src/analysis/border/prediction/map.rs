@@ -4,7 +4,7 @@ use super::super::error::{BorderError, Lack};
 use super::super::normal_form::exact::Memory;
 use super::super::orbit::Border;
 use crate::analysis::universal::Universal;
-use crate::numerics::{Estimate, Real, Rounded, dot};
+use crate::numerics::{Estimate, Real, Rounded, dot, moved};
 use serde::{Deserialize, Serialize};
 
 /// z -> Upsilon(K z + M (p - p*)), and the states after the first impact that go with z, (26) and (27).
@@ -50,15 +50,9 @@ pub struct PredictedPassage {
 impl AffineStates {
     /// The state for z at a distance p - p* from the border.
     pub fn at(&self, z: f64, distance: f64) -> Vec<f64> {
-        (self.origin.iter())
-            .zip(self.by_upsilon.iter().zip(&self.by_parameter))
-            .map(|(&s, (&a, &b))| s + a * z + b * distance)
-            .collect()
+        let released = moved(&self.origin, &self.by_upsilon, z);
+        moved(&released, &self.by_parameter, distance)
     }
-}
-
-fn values<R: Real>(estimates: &[Estimate<R>]) -> Vec<f64> {
-    estimates.iter().map(|x| x.value.to_f64()).collect()
 }
 
 impl Prediction {
@@ -69,8 +63,8 @@ impl Prediction {
     pub fn exact<R: Real>(border: &Border<R>) -> Result<Self, BorderError> {
         let exact = &border.exact;
         let rates = [exact.slope, exact.unfolding_rate].map(|rate| rate.value.to_f64());
-        let by_upsilon = values(&exact.first_impact_by_upsilon);
-        let by_parameter = values(&exact.first_impact_by_parameter);
+        let by_upsilon = Estimate::values(&exact.first_impact_by_upsilon.rounded());
+        let by_parameter = Estimate::values(&exact.first_impact_by_parameter.rounded());
         Self::at(
             border,
             rates,
@@ -113,9 +107,7 @@ impl Prediction {
             unfolding_rate,
             border: border.value.value.to_f64(),
             states: AffineStates {
-                origin: (border.first_impact.state.iter())
-                    .map(|x| x.to_f64())
-                    .collect(),
+                origin: border.first_impact.state.rounded(),
                 by_upsilon,
                 by_parameter,
             },
@@ -140,19 +132,21 @@ impl Prediction {
 
     /// The passage that follows one with this z in an orbit that has settled to it.
     pub fn passage(&self, mu: f64, z: f64) -> PredictedPassage {
-        self.passage_at(self.slope.mul_add(z, mu), z, Vec::new())
+        self.passage_at(self.slope.mul_add(z, mu), z, Vec::new()).0
     }
 
-    fn passage_at(&self, x: f64, z: f64, memory: Vec<f64>) -> PredictedPassage {
+    /// The passage with these numbers, and the z of the next one.
+    fn passage_at(&self, x: f64, z: f64, memory: Vec<f64>) -> (PredictedPassage, f64) {
         let at = self.universal.at(x);
         // Lap n has n impacts after the first; above x_e laps are negative, and one impact is left at least.
         let impacts = (x > 0.0).then(|| (at.lap + 1.0).max(1.0) as u64);
-        PredictedPassage {
+        let passage = PredictedPassage {
             z,
             x,
             impacts,
             memory,
-        }
+        };
+        (passage, at.value)
     }
 
     /// The z of the next passage in an orbit that has settled to this one.
@@ -163,31 +157,21 @@ impl Prediction {
     /// `keep` passages after `transient` others, from the border orbit's own z = 0.
     pub fn orbit(&self, parameter: f64, transient: usize, keep: usize) -> Vec<PredictedPassage> {
         let mu = self.mu(parameter);
-        let mut z = 0.0;
-        let mut y = vec![0.0; self.memory.as_ref().map_or(0, |memory| memory.states.len())];
-        let mut step = || {
-            let (before, remembered) = (z, y.clone());
-            let x = match &self.memory {
-                Some(memory) => memory.slope.mul_add(z, mu) + dot(&memory.covector, &y),
-                None => self.slope.mul_add(z, mu),
+        let coordinates = (self.memory.as_ref()).map_or(0, |memory| memory.states.len());
+        let first = self.passage_at(mu, 0.0, vec![0.0; coordinates]);
+        let next = |(passage, z): &(PredictedPassage, f64)| {
+            let Some(memory) = &self.memory else {
+                return Some(self.passage_at(self.slope.mul_add(*z, mu), *z, Vec::new()));
             };
-            if let Some(memory) = &self.memory {
-                y = (memory.returns.iter().zip(&memory.by_upsilon))
-                    .map(|(row, b)| dot(row, &y) + b * z)
-                    .collect();
-            }
-            z = self.universal.value(x);
-            (x, before, remembered)
+            let y: Vec<f64> = (memory.returns.iter().zip(&memory.by_upsilon))
+                .map(|(row, b)| dot(row, &passage.memory) + b * passage.z)
+                .collect();
+            let x = memory.slope.mul_add(*z, mu) + dot(&memory.covector, &y);
+            Some(self.passage_at(x, *z, y))
         };
-        for _ in 0..transient {
-            step();
-        }
-        (0..keep)
-            .map(|_| {
-                let (x, z, y) = step();
-                self.passage_at(x, z, y)
-            })
-            .collect()
+        let orbit = core::iter::successors(Some(first), next);
+        let passages = orbit.map(|(passage, _)| passage);
+        passages.skip(transient).take(keep).collect()
     }
 
     /// The state after the first impact of a passage.
@@ -195,13 +179,9 @@ impl Prediction {
         let Some(memory) = self.memory.as_ref().filter(|_| !passage.memory.is_empty()) else {
             return self.states.at(passage.z, parameter - self.border);
         };
-        let mut state = self.states.at(0.0, parameter - self.border);
         let remembered = memory.first_impact_by_memory.iter().zip(&passage.memory);
-        for (by, &part) in remembered.chain([(&memory.first_impact_by_upsilon, &passage.z)]) {
-            for (x, by) in state.iter_mut().zip(by) {
-                *x += by * part;
-            }
-        }
-        state
+        let parts = remembered.chain([(&memory.first_impact_by_upsilon, &passage.z)]);
+        let state = self.states.at(0.0, parameter - self.border);
+        parts.fold(state, |state, (by, &part)| moved(&state, by, part))
     }
 }

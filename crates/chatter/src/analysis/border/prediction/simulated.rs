@@ -4,7 +4,7 @@ use super::super::coordinate::sequence::{Until, Verdict};
 use super::super::error::BorderError;
 use super::super::orbit::Border;
 use super::super::problem::Problem;
-use super::super::release::equations::{Place, ReleaseEquations};
+use super::super::release::equations::Place;
 use super::super::spec::BorderSpec;
 use crate::model::Model;
 use crate::numerics::Real;
@@ -54,11 +54,6 @@ impl Simulator {
         })
     }
 
-    /// Where the contact ends.
-    pub(in crate::analysis::border) fn equations(&self) -> &ReleaseEquations {
-        &self.problem.releases[self.release.contact]
-    }
-
     /// Follows the flow from release at a parameter value: `keep` passages after `transient` others.
     ///
     /// # Errors
@@ -69,15 +64,13 @@ impl Simulator {
         transient: usize,
         keep: usize,
     ) -> Result<Simulated, BorderError> {
-        let release = self.problem.release_point(parameter, &self.release)?;
-        let parameters = self.problem.parameters(parameter);
+        let here = self.problem.at(parameter)?;
+        let release = here.release(&self.release)?;
         let until = Until {
             arrivals: (transient + keep) * self.long_flights + 1,
             ..Until::NEVER
         };
-        let follower = &self.problem.plain;
-        let start = (release.contact, &*release.state);
-        let sequence = follower.follow(&parameters, start, until)?;
+        let sequence = here.follow((release.contact, &release.state), until)?;
         let arrivals = sequence.impacts.iter().enumerate();
         let arrivals = arrivals.filter(|(_, impact)| impact.arrives);
         let begins: Vec<usize> = (arrivals.map(|(place, _)| place))

@@ -36,20 +36,9 @@ pub struct PredictedWindow {
 impl Prediction {
     /// The window of the orbit with n + 1 impacts, n the lap: that of the universal map's atlas, in the parameter.
     pub fn window(&self, lap: u32) -> PredictedWindow {
-        let window = self.universal().window_of(self.slope, i64::from(lap));
-        // What is remembered does not move orbits that repeat, but their doubling: the same x at another slope.
-        let doubling = match &self.memory {
-            Some(memory) => {
-                let doubling = self
-                    .universal()
-                    .window_of(memory.doubling_slope, i64::from(lap));
-                doubling.period_doubling.map(|located| Located {
-                    mu: located.x - self.slope * located.z,
-                    ..located
-                })
-            }
-            None => window.period_doubling,
-        };
+        // What is remembered does not move orbits that repeat, but their doubling.
+        let doubling = self.memory.as_ref().map(|memory| memory.doubling_slope);
+        let window = (self.universal()).window_remembered(self.slope, doubling, i64::from(lap));
         let point = |located: Located<f64>| PredictedPoint {
             parameter: self.parameter(located.mu),
             mu: located.mu,
@@ -60,7 +49,7 @@ impl Prediction {
             lap,
             fold: window.fold.map(point),
             superstable: point(window.superstable),
-            period_doubling: doubling.map(point),
+            period_doubling: window.period_doubling.map(point),
             grazing: point(window.grazing),
         }
     }

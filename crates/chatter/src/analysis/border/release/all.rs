@@ -1,10 +1,10 @@
 //! All release points at one parameter value.
 
 use super::super::coordinate::sequence::NO_HORIZON;
-use super::equations::{ReleaseEquations, ReleasePoint};
-use super::forcing::Turn;
-use crate::flow::{Occurrence, Settings, System, Trajectory};
-use crate::model::Model;
+use super::super::problem::Here;
+use super::equations::ReleasePoint;
+use crate::analysis::periodic::closure::Turn;
+use crate::flow::Occurrence;
 
 /// How many steps of a trajectory are looked through for places near a release.
 const SEED_STEPS: usize = 4000;
@@ -20,94 +20,82 @@ const SAME: f64 = 1e-7;
 /// The same of those that orbits return to: they are closed less well where chatter ends in flight.
 const SAME_ORBIT: f64 = 1e-3;
 
-impl ReleaseEquations {
-    /// The release points in a period of the forcing, from the initial phase on; without forcing those that are found from
-    /// the initial state and along a trajectory, in this order.
-    pub(crate) fn all(
-        &self,
-        model: &Model,
-        system: &System,
-        parameters: &[f64],
-    ) -> Vec<ReleasePoint<f64>> {
-        let initial = model.initial_state(parameters);
-        let start = model.time.map_or(0.0, |index| initial[index]);
-        let turn = self.turns(parameters).first().copied();
-        let mut guesses = turn.map_or_else(Vec::new, |turn| {
-            self.along_contact(parameters, &initial, &turn)
-        });
+impl Here<'_, f64> {
+    /// The release points of a contact in a period of the forcing, from the initial phase on; without forcing those that are
+    /// found from the initial state and along a trajectory, in this order.
+    pub(crate) fn all(&self, contact: usize) -> Vec<ReleasePoint<f64>> {
+        let initial = self.problem.model.initial_state(&self.parameters);
+        let forcing = self.phases.first();
+        let held = forcing.map(|phase| self.along_contact(contact, &initial, phase));
+        let mut guesses = held.unwrap_or_default();
         guesses.push(initial.clone());
-        guesses.extend(along_trajectory(system, parameters, &initial, start));
+        guesses.extend(self.along_trajectory(&initial));
         let mut found: Vec<ReleasePoint<f64>> = Vec::new();
         for guess in &guesses {
-            let point = self.solve(parameters, guess);
-            let is_new = |point: &ReleasePoint<f64>| {
-                !(found.iter()).any(|known| self.is_same(known, point, parameters))
-            };
-            found.extend(point.filter(is_new));
+            let point = self.solve(contact, guess);
+            found.extend(point.filter(|point| self.is_new(point, &found)));
         }
-        if let Some(turn) = turn {
-            let phase = |point: &ReleasePoint<f64>| point.state[turn.state];
-            found.sort_by(|a, b| phase(a).total_cmp(&phase(b)));
+        if let Some(phase) = forcing {
+            found.sort_by(|a, b| a.state[phase.state].total_cmp(&b.state[phase.state]));
         }
         found
     }
 
-    /// Whether two release points are one.
-    pub(crate) fn is_same(
+    /// Whether a release point is none of these.
+    pub(crate) fn is_new<'k>(
         &self,
-        a: &ReleasePoint<f64>,
-        b: &ReleasePoint<f64>,
-        parameters: &[f64],
+        point: &ReleasePoint<f64>,
+        known: impl IntoIterator<Item = &'k ReleasePoint<f64>>,
     ) -> bool {
-        let same = if a.free.is_empty() { SAME } else { SAME_ORBIT };
-        self.apart(&a.state, &b.state, parameters).1 <= same
+        let same = if point.free.is_empty() {
+            SAME
+        } else {
+            SAME_ORBIT
+        };
+        known.into_iter().all(|known| {
+            known.contact != point.contact || self.apart(&known.state, &point.state).1 > same
+        })
     }
 
     /// Just beyond where the acceleration of a state held in contact rises through zero over a period.
-    fn along_contact(
-        &self,
-        parameters: &[f64],
-        initial: &[f64],
-        turn: &Turn<f64>,
-    ) -> Vec<Vec<f64>> {
+    fn along_contact(&self, contact: usize, initial: &[f64], phase: &Turn<f64>) -> Vec<Vec<f64>> {
+        let equations = &self.problem.releases[contact];
         let mut near = initial.to_vec();
         let held = (0..=PHASES).filter_map(|part| {
-            let phase = turn.period * (part as f64 / PHASES as f64);
-            near[turn.state] = initial[turn.state] + phase;
-            near = self.converge(parameters, &near, &[turn.state])?.at;
-            Some((near.clone(), self.acceleration(&near, parameters)))
+            let turned = phase.period * (part as f64 / PHASES as f64);
+            near[phase.state] = initial[phase.state] + turned;
+            near = (equations.converge(&self.parameters, &near, &[phase.state])?).at;
+            Some((
+                near.clone(),
+                equations.acceleration(&near, &self.parameters),
+            ))
         });
         let held: Vec<(Vec<f64>, f64)> = held.collect();
         let rises = |pair: &&[(Vec<f64>, f64)]| pair[0].1 < 0.0 && pair[1].1 >= 0.0;
         let beyond = held.windows(2).filter(rises);
         beyond.map(|pair| pair[1].0.clone()).collect()
     }
-}
 
-/// States along the trajectory from the initial state, the last one at a release if there is one; none if it cannot start
-/// there.
-fn along_trajectory(
-    system: &System,
-    parameters: &[f64],
-    initial: &[f64],
-    start: f64,
-) -> Vec<Vec<f64>> {
-    let mut seeds = Vec::new();
-    let mut work = system.workspace::<f64>(&Settings::default());
-    let Ok(mut trajectory) = Trajectory::start(system, &mut work, parameters, start, initial)
-    else {
-        return seeds;
-    };
-    for _ in 0..SEED_STEPS {
-        match trajectory.advance(system, &mut work, NO_HORIZON) {
-            Ok(Some(Occurrence::Release { .. })) => {
-                seeds.push(trajectory.state().to_vec());
-                break;
+    /// States along the trajectory from the initial state, the last one at a release if there is one; none if it cannot start
+    /// there.
+    fn along_trajectory(&self, initial: &[f64]) -> Vec<Vec<f64>> {
+        let system = &self.problem.plain.system;
+        let mut seeds = Vec::new();
+        let Ok((mut work, mut trajectory)) = system.trajectory_from(&self.parameters, initial)
+        else {
+            return seeds;
+        };
+        for _ in 0..SEED_STEPS {
+            match trajectory.advance(system, &mut work, NO_HORIZON) {
+                Ok(Some(Occurrence::Release { .. })) => {
+                    seeds.push(trajectory.state().to_vec());
+                    break;
+                }
+                Ok(_) if seeds.len() < SEEDS => seeds.push(trajectory.state().to_vec()),
+                Ok(_) => {}
+                Err(_) => break,
             }
-            Ok(_) if seeds.len() < SEEDS => seeds.push(trajectory.state().to_vec()),
-            Ok(_) => {}
-            Err(_) => break,
         }
+        seeds
     }
-    seeds
 }

@@ -1,9 +1,9 @@
 //! Release points over the parameter: each follows its own branch as far as it exists.
 
 use super::super::error::BorderError;
-use super::super::problem::Problem;
+use super::super::problem::{Here, Problem};
 use super::equations::ReleasePoint;
-use crate::numerics::Real;
+use crate::numerics::Rounded;
 
 /// All release points are looked for at every so manieth value; in between they are followed.
 const LOOK_EVERY: usize = 8;
@@ -17,38 +17,44 @@ impl Problem {
     pub(crate) fn branches(&self, values: &[f64]) -> Result<Vec<Branch>, BorderError> {
         let mut branches: Vec<Branch> = Vec::new();
         let mut failure = None;
-        for k in 0..values.len() {
-            // Where a branch ends, Newton's method may come to another: the point belongs to the branch that expected it nearest.
-            let mut reached: Vec<_> = (branches.iter().enumerate())
-                .filter_map(|(i, branch)| {
-                    Some((i, self.followed(branch, values, (k.checked_sub(1)?, k))?))
-                })
-                .collect();
-            reached.sort_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
-            for (i, (point, _)) in reached {
-                self.give(&mut branches, i, (k, values[k]), point);
-            }
-            if k % LOOK_EVERY != 0 && k + 1 != values.len() {
-                continue;
-            }
-            let found = self.release_points(values[k]).unwrap_or_else(|error| {
+        for (k, &value) in values.iter().enumerate() {
+            let found = self.at(value).and_then(|here| {
+                // Where a branch ends, Newton's method may come to another: the point belongs to the branch that expected it nearest.
+                let followed = |(i, branch): (usize, &Branch)| {
+                    let before = k.checked_sub(1)?;
+                    Some((i, here.followed(values[before], branch[before].as_ref()?)?))
+                };
+                let mut reached: Vec<_> =
+                    branches.iter().enumerate().filter_map(followed).collect();
+                reached.sort_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
+                for (i, (point, _)) in reached {
+                    here.give(&mut branches, (i, k), point);
+                }
+                match k % LOOK_EVERY == 0 || k + 1 == values.len() {
+                    true => here.release_points(),
+                    false => Ok(Vec::new()),
+                }
+            });
+            let found = found.unwrap_or_else(|error| {
                 failure.get_or_insert(error);
                 Vec::new()
             });
             for point in found {
                 let new = branches.len();
                 branches.push(vec![None; values.len()]);
-                if !self.give(&mut branches, new, (k, values[k]), point) {
-                    branches.pop();
-                    continue;
+                let mut latest = Some((k, point));
+                while let Some((k, point)) = latest {
+                    let here = self.at(values[k]).ok();
+                    let is_given =
+                        here.is_some_and(|here| here.give(&mut branches, (new, k), point.clone()));
+                    let before = k.checked_sub(1).filter(|_| is_given);
+                    latest = before.and_then(|before| {
+                        let there = self.at(values[before]).ok()?;
+                        Some((before, there.followed(values[k], &point)?.0))
+                    });
                 }
-                for earlier in (0..k).rev() {
-                    let followed = self.followed(&branches[new], values, (earlier + 1, earlier));
-                    let at = (earlier, values[earlier]);
-                    if !followed.is_some_and(|(point, _)| self.give(&mut branches, new, at, point))
-                    {
-                        break;
-                    }
+                if branches[new][k].is_none() {
+                    branches.pop();
                 }
             }
         }
@@ -57,20 +63,18 @@ impl Problem {
             _ => Ok(branches),
         }
     }
+}
 
-    /// A branch's release point at another of the values, and how far it is from where the branch was heading.
-    fn followed(
+impl Here<'_, f64> {
+    /// The release point here of a branch that is known at another value, and how far it is from where the branch was heading.
+    pub(crate) fn followed(
         &self,
-        branch: &Branch,
-        values: &[f64],
-        (here, there): (usize, usize),
+        value: f64,
+        from: &ReleasePoint<f64>,
     ) -> Option<(ReleasePoint<f64>, f64)> {
-        let from = branch[here].as_ref()?;
-        let parameters = self.parameters(values[there]);
-        let expected = from.expected(values[there] - values[here]);
-        let point = self.returning(values[there], &expected).ok()?;
-        let state: Vec<f64> = expected.state.iter().map(|x| x.to_f64()).collect();
-        let (_, off) = self.releases[from.contact].apart(&point.state, &state, &parameters);
+        let expected = from.moved(&from.slope, self.value - value);
+        let point = self.returning(&expected).ok()?;
+        let (_, off) = self.apart(&point.state, &expected.state.rounded());
         Some((point, off))
     }
 
@@ -78,15 +82,11 @@ impl Problem {
     fn give(
         &self,
         branches: &mut [Branch],
-        branch: usize,
-        (k, value): (usize, f64),
+        (branch, k): (usize, usize),
         point: ReleasePoint<f64>,
     ) -> bool {
-        let parameters = self.parameters(value);
-        let is_new = (branches.iter().filter_map(|branch| branch[k].as_ref())).all(|known| {
-            known.contact != point.contact
-                || !self.releases[point.contact].is_same(known, &point, &parameters)
-        });
+        let known = branches.iter().filter_map(|branch| branch[k].as_ref());
+        let is_new = self.is_new(&point, known);
         if is_new {
             branches[branch][k] = Some(point);
         }

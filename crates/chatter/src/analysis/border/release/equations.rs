@@ -1,10 +1,11 @@
 //! The release point: where contact ends, h = v = a = 0 and j > 0.
 
-use crate::analysis::periodic::closure::Closure;
+use super::super::error::{BorderError, Lack};
+use super::super::problem::Here;
 use crate::expressions::{Expr, Graph, Symbol};
-use crate::model::{Mechanics, MechanicsError, Model};
+use crate::model::{Mechanics, Model};
 use crate::numerics::{
-    DoubleDouble, Equations, Linearised, Matrix, Newton, Real, Solution, dot, moved, unit,
+    DoubleDouble, Equations, Linearised, Matrix, Newton, Real, Rounded, Solution, dot, moved, unit,
     with_rounding,
 };
 use core::ops::Range;
@@ -27,16 +28,12 @@ pub(crate) const FIELD: usize = 5;
 /// states are coordinates on.
 #[derive(Clone, Debug)]
 pub(crate) struct ReleaseEquations {
-    pub contact: usize,
-    pub(super) graph: Graph,
+    graph: Graph,
     /// Gap, rate, acceleration, jerk, restitution, field.
     functions: Vec<Expr>,
     /// Their derivatives, a row each: by the states, then by the parameter.
     slopes: Vec<Vec<Expr>>,
     jump: Vec<Expr>,
-    /// The phases of a forcing, and where all states start; none where the equations have no period.
-    pub(super) closure: Option<Closure>,
-    pub(super) initial: Vec<Expr>,
 }
 
 with_rounding! {
@@ -81,68 +78,50 @@ impl<R: Real> ReleasePoint<R> {
 
     /// A part of a displacement away from where it is.
     pub(crate) fn moved(&self, by: &[R], part: R) -> Place {
-        let moved = self.state.iter().zip(by).map(|(&x, &by)| x + by * part);
         Place {
             contact: self.contact,
-            state: moved.map(|x| x.to_double_double()).collect(),
+            state: moved(&self.state, by, part).rounded(),
         }
-    }
-
-    /// Where it is expected at another value of the parameter.
-    pub(crate) fn expected(&self, by: R) -> Place {
-        self.moved(&self.slope, by)
     }
 
     /// Lets it move with the parameter as orbits that return to it do: their coordinates change so much.
-    pub(crate) fn follow_orbit(&mut self, moved: &[R]) {
-        let along = self.along(moved);
-        for (slope, part) in self.slope.iter_mut().zip(along) {
-            *slope += part;
-        }
-        self.restitution_slope += dot(&self.restitution_by, moved);
+    pub(crate) fn follow_orbit(&mut self, changes: &[R]) {
+        self.slope = moved(&self.slope, &self.along(changes), R::ONE);
+        self.restitution_slope += dot(&self.restitution_by, changes);
     }
 
     /// The displacement that these changes of the coordinates make.
     pub(crate) fn along(&self, changes: &[R]) -> Vec<R> {
-        let mut sum = vec![R::ZERO; self.slope.len()];
-        for (direction, &change) in self.directions.iter().zip(changes) {
-            for (sum, &part) in sum.iter_mut().zip(direction) {
-                *sum += part * change;
-            }
-        }
-        sum
+        let nowhere = vec![R::ZERO; self.slope.len()];
+        let parts = self.directions.iter().zip(changes);
+        parts.fold(nowhere, |sum, (along, &change)| moved(&sum, along, change))
     }
 }
 
 impl ReleaseEquations {
     pub(crate) fn new(
         model: &Model,
+        mechanics: &Mechanics,
         parameter: usize,
-        index: usize,
-    ) -> Result<Self, MechanicsError> {
-        let mut mechanics = Mechanics::new(model)?;
-        let contact = mechanics.contacts[index].clone();
-        let field = mechanics.field.clone();
-        let graph = &mut mechanics.graph;
+        contact: usize,
+    ) -> Self {
+        let contact = &mechanics.contacts[contact];
+        let mut graph = mechanics.graph.clone();
         let states: Vec<Symbol> = (0..model.states.len()).map(Symbol::State).collect();
         let mut functions = vec![contact.gap, contact.rate, contact.acceleration];
         functions.extend([contact.jerk, contact.restitution]);
-        functions.extend(&field);
+        functions.extend(&mechanics.field);
         let mut slopes = graph.jacobian(&functions, &states);
-        let by_parameter = model.derivatives_by_parameter(graph, &functions, parameter);
+        let by_parameter = model.derivatives_by_parameter(&mut graph, &functions, parameter);
         for (row, entry) in slopes.iter_mut().zip(by_parameter) {
             row.push(entry);
         }
-        Ok(Self {
-            contact: index,
-            closure: (Closure::with_section(model, &[parameter], None, None).ok())
-                .map(|(closure, _)| closure),
-            initial: model.states.iter().map(|state| state.initial).collect(),
-            graph: mechanics.graph,
+        Self {
+            graph,
             functions,
             slopes,
-            jump: contact.jump,
-        })
+            jump: contact.jump.clone(),
+        }
     }
 
     /// Some of the functions with their derivatives: by the states, then by the parameter.
@@ -161,18 +140,6 @@ impl ReleaseEquations {
             .chunks(state.len() + 1)
             .for_each(|row| jacobian.push(row));
         Linearised { residual, jacobian }
-    }
-
-    /// The state with these values of all states but one, that one such that the gap is zero; `None` where Newton's method
-    /// does not get there.
-    pub(crate) fn onto_surface(
-        &self,
-        parameters: &[f64],
-        state: &[f64],
-        bound: usize,
-    ) -> Option<Vec<f64>> {
-        let others: Vec<usize> = (0..state.len()).filter(|&i| i != bound).collect();
-        Some(self.converge(parameters, state, &others)?.at)
     }
 
     /// The state with the values of some states that a guess has, at which as many of gap, rate and acceleration as that leaves are
@@ -196,18 +163,60 @@ impl ReleaseEquations {
         Some(found)
     }
 
+    /// The acceleration.
+    pub(super) fn acceleration(&self, state: &[f64], parameters: &[f64]) -> f64 {
+        self.graph
+            .evaluate(self.functions[ACCELERATION], state, parameters)
+    }
+
+    /// The state that an impulse leaves at rest on the contact, the gap being zero.
+    pub(crate) fn brought_to_rest(&self, state: &[f64], parameters: &[f64]) -> Vec<f64> {
+        let rate = self.graph.evaluate(self.functions[1], state, parameters);
+        let jump = self.graph.evaluate_all(&self.jump, state, parameters);
+        moved(state, &jump, -rate)
+    }
+}
+
+impl<R: Real> Here<'_, R> {
+    /// Some of a contact's functions with their derivatives.
+    pub(crate) fn functions(
+        &self,
+        contact: usize,
+        which: Range<usize>,
+        state: &[R],
+    ) -> Linearised<R> {
+        self.problem.releases[contact].at(which, state, &self.parameters)
+    }
+
+    /// The state with these values of all states but one, that one such that the gap is zero; `None` where Newton's method
+    /// does not get there.
+    pub(crate) fn onto_surface(&self, contact: usize, state: &[R], bound: usize) -> Option<Vec<R>> {
+        let others: Vec<usize> = (0..state.len()).filter(|&i| i != bound).collect();
+        let found = self.problem.releases[contact].converge(&self.parameters, state, &others)?;
+        Some(found.at)
+    }
+
+    /// The release point near one that is known, with its coordinates.
+    pub(crate) fn release(&self, near: &Place) -> Result<ReleasePoint<R>, BorderError> {
+        let found = self.solve(near.contact, &near.state.rounded());
+        found.ok_or_else(|| self.lacks(Lack::Release))
+    }
+
     /// The release point that Newton's method finds from a guess with its coordinates, in the first forcing period; `None`
     /// where it does not converge to a point with positive jerk.
-    pub(crate) fn solve<R: Real>(&self, parameters: &[R], guess: &[R]) -> Option<ReleasePoint<R>> {
+    pub(crate) fn solve(&self, contact: usize, guess: &[R]) -> Option<ReleasePoint<R>> {
+        let equations = &self.problem.releases[contact];
+        let converge =
+            |guess: &[R], free: &[usize]| equations.converge(&self.parameters, guess, free);
         // What gap, rate and acceleration depend on most is no coordinate; nor is the parameter, which is last.
-        let mut slopes = self.at(0..CONDITIONS, guess, parameters).jacobian;
+        let mut slopes = self.functions(contact, 0..CONDITIONS, guess).jacobian;
         (0..CONDITIONS).for_each(|row| slopes[(row, guess.len())] = R::ZERO);
         let mut free = slopes.free_columns();
         free.pop();
-        let mut found = self.converge(parameters, guess, &free)?;
-        if self.to_first_turn(parameters, &mut found.at) {
+        let mut found = converge(guess, &free)?;
+        if self.to_first_turn(&mut found.at) {
             // A shift by many periods has lost digits.
-            found = self.converge(parameters, &found.at, &free)?;
+            found = converge(&found.at, &free)?;
         }
         let Solution {
             at: mut state,
@@ -226,15 +235,15 @@ impl ReleaseEquations {
         let moved = |place: usize| factors.solve(&unit(size, place));
         let directions: Vec<Vec<R>> = (CONDITIONS..size - 1).map(moved).collect();
         let slope = moved(size - 1);
-        let here = self.at(JERK..FIELD, &state, parameters);
+        let here = self.functions(contact, JERK..FIELD, &state);
         let [jerk, restitution] = here.residual[..] else {
             return None;
         };
         let by = here.jacobian.row(RESTITUTION - JERK);
-        let mut jump = self.graph.evaluate_all(&self.jump, &state, parameters);
+        let mut jump = (equations.graph).evaluate_all(&equations.jump, &state, &self.parameters);
         jump.push(R::ZERO);
         (jerk > R::ZERO && jerk.is_finite()).then(|| ReleasePoint {
-            contact: self.contact,
+            contact,
             restitution_slope: dot(by, &slope),
             restitution_by: directions.iter().map(|along| dot(by, along)).collect(),
             state,
@@ -245,31 +254,6 @@ impl ReleaseEquations {
             restitution,
             jump,
         })
-    }
-
-    /// The acceleration.
-    pub(super) fn acceleration(&self, state: &[f64], parameters: &[f64]) -> f64 {
-        self.graph
-            .evaluate(self.functions[ACCELERATION], state, parameters)
-    }
-
-    /// The state that an impulse leaves at rest on the contact, the gap being zero.
-    pub(crate) fn brought_to_rest(&self, state: &[f64], parameters: &[f64]) -> Vec<f64> {
-        let rate = self.graph.evaluate(self.functions[1], state, parameters);
-        let jump = self.graph.evaluate_all(&self.jump, state, parameters);
-        moved(state, &jump, -rate)
-    }
-
-    /// A release point polished in another number type.
-    pub(crate) fn polish<R: Real>(
-        &self,
-        parameters: &[R],
-        near: &Place,
-    ) -> Option<ReleasePoint<R>> {
-        let guess: Vec<R> = (near.state.iter())
-            .map(|&x| R::from_double_double(x))
-            .collect();
-        self.solve(parameters, &guess)
     }
 }
 

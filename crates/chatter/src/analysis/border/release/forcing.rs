@@ -1,9 +1,8 @@
 //! The phase of a forced system: states that the equations know up to whole periods.
 
-use super::super::error::{BorderError, Lack};
-use super::equations::ReleaseEquations;
-use crate::analysis::periodic::closure::Turn as Period;
-use crate::numerics::{Real, moved, with_rounding};
+use super::super::problem::Here;
+use crate::analysis::periodic::closure::Turn as Phase;
+use crate::numerics::{Real, with_rounding};
 use serde::{Deserialize, Serialize};
 
 with_rounding! {
@@ -32,63 +31,42 @@ impl<R: Real> Turn<R> {
     }
 }
 
-impl ReleaseEquations {
-    /// The phases with their periods; none where the equations never return to what they were.
-    fn periods<R: Real>(&self, parameters: &[R]) -> Vec<Period<R>> {
-        let known = self.closure.as_ref().map(|phases| phases.turns(parameters));
-        known.and_then(Result::ok).unwrap_or_default()
-    }
-
-    /// The phases with their periods, no turn counted yet.
-    pub(crate) fn turns<R: Real>(&self, parameters: &[R]) -> Vec<Turn<R>> {
-        (self.periods(parameters).iter())
-            .map(|turn| Turn {
-                state: turn.state,
-                period: turn.period,
-                period_slope: turn.slopes[0],
-                count: 0,
-            })
-            .collect()
-    }
-
-    /// Fails where the equations never return to what they were.
-    pub(crate) fn check_forcing(&self, parameters: &[f64], value: f64) -> Result<(), BorderError> {
-        let known = self.closure.as_ref().map(|phases| phases.turns(parameters));
-        match known {
-            Some(Ok(_)) => Ok(()),
-            _ => Err(Lack::Period.at(value)),
-        }
-    }
-
-    /// Whether a state is a phase.
-    pub(crate) fn is_phase(&self, state: usize) -> bool {
-        (self.closure.as_ref()).is_some_and(|phases| phases.is_phase(state))
+impl<R: Real> Here<'_, R> {
+    /// How often each phase turns from one state to another.
+    pub(crate) fn turns(&self, from: &[R], to: &[R]) -> Vec<Turn<R>> {
+        let turn = |phase: &Phase<R>| Turn {
+            state: phase.state,
+            period: phase.period,
+            period_slope: phase.slopes[0],
+            count: libm::round(((to[phase.state] - from[phase.state]) / phase.period).to_f64())
+                as i64,
+        };
+        self.phases.iter().map(turn).collect()
     }
 
     /// Takes whole periods from the phases until they are within one from where the model starts; whether there were any.
-    pub(super) fn to_first_turn<R: Real>(&self, parameters: &[R], state: &mut [R]) -> bool {
+    pub(super) fn to_first_turn(&self, state: &mut [R]) -> bool {
+        let initial = self.problem.model.initial_state(&self.parameters);
         let mut reduced = false;
-        for turn in self.turns(parameters) {
-            let initial = self.initial[turn.state];
-            let start = self.graph.evaluate(initial, &[], parameters);
-            let turns = ((state[turn.state] - start) / turn.period).to_f64().floor();
+        for phase in &self.phases {
+            let way = state[phase.state] - initial[phase.state];
+            let turns = (way / phase.period).to_f64().floor();
             if turns != 0.0 && turns.is_finite() {
-                state[turn.state] -= turn.period * R::splat(turns);
+                state[phase.state] -= phase.period * R::splat(turns);
                 reduced = true;
             }
         }
         reduced
     }
+}
 
+impl Here<'_, f64> {
     /// What leads from one state to another, and how far they lie apart, relative to their size: phases up to whole periods.
-    pub(crate) fn apart(&self, a: &[f64], b: &[f64], parameters: &[f64]) -> (Vec<f64>, f64) {
+    pub(crate) fn apart(&self, a: &[f64], b: &[f64]) -> (Vec<f64>, f64) {
         let sizes: Vec<f64> = (a.iter().zip(b))
             .map(|(a, b)| 1.0 + a.abs() + b.abs())
             .collect();
-        let Some(closure) = &self.closure else {
-            return (moved(b, a, -1.0), f64::INFINITY);
-        };
-        let (off, difference) = closure.apart(&self.periods(parameters), (a, b), &sizes);
+        let (off, difference) = self.closure.apart(&self.phases, (a, b), &sizes);
         (off, difference.distance)
     }
 }

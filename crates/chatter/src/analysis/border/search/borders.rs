@@ -1,7 +1,7 @@
-//! The border nearest to a value of the parameter, and all borders of a range, stretch by stretch.
+//! Borders stretch by stretch: all of a range, or from a value of the parameter outwards until the nearest is known.
 
-use super::super::coordinate::Verdict;
-use super::super::coordinate::root::Root;
+use super::super::coordinate::root::{Root, is_same};
+use super::super::coordinate::sequence::Verdict;
 use super::super::error::{BorderError, Break};
 use super::super::orbit::{Border, complete};
 use super::super::problem::Problem;
@@ -9,8 +9,8 @@ use super::super::spec::BorderSpec;
 use super::closing_in::HALVINGS_WITHOUT;
 use super::sample::Sample;
 use crate::model::Model;
-use crate::numerics::Real;
-use core::ops::{ControlFlow, Range};
+use crate::numerics::{Estimate, Real};
+use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 
 /// All borders of a range.
@@ -54,10 +54,10 @@ const LEAST_SHARE: usize = 200;
 /// Breaks this near to each other, relative to the parameter, are told as one.
 const SAME_BREAK: f64 = 1e-6;
 
-/// Around a value the distances from it are searched by stretches, each twice as long as the one before, to as much as the value
-/// itself; and the parts of each on either side.
+/// Around a value stretches follow each other to either side, each twice as long as the one before, to as much as the value itself;
+/// and the parts of each.
 const GRADES: u32 = 8;
-const GRADE_SAMPLES: usize = 12;
+const GRADE_SAMPLES: i32 = 12;
 
 /// Where the value asked for is zero, the last stretch ends here.
 const UNIT: f64 = 1.0;
@@ -67,19 +67,24 @@ fn part(low: f64, high: f64, k: usize, parts: usize) -> f64 {
     low + (high - low) * (k as f64 / parts as f64)
 }
 
+/// Parameter values in order. Borders are looked for within the interval; values beyond show whether a distance is smallest there.
+struct Stretch {
+    values: Vec<f64>,
+    within: (f64, f64),
+}
+
 /// The search in an interval, and what it has found.
 pub(super) struct Search<'a, R> {
-    pub problem: Problem,
-    pub spec: &'a BorderSpec,
+    pub problem: &'a Problem,
     low: f64,
     high: f64,
     observer: &'a mut SearchObserver<'a>,
+    /// From where to where of the whole work the present stretch goes.
+    share: [f64; 2],
     /// Sequences that may still be followed to close in on a change of the verdict.
     pub left: usize,
-    /// Where only the border nearest to a value is looked for: that value, and how far the nearest is so far.
-    nearest: Option<(f64, f64)>,
     /// The roots that were looked at.
-    roots: Vec<Root<f64>>,
+    roots: Vec<Estimate<f64>>,
     /// Roots that are no borders.
     refused: Vec<Break>,
     pub found: Borders<R>,
@@ -87,8 +92,7 @@ pub(super) struct Search<'a, R> {
 
 impl<'a, R: Real> Search<'a, R> {
     fn new(
-        model: &Model,
-        spec: &'a BorderSpec,
+        problem: &'a Problem,
         (low, high): (f64, f64),
         observer: &'a mut SearchObserver<'a>,
     ) -> Result<Self, BorderError> {
@@ -96,13 +100,12 @@ impl<'a, R: Real> Search<'a, R> {
             return Err(BorderError::Range { low, high });
         }
         Ok(Self {
-            problem: Problem::new(model, spec)?,
-            spec,
+            problem,
             low,
             high,
             observer,
+            share: [0.0, 1.0],
             left: 0,
-            nearest: None,
             roots: Vec::new(),
             refused: Vec::new(),
             found: Borders {
@@ -115,124 +118,114 @@ impl<'a, R: Real> Search<'a, R> {
         })
     }
 
-    fn progress(&mut self, done: f64) -> ControlFlow<()> {
+    /// Tells that this part of a stretch is done, and hears whether to go on.
+    fn goes_on(&mut self, part: f64) -> bool {
+        let [begin, end] = self.share;
         let borders = self.found.borders.len();
-        (self.observer)(&SearchProgress { done, borders })
+        let done = begin + (end - begin) * part;
+        self.found.is_complete = (self.observer)(&SearchProgress { done, borders }).is_continue();
+        self.found.is_complete
     }
 
     /// The verdicts at parameter values in order, along each branch of release points; values at which that fails have none. The
-    /// error is the first failure, if nothing is known at any value. None if the observer breaks off.
-    fn scan(
-        &mut self,
-        values: &[f64],
-        (begun, share): (f64, f64),
-    ) -> Result<Option<Vec<Vec<Sample>>>, BorderError> {
+    /// error is the first failure, if nothing is known at any value. Nothing if the observer breaks off.
+    fn scan(&mut self, values: &[f64]) -> Result<Vec<Vec<Sample>>, BorderError> {
         let branches = self.problem.branches(values)?;
         let total = (branches.len() * values.len()) as f64;
         let mut failure = None;
-        let mut samples: Vec<Vec<Sample>> = Vec::new();
-        for branch in branches {
-            let mut along = Vec::with_capacity(values.len());
-            for (&value, point) in values.iter().zip(branch) {
-                let done = samples.len() * values.len() + along.len();
-                if self
-                    .progress(begun + share * (done as f64 / total))
-                    .is_break()
-                {
-                    return Ok(None);
-                }
-                let sample = point.map(|point| self.problem.sample(value, point));
-                along.push(sample.map_or(Sample::unknown(value), |sample| {
-                    sample.unwrap_or_else(|error| {
-                        failure.get_or_insert(error);
-                        Sample::unknown(value)
-                    })
-                }));
+        let mut samples: Vec<Sample> = Vec::new();
+        for (place, point) in branches.into_iter().flatten().enumerate() {
+            if !self.goes_on(VERDICTS * (place as f64 / total)) {
+                return Ok(Vec::new());
             }
-            samples.push(along);
+            let value = values[place % values.len()];
+            let sample = point.map(|point| self.problem.at(value)?.sample(point));
+            samples.push(match sample {
+                Some(Ok(sample)) => sample,
+                failed => {
+                    failure = failure.or(failed.and_then(Result::err));
+                    Sample::unknown(value)
+                }
+            });
         }
         match failure {
-            Some(error) if !samples.iter().flatten().any(|at| at.found.is_some()) => Err(error),
-            _ => Ok(Some(samples)),
+            Some(error) if samples.iter().all(|at| at.found.is_none()) => Err(error),
+            _ => Ok(samples
+                .chunks(values.len())
+                .map(<[Sample]>::to_vec)
+                .collect()),
         }
     }
 
-    /// Searches between two of these values, the others of which show whether a distance is smallest there. Those of `own` places count
-    /// where there is no chatter.
-    fn stretch(
-        &mut self,
-        values: &[f64],
-        within: (f64, f64),
-        own: Range<usize>,
-        (begun, share): (f64, f64),
-    ) -> Result<ControlFlow<()>, BorderError> {
-        let Some(samples) = self.scan(values, (begun, share * VERDICTS))? else {
-            return Ok(ControlFlow::Break(()));
-        };
+    /// Searches a stretch, until the observer breaks off.
+    fn stretch(&mut self, Stretch { values, within }: &Stretch) -> Result<(), BorderError> {
+        let samples = self.scan(values)?;
         // Release points of contacts that never chatter are none that orbits come to.
         let alone = self.problem.releases.len() == 1;
         let chatters =
             |branch: &&Vec<Sample>| alone || !branch.iter().all(Sample::is_without_chatter);
-        let silent = |place: &usize| {
-            let is_silent = |branch: &Vec<Sample>| branch[*place].is_without_chatter();
-            samples.iter().filter(chatters).any(is_silent)
+        // A value that two stretches share counts once, the last one, too.
+        let is_last = values.last() == Some(&within.1);
+        let own = |value: f64| within.0 <= value && (is_last || value < within.1);
+        let is_silent = |place: &usize| {
+            let mut branches = samples.iter().filter(chatters);
+            own(values[*place]) && branches.any(|branch| branch[*place].is_without_chatter())
         };
-        self.found.without_chatter += own.filter(silent).count();
-        let mut changes: Vec<[Sample; 2]> = samples
-            .iter()
-            .flat_map(|branch| self.pairs(branch))
-            .collect();
-        changes.retain(|[left, right]| within.0 <= left.value && right.value <= within.1);
-        let off =
-            |[left, right]: &[Sample; 2], from: f64| (left.value - from).max(from - right.value);
-        if let Some((wanted, _)) = self.nearest {
-            changes.sort_by(|a, b| off(a, wanted).total_cmp(&off(b, wanted)));
-        }
-        for (place, change) in changes.iter().enumerate() {
-            // No further than where a border is nearer than what is left.
-            if (self.nearest).is_some_and(|(wanted, least)| least <= off(change, wanted)) {
-                break;
-            }
+        self.found.without_chatter += (0..values.len()).filter(is_silent).count();
+        let pairs = samples.iter().flat_map(|branch| self.pairs(branch));
+        let is_within =
+            |[left, right]: &[Sample; 2]| within.0 <= left.value && right.value <= within.1;
+        let changes: Vec<[Sample; 2]> = pairs.filter(is_within).collect();
+        for (place, [left, right]) in changes.iter().enumerate() {
             // None may leave the others without sequences.
             self.left = (MOST_SAMPLES / changes.len()).max(LEAST_SHARE);
-            self.close_in(&change[0], &change[1], HALVINGS_WITHOUT)?;
+            self.close_in(left, right, HALVINGS_WITHOUT)?;
             let closed_in = (place + 1) as f64 / changes.len() as f64;
-            let done = begun + share * (VERDICTS + (1.0 - VERDICTS) * closed_in);
-            if self.progress(done).is_break() {
-                return Ok(ControlFlow::Break(()));
+            if !self.goes_on(VERDICTS + (1.0 - VERDICTS) * closed_in) {
+                break;
             }
         }
-        Ok(ControlFlow::Continue(()))
-    }
-
-    /// Makes a border of a root, if none is known that makes it needless.
-    pub(super) fn take(&mut self, root: Root<f64>) -> Result<(), BorderError> {
-        let value = root.point.value;
-        let is_needless = match self.nearest {
-            Some((wanted, least)) => least <= (value - wanted).abs(),
-            None => self.roots.iter().any(|known| known.is_same(&root)),
-        };
-        if is_needless || !(self.low..=self.high).contains(&value) {
-            return Ok(());
-        }
-        match (
-            complete(&self.problem, self.spec, &root)?,
-            &mut self.nearest,
-        ) {
-            (Ok(border), Some((wanted, least))) => {
-                *least = (value - *wanted).abs();
-                self.found.borders = vec![border];
-            }
-            (Ok(border), None) => self.found.borders.push(border),
-            (Err(cause), Some(_)) => self.found.breaks.push(Break { value, cause }),
-            (Err(cause), None) => self.refused.push(Break { value, cause }),
-        }
-        self.roots.push(root);
         Ok(())
     }
 
-    /// What was found, in order.
-    fn finish(self) -> Borders<R> {
+    /// Makes a border of a root, if it is a new one.
+    pub(super) fn take(&mut self, root: &Root<'a, f64>) -> Result<(), BorderError> {
+        let (value, error) = (root.point.here.value, root.error);
+        let place = Estimate { value, error };
+        let is_known = self.roots.iter().any(|known| is_same(known, &place));
+        if is_known || !(self.low..=self.high).contains(&value) {
+            return Ok(());
+        }
+        match complete(root)? {
+            Ok(border) => self.found.borders.push(border),
+            Err(cause) => self.refused.push(Break { value, cause }),
+        }
+        self.roots.push(place);
+        Ok(())
+    }
+
+    /// Searches those of stretches that are wanted beside what is found so far, until the observer breaks off. The error is the
+    /// latest failure, if all fail.
+    fn search(
+        mut self,
+        stretches: impl ExactSizeIterator<Item = Stretch>,
+        is_wanted: impl Fn(&Stretch, &[Border<R>]) -> bool,
+    ) -> Result<Borders<R>, BorderError> {
+        let (mut failure, mut is_known) = (None, false);
+        let count = stretches.len() as f64;
+        for (place, stretch) in stretches.enumerate() {
+            if !(self.found.is_complete && is_wanted(&stretch, &self.found.borders)) {
+                break;
+            }
+            self.share = [place, place + 1].map(|place| place as f64 / count);
+            match self.stretch(&stretch) {
+                Ok(()) => is_known = true,
+                Err(error) => failure = Some(error),
+            }
+        }
+        if let Some(error) = failure.filter(|_| !is_known) {
+            return Err(error);
+        }
         let mut found = self.found;
         let breaks = &mut found.breaks;
         breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -241,7 +234,7 @@ impl<'a, R: Real> Search<'a, R> {
         breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
         let value = |border: &Border<R>| border.value.value.to_f64();
         (found.borders).sort_by(|a, b| value(a).total_cmp(&value(b)));
-        found
+        Ok(found)
     }
 }
 
@@ -265,38 +258,24 @@ pub fn borders_in<R: Real>(
 pub fn search_range<R: Real>(
     model: &Model,
     spec: &BorderSpec,
-    range: (f64, f64),
+    (low, high): (f64, f64),
     observer: &mut SearchObserver<'_>,
 ) -> Result<Borders<R>, BorderError> {
-    let mut search = Search::new(model, spec, range, observer)?;
-    let (mut failure, mut is_known) = (None, false);
     let parts = spec.samples.max(1);
-    let value = |place| part(range.0, range.1, place, parts);
-    for first in (0..parts).step_by(STRETCH) {
+    let value = |place| part(low, high, place, parts);
+    let stretch = |first: usize| {
         let last = first.saturating_add(STRETCH).min(parts);
-        let [begun, share] = [first, last - first].map(|count| count as f64 / parts as f64);
         // A value more on either side.
-        let before = first.saturating_sub(1);
-        let values: Vec<f64> = (before..=(last + 1).min(parts)).map(value).collect();
-        // The value that two stretches share counts once.
-        let own = first - before..last - before + usize::from(last == parts);
-        match search.stretch(&values, (value(first), value(last)), own, (begun, share)) {
-            Ok(ControlFlow::Continue(())) => is_known = true,
-            Ok(ControlFlow::Break(())) => {
-                search.found.is_complete = false;
-                break;
-            }
-            Err(error) => {
-                failure.get_or_insert(error);
-            }
+        let places = first.saturating_sub(1)..=(last + 1).min(parts);
+        Stretch {
+            values: places.map(value).collect(),
+            within: (value(first), value(last)),
         }
-    }
-    match failure {
-        Some(error) if !is_known => Err(error),
-        _ => Ok(search.finish()),
-    }
+    };
+    let stretches = (0..parts).step_by(STRETCH).map(stretch);
+    let problem = Problem::new(model, spec)?;
+    Search::new(&problem, (low, high), observer)?.search(stretches, |_, _| true)
 }
-
 /// The border nearest to a parameter value: of those between half of it and twice as much, around zero of those from -1
 /// to 1.
 ///
@@ -327,24 +306,37 @@ pub fn search_near<R: Real>(
         _ if value > 0.0 => (value * 0.5, value * 2.0),
         _ => (value * 2.0, value * 0.5),
     };
-    let mut search = Search::new(model, spec, (low, high), observer)?;
-    let ends = (0..=GRADES).map(|grade| 1.0 / f64::from(1 << (GRADES - grade)));
-    let begins = core::iter::once(0.0).chain(ends.clone());
-    let places = begins.zip(ends).flat_map(|(begin, end)| {
-        (1..=GRADE_SAMPLES).map(move |k| part(begin, end, k, GRADE_SAMPLES))
-    });
-    let mut values: Vec<f64> = places.clone().map(|x| value + (low - value) * x).collect();
-    values.reverse();
-    values.push(value);
-    values.extend(places.map(|x| value + (high - value) * x));
-    search.nearest = Some((value, f64::INFINITY));
-    let stretch = search.stretch(&values, (low, high), 0..values.len(), (0.0, 1.0))?;
-    if stretch.is_break() {
+    let stretch = |place: u32| {
+        let edge = if place.is_multiple_of(2) { high } else { low };
+        let end = 1.0 / f64::from(1 << (GRADES - place / 2));
+        let begin = if place < 2 { 0.0 } else { 0.5 * end };
+        // A value more on either side.
+        let places = (-1..=GRADE_SAMPLES + 1)
+            .map(|k| begin + (end - begin) * k as f64 / GRADE_SAMPLES as f64);
+        let places = places.filter(|&place| place <= 1.0);
+        let mut values: Vec<f64> = places.map(|place| value + (edge - value) * place).collect();
+        values.sort_by(f64::total_cmp);
+        let [a, b] = [begin, end].map(|place| value + (edge - value) * place);
+        Stretch {
+            values,
+            within: (a.min(b), a.max(b)),
+        }
+    };
+    let off = |border: &Border<R>| (border.value.value.to_f64() - value).abs();
+    let is_wanted = |Stretch { within, .. }: &Stretch, found: &[Border<R>]| {
+        let begins = (within.0 - value).max(value - within.1);
+        found.iter().all(|border| off(border) > begins)
+    };
+    let problem = Problem::new(model, spec)?;
+    let search = Search::new(&problem, (low, high), observer)?;
+    let found = search.search((0..2 * (GRADES + 1)).map(stretch), is_wanted)?;
+    if !found.is_complete {
         return Ok(None);
     }
-    let mut found = search.finish();
+    let borders = found.borders.into_iter();
+    let nearest = borders.min_by(|a, b| off(a).total_cmp(&off(b)));
     let breaks = found.breaks;
-    (found.borders.pop().map(Some)).ok_or(BorderError::NoBorder { low, high, breaks })
+    (nearest.map(Some)).ok_or(BorderError::NoBorder { low, high, breaks })
 }
 
 /// The verdicts that [`borders_in`] starts from: at `spec.samples` + 1 parameter values from `low` to `high`, a list for
@@ -359,10 +351,11 @@ pub fn verdicts_in(
     high: f64,
 ) -> Result<Vec<Vec<(f64, Verdict)>>, BorderError> {
     let mut observer = |_: &SearchProgress| ControlFlow::Continue(());
-    let mut search: Search<'_, f64> = Search::new(model, spec, (low, high), &mut observer)?;
+    let problem = Problem::new(model, spec)?;
+    let mut search: Search<'_, f64> = Search::new(&problem, (low, high), &mut observer)?;
     let parts = spec.samples.max(1);
     let values: Vec<f64> = (0..=parts).map(|k| part(low, high, k, parts)).collect();
-    let branches = search.scan(&values, (0.0, 1.0))?.unwrap_or_default();
+    let branches = search.scan(&values)?;
     let verdicts = |samples: &Vec<Sample>| samples.iter().map(|s| (s.value, s.verdict)).collect();
     Ok(branches.iter().map(verdicts).collect())
 }

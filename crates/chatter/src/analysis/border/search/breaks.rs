@@ -11,7 +11,7 @@ use crate::numerics::Real;
 const GRAZE: f64 = 1e-4;
 
 /// The rate of the first impact of a border orbit if it is a graze: then the normal form has no finite slope.
-pub(crate) fn grazing_start<R: Real>(point: &Point<R>) -> Option<f64> {
+pub(crate) fn grazing_start<R: Real>(point: &Point<'_, R>) -> Option<f64> {
     let sequence = &point.sequence;
     let rate = sequence.impacts.first()?.rate_before.to_f64();
     (rate.abs() <= GRAZE * sequence.largest_rate()).then_some(rate)

@@ -19,7 +19,7 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 /// than a thousandth.
 pub(super) const HALVINGS_WITHOUT: usize = 10;
 
-impl<R: Real> Search<'_, R> {
+impl<'a, R: Real> Search<'a, R> {
     /// Neighbouring samples of different verdict, those around every smallest distance from the border included.
     pub(super) fn pairs(&self, samples: &[Sample]) -> Vec<[Sample; 2]> {
         let mut all = samples.to_vec();
@@ -89,7 +89,7 @@ impl<R: Real> Search<'_, R> {
             let within = (left.value - width, right.value + width);
             let root = (self.root_from(&left, within)).or_else(|| self.root_from(&right, within));
             if let Some(root) = root {
-                return self.take(root);
+                return self.take(&root);
             }
             let middle = left.value + width * 0.5;
             if middle <= left.value || middle >= right.value {
@@ -117,10 +117,8 @@ impl<R: Real> Search<'_, R> {
     }
 
     /// A root reached from a sample whose sequence comes near u*; `None` if there is none.
-    fn root_from(&self, sample: &Sample, within: (f64, f64)) -> Option<Root<f64>> {
+    fn root_from(&self, sample: &Sample, within: (f64, f64)) -> Option<Root<'a, f64>> {
         let (release, _) = sample.found.as_ref().filter(|_| sample.is_near)?;
-        let (near, settles) = (release.place(), sample.settles);
-        let extrapolation = self.spec.extrapolation;
-        (self.problem).root(sample.value, &near, settles, extrapolation, within)
+        (self.problem).root(sample.value, &release.place(), sample.settles, within)
     }
 }

@@ -1,9 +1,8 @@
 //! What the impact sequence at one parameter value does.
 
-use super::super::coordinate::limits::{Extrapolation, Limits};
 use super::super::coordinate::sequence::{Impact, Sequence, Verdict};
 use super::super::error::BorderError;
-use super::super::problem::Problem;
+use super::super::problem::{Here, Problem};
 use super::super::release::equations::ReleasePoint;
 
 /// Newton's method starts once the sequence comes this near to u*, relative to u*.
@@ -47,22 +46,16 @@ impl Sample {
     }
 }
 
-impl Problem {
-    /// The verdict at one parameter value.
-    pub(crate) fn sample(
-        &self,
-        value: f64,
-        release: ReleasePoint<f64>,
-    ) -> Result<Sample, BorderError> {
-        let constants = Self::constants(value, &release)?;
-        let sequence =
-            (self.sequence(value, &release)).map_err(|error| error.with_parameter(value))?;
-        let limits = Limits::new(constants, &release, Extrapolation::default());
+impl Here<'_, f64> {
+    /// What follows a release point.
+    pub(crate) fn sample(&self, release: ReleasePoint<f64>) -> Result<Sample, BorderError> {
+        let limits = self.limits(&release)?;
+        let sequence = self.sequence(&release)?;
         let is_elsewhere = sequence.verdict == Verdict::Elsewhere;
         let nearest = limits.nearest(&sequence);
         let near = |impact: &Impact<f64>| limits.distance(impact.local.u()) <= NEAR;
         Ok(Sample {
-            value,
+            value: self.value,
             verdict: sequence.verdict,
             distance: if is_elsewhere {
                 f64::INFINITY
@@ -76,14 +69,16 @@ impl Problem {
             found: Some((release, sequence)),
         })
     }
+}
 
+impl Problem {
     /// The verdict at a value near one of these samples.
     pub(super) fn sample_near(&self, value: f64, near: &[&Sample]) -> Sample {
         let sampled = near.iter().find_map(|near| {
             let (release, _) = near.found.as_ref()?;
-            let expected = release.expected(value - near.value);
-            let release = self.returning(value, &expected).ok()?;
-            self.sample(value, release).ok()
+            let here = self.at(value).ok()?;
+            let (release, _) = here.followed(near.value, release)?;
+            here.sample(release).ok()
         });
         sampled.unwrap_or_else(|| Sample::unknown(value))
     }

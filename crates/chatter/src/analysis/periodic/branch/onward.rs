@@ -11,7 +11,7 @@ use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::orbit::{Orbit, close};
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
 use crate::flow::leg::{Least, onto_gaps};
-use crate::flow::{Closed, GuardKind, Settings as FlowSettings, Trajectory};
+use crate::flow::{Closed, GuardKind};
 use crate::numerics::Real;
 
 /// So far beyond a place where the sequence of events changes orbits are looked for, in parts of the longest step; and where what is
@@ -368,8 +368,7 @@ fn legal(workshop: &Workshop, free: &[f64], (closed, state): (Closed, &[f64])) -
         return Some(state);
     }
     let clock = model.time.map_or(0.0, |index| state[index]);
-    let mut work = system.workspace(&FlowSettings::default());
-    let mut held = Trajectory::start(system, &mut work, &parameters, clock, &state).ok()?;
+    let (mut work, mut held) = system.trajectory_from(&parameters, &state).ok()?;
     (held.restart_beside(system, &mut work, closed, clock, &state)).ok()?;
     Some(held.state().to_vec())
 }

@@ -2,7 +2,7 @@
 
 use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::LookedUpIn;
-use crate::flow::{Closed, GuardKind, Occurrence, Settings, System, Trajectory, Workspace};
+use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory, Workspace};
 use core::ops::ControlFlow;
 
 /// Something that happened, in the time of one instant.
@@ -97,10 +97,8 @@ impl<'s> Tracer<'s> {
         state: &[f64],
         section: Option<usize>,
     ) -> Result<Self, PeriodicError> {
-        let mut work = system.workspace(&Settings::default());
-        let clock = system.model().time.map_or(0.0, |index| state[index]);
-        let trajectory = Trajectory::start(system, &mut work, parameters, clock, state)
-            .map_err(PeriodicError::Start)?;
+        let (work, trajectory) =
+            (system.trajectory_from(parameters, state)).map_err(PeriodicError::Start)?;
         Ok(Self {
             system,
             work,
