@@ -308,20 +308,20 @@ impl System {
         Some(program.constants(&mode.graph, parameters))
     }
 
-    /// Of what must not vanish in a mode, what is nearest to it at a state, and its formula.
+    /// Of what must not vanish in a mode, what is nearest to it at a state: how near, and its formula.
     pub(crate) fn singular_at<R: Real>(
         &self,
         mode: usize,
         state: &[R],
         parameters: &[R],
-    ) -> Option<(Singularity, String)> {
+    ) -> Option<(f64, Singularity, String)> {
         let mode = self.modes.get(mode)?;
         let program = mode.program.as_ref()?;
         let size = |expr: Expr| mode.graph.evaluate(expr, state, parameters).abs().to_f64();
         let known = (program.tape.singular.iter().zip(&program.vanishing))
             .filter_map(|(singular, text)| Some((size(singular.expr?), singular.kind, text)));
         let nearest = known.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((nearest.1, nearest.2.clone()))
+        Some((nearest.0, nearest.1, nearest.2.clone()))
     }
 
     /// Computes those of them anew that change at knots.

@@ -520,7 +520,7 @@ impl<R: Real> Trajectory<R> {
         if touch.is_finite() {
             Ok(touch)
         } else {
-            Err(self.left_domain())
+            Err(self.undefined_here(system))
         }
     }
 

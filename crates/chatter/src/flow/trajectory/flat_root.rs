@@ -9,6 +9,7 @@
 
 use super::Trajectory;
 use super::corners::INSTANT_ROUNDOFFS;
+use super::undecided::BALANCE_LEVELS;
 use crate::expressions::{Expansion, Operand, Side, Symbol};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
@@ -28,9 +29,6 @@ const LEAST_PART: f64 = 0.25;
 
 /// A displacement that is small against the terms of what a root is taken of, and not against what rounding leaves of its rate.
 const BESIDE: f64 = 1e-8;
-
-/// Of a derivative that is the sum of forces in balance so many times as much may be left as rounding makes of its terms.
-const BALANCE_LEVELS: f64 = 32.0;
 
 impl<R: Real> Trajectory<R> {
     /// Where a step cannot be settled, or is shorter than the time is known, since what a root is taken of comes to zero flat: that
@@ -82,6 +80,11 @@ impl<R: Real> Trajectory<R> {
         }
         for ((x, low), &g) in work.state.iter_mut().zip(&mut work.low).zip(&gradient) {
             (*x, *low) = two_sum(*x, *low - g * (value / square));
+        }
+        // Whatever is displaced comes to it as well.
+        for column in work.state[self.coordinates..].chunks_mut(self.coordinates) {
+            let off = dot(&gradient, column) / square;
+            (column.iter_mut().zip(&gradient)).for_each(|(x, &g)| *x -= g * off);
         }
         Some(Resolution {
             touched: None,

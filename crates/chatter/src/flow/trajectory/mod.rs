@@ -732,6 +732,27 @@ impl<R: Real> Trajectory<R> {
         Ok(Some(Occurrence::Graze { contact, rate }))
     }
 
+    /// That what must not vanish in the present mode does so, and how near it is to that.
+    fn singular_near(&self, system: &System) -> Option<(f64, FlowError)> {
+        let state = &self.state[..self.coordinates];
+        let (near, kind, expression) = system.singular_at(self.mode, state, &self.parameters)?;
+        let time = self.time.to_f64();
+        let singular = FlowError::Singular {
+            time,
+            kind,
+            expression,
+        };
+        Some((near, singular))
+    }
+
+    /// That something has no value here: what vanishes that must not, if anything does.
+    fn undefined_here(&self, system: &System) -> FlowError {
+        match self.singular_near(system) {
+            Some((0.0, singular)) => singular,
+            _ => self.left_domain(),
+        }
+    }
+
     fn left_domain(&self) -> FlowError {
         let state = &self.state[..self.coordinates];
         FlowError::LeftDomain {

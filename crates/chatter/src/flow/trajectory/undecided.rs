@@ -19,7 +19,7 @@ use crate::numerics::{Real, WithTerms, dot};
 const BALANCE_ROUNDOFFS: f64 = 1024.0;
 
 /// Of a derivative that is the sum of forces in balance so many times as much may be left as rounding makes of its terms.
-const BALANCE_LEVELS: f64 = 32.0;
+pub(super) const BALANCE_LEVELS: f64 = 32.0;
 
 /// Gap, rate, acceleration and jerk have been asked of a contact at rest.
 const ORDERS_AT_REST: usize = 4;

@@ -442,6 +442,7 @@ fn columns_follow_a_flow_that_turns_round() {
         -2.0 * c * (k / root - 1.0) / 4.0,
         2.0 * c * c,
     ];
+    assert_eq!(system.column(trajectory.state(), 0)[0], 0.0);
     for (index, expected) in expected.into_iter().enumerate() {
         let found = system.column(trajectory.state(), index)[0];
         assert!(

@@ -152,3 +152,28 @@ fn derived_quotients_cancel_exactly() {
         }
     }
 }
+
+/// A round clearance, from its centre: the gap has a value there, and no slope.
+#[test]
+fn a_gap_without_a_slope_says_what_vanishes() {
+    for gap in ["1 - hypot(x, y)", "1 - sqrt(x^2 + y^2)"] {
+        let text = format!(
+            "[flight]\nx = \"u\"\nu = \"0\"\ny = \"v\"\nv = \"0\"\n[[contact]]\nname = \"ring\"\ngap = \"{gap}\"\n\
+             impulse = {{ u = \"-x\", v = \"-y\" }}\nrestitution = 0.5\n[initial]\nx = 0\nu = 0.1\ny = 0\nv = 0\n"
+        );
+        let model = Model::from_toml(&text, "test").unwrap();
+        let start = simulate::<f64>(
+            &model,
+            &Spec::until(1.0),
+            &mut |_| ControlFlow::Continue(()),
+        );
+        let Err(SimulateError::Start(FlowError::Singular {
+            kind, expression, ..
+        })) = start
+        else {
+            panic!("{start:?}");
+        };
+        assert_eq!(kind, Singularity::SquareRoot);
+        assert_eq!(expression, "x^2 + y^2");
+    }
+}

@@ -212,13 +212,7 @@ impl<R: Real> Trajectory<R> {
 
     /// That what must not vanish in the present mode does so.
     fn singular_here(&self, system: &System) -> Option<FlowError> {
-        let state = &self.state[..self.coordinates];
-        let (kind, expression) = system.singular_at(self.mode, state, &self.parameters)?;
-        Some(FlowError::Singular {
-            time: self.time.to_f64(),
-            kind,
-            expression,
-        })
+        Some(self.singular_near(system)?.1)
     }
 
     /// Whether plain evaluation takes the piece of a corner that the state is on.
