@@ -166,14 +166,9 @@ impl<R: Real> Trajectory<R> {
 
     /// Whether the roots of all these series draw them back to zero.
     fn are_drawn_back(&self, system: &System, program: &Program, slots: &[usize]) -> bool {
-        let of_slot = |slot: usize| {
-            let mut sides = program.guards.iter().filter(|guard| guard.meets_corner());
-            sides.find(|guard| guard.series == Operand::Series(slot))
-        };
-        (slots.iter()).all(|&slot| {
-            of_slot(slot)
-                .is_some_and(|guard| self.is_drawn_back(system, guard.kind).unwrap_or(false))
-        })
+        let is_drawn_back = |kind| self.is_drawn_back(system, kind).unwrap_or(false);
+        (slots.iter())
+            .all(|&slot| side_of(program, slot).is_some_and(|(_, guard)| is_drawn_back(guard.kind)))
     }
 
     /// Whether motion begins here, or a surface has just been crossed: what vanishes here has then not been come to by motion along it.
@@ -250,11 +245,7 @@ impl<R: Real> Trajectory<R> {
         let [slot] = slots else {
             return None;
         };
-        let mut sides =
-            program.guards.iter().enumerate().filter(|(_, guard)| {
-                guard.meets_corner() && guard.series == Operand::Series(*slot)
-            });
-        let roots = sides.next().map(|(index, _)| self.touching.get(index))?;
+        let roots = side_of(program, *slot).map(|(index, _)| self.touching.get(index))?;
         (roots > 1 && roots != Touching::BALANCED).then_some(roots)
     }
 }
@@ -300,18 +291,17 @@ impl<'t, R: Real> Moved<'t, R> {
         Some(step)
     }
 
+    /// Expands the program where a part of the step has led.
+    fn expand(&self, work: &mut Workspace<R>, program: &Program, part: usize) {
+        let (moved, low) = (&self.moved[part], vec![R::ZERO; self.by.len()]);
+        work.expand_at(&program.tape, self.constants, (moved, &low), self.step);
+    }
+
     fn rates(&self, work: &mut Workspace<R>, program: &Program) -> [Vec<R>; 2] {
-        let low = vec![R::ZERO; self.by.len()];
-        [0, 1].map(|k| {
-            work.expand_at(
-                &program.tape,
-                self.constants,
-                (&self.moved[k], &low),
-                self.step,
-            );
-            (0..self.by.len())
-                .map(|i| work.point.series(i)[1])
-                .collect()
+        [0, 1].map(|part| {
+            self.expand(work, program, part);
+            let rate = |i: usize| work.point.series(i)[1];
+            (0..self.by.len()).map(rate).collect()
         })
     }
 
@@ -331,13 +321,7 @@ impl<'t, R: Real> Moved<'t, R> {
 
     /// A series' value at the end.
     fn value(&self, work: &mut Workspace<R>, program: &Program, slot: usize) -> R {
-        let low = vec![R::ZERO; self.by.len()];
-        work.expand_at(
-            &program.tape,
-            self.constants,
-            (&self.moved[0], &low),
-            self.step,
-        );
+        self.expand(work, program, 0);
         work.point.series(slot)[0]
     }
 
@@ -349,6 +333,12 @@ impl<'t, R: Real> Moved<'t, R> {
         // Series reach about as far as the base is from zero.
         work.reach.iter_mut().for_each(|reach| *reach = self.step);
     }
+}
+
+/// The guard that ends a side where this series vanishes, if one does, and its place.
+fn side_of(program: &Program, slot: usize) -> Option<(usize, &Guard)> {
+    (program.guards.iter().enumerate())
+        .find(|(_, guard)| guard.meets_corner() && guard.series == Operand::Series(slot))
 }
 
 /// What a root is taken of, along the motion without it.
@@ -389,11 +379,9 @@ fn bases<R: Real>(
             let series = work.expansion.series(slot).to_vec();
             let terms = (work.expansion).size_of_terms(&plain.tape, &work.constants, slot);
             let rounding = terms * R::splat(Workspace::<R>::NOISE);
-            let is_side =
-                |guard: &Guard| guard.meets_corner() && guard.series == Operand::Series(slot);
             let is_near = place > 0 || series[0].abs() <= rounding;
             Base {
-                is_here: is_near && program.guards.iter().any(is_side),
+                is_here: is_near && side_of(program, slot).is_some(),
                 series,
                 rounding,
             }

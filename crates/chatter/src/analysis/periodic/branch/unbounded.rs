@@ -12,8 +12,8 @@
 //! threshold leads there.
 
 use super::Point;
-use crate::numerics::Matrix;
 use crate::numerics::stored::number;
+use crate::numerics::{Matrix, root_between};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -135,22 +135,8 @@ fn exponential([a, b, c]: [&Point; 3]) -> Option<(f64, f64)> {
         let by = |time: f64| libm::expm1(rate * time);
         (1.0 + by(late)) * by(early) / by(late) - ratio
     };
-    let mut high = libm::log(ratio) / early.min(late) * 2.0;
-    let mut low = high * 1e-6;
-    if !(off(low) < 0.0 && off(high) > 0.0) {
-        return None;
-    }
-    while high - low > 4.0 * f64::EPSILON * high {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        match off(middle) < 0.0 {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    let rate = 0.5 * (low + high);
+    let high = libm::log(ratio) / early.min(late) * 2.0;
+    let rate = root_between(off, high * 1e-6, high)?;
     Some((rate, c.parameter() - left / libm::expm1(rate * late)))
 }
 
