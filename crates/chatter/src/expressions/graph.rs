@@ -4,6 +4,7 @@ pub(super) mod condition;
 mod derivative;
 pub(super) mod domain;
 pub(super) mod eval;
+mod multiple;
 pub(super) mod number;
 mod operand;
 pub(super) mod piecewise;

@@ -12,7 +12,7 @@ use super::graph::Function;
 use super::machine::{Backend, Executable, Places};
 use super::tape::{Op, Operand, Sign, Swing, Tape};
 use crate::numerics::polynomial::magnitude;
-use crate::numerics::{Scalar, two_sum};
+use crate::numerics::{Mask, Scalar, two_sum};
 
 /// Highest order that an expansion may have.
 pub const MAX_ORDER: usize = 50;
@@ -179,14 +179,20 @@ impl<S: Scalar> Expansion<S> {
     /// How large the last terms of a series are against its leading ones, for each of the lowest orders, `count` of them: each
     /// entry of `worst` is raised to that ratio.
     ///
-    /// The term before the last counts a little, for series in which every other one vanishes.
+    /// The term before the last counts a little, for series in which every other one vanishes. What begins with a higher power, as the
+    /// far end of a chain at rest that is struck, has no leading terms, and is compared with all that it has.
     #[inline(always)]
     pub fn tail_ratios(&self, slot: usize, count: usize, worst: &mut [S; ORDER_CLASSES]) {
         const BEFORE_LAST: f64 = 1.0 / 16.0;
         const TINY: f64 = 1e-290;
         // With what lies beyond the order of the run, which is not asked for: so that all places are known to exist.
         let c = &self.values[slot * Self::STRIDE..][..Self::STRIDE];
-        let leading = (c[0].abs() + c[1].abs()) + (c[2].abs() + c[3].abs());
+        let mut leading = (c[0].abs() + c[1].abs()) + (c[2].abs() + c[3].abs());
+        let begins_late = leading.at_most(S::splat(TINY));
+        if begins_late.any() {
+            let all = (c[4..=self.order].iter()).fold(leading, |sum, c| sum + c.abs());
+            leading = S::select(begins_late, all, leading);
+        }
         let inverse = S::splat(1.0) / leading.max(S::splat(TINY));
         for (class, (worst, &order)) in worst.iter_mut().zip(&S::ORDERS).enumerate() {
             if class == count {

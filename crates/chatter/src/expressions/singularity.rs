@@ -161,7 +161,7 @@ impl Tape {
             self.zeros_of(of, &producers, &mut zeros);
             zeros.contains(&slot)
         };
-        let degree = |of: usize| self.degree(of, &producers, constants, slot);
+        let degree = |of: usize| self.degree(of, &producers, constants, (slot, &[]));
         let is_negligible = |degree: f64, least: f64| match negligible {
             Negligible::Zero => Some(degree >= least),
             Negligible::Integrable => (degree > -1.0).then_some(true),
@@ -206,11 +206,13 @@ impl Tape {
         matches!(of, Operand::Series(slot) if self.singular.iter().any(|s| s.slot == slot))
     }
 
-    /// Whether the field changes by no more than a multiple of a series where that vanishes, as a power of it above one does and a root
-    /// of it does not.
+    /// Whether the field changes by no more than a multiple of what the state does where a series vanishes, as a power of it above one
+    /// does and a root of it does not, but for that of a sum of squares.
     pub(crate) fn has_slope_at<R: Real>(&self, vanishing: usize, constants: &[R]) -> bool {
         let producers = self.producers();
-        let degree = |of: usize| self.degree(of, &producers, constants, vanishing);
+        let squared = self.squared_in(vanishing, &producers, constants);
+        let least_smooth = if squared.is_empty() { 1.0 } else { OF_SQUARED };
+        let degree = |of: usize| self.degree(of, &producers, constants, (vanishing, &squared));
         // The least power of it, other than whole ones, that each series holds.
         let mut least = vec![f64::INFINITY; self.slots];
         let of_terms = |least: &[f64], first: usize, end: usize| {
@@ -254,7 +256,13 @@ impl Tape {
                     }
                 }
                 Op::Slope { of, .. } => least[of],
-                Op::Integral { argument, .. } | Op::SineCosine { argument, .. } => least[argument],
+                Op::SineCosine { argument, .. } => least[argument],
+                Op::Integral {
+                    argument, weight, ..
+                } => match degree(weight) {
+                    0.0 => least[argument],
+                    power => least[argument].min(power + 1.0),
+                },
             };
             for out in op.writes().filter(|&out| out != vanishing) {
                 least[out] = found;
@@ -263,9 +271,36 @@ impl Tape {
         (self.field.iter()).fold(of_field, |found, &(_, rate)| match rate {
             Operand::Series(of) => found.min(least[of]),
             Operand::Constant(_) => found,
-        }) >= 1.0
+        }) >= least_smooth
+    }
+
+    /// What the squares are of that a series is the sum of; none if it is the sum of anything else.
+    fn squared_in<R: Real>(
+        &self,
+        slot: usize,
+        producers: &[Option<Op>],
+        constants: &[R],
+    ) -> Vec<usize> {
+        let Some(Op::Linear {
+            offset: None,
+            first,
+            end,
+            ..
+        }) = producers[slot]
+        else {
+            return Vec::new();
+        };
+        let base = |&(coefficient, of): &(usize, usize)| match producers[of] {
+            Some(Op::Square { base, .. }) if constants[coefficient] > R::ZERO => Some(base),
+            _ => None,
+        };
+        let bases: Option<Vec<usize>> = self.terms[first..end].iter().map(base).collect();
+        bases.unwrap_or_default()
     }
 }
+
+/// What a sum of squares vanishes with does so as its root.
+const OF_SQUARED: f64 = 0.5;
 
 impl Tape {
     /// The operation that computes each series, if one does.
@@ -312,18 +347,19 @@ impl Tape {
         }
     }
 
-    /// The power of a series of which another is a multiple where that vanishes, as far as it is made of products, quotients and powers;
-    /// 0 where it does not vanish with it.
+    /// The power of a series of which another is at most a multiple where that vanishes, as far as it is made of products, quotients and
+    /// powers of it and of what it is the sum of squares of; 0 where it does not vanish with it.
     fn degree<R: Real>(
         &self,
         of: usize,
         producers: &[Option<Op>],
         constants: &[R],
-        vanishing: usize,
+        (vanishing, squared): (usize, &[usize]),
     ) -> f64 {
-        let degree = |slot: usize| self.degree(slot, producers, constants, vanishing);
+        let degree = |slot: usize| self.degree(slot, producers, constants, (vanishing, squared));
         match producers[of] {
             _ if of == vanishing => 1.0,
+            _ if squared.contains(&of) => OF_SQUARED,
             Some(Op::Square { base, .. }) => 2.0 * degree(base),
             Some(Op::SquareRoot { radicand, .. }) => 0.5 * degree(radicand),
             Some(Op::Power { base, exponent, .. }) => constants[exponent].to_f64() * degree(base),

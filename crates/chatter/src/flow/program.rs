@@ -278,7 +278,14 @@ impl Program {
         let graph = &mut mechanics.graph;
         let listed = guard_functions(graph, &contacts, (sections, limits), mode);
         let functions: Vec<Expr> = listed.iter().map(|&(.., function)| function).collect();
-        let mut tape = Tape::new(graph, dimension, field, &functions);
+        // Roots of multiples of what ends a side vanish where it ends.
+        let ends: Vec<Expr> = (listed.iter())
+            .filter(|(kind, ..)| matches!(kind, GuardKind::Switch(_)))
+            .map(|&(.., function)| function)
+            .collect();
+        let rewritten = graph.with_powers_of(&[&field[..], &functions[..]].concat(), &ends);
+        let (rates, functions) = rewritten.split_at(dimension);
+        let mut tape = Tape::new(graph, dimension, rates, functions);
         for (guard, (kind, ..)) in listed.iter().enumerate() {
             // What is constant here may be another constant beyond a corner.
             if matches!(kind, GuardKind::Section(_)) {

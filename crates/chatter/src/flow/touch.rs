@@ -487,20 +487,27 @@ impl<R: Real> Kernel for Evaluation<'_, R> {
 }
 
 impl<R: Real> Touch<R> {
-    /// Whether everything is a finite number, but for restitutions where nothing hits: a root of the incoming rate has no value
-    /// on the way out, and what falls with a power of it none at rest.
+    /// Whether everything that matters is a finite number. Where nothing touches, as in the middle of a round clearance, the gap alone
+    /// has to be one; and restitutions where something hits: a root of the incoming rate has no value on the way out, and what falls
+    /// with a power of it none at rest.
     pub(crate) fn is_finite(&self) -> bool {
-        let scalars = [&self.gap, &self.rate, &self.acceleration];
-        let hits = |contact: usize| {
-            let (gap, rate) = (&self.gap[contact], &self.rate[contact]);
-            gap.value <= gap.level() && rate.value < -rate.level()
-        };
-        (scalars.into_iter().flatten()).all(|value| value.value.is_finite())
-            && (self.restitution.iter().enumerate())
-                .all(|(contact, value)| value.value.is_finite() || !hits(contact))
-            && (self.coupling.iter().chain(&self.jump).chain(&self.gradient))
-                .flatten()
-                .all(|value| value.is_finite())
+        let touching: Vec<usize> = (0..self.gap.len())
+            .filter(|&contact| self.gap[contact].value <= self.gap[contact].level())
+            .collect();
+        let all = |row: &[R]| row.iter().all(|value| value.is_finite());
+        self.gap.iter().all(|gap| gap.value.is_finite())
+            && touching.iter().all(|&contact| {
+                let (rate, acceleration) = (&self.rate[contact], &self.acceleration[contact]);
+                let hits = rate.value < -rate.level();
+                rate.value.is_finite()
+                    && acceleration.value.is_finite()
+                    && (self.restitution[contact].value.is_finite() || !hits)
+                    && all(&self.jump[contact])
+                    && all(&self.gradient[contact])
+                    && touching
+                        .iter()
+                        .all(|&other| self.coupling[contact][other].is_finite())
+            })
     }
 
     /// How fast the rate of each contact can change: by what moves it in flight, or by the forces of other contacts.

@@ -18,7 +18,7 @@ impl Graph {
     }
 
     /// The node `old` with what has become of its parts.
-    fn with_parts(
+    pub(super) fn with_parts(
         &mut self,
         old: Expr,
         known: &[Expr],

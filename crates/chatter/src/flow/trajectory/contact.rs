@@ -92,7 +92,8 @@ impl<R: Real> Trajectory<R> {
         {
             acceleration = self.acceleration(system, contact)?;
         }
-        if acceleration.value > acceleration.level() {
+        let opens = acceleration.value > acceleration.level();
+        if opens && self.opens_in_flight(system, contact)? {
             self.leave_gap(system, contact, 2);
             return Ok(());
         }
@@ -219,13 +220,19 @@ impl<R: Real> Trajectory<R> {
             found,
             level,
         } = forces;
-        let undecided: Vec<usize> = undecided.contacts().collect();
         self.enter(system, held)?;
+        let mut undecided = undecided;
         for (k, &contact) in contacts.iter().enumerate() {
-            if !held.contains(contact) && found.w[k] > level {
+            if held.contains(contact) || found.w[k] <= level {
+                continue;
+            }
+            if self.opens_in_flight(system, contact)? {
                 self.leave_gap(system, contact, 2);
+            } else {
+                undecided = undecided.with(contact);
             }
         }
+        let undecided: Vec<usize> = undecided.contacts().collect();
         let idle = self.idle_beside(&block, &contacts, (held, &undecided));
         let rest: Vec<usize> = (undecided.iter().copied())
             .filter(|&contact| !idle.contains(contact))
@@ -357,13 +364,17 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// The force of a closed contact has vanished: it opens, unless those of others vanish with it. Then which of them open is decided
-    /// for all at once.
+    /// for all at once; and so where an impact elsewhere has just changed what the force does, which may begin with any of its derivatives.
     pub(super) fn let_go(
         &mut self,
         system: &System,
         work: &mut Workspace<R>,
         contact: usize,
     ) -> Result<Option<Occurrence<R>>, FlowError> {
+        if self.touched_at == self.time {
+            self.rest_again(system, work)?;
+            return Ok(self.pending.pop_front());
+        }
         let contacts: Vec<usize> = self.grip().carrying().contacts().collect();
         if contacts.len() > 1 {
             let forces = self.forces_at_rest(system, &contacts)?;

@@ -382,7 +382,15 @@ impl<R: Real> Trajectory<R> {
         }
         let resolution = match (at_root, resolved) {
             (Some(resolution), _) => resolution,
-            (None, Ok(resolution)) => {
+            (None, Ok(mut resolution)) => {
+                // A root ends where what it is taken of only touches zero.
+                let ended = (resolution.touched)
+                    .filter(|&index| program.guards[index].meets_corner())
+                    .filter(|&index| program.tape.takes_root_of(program.guards[index].series));
+                if let Some(index) = ended {
+                    work.event = R::splat(index as f64);
+                    resolution.touched = None;
+                }
                 work.travel();
                 resolution
             }

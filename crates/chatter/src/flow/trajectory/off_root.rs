@@ -105,14 +105,23 @@ impl<R: Real> Trajectory<R> {
         // What stays where it vanishes adds nothing, and moves nothing off.
         let moving = || bases.iter().filter(|base| !base.rests(reach));
         let rests = moving().next().is_none();
-        if !(system.goes_past_roots() || begins || ends_here || rests) {
+        // Where no surface says on which side motion is, nothing turns that motion with slopes, or that the root does not move at all.
+        let is_beside = bases.iter().all(|base| !base.ends_a_side);
+        let passes = is_beside && self.has_slopes(program, slots);
+        if !(system.goes_past_roots() || begins || ends_here || rests || passes) {
             return Err(None);
         }
         let is_held = || system.goes_past_roots() || self.has_slopes(program, slots);
         if rests && !(is_held() || self.are_drawn_back(system, program, slots)) {
             return Err(None);
         }
-        let has_grown = |s: R| moving().all(|base| horner(&base.series, s) >= base.least());
+        let has_grown = |s: R| {
+            moving().all(|base| {
+                let value = horner(&base.series, s);
+                let size = if passes { value.abs() } else { value };
+                size >= base.least()
+            })
+        };
         let flat = self.begins_flat(program, slots);
         // What is left out is as small as one more power of it.
         let omitted = flat.map_or(2.0, |order| f64::from(order) + 1.0);
@@ -142,9 +151,14 @@ impl<R: Real> Trajectory<R> {
         let resolution = resolve(work, plain, class, (self.touching, self.left));
         let resolution = resolution.map_err(|_| near)?;
         work.travel();
+        if is_beside && !self.goes_on_alike(work, (program, plain)) {
+            return Err(None);
+        }
         let meets = work.event != R::splat(NO_EVENT);
         if grows && !meets && resolution.touched.is_none() {
             match (flat, &bases[..]) {
+                // What has come to zero, and stays there, has no root.
+                (Some(_), [_]) if rests => {}
                 (Some(_), [base]) => {
                     self.add_flat_root(work, (program, plain), (slots[0], horner(&base.series, s)))
                 }
@@ -155,6 +169,36 @@ impl<R: Real> Trajectory<R> {
             return Err(near);
         }
         Ok(resolution)
+    }
+
+    /// Whether motion goes on from the end of a step that was made without roots, and what ends the mode is at both its ends about the
+    /// same with them.
+    fn goes_on_alike(
+        &self,
+        work: &mut Workspace<R>,
+        (program, plain): (&Program, &Program),
+    ) -> bool {
+        let Some(constants) = &self.constants[self.mode] else {
+            return false;
+        };
+        let end = (work.state.clone(), work.low.clone());
+        let mut goes_on = true;
+        let is_alike = [(&self.state, &self.low), (&end.0, &end.1)].map(|(state, low)| {
+            let mut values = |tape| {
+                work.expand_at(tape, &constants.tape, (state, low), R::ONE);
+                goes_on = (0..state.len()).all(|i| work.point.series(i)[1].is_finite());
+                let value = |guard: &Guard| match guard.series {
+                    Operand::Series(slot) => work.point.series(slot)[0],
+                    Operand::Constant(index) => constants.tape[index],
+                };
+                program.guards.iter().map(value).collect::<Vec<R>>()
+            };
+            let (without, with) = (values(&plain.tape), values(&program.tape));
+            (with.iter().zip(&without)).all(|(&with, &without)| {
+                with == without || (with - without).abs() <= without.abs() * R::splat(0.5)
+            })
+        });
+        goes_on && is_alike == [true, true]
     }
 
     /// Whether the field has slopes where these series vanish: motion along which they do is the only one then.
@@ -346,7 +390,9 @@ struct Base<R> {
     series: Vec<R>,
     /// What cannot be told from zero where the step begins.
     rounding: R,
-    /// Whether it vanishes on a surface, and the step begins there.
+    /// Whether it vanishes on a surface.
+    ends_a_side: bool,
+    /// Whether the step begins there.
     is_here: bool,
 }
 
@@ -380,8 +426,10 @@ fn bases<R: Real>(
             let terms = (work.expansion).size_of_terms(&plain.tape, &work.constants, slot);
             let rounding = terms * R::splat(Workspace::<R>::NOISE);
             let is_near = place > 0 || series[0].abs() <= rounding;
+            let ends_a_side = side_of(program, slot).is_some();
             Base {
-                is_here: is_near && side_of(program, slot).is_some(),
+                ends_a_side,
+                is_here: is_near && ends_a_side,
                 series,
                 rounding,
             }

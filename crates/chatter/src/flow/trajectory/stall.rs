@@ -72,7 +72,11 @@ impl<R: Real> Trajectory<R> {
         // That of a parabola.
         let height = rate * flight_time * R::splat(0.25);
         if !self.may_be_rounding(height) || height > self.local(system, contact)?[0].level() {
-            self.stall = Stall::NONE;
+            // Of a flight that lasts far longer either the next impact is far away, too, or others end it, as where rounding is all that
+            // moves bodies together which fall side by side.
+            if flight_time <= R::splat(APART) * self.stall.longest {
+                self.stall = Stall::NONE;
+            }
             return Ok(false);
         }
         if !self.stall.note(self.time, (rate, flight_time)) {

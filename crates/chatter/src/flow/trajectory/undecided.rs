@@ -144,6 +144,39 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         contact: usize,
     ) -> Result<Option<(usize, bool)>, FlowError> {
+        let Some((_, series)) = self.gap_series(system, contact)? else {
+            return Ok(None);
+        };
+        let moves = |c: &WithTerms<R>| c.value.abs() > c.level() * R::splat(BALANCE_LEVELS);
+        let found = (series.iter().enumerate().skip(ORDERS_AT_REST)).find(|(_, c)| moves(c));
+        let is_finite = (series.iter()).all(|c| c.value.is_finite());
+        Ok(found
+            .filter(|_| is_finite)
+            .map(|(order, c)| (order, c.value > R::ZERO)))
+    }
+
+    /// Whether a contact at rest opens with an acceleration that flight can tell from zero: formulas had cancelled what flight rounds, as
+    /// where bodies that fall side by side are measured in different units.
+    pub(super) fn opens_in_flight(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<bool, FlowError> {
+        let series = self.gap_series(system, contact)?;
+        let bend = series.and_then(|(_, series)| series.get(2).copied());
+        Ok(bend.is_none_or(|bend| bend.value > bend.level() || !bend.value.is_finite()))
+    }
+
+    /// The series of the gap of a contact that is open, in flight from here, each coefficient with its terms, and its unit of time; none
+    /// of a constant.
+    fn gap_series(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<Option<(R, Vec<WithTerms<R>>)>, FlowError> {
+        /// What rested until now may move far faster than the latest expansion says.
+        const SHORTER: f64 = 1.0 / 1024.0;
+        const TRIES: usize = 100;
         let program = self.program(system)?;
         let guard = (program.guards.iter()).find(|guard| guard.closing() == Some(contact));
         let (Some(constants), Some(Operand::Series(slot))) =
@@ -152,14 +185,17 @@ impl<R: Real> Trajectory<R> {
             return Ok(None);
         };
         let start = (&self.state[..], &self.low[..]);
-        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
-        let series = series_with_terms(&program.tape, &constants.tape, start, (slot, unit));
-        let moves = |c: &WithTerms<R>| c.value.abs() > c.level() * R::splat(BALANCE_LEVELS);
-        let found = (series.iter().enumerate().skip(ORDERS_AT_REST)).find(|(_, c)| moves(c));
-        let is_finite = (series.iter()).all(|c| c.value.is_finite());
-        Ok(found
-            .filter(|_| is_finite)
-            .map(|(order, c)| (order, c.value > R::ZERO)))
+        // In the time that the field itself needs to change, from the latest expansion.
+        let mut unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
+        let mut series = Vec::new();
+        for _ in 0..TRIES {
+            series = series_with_terms(&program.tape, &constants.tape, start, (slot, unit));
+            if series.iter().all(|c| c.value.is_finite()) {
+                break;
+            }
+            unit *= R::splat(SHORTER);
+        }
+        Ok(Some((unit, series)))
     }
 
     /// Whether the gap of a contact at rest stays zero by itself: the field does not move it to any order that is
@@ -180,8 +216,9 @@ impl<R: Real> Trajectory<R> {
         else {
             return Ok(false);
         };
-        // In the time that the field itself needs to change, from the latest expansion.
-        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
+        let Some((unit, _)) = self.gap_series(system, contact)? else {
+            return Ok(false);
+        };
         work.expand_at(
             &program.tape,
             &constants.tape,

@@ -11,3 +11,4 @@ mod painleve;
 mod several_contacts;
 mod several_releases;
 mod thrown_together;
+mod waves;

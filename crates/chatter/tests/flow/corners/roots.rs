@@ -451,3 +451,87 @@ fn columns_follow_a_flow_that_turns_round() {
         );
     }
 }
+
+/// Torricelli's law as it is written: a factor within the root changes nothing of where that ends. The vessel is empty after
+/// 2 sqrt(h)/k, and stays so.
+#[test]
+fn a_factor_within_a_root_does_not_hide_where_it_ends() {
+    fn drains<R: Real>() {
+        for (law, factor) in [
+            ("sqrt(2*g*max(h, 0))", 19.62),
+            ("sqrt(max(2*9.81*h, 0))", 19.62),
+            ("sign(h)*sqrt(abs(3*h))", 3.0),
+            ("sqrt(2/850*abs(h))*sign(h)", 2.0 / 850.0),
+            ("sqrt(abs(h/850))*sign(h)", 1.0 / 850.0),
+        ] {
+            let k = 0.1 * f64::sqrt(factor);
+            let text =
+                format!("[parameters]\ng = 9.81\n[flight]\nh = \"-0.1*{law}\"\n[initial]\nh = 1\n");
+            let half: Simulation<R> = run(&text, 1.0 / k);
+            let off = half.state[0].to_f64() - 0.25;
+            assert!(off.abs() < 1e-14, "{law}: {off}");
+            let empty: Simulation<R> = run(&text, 10.0 / k);
+            assert_eq!(empty.outcome, Outcome::Horizon, "{law}");
+            assert_eq!(empty.state[0].to_f64(), 0.0, "{law}");
+        }
+        let filled: Simulation<R> = run(
+            "[flight]\nh = \"sqrt(2*9.81*max(0.7 - h, 0))\"\n[initial]\nh = 0\n",
+            9.0,
+        );
+        assert_eq!(filled.outcome, Outcome::Horizon);
+        assert!((filled.state[0].to_f64() - 0.7).abs() < 1e-15);
+    }
+    drains::<f64>();
+    drains::<DoubleDouble>();
+}
+
+/// Flow through a valve ends, or turns round, at a supply pressure that is a number like any other: as it does at zero.
+#[test]
+fn flow_turns_round_at_a_supply_pressure() {
+    for (law, stays) in [
+        ("max(P - p, 0)^0.5", None),
+        ("sign(P - p)*sqrt(abs(P - p))", Some(0.0)),
+    ] {
+        for k in [10.0, 100.0, 1000.0] {
+            let mut of_zero: Option<f64> = stays.map(|_: f64| f64::NAN);
+            for supply in [0.0, 1.0, 0.7, 7.3] {
+                let text = format!(
+                    "[parameters]\nP = {supply:?}\n[flight]\np = \"{k:?}*({law} - cos(t))\"\n[initial]\np = \"P\"\n"
+                );
+                let end = run::<f64>(&text, 2.0);
+                assert_eq!(end.outcome, Outcome::Horizon, "{law} {k} {supply}");
+                let above = end.state[0] - supply;
+                // Shut from the turn at pi/2 on.
+                let expected = match &mut of_zero {
+                    None => k * (1.0 - 2.0_f64.sin()),
+                    Some(known) if known.is_nan() => {
+                        *known = above;
+                        above
+                    }
+                    Some(known) => *known,
+                };
+                assert!(
+                    (above / expected - 1.0).abs() < 1e-11,
+                    "{law} {k} {supply}: {above}"
+                );
+            }
+        }
+    }
+}
+
+/// Two vessels of any areas come to one level, at the time that the root of their difference takes, and keep it.
+#[test]
+fn two_vessels_come_to_one_level() {
+    for (a, b) in [(0.5, 0.8), (0.3, 1.7), (1.0, 0.25), (0.6, 0.6)] {
+        let flow = "sign(h1 - h2)*sqrt(abs(h1 - h2))";
+        let text = format!(
+            "[flight]\nh1 = \"-{a:?}*{flow}\"\nh2 = \"{b:?}*{flow}\"\n[initial]\nh1 = 5\nh2 = 1\n"
+        );
+        let level = (b * 5.0 + a) / (a + b);
+        let end = run::<f64>(&text, 20.0);
+        assert_eq!(end.outcome, Outcome::Horizon, "{a} {b}");
+        for h in end.state {
+            assert!((h - level).abs() < 1e-14, "{a} {b}: {h}");
+        }
+    }
+}

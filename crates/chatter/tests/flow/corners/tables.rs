@@ -218,3 +218,21 @@ fn a_follower_stays_on_its_cam_where_the_slope_vanishes() {
         }
     }
 }
+
+/// A table of one period that is looked up by `mod`: late as early, though the end of a turn is known to a rounding of the time only.
+#[test]
+fn a_table_looked_up_by_turns_goes_on_for_ever() {
+    let text = |start: f64| {
+        format!(
+            "[table.F]\nx = [0, 1, 2, 3, 4]\ny = [0, 1.5, 0, -1.5, 0]\n[flight]\nx = \"F(mod(t, 4)) - x\"\n\
+             [initial]\nt = {start:?}\nx = 0\n"
+        )
+    };
+    let early = run::<f64>(&text(0.0), 30.0);
+    for start in [1e5, 1e6] {
+        let late = run::<f64>(&text(start), start + 30.0);
+        assert_eq!(late.outcome, Outcome::Horizon);
+        let off = late.state[0] - early.state[0];
+        assert!(off.abs() < 1e-9, "{start}: {off}");
+    }
+}

@@ -153,27 +153,41 @@ fn derived_quotients_cancel_exactly() {
     }
 }
 
-/// A round clearance, from its centre: the gap has a value there, and no slope.
+/// A round clearance: its gap has no slope at the centre, where nothing is hit, and motion begins there and passes it. What is hit
+/// there cannot be.
 #[test]
-fn a_gap_without_a_slope_says_what_vanishes() {
-    for gap in ["1 - hypot(x, y)", "1 - sqrt(x^2 + y^2)"] {
-        let text = format!(
+fn a_gap_without_a_slope_matters_where_it_vanishes() {
+    let text = |gap: &str, x: &str| {
+        format!(
             "[flight]\nx = \"u\"\nu = \"0\"\ny = \"v\"\nv = \"0\"\n[[contact]]\nname = \"ring\"\ngap = \"{gap}\"\n\
-             impulse = {{ u = \"-x\", v = \"-y\" }}\nrestitution = 0.5\n[initial]\nx = 0\nu = 0.1\ny = 0\nv = 0\n"
-        );
-        let model = Model::from_toml(&text, "test").unwrap();
-        let start = simulate::<f64>(
-            &model,
-            &Spec::until(1.0),
-            &mut |_| ControlFlow::Continue(()),
-        );
-        let Err(SimulateError::Start(FlowError::Singular {
-            kind, expression, ..
-        })) = start
-        else {
-            panic!("{start:?}");
-        };
-        assert_eq!(kind, Singularity::SquareRoot);
-        assert_eq!(expression, "x^2 + y^2");
+             impulse = {{ u = \"-x\", v = \"-y\" }}\nrestitution = 0.5\n[initial]\nx = {x}\nu = 0.1\ny = 0\nv = 0\n"
+        )
+    };
+    for gap in ["1 - hypot(x, y)", "1 - sqrt(x^2 + y^2)"] {
+        // From the centre to the ring in 10, from the other side of it in 15; back at half the rate, through the centre again.
+        for (start, expected) in [("0", -0.25), ("-0.5", 0.0)] {
+            let model = Model::from_toml(&text(gap, start), "test").unwrap();
+            let run = simulate::<f64>(&model, &Spec::until(35.0), &mut |_| {
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+            assert_eq!(run.outcome, Outcome::Horizon, "{gap}");
+            assert_eq!(run.counts.impacts, 1, "{gap}");
+            assert!((run.state[0] - expected).abs() < 1e-14, "{:?}", run.state);
+        }
     }
+    let model = Model::from_toml(&text("hypot(x, y)", "0"), "test").unwrap();
+    let start = simulate::<f64>(
+        &model,
+        &Spec::until(1.0),
+        &mut |_| ControlFlow::Continue(()),
+    );
+    let Err(SimulateError::Start(FlowError::Singular {
+        kind, expression, ..
+    })) = start
+    else {
+        panic!("{start:?}");
+    };
+    assert_eq!(kind, Singularity::SquareRoot);
+    assert_eq!(expression, "x^2 + y^2");
 }

@@ -14,7 +14,7 @@ use crate::numerics::Real;
 
 impl<R: Real> Trajectory<R> {
     /// The argument of a lookup has left its table. Where the gap of a contact that closes cannot be told from zero there, its impact
-    /// comes first.
+    /// comes first; and where the argument itself may as well be within, as one of `mod` is until its turn ends, motion goes on.
     pub(in crate::flow::trajectory) fn leave_table(
         &mut self,
         system: &System,
@@ -30,14 +30,16 @@ impl<R: Real> Trajectory<R> {
         if let Some(contact) = closing.contacts().next() {
             return self.collide(system, work, contact, Closed(self.closed.0 | closing.0));
         }
-        for standing in self.standings(system)? {
-            if standing.corner == Corner::Lookup(lookup)
-                && let Some(left) = self.outside(system, &standing)
-            {
-                return Err(left);
-            }
+        let standings = self.standings(system)?;
+        let Some(standing) = (standings.iter()).find(|at| at.corner == Corner::Lookup(lookup))
+        else {
+            return Err(self.left_domain());
+        };
+        let argument = (standing.surface.value, standing.surface_level());
+        match self.refuse_outside(system, lookup, argument) {
+            Ok(()) => Ok(None),
+            Err(left) => Err(self.outside(system, standing).unwrap_or(left)),
         }
-        Err(self.left_domain())
     }
 
     /// Refuses arguments that a jump has taken out of their tables.

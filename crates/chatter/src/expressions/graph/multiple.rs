@@ -1,0 +1,118 @@
+//! Roots of multiples: what vanishes with something else is written as that.
+
+use crate::expressions::{Expr, Graph, Node};
+
+impl Graph {
+    /// Expressions in which powers of constant multiples of one of these bases are powers of the base times those of the multiple:
+    /// `sqrt(2*g*h)` is `sqrt(2*g)*sqrt(h)` for the base `h`, as long as that is positive. Whole powers stay.
+    pub(crate) fn with_powers_of(&mut self, exprs: &[Expr], bases: &[Expr]) -> Vec<Expr> {
+        let forms: Vec<(Expr, Vec<Term>)> = (bases.iter())
+            .map(|&base| (base, self.terms_of(base)))
+            .collect();
+        let parts = self.reachable(exprs);
+        let mut known = vec![self.number(0.0); parts.last().map_or(0, |last| last.index() + 1)];
+        let mut changed = vec![false; known.len()];
+        for old in parts {
+            let mut has_changed = false;
+            self.for_each_operand(old, |operand| has_changed |= changed[operand.index()]);
+            let rebuilt = match has_changed {
+                true => self.with_parts(old, &known, &|_| None),
+                false => old,
+            };
+            let new = match *self.node(rebuilt) {
+                Node::Power(base, exponent) => self.power_by((base, exponent), &forms),
+                _ => None,
+            };
+            known[old.index()] = new.unwrap_or(rebuilt);
+            changed[old.index()] = known[old.index()] != old;
+        }
+        exprs.iter().map(|expr| known[expr.index()]).collect()
+    }
+
+    fn is_whole_number(&self, exponent: Expr) -> bool {
+        (self.as_number(exponent))
+            .is_some_and(|e| e.low() == 0.0 && libm::rint(e.high()) == e.high())
+    }
+
+    /// The power of a multiple of one of these, as that of the multiple times theirs; none of anything else, or a whole one.
+    fn power_by(
+        &mut self,
+        (of, exponent): (Expr, Expr),
+        forms: &[(Expr, Vec<Term>)],
+    ) -> Option<Expr> {
+        if forms.is_empty() || self.is_whole_number(exponent) {
+            return None;
+        }
+        let terms = self.terms_of(of);
+        for (base, own) in forms {
+            if *base != of
+                && let Some(factor) = self.factor_between(&terms, own)
+            {
+                let (factor, power) = (self.power(factor, exponent), self.power(*base, exponent));
+                return Some(self.mul(factor, power));
+            }
+        }
+        None
+    }
+
+    /// By which constant terms are multiples of others.
+    fn factor_between(&mut self, terms: &[Term], of: &[Term]) -> Option<Expr> {
+        let (first, first_of) = (terms.first()?, of.first()?);
+        if terms.len() != of.len() || first.moving.is_none() && terms.len() == 1 {
+            return None;
+        }
+        for (term, other) in terms.iter().zip(of) {
+            let across = [
+                self.mul(term.constant, first_of.constant),
+                self.mul(other.constant, first.constant),
+            ];
+            if term.moving != other.moving || across[0] != across[1] {
+                return None;
+            }
+        }
+        Some(self.div(first.constant, first_of.constant))
+    }
+
+    /// The terms of a sum, constants multiplied into sums within.
+    fn terms_of(&mut self, expr: Expr) -> Vec<Term> {
+        match self.node(expr).clone() {
+            Node::Sum(terms) => terms.iter().flat_map(|&term| self.terms_of(term)).collect(),
+            Node::Product(factors) => {
+                let moves = self.depend_on_state(&factors);
+                let (moving, constant): (Vec<_>, Vec<_>) =
+                    (factors.iter().zip(moves)).partition(|&(_, moves)| moves);
+                let [moving, constant] = [moving, constant]
+                    .map(|part| part.into_iter().map(|(&f, _)| f).collect::<Vec<Expr>>());
+                let constant = self.product(&constant);
+                let mut inner = match moving[..] {
+                    [sum] => self.terms_of(sum),
+                    [] => vec![self.term(None)],
+                    _ => {
+                        let product = self.product(&moving);
+                        vec![self.term(Some(product))]
+                    }
+                };
+                for term in &mut inner {
+                    term.constant = self.mul(constant, term.constant);
+                }
+                inner
+            }
+            _ if self.depends_on_state(expr) => vec![self.term(Some(expr))],
+            _ => vec![Term {
+                constant: expr,
+                moving: None,
+            }],
+        }
+    }
+
+    fn term(&mut self, moving: Option<Expr>) -> Term {
+        let constant = self.number(1.0);
+        Term { constant, moving }
+    }
+}
+
+/// A constant times what depends on the state, or alone.
+struct Term {
+    constant: Expr,
+    moving: Option<Expr>,
+}
