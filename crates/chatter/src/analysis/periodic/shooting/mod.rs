@@ -269,7 +269,7 @@ impl<R: Real> Shooting<R> {
         self.scales[..self.workshop.model.states.len()].to_vec()
     }
 
-    /// Adds the turns of a period to the phases of all nodes.
+    /// Adds the turns of a period to the phases of all nodes, and what the latest one took states along that nothing depends on.
     pub(crate) fn turn_on(&self, nodes: &mut [f64], at: &[R]) {
         let parameters = self.workshop.parameters::<f64>(
             &self
@@ -284,6 +284,17 @@ impl<R: Real> Shooting<R> {
         for (turn, &count) in turns.iter().zip(&self.counts) {
             for &place in &self.places {
                 nodes[place + turn.state] += turn.period * count as f64;
+            }
+        }
+        let (Some(last), Some(seen)) = (self.latest.last(), &self.watching) else {
+            return;
+        };
+        let (n, closure) = (last.image.len(), &self.workshop.closure);
+        let idle = closure.idle.iter();
+        for free in idle.filter(|free| !closure.is_phase(free.state)) {
+            let drift = (last.image[free.state] - self.node(seen, 0)[free.state]).to_f64();
+            for &place in &self.places {
+                free.carry(&mut nodes[place..place + n], drift);
             }
         }
     }
