@@ -840,14 +840,14 @@ impl<R: Real> Workspace<R> {
             .all()
     }
 
-    /// Which of the program's singular points is not positive, or cannot be told from zero: that which is nearest by its rate, where
-    /// series say no more.
+    /// Which of the program's singular points is not positive, or cannot be told from zero, or is nearer by its rate than the shortest step
+    /// that was tried: that which is nearest, where series say no more.
     pub(crate) fn vanishing(&self, program: &Program) -> Option<usize> {
         let distance = |slot: usize| {
             let series = self.expansion.series(slot);
             let terms = (self.expansion).size_of_terms(&program.tape, &self.constants, slot);
-            let vanishes = series[0] <= terms * R::splat(Self::NOISE);
             let distance = (series[0].abs() / series[1]).abs().to_f64();
+            let vanishes = series[0] <= terms * R::splat(Self::NOISE) || distance <= 1.0;
             vanishes.then_some(if distance.is_nan() {
                 f64::INFINITY
             } else {

@@ -99,6 +99,7 @@ pub(crate) fn close(
     let mut cycle = cycle;
     let parameters = workshop.parameters(free);
     cycle.begin_at_section(workshop, &parameters)?;
+    cycle.come_back(workshop);
     let mut shooting = Shooting::<f64>::new(workshop, cycle.steps, cycle.counts)?;
     shooting.keep_sizes(&cycle.sizes);
     let guess = shooting.guess(free);
@@ -225,7 +226,7 @@ pub(crate) fn shorter(
             }));
         }
     }
-    let arrives = |index: usize| steps[(index + count - 1) % count].passage;
+    let arrives = |index: usize| steps[shooting.before(index)].passage;
     for index in 1..count {
         if arrives(index) != arrives(0) || steps[index].passage != steps[0].passage {
             continue;

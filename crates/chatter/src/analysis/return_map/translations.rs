@@ -19,6 +19,16 @@ pub(crate) struct Translation {
     pub others: Vec<(usize, f64)>,
 }
 
+impl Translation {
+    /// Displaces a state along it.
+    pub(crate) fn carry(&self, state: &mut [f64], by: f64) {
+        state[self.state] += by;
+        for &(other, times) in &self.others {
+            state[other] += times * by;
+        }
+    }
+}
+
 /// The equations are looked at in so many places: a derivative that vanishes in all of them vanishes.
 const PLACES: usize = 8 * DISTANCES.len();
 

@@ -2,7 +2,7 @@
 
 use super::{model, orbit, over, value, with};
 use chatter::analysis::exponents::{Spec as Averages, exponents};
-use chatter::analysis::periodic::SpecialKind;
+use chatter::analysis::periodic::{End, SpecialKind};
 use chatter::numerics::Real;
 use core::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -89,4 +89,93 @@ fn the_drill_has_the_multiplier_that_its_exponent_says() {
         (modulus - expected).abs() < 1e-4 * expected,
         "{modulus} {expected} {averages:?}"
     );
+}
+
+/// A capsule: a mass on a spring in a box that friction holds, and a stop. It has drifted far before it settles.
+const CAPSULE: &str = r#"
+[parameters]
+A = 0.8
+w = 1.1
+[flight]
+x = "v"
+v = "A*cos(w*t) - (x - y) - 0.1*(v - u)"
+y = "u"
+u = "((x - y) + 0.1*(v - u))/2 - 0.25*sign(u)"
+[[contact]]
+name = "stop"
+gap = "0.3 - (x - y)"
+impulse = { v = -1, u = "1/2" }
+restitution = 0.5
+[initial]
+x = 0
+v = 0
+y = 0
+u = 0
+"#;
+
+/// In the box's coordinates nothing drifts. The stop is touched where the flights of a motion integrated step by step, event by event, come down to
+/// it, extrapolated to zero.
+#[test]
+fn what_has_drifted_far_has_the_branch_of_what_stays() {
+    let resting = CAPSULE
+        .replace("x = \"v\"", "z = \"v - u\"")
+        .replace("y = \"u\"\n", "")
+        .replace("(x - y)", "z")
+        .replace("x = 0", "z = 0")
+        .replace("y = 0\n", "");
+    let branch = |text: &str| {
+        let found = over(&with(text, &[]), "A", (0.4, 1.6), (4, 0.02));
+        assert_eq!(found[0].ends, [End::Range, End::Range]);
+        let special = found[0].special.iter();
+        special.map(|s| (s.kind, value(s))).collect::<Vec<_>>()
+    };
+    let (one, other) = (branch(CAPSULE), branch(&resting));
+    assert_eq!(one.len(), other.len(), "{one:?} {other:?}");
+    for (one, other) in one.iter().zip(&other) {
+        let off = (one.1 - other.1).abs();
+        assert!(one.0 == other.0 && off < 1e-12, "{one:?} {other:?}");
+    }
+    let graze = one.iter().find(|special| special.0.is_graze()).unwrap();
+    assert!((graze.1 - 1.494_607_6).abs() < 1e-6, "{graze:?}");
+}
+
+/// A part on a vibrating conveyor, which a period takes along by as much as it moves itself: told from where it begins to slip, the next
+/// section is that much farther on. Stuck, it would slip where B |sin(t + ph)| reaches mu (1 - A sin t): for B as large as the least
+/// quotient of both it touches that.
+#[test]
+fn what_drifts_is_told_from_another_event_as_far_on_as_it_is_then() {
+    let text = r#"
+    [parameters]
+    A = 0.6
+    B = 0.12
+    ph = 0.7
+    mu = 0.3
+    [flight]
+    x = "u"
+    u = "0"
+    y = "v"
+    v = "-1"
+    [[contact]]
+    name = "plane"
+    gap = "y - A*sin(t)"
+    impulse = { v = 1 }
+    restitution = 0.2
+    friction = { coefficient = "mu", along = { u = 1 }, rate = "u - B*cos(t + ph)" }
+    [section.strobe]
+    surface = "sin(t)"
+    direction = "rising"
+    [initial]
+    x = 0
+    u = 0
+    y = 0
+    v = "A"
+    "#;
+    let found = over(&with(text, &[]), "B", (0.12, 0.43), (4, 0.03));
+    assert_eq!(found[0].ends, [End::Range, End::Range]);
+    let touches: Vec<f64> = found[0].special.iter().map(value).collect();
+    let expected = [0.139_011_379_590_337_85, 0.414_354_567_012_753_64];
+    assert_eq!(touches.len(), expected.len(), "{touches:?}");
+    for (touch, expected) in touches.iter().zip(expected) {
+        assert!((touch - expected).abs() < 1e-14, "{touches:?}");
+    }
 }

@@ -161,3 +161,26 @@ fn a_limit_cycle_that_shrinks_to_a_corner_ends_there() {
         last.state
     );
 }
+
+/// On a canard of FitzHugh and Nagumo's neuron the parameter all but stands still, as where a period grows without bound; but the orbit does not
+/// rest, and it does not.
+#[test]
+fn a_canard_is_no_period_without_bound() {
+    let text = r#"
+    [parameters]
+    I = 0.5
+    [flight]
+    v = "v - v^3/3 - w + I"
+    w = "0.08*(v + 0.7 - 0.8*w)"
+    [section.v]
+    surface = "v"
+    direction = "rising"
+    [initial]
+    v = 1.0
+    w = 0.0
+    "#;
+    let found = over(&with(text, &[]), "I", (0.3, 0.5), (4, 0.01));
+    let ends = &found[0].ends;
+    let unbounded = |end: &End| matches!(end, End::Unbounded(_) | End::Saddle(_));
+    assert!(!ends.iter().any(unbounded), "{ends:?}");
+}

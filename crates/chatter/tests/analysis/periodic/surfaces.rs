@@ -202,3 +202,29 @@ fn a_doubling_next_to_a_touch_is_told_from_both_sides() {
         assert_eq!(found[0].special[0].persists, Some(true));
     }
 }
+
+/// A chamber behind an orifice: its flow begins with a root wherever the pressure turns its sign. With y = sqrt(p) and dt = 2 y ds its equations
+/// are smooth, y' = a cos t - y: so integrated, half of the orbit takes half a period from these phases.
+#[test]
+fn a_branch_goes_on_where_its_legs_begin_with_a_root() {
+    let text = r#"
+    [parameters]
+    a = 0.3
+    [flight]
+    p = "a*cos(t) - sign(p)*sqrt(abs(p))"
+    [initial]
+    p = 0.2
+    "#;
+    for (start, step) in [("0.3", 0.03), ("0.5", 0.02)] {
+        let found = over(&with(text, &[("a", start)]), "a", (0.2, 0.5), (4, step));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Range, End::Range]);
+        assert!(branch.special.is_empty(), "{:?}", branch.special);
+        let expected = [1.590_337_146_465_480_5, 1.815_867_076_962_969];
+        let ends = [&branch.points[0], &branch.points[branch.points.len() - 1]];
+        for (end, phase) in ends.into_iter().zip(expected) {
+            let off = (end.state[1].rem_euclid(core::f64::consts::PI) - phase).abs();
+            assert!(off < 1e-12, "{end:?}");
+        }
+    }
+}

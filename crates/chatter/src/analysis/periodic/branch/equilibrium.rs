@@ -63,9 +63,14 @@ impl Equations<f64> for Rest<'_> {
 }
 
 impl Equilibria {
-    /// How fast a state moves, against the sizes of states.
+    /// How fast a state moves, against the sizes of states. Clocks go on.
     pub(super) fn speed(&self, state: &[f64], sizes: &[f64]) -> f64 {
+        let moves = |rate: Expr| {
+            let mut symbols = self.graph.symbols(rate).into_iter();
+            symbols.any(|symbol| matches!(symbol, Symbol::State(_)))
+        };
         let rates = (self.field.iter())
+            .filter(|&&(_, rate, _)| moves(rate))
             .map(|&(own, rate, _)| self.graph.evaluate(rate, state, &self.parameters) / sizes[own]);
         rates.fold(0.0, |most: f64, rate| most.max(rate.abs()))
     }

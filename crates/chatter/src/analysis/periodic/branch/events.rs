@@ -1,7 +1,7 @@
 //! The equations of an orbit with an event more, where a guard touches zero, and with one less.
 
 use crate::analysis::periodic::closure::Closure;
-use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Shooting, struck};
@@ -150,7 +150,7 @@ impl Shooting<f64> {
             index -= 1;
         }
         let next = index + 1;
-        let before = (index + count - 1) % count;
+        let before = around(index, -1, count);
         let passage = match (steps[index].passage, steps[next].passage) {
             // A section that shares its instant with the end of a piece, or with a switch, stands for that.
             (Passage::Leg(_), Passage::Leg(other))

@@ -43,7 +43,7 @@ impl Walker {
     /// Whether a step follows an impact that has no rate left.
     fn follows_graze(&self, index: usize) -> bool {
         let count = self.shooting.steps.len();
-        let before = (index + count - 1) % count;
+        let before = self.shooting.before(index);
         let rate = |index: usize| {
             let landing = self.shooting.latest.get(index);
             landing.map_or(0.0, |landing| landing.surface_rate.abs())
@@ -120,8 +120,7 @@ impl Walker {
             Broken::Event(index) => self.lose(&station, index, &there),
             // The rate that turns is that of the impact, and the flight after it begins where it does.
             Broken::Beyond(index, GuardKind::Switch(_)) if self.follows_graze(index) => {
-                let before = (index + self.shooting.steps.len() - 1) % self.shooting.steps.len();
-                self.lose(&station, before, &there)
+                self.lose(&station, self.shooting.before(index), &there)
             }
             Broken::Early(index, GuardKind::Switch(_))
                 if self.shooting.steps[index].impact().is_some() =>
@@ -133,11 +132,10 @@ impl Walker {
                 Err(broken.told(&self.shooting))
             }
             Broken::Beyond(index, guard) => {
-                let count = self.shooting.steps.len();
                 let slides = matches!(guard, GuardKind::Leave(..));
                 let met = match slides {
                     true => (index, guard),
-                    false => ((index + count - 1) % count, guard),
+                    false => (self.shooting.before(index), guard),
                 };
                 if !self.meets_with_event(&station, met, &there) {
                     self.begins_at_its_end((&from, &station), &broken, &there);
@@ -283,8 +281,8 @@ impl Walker {
 
     /// Whether the way between the last impact and a touch of the same contact can be told from rounding of the gap.
     fn is_resolved(&mut self, station: &Station, index: usize, contact: usize) -> bool {
-        let count = self.shooting.steps.len();
-        let follows = self.shooting.steps[(index + count - 1) % count].impact() == Some(contact);
+        let before = self.shooting.before(index);
+        let follows = self.shooting.steps[before].impact() == Some(contact);
         let Ok(least) = self.shooting.least(&station.at) else {
             return true;
         };

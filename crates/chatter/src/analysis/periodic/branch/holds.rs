@@ -43,7 +43,7 @@ impl Broken {
                 named(guard)
             ),
             Self::Passed(index) => {
-                let before = index.checked_sub(1).unwrap_or(shooting.steps.len() - 1);
+                let before = shooting.before(index);
                 format!("events {before} and {index} of the orbit change places")
             }
             Self::Carried(index) => format!(
@@ -134,7 +134,13 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             }
             // What vanishes with the event itself is left to the next step.
             let is_known = least.value < -NOTHING * size(least.guard);
+            // Where roots have no slope beyond their surface, the rate with which that is met turns there: the event, and no way beyond it.
+            let is_event = !is_known
+                && step.impact().is_none()
+                && step.ends_at() == Some(least.guard)
+                && landing.duration - least.time <= NOWHERE * landing.duration;
             let known = match least.at_end {
+                false if is_event => continue,
                 false => Broken::Inner(index, least.guard),
                 true if !is_known => continue,
                 true if step.ends_at() == Some(least.guard) => Broken::Beyond(index, least.guard),
@@ -150,13 +156,13 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
 
 /// Less what breaks because a crossing and its way back become one: the stay between them is over, and what it was beyond is touched.
 fn without_vanished(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Broken> {
-    let count = shooting.steps.len();
     let vanished = found.iter().filter_map(|broken| match broken {
         Broken::Event(index) => shooting.crossing_that_vanishes(*index),
         _ => None,
     });
     for first in vanished.collect::<Vec<usize>>() {
-        let beside = [first, (first + 1) % count, (first + 2) % count];
+        let next = shooting.after(first);
+        let beside = [first, next, shooting.after(next)];
         let guards = [beside[0], beside[1]].map(|index| shooting.steps[index].ends_at());
         found.retain(|broken| match broken {
             Broken::Inner(step, guard) => {
@@ -210,7 +216,6 @@ fn is_met_wrongly(shooting: &Shooting<f64>, least: &[Vec<Least>], index: usize) 
 /// Less what breaks because two events have passed each other.
 fn without_passed(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Broken> {
     let steps = &shooting.steps;
-    let count = steps.len();
     let passed: Vec<usize> = (found.iter())
         .filter_map(|broken| match broken {
             Broken::Passed(index) => Some(*index),
@@ -218,8 +223,8 @@ fn without_passed(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Broke
         })
         .collect();
     for index in passed {
-        let before = (index + count - 1) % count;
-        let beside = [before, index, (index + 1) % count];
+        let before = shooting.before(index);
+        let beside = [before, index, shooting.after(index)];
         let guards = [steps[before].ends_at(), steps[index].ends_at()];
         found.retain(|broken| match broken {
             Broken::Inner(step, guard)
@@ -250,9 +255,7 @@ pub(crate) fn broken_beside(
     let graze = |broken: &Broken| match (grazing, broken) {
         (Some(index), Broken::Event(step)) => *step == index,
         // The touch itself, seen from either side of it.
-        (Some(index), Broken::Inner(step, _)) => {
-            *step == index || *step == (index + 1) % shooting.steps.len()
-        }
+        (Some(index), Broken::Inner(step, _)) => *step == index || *step == shooting.after(index),
         _ => false,
     };
     let found = broken(shooting, &least);
@@ -311,11 +314,10 @@ fn loses(shooting: &Shooting<f64>, one: &Broken, other: &Broken) -> bool {
     let &Broken::Event(impact) = one else {
         return false;
     };
-    let steps = &shooting.steps;
     let follows = match *other {
         Broken::Inner(_, GuardKind::Gap(_)) => true,
-        Broken::Beyond(step, GuardKind::Switch(_)) => step == (impact + 1) % steps.len(),
+        Broken::Beyond(step, GuardKind::Switch(_)) => step == shooting.after(impact),
         _ => false,
     };
-    follows && steps[impact].impact().is_some()
+    follows && shooting.steps[impact].impact().is_some()
 }

@@ -191,10 +191,9 @@ impl Walker {
             _ => None,
         });
         let released: Vec<(usize, usize)> = released.collect();
-        let count = self.shooting.steps.len();
         let resting = released.iter().find_map(|&(index, contact)| {
             let closed = self.shooting.steps[index].closed.with(contact);
-            let begin = ((index + 1) % count, closed);
+            let begin = (self.shooting.after(index), closed);
             let over = self.over_the_parameter(&curve.station);
             self.beyond_from(&over, &BEYOND, begin, another)
         });
@@ -237,7 +236,7 @@ impl Walker {
         // From just after the fastest impact: at a release the motion would have to decide anew.
         let count = self.shooting.steps.len();
         let rate = |index: usize| {
-            let before = (index + count - 1) % count;
+            let before = self.shooting.before(index);
             let hits = self.shooting.steps[before].impact().is_some();
             let landing = self.shooting.latest.get(before).filter(|_| hits);
             landing.map_or(0.0, |landing| landing.surface_rate.abs())
@@ -333,13 +332,12 @@ fn touch_between(
         Touched::solve(longer).ok()
     });
     // Or, where the surface is crossed, the flow beyond turns back to it as soon as it begins.
-    let count = shooting.steps.len();
     let crossings = shooting.steps.iter().enumerate();
     let crossings = crossings.filter_map(|(index, step)| Some((index, step.ends_at()?)));
     let turns = crossings
         .filter(|(_, guard)| is_wanted(*guard))
         .filter_map(|(index, guard)| {
-            let begins = ((index + 1) % count, guard.opposite()?);
+            let begins = (shooting.after(index), guard.opposite()?);
             let turn = shooting.with_turn_at_start(at, begins).ok()?;
             Touched::solve(turn).ok()
         });

@@ -57,6 +57,8 @@ impl fmt::Display for Saddle {
 const NEAR: f64 = 1e-3;
 /// A leg is looked at in so many places: beside an equilibrium it spends most of its time.
 const PLACES: usize = 64;
+/// What rests goes no farther than this part of its size in a period, for this part of it.
+const RESTS: f64 = 0.1;
 /// A state of the equilibrium that is less than this part of its size is zero.
 const NOTHING: f64 = 1e-12;
 
@@ -66,26 +68,60 @@ impl Shooting<f64> {
         (0..self.steps.len()).find_map(|index| self.saddle_beside(at, index))
     }
 
-    fn saddle_beside(&mut self, at: &[f64], index: usize) -> Option<Saddle> {
-        let workshop = self.workshop.clone();
-        let LegKind { mode, .. } = self.steps[index].flight()?;
-        let equilibria = self.equilibria(at, index)?;
-        let (sizes, period) = (self.state_sizes(), self.period());
-        let duration = at[self.duration_place(index)?];
-        let parameters = &equilibria.parameters;
-        // By itself, without what happens at its end.
-        let flight = workshop.leg(LegKind {
-            mode,
+    /// States that are passed on a flight by itself, at even times.
+    fn way(&self, at: &[f64], index: usize, parameters: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let flight = self.workshop.leg(LegKind {
             ends_at: None,
             jump: Jump::None,
+            ..self.steps[index].flight()?
         })?;
+        let duration = at[self.duration_place(index)?];
         let mut flyer = flight.flyer(&Settings::default());
         let start = self.node(at, index);
-        let way = (1..PLACES).filter_map(|k| {
+        let passed = (1..PLACES).filter_map(|k| {
             let time = duration * k as f64 / PLACES as f64;
             let landing = flight.fly(&mut flyer, parameters, start, time).ok()?;
             Some(landing.image)
         });
+        Some(passed.collect())
+    }
+
+    /// Whether an orbit all but rests for a while, as far as its flights are known: for a tenth of its period it would go no farther in a
+    /// whole one than a tenth of its size. On a canard, along which the parameter stands still just so, motion is slow and goes on.
+    pub(super) fn all_but_rests(&self, at: &[f64]) -> bool {
+        let (sizes, period) = (self.state_sizes(), self.period());
+        let mut passed = Vec::new();
+        for index in 0..self.steps.len() {
+            let Some(equilibria) = self.equilibria(at, index) else {
+                return true;
+            };
+            let Some(way) = self.way(at, index, &equilibria.parameters) else {
+                return true;
+            };
+            let Some(place) = self.duration_place(index) else {
+                return true;
+            };
+            let time = at[place] / way.len() as f64;
+            passed.extend(
+                way.iter()
+                    .map(|state| (equilibria.speed(state, &sizes), time)),
+            );
+        }
+        passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut left = RESTS * period;
+        let slow = passed.iter().find(|(_, time)| {
+            left -= time;
+            left <= 0.0
+        });
+        slow.is_none_or(|(speed, _)| speed * period <= RESTS)
+    }
+
+    fn saddle_beside(&mut self, at: &[f64], index: usize) -> Option<Saddle> {
+        let workshop = self.workshop.clone();
+        let equilibria = self.equilibria(at, index)?;
+        let (sizes, period) = (self.state_sizes(), self.period());
+        let parameters = &equilibria.parameters;
+        let way = self.way(at, index, parameters)?.into_iter();
         let slower = |a: &Vec<f64>, b: &Vec<f64>| {
             let speed = |state: &[f64]| equilibria.speed(state, &sizes);
             speed(a).total_cmp(&speed(b))

@@ -10,7 +10,7 @@ use crate::analysis::continuation::{
     Condition, Held, NewtonError, Problem, Station, newton, tangent,
 };
 use crate::analysis::periodic::closure::Closure;
-use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
@@ -37,9 +37,7 @@ enum Stay {
 impl Shooting<f64> {
     /// The crossing whose way back follows with no time left, if it is this event or the one before; without an event, any.
     pub(super) fn crossing_that_vanishes(&self, event: usize) -> Option<usize> {
-        let count = self.steps.len();
-        let before = (event + count - 1) % count;
-        [event, before]
+        [event, self.before(event)]
             .into_iter()
             .find(|&index| self.comes_back(index))
     }
@@ -60,15 +58,12 @@ impl Shooting<f64> {
     /// Whether a step ends with a crossing whose way back follows at once.
     pub(super) fn comes_back(&self, index: usize) -> bool {
         let count = self.steps.len();
-        let (step, next, last) = (
-            &self.steps[index],
-            &self.steps[(index + 1) % count],
-            &self.steps[(index + 2) % count],
-        );
+        let after = self.after(index);
+        let [step, next, last] = [index, after, self.after(after)].map(|k| &self.steps[k]);
         let is_leg =
             |step: &Step| matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None);
         let all = count > 1 && is_leg(step) && is_leg(next);
-        let stay = self.latest.get((index + 1) % count);
+        let stay = self.latest.get(after);
         all && self.ends_stay(step, next.ends_at())
             && last.mode() == step.mode()
             && last.pieces == step.pieces
@@ -78,7 +73,7 @@ impl Shooting<f64> {
     /// The crossing whose way back follows soonest, with no time left.
     pub(super) fn shortest_stay(&self) -> Option<usize> {
         let count = self.steps.len();
-        let stay = |index: usize| self.latest[(index + 1) % count].duration;
+        let stay = |index: usize| self.latest[self.after(index)].duration;
         let all = (0..count).filter(|&index| self.comes_back(index));
         all.min_by(|&a, &b| stay(a).total_cmp(&stay(b)))
     }
@@ -105,7 +100,7 @@ impl Shooting<f64> {
         let stay = steps.remove(index + 1);
         steps[index].duration += 0.5 * stay.duration;
         steps[index].closed = stay.closed;
-        let next = (index + 1) % steps.len();
+        let next = around(index, 1, steps.len());
         steps[next].start.clone_from(&stay.start);
         steps[next].duration += 0.5 * stay.duration;
         let (shooting, at) = self.like(steps, at)?;
@@ -114,8 +109,7 @@ impl Shooting<f64> {
 
     /// Whether a step begins on the surface of a guard, which it has just crossed.
     pub(super) fn begins_at(&self, index: usize, guard: GuardKind) -> bool {
-        let count = self.steps.len();
-        let before = self.steps[(index + count - 1) % count].ends_at();
+        let before = self.steps[self.before(index)].ends_at();
         guard.opposite().is_some() && before == guard.opposite()
     }
 
@@ -124,9 +118,8 @@ impl Shooting<f64> {
         let GuardKind::Switch(surface) = guard else {
             return None;
         };
-        let count = self.steps.len();
         let system = &self.workshop.system;
-        let (_, came, _) = system.origin_of(self.steps[(index + count - 1) % count].mode())?;
+        let (_, came, _) = system.origin_of(self.steps[self.before(index)].mode())?;
         let (grip, sides, _) = system.origin_of(self.steps[index].mode())?;
         let across = match (came.get(surface), sides.get(surface)) {
             (Side::Above, Side::Sliding) => Side::Below,
@@ -142,7 +135,7 @@ impl Shooting<f64> {
         let Some(guard @ GuardKind::Switch(surface)) = self.steps[index].ends_at() else {
             return false;
         };
-        let next = &self.steps[(index + 1) % self.steps.len()];
+        let next = &self.steps[self.after(index)];
         let origin = self.workshop.system.origin_of(next.mode());
         let slides = origin.is_some_and(|(_, sides, _)| sides.get(surface) == Side::Sliding);
         let place = self.duration_place(index);
@@ -190,7 +183,6 @@ impl Shooting<f64> {
         (index, stay, duration): (usize, Stay, f64),
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let mut steps = self.current_steps(at);
-        let count = steps.len();
         let Passage::Leg(kind) = steps[index].passage else {
             return Err(unfollowed("a touch that ends no leg"));
         };
@@ -225,7 +217,7 @@ impl Shooting<f64> {
             }
             _ => return Err(unfollowed("a touch of what has no sides")),
         }
-        let next = (index + 1) % count;
+        let next = self.after(index);
         let parameters = self.workshop.parameters(self.free(at));
         let model = &self.workshop.model;
         let touch = steps[next].start.clone();

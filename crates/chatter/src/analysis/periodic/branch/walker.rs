@@ -6,7 +6,7 @@ use super::limits::{End, Limits, station_at};
 use super::returns::passages;
 use super::special::{Near, Seed, Special};
 use super::touch::VANISHED;
-use super::unbounded::unbounded;
+use super::unbounded::{Law, unbounded};
 use super::{Point, Saddle, SpecialKind, Unbounded};
 use crate::analysis::border::{Border, BorderSpec, borders_in};
 use crate::analysis::continuation::{Curve, Problem, Station, StepError};
@@ -288,7 +288,7 @@ impl Walker {
                 self.points.push(here.clone());
                 walked.since_kept = 0.0;
                 if self.points.len().is_multiple_of(LOOKED_BACK)
-                    && let Some(unbounded) = self.unbounded()
+                    && let Some(unbounded) = self.unbounded(&curve.station)
                 {
                     let end = self.comes_to_rest(&curve.station);
                     break end.unwrap_or(End::Unbounded(unbounded));
@@ -320,12 +320,14 @@ impl Walker {
         Ok(self.side(end))
     }
 
-    /// The law by which the period has grown, if it does without bound.
-    fn unbounded(&self) -> Option<Unbounded> {
+    /// The law by which the period has grown, if it does without bound: an orbit whose time is a logarithm comes to rest.
+    fn unbounded(&self, station: &Station) -> Option<Unbounded> {
         let workshop = &self.shooting.workshop;
         let name = &workshop.model.parameters[*workshop.free.last()?].name;
         let scale = self.shooting.scales().last().copied()?;
-        unbounded(&self.points, name, scale)
+        let found = unbounded(&self.points, name, scale)?;
+        let rests = || self.shooting.all_but_rests(&station.at);
+        (!matches!(found.law, Law::Logarithm(_)) || rests()).then_some(found)
     }
 
     /// Whether nothing is left of the orbit at a station.
@@ -344,7 +346,7 @@ impl Walker {
             return Some(End::Equilibrium);
         }
         self.settle(station);
-        let unbounded = self.unbounded();
+        let unbounded = self.unbounded(station);
         match self.shooting.saddle(&station.at) {
             Some(saddle) => Some(End::Saddle(Saddle {
                 unbounded: unbounded.map(Box::new),
@@ -358,7 +360,7 @@ impl Walker {
     fn stay_vanishes(&mut self, station: &Station) -> Option<usize> {
         self.settle(station);
         let index = self.shooting.shortest_stay()?;
-        let place = (self.shooting).duration_place((index + 1) % self.shooting.steps.len())?;
+        let place = (self.shooting).duration_place(self.shooting.after(index))?;
         (station.at[place] < VANISHED * self.shooting.period()).then_some(index)
     }
 

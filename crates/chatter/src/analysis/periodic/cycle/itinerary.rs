@@ -9,6 +9,12 @@ use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory};
 use crate::numerics::stored::{list, number};
 use serde::{Deserialize, Serialize};
 
+/// The step so many after another one of a cycle of `count`, or before it.
+pub(crate) const fn around(from: usize, by: isize, count: usize) -> usize {
+    let count = count as isize;
+    (from as isize + by).rem_euclid(count) as usize
+}
+
 /// A part of an orbit between two of its nodes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Step {

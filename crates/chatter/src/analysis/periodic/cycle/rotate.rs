@@ -1,9 +1,11 @@
 //! A cycle told from another of its steps on.
 
-use super::itinerary::Step;
+use super::itinerary::{Passage, Step};
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::Workshop;
+use crate::analysis::periodic::shooting::{LONGEST, Workshop};
+use crate::analysis::return_map::translations::Translation;
+use crate::flow::Settings;
 use crate::numerics::DoubleDouble;
 
 /// A place on the way of a step, in parts of it, at which nothing happens.
@@ -34,14 +36,55 @@ pub(super) fn past_instant(
     }
 }
 
-/// The cycle's next time around: by `counts` turns of each phase later, in pieces of lookups that many further.
+/// How far a period takes the states that nothing depends on, as far as its last step can be followed.
+fn drifts(workshop: &Workshop, parameters: &[f64], steps: &[Step]) -> Vec<f64> {
+    let idle = &workshop.closure.idle;
+    let none = || vec![0.0; idle.len()];
+    let (Some(first), Some(last), false) = (steps.first(), steps.last(), idle.is_empty()) else {
+        return none();
+    };
+    let all = workshop.system.with_pieces(parameters, &last.pieces);
+    let settings = Settings::default();
+    let landing = match last.passage {
+        Passage::Leg(kind) | Passage::Timed(kind) | Passage::Around(kind) => {
+            workshop.leg(kind).and_then(|leg| {
+                let flyer = &mut leg.flyer(&settings);
+                leg.fly(flyer, &all, &last.start, last.duration).ok()
+            })
+        }
+        Passage::AtOnce(kind) | Passage::Together(kind) => (workshop.leg(kind))
+            .map(|leg| leg.at_once(&mut leg.flyer(&settings), &all, &last.start)),
+        Passage::Stretch(kind) => workshop.stretch(kind).and_then(|stretch| {
+            let longest = LONGEST * last.duration;
+            let follower = &mut stretch.follower(&settings);
+            stretch.follow(follower, &all, &last.start, longest).ok()
+        }),
+    };
+    landing.map_or_else(none, |landing| {
+        let drift = |free: &Translation| match workshop.closure.is_phase(free.state) {
+            true => 0.0,
+            false => landing.image[free.state] - first.start[free.state],
+        };
+        idle.iter().map(drift).collect()
+    })
+}
+
+/// The cycle's next time around: by `counts` turns of each phase later, by what a period takes states along that nothing depends on, and in
+/// pieces of lookups that many further.
 pub(crate) fn a_turn_later(
     workshop: &Workshop,
     parameters: &[f64],
     (steps, counts): (&[Step], &[i64]),
 ) -> Result<Vec<Step>, PeriodicError> {
     let turns = workshop.closure.turns::<f64>(parameters)?;
-    let later = |state: &[f64]| Closure::later(&turns, counts, state);
+    let drifts = drifts(workshop, parameters, steps);
+    let later = |state: &[f64]| {
+        let mut later = Closure::later(&turns, counts, state);
+        for (free, drift) in workshop.closure.idle.iter().zip(&drifts) {
+            free.carry(&mut later, *drift);
+        }
+        later
+    };
     let ends = (steps.iter().skip(1).map(|next| next.start.clone()))
         .chain(steps.first().map(|first| later(&first.start)));
     let moved = steps.iter().zip(ends).map(|(step, end)| {

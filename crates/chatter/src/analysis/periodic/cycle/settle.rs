@@ -1,7 +1,7 @@
 //! What a trajectory settles to: the latest return to where it was.
 
 use super::events::single;
-use super::itinerary::{Step, read};
+use super::itinerary::{Step, around, read};
 use super::reread::from_early_on;
 use super::rotate::{past_instant, rotate};
 use super::trace::{Instant, ONE_INSTANT, Tracer};
@@ -25,10 +25,41 @@ pub(crate) struct Cycle {
     pub sizes: Vec<f64>,
 }
 
+/// A cycle has drifted far if it has gone so many times as far as it goes itself.
+const DRIFTED: f64 = 8.0;
+
 impl Cycle {
     /// How long it takes.
     pub(crate) fn duration(&self) -> f64 {
         self.steps.iter().map(|step| step.duration).sum()
+    }
+
+    /// Takes the cycle back to where states that nothing depends on are zero, where it has drifted so far from there that what they do on it
+    /// is little beside: their sizes are of its motion, not of its way there.
+    pub(crate) fn come_back(&mut self, workshop: &Workshop) {
+        let Some(first) = self.steps.first().map(|step| step.start.clone()) else {
+            return;
+        };
+        // Counters tell by what they are which side holds.
+        let model = &workshop.model;
+        let moves = |state: usize| {
+            !model
+                .graph
+                .symbols(model.states[state].derivative)
+                .is_empty()
+        };
+        let is_place = |state: usize| moves(state) && !workshop.closure.is_phase(state);
+        let idle = workshop.closure.idle.iter();
+        for free in idle.filter(|free| is_place(free.state)) {
+            let gone = first[free.state];
+            let on = |step: &Step| (step.start[free.state] - gone).abs();
+            let span = self.steps.iter().map(on).fold(0.0, f64::max);
+            if gone.abs() > DRIFTED * span && span > 0.0 {
+                for step in &mut self.steps {
+                    free.carry(&mut step.start, -gone);
+                }
+            }
+        }
     }
 
     /// Begins the cycle at the section, if it is crossed.
@@ -44,8 +75,7 @@ impl Cycle {
         let Some(index) = self.steps.iter().position(ends_there) else {
             return Ok(());
         };
-        let count = self.steps.len();
-        let moved = (index + 1) % count;
+        let moved = around(index, 1, self.steps.len());
         let cycle = (&mut *self.steps, &*self.counts);
         rotate(workshop, parameters, cycle, moved)
     }

@@ -2,7 +2,7 @@
 
 use super::{Flown, Shooting, struck};
 use crate::analysis::continuation::Left;
-use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::cycle::trace::{Instant, Tracer};
 use crate::flow::leg::{Least, LegKind};
 use crate::flow::{Closed, GuardKind};
@@ -84,7 +84,7 @@ impl Shooting<f64> {
     /// that it has just crossed, left, or had an event at.
     fn begins_on(&self, index: usize) -> Vec<GuardKind> {
         let count = self.steps.len();
-        let before = (index + count - 1) % count;
+        let before = self.before(index);
         let touching = Closed(struck(&self.steps, before).0 | self.closed_before(index).0);
         let mut zeros: Vec<GuardKind> = touching.contacts().map(GuardKind::Gap).collect();
         // What came first at that instant, and then what its jump has brought about, which lies beyond its own surface.
@@ -138,13 +138,6 @@ impl Shooting<f64> {
         let known = self.latest_parameters()?;
         let side = came_from.map_or(beyond, |state| graph.evaluate(told.surface, state, &known));
         Some(beyond * side.signum())
-    }
-
-    /// The step that comes so many before another one.
-    fn step_back(&self, from: usize, back: usize) -> (usize, &Step) {
-        let count = self.steps.len();
-        let place = (from + count - back) % count;
-        (place, &self.steps[place])
     }
 
     /// What happens within a step that is a stretch, which is followed as a whole, and when it begins.

@@ -29,7 +29,6 @@ impl Shooting<f64> {
         let step = self.steps.get(index).filter(|step| step.is_at_once())?;
         let contact = step.impact()?;
         let at = self.watching.as_ref()?;
-        let count = self.steps.len();
         let parameters = self.workshop.parameters(self.free(at));
         let known = self.parameters_of(&parameters, step);
         let system = &self.workshop.system;
@@ -40,7 +39,7 @@ impl Shooting<f64> {
                 .map(|contact| on.mechanics.graph.evaluate(contact.rate, state, &known))
                 .collect()
         };
-        let (before, after) = (rates(index), rates((index + 1) % count));
+        let (before, after) = (rates(index), rates(self.after(index)));
         let own = -before[contact];
         let touching = self.touching(index)?;
         let others = (touching.contacts())
@@ -56,12 +55,16 @@ impl Shooting<f64> {
     /// Contacts that touch at the instant of a step that takes no time: those that were closed before, and those that are struck.
     fn touching(&self, index: usize) -> Option<Closed> {
         let count = self.steps.len();
-        let back =
-            (0..count).find(|back| !self.steps[(index + count - back) % count].is_at_once())?;
-        let first = (index + count - back) % count;
+        let first = (0..count)
+            .map(|back| self.step_back(index, back))
+            .find(|(_, step)| !step.is_at_once())?
+            .0;
         let (grip, ..) = self.workshop.system.origin_of(self.steps[first].mode())?;
-        let on = (1..count).take_while(|on| self.steps[(first + on) % count].is_at_once());
-        let chain = core::iter::once(first).chain(on.map(|on| (first + on) % count));
+        let on = core::iter::successors(Some(self.after(first)), |&step| Some(self.after(step)));
+        let on = on
+            .take(count - 1)
+            .take_while(|&step| self.steps[step].is_at_once());
+        let chain = core::iter::once(first).chain(on);
         let all = chain.filter_map(|step| self.steps[step].impact());
         Some(all.fold(grip.closed, |all, contact| all.with(contact)))
     }

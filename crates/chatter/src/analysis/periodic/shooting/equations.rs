@@ -67,7 +67,7 @@ impl<R: Real> Problem<R> for Shooting<R> {
         let mut row = 0;
         for (index, landing) in landings.iter().enumerate() {
             let place = self.places[index];
-            let next = self.places[(index + 1) % count];
+            let next = self.places[self.after(index)];
             let is_last = index + 1 == count;
             let timed = matches!(self.steps[index].passage, Passage::Timed(_));
             let is_stretch = self.steps[index].is_stretch();

@@ -51,8 +51,9 @@ fn jumps(kind: LegKind) -> bool {
 impl<R: Real> Shooting<R> {
     /// Whether the event at the end of a step, or the one before, is the knot of a table: so nothing happens where they change places.
     pub(crate) fn is_knot(&self, index: usize) -> bool {
-        let before = (index + self.steps.len() - 1) % self.steps.len();
-        let mut both = [before, index].into_iter().map(|k| &self.steps[k]);
+        let mut both = [self.before(index), index]
+            .into_iter()
+            .map(|k| &self.steps[k]);
         both.any(|step| step.flight().is_some_and(|kind| knot(self, kind).is_some()))
     }
 
@@ -62,11 +63,10 @@ impl<R: Real> Shooting<R> {
     }
 
     fn exchange(&self, index: usize) -> Option<Exchange> {
-        let count = self.steps.len();
-        if count < 3 {
+        if self.steps.len() < 3 {
             return None;
         }
-        let (before, after) = ((index + count - 1) % count, (index + 1) % count);
+        let (before, after) = (self.before(index), self.after(index));
         let [first, second, next] = [before, index, after].map(|k| &self.steps[k]);
         let (Passage::Leg(one), Passage::Leg(other), Passage::Leg(_)) =
             (first.passage, second.passage, next.passage)
@@ -181,12 +181,15 @@ impl Exchanged {
                 [&nodes[last..], &nodes[..last], free].concat()
             }
         };
-        let count = self.shooting.steps.len();
-        let place = |index: usize| self.shooting.duration_place(index % count);
+        let place = |index: usize| self.shooting.duration_place(index);
         if let Some(between) = place(self.between) {
             let early = direction[between];
             direction[between] = -early;
-            for beside in [self.between + count - 1, self.between + 1] {
+            let beside = [
+                self.shooting.before(self.between),
+                self.shooting.after(self.between),
+            ];
+            for beside in beside {
                 if let Some(beside) = place(beside) {
                     direction[beside] += early;
                 }
@@ -227,12 +230,12 @@ impl Shooting<f64> {
             rotate(&self.workshop, &parameters, cycle, count - 1)?;
             numbers
                 .iter_mut()
-                .for_each(|number| *number = (*number + 1) % count);
+                .for_each(|number| *number = self.after(*number));
             index = 1;
             whole.steps.clone_from(&steps);
         }
         let Exchange { first, second } = whole.exchange(index).ok_or_else(unfollowed)?;
-        let (early, next) = (steps[index].duration, (index + 1) % count);
+        let (early, next) = (steps[index].duration, self.after(index));
         steps[index - 1].duration += early;
         steps[next].duration += early;
         let (before, own) = (steps[index - 1].duration, -early);

@@ -34,7 +34,7 @@ pub(crate) use exchange::station_after;
 pub(crate) use workshop::Workshop;
 
 use super::closure::{Closure, Lap, Turn};
-use super::cycle::itinerary::{Passage, Step, held};
+use super::cycle::itinerary::{Passage, Step, around, held};
 use super::error::PeriodicError;
 use crate::analysis::continuation::Left;
 use crate::flow::leg::{Astray, Flyer, Follower, Jump, Landing, Least, Leg, LegKind, Stretch};
@@ -115,7 +115,7 @@ const NEARLY_TOGETHER: f64 = 1e-3;
 /// Fields on both sides of a surface are one there if they differ by less than this part of them, or of what moves states in a period.
 const SAME_FIELD: f64 = 1e-9;
 /// A leg that would take this many times as long as its guess is given up.
-const LONGEST: f64 = 4.0;
+pub(in crate::analysis::periodic) const LONGEST: f64 = 4.0;
 
 impl<R: Real> Shooting<R> {
     pub(crate) fn new(
@@ -269,7 +269,7 @@ impl<R: Real> Shooting<R> {
         self.scales[..self.workshop.model.states.len()].to_vec()
     }
 
-    /// Adds the turns of a period to the phases of all nodes.
+    /// Adds the turns of a period to the phases of all nodes, and what the latest one took states along that nothing depends on.
     pub(crate) fn turn_on(&self, nodes: &mut [f64], at: &[R]) {
         let parameters = self.workshop.parameters::<f64>(
             &self
@@ -284,6 +284,17 @@ impl<R: Real> Shooting<R> {
         for (turn, &count) in turns.iter().zip(&self.counts) {
             for &place in &self.places {
                 nodes[place + turn.state] += turn.period * count as f64;
+            }
+        }
+        let (Some(last), Some(seen)) = (self.latest.last(), &self.watching) else {
+            return;
+        };
+        let (n, closure) = (last.image.len(), &self.workshop.closure);
+        let idle = closure.idle.iter();
+        for free in idle.filter(|free| !closure.is_phase(free.state)) {
+            let drift = (last.image[free.state] - self.node(seen, 0)[free.state]).to_f64();
+            for &place in &self.places {
+                free.carry(&mut nodes[place..place + n], drift);
             }
         }
     }
@@ -325,8 +336,23 @@ impl<R: Real> Shooting<R> {
 
     /// Contacts that are closed when a step begins.
     pub(crate) fn closed_before(&self, index: usize) -> Closed {
-        let count = self.steps.len();
-        self.steps[(index + count - 1) % count].closed
+        self.steps[self.before(index)].closed
+    }
+
+    /// The step before another one, around the cycle.
+    pub(crate) fn before(&self, index: usize) -> usize {
+        around(index, -1, self.steps.len())
+    }
+
+    /// The step that comes so many before another one.
+    fn step_back(&self, from: usize, back: usize) -> (usize, &Step) {
+        let place = around(from, -(back as isize), self.steps.len());
+        (place, &self.steps[place])
+    }
+
+    /// The step after another one, around the cycle.
+    pub(crate) fn after(&self, index: usize) -> usize {
+        around(index, 1, self.steps.len())
     }
 
     /// Impacts a period; none where infinitely many.
@@ -459,7 +485,7 @@ impl<R: Real> Shooting<R> {
         let period: f64 = (landings.iter()).fold(0.0, |sum, l| sum + l.duration.to_f64());
         (0..count)
             .map(|index| {
-                let next = (index + 1) % count;
+                let next = self.after(index);
                 let (step, after) = (&self.steps[index], &self.steps[next]);
                 let plain = |step: &Step| held(&system, step.mode()) == 0;
                 let goes_on = matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None)

@@ -106,7 +106,7 @@ impl Workshop {
         Some(leg)
     }
 
-    pub(super) fn stretch(&self, kind: StretchKind) -> Option<Arc<Stretch>> {
+    pub(in crate::analysis::periodic) fn stretch(&self, kind: StretchKind) -> Option<Arc<Stretch>> {
         let mut known = (self.stretches.lock()).unwrap_or_else(PoisonError::into_inner);
         if let Some((_, stretch)) = known.iter().find(|(of, _)| *of == kind) {
             return Some(stretch.clone());
