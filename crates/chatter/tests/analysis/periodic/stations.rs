@@ -2,7 +2,8 @@
 
 use super::{model, orbits_from, over, with};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, Limits, Point, Spec, Special, SpecialKind, branches, settled,
+    Beside, Branch, BranchSpec, Known, Limits, Point, Spec, Special, SpecialKind, branches,
+    settled, special_curve,
 };
 use chatter::model::Model;
 use chatter::numerics::{Complex, Real};
@@ -31,11 +32,12 @@ v = 0
 const BLOCKS: &str = r#"
 [parameters]
 w = 1.1
+A = 0.25
 [flight]
 x = "v"
 v = "-x - 0.4*(x - y) - 0.05*v - 0.5*sign(v - 0.6)/(1 + 0.8*abs(v - 0.6))"
 y = "u"
-u = "-y - 0.4*(y - x) - 0.1*u + 0.25*cos(w*t)"
+u = "-y - 0.4*(y - x) - 0.1*u + A*cos(w*t)"
 [initial]
 x = 0
 v = 0
@@ -203,4 +205,54 @@ fn events_count_as_returns_of_maps() {
     for (period, known) in periods.iter().zip([1.0, 1.0, 1.0, 2.0, 3.0, 3.0]) {
         assert!((period - known).abs() < 1e-12, "{periods:?}");
     }
+}
+
+/// Towards a touch the equations become singular by rounding: no row of a curve of doublings is told from there.
+#[test]
+fn a_curve_of_doublings_has_none_without() {
+    let blocks = with(BLOCKS, &[("w", "0.9234838203762812")]);
+    let known = Known {
+        kind: SpecialKind::PeriodDoubling,
+        monitor: None,
+        state: vec![
+            0.176_407_336_748_431_37,
+            0.6,
+            -0.260_830_329_134_056_96,
+            0.792_737_591_869_060_1,
+            4.795_107_572_362_171,
+        ],
+        period: 6.803_784_937_584_993,
+    };
+    let limits = Limits {
+        range: (0.1, 0.5),
+        other: None,
+        impacts: 60,
+        points: 2000,
+        longest_step: 0.02,
+    };
+    let free = ["w", "A"].map(|name| blocks.parameter_index(name).unwrap());
+    let curve = special_curve(
+        &blocks,
+        &Spec::default(),
+        (free, &known),
+        &limits,
+        Vec::new(),
+        &mut |_| ControlFlow::Continue(()),
+    )
+    .unwrap();
+    assert!(curve.points.len() > 50, "{}", curve.points.len());
+    for point in &curve.points {
+        let off = |m: &Complex| (m.re + 1.0).hypot(m.im);
+        let nearest = point
+            .multipliers
+            .iter()
+            .map(off)
+            .fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-3, "{point:?}");
+    }
+    let ends = curve.ends.map(|end| end.to_string());
+    assert!(
+        ends.iter().any(|end| end.contains("no multiplier of -1")),
+        "{ends:?}"
+    );
 }
