@@ -34,7 +34,7 @@ pub struct Arguments {
     #[command(flatten)]
     orbits: PeriodicOptions,
 
-    /// Find every orbit of up to so many periods of the forcing, or returns to the section, stable or not
+    /// Find every orbit of up to so many periods of the forcing, or returns to the section (in a map by events without one, to an event), stable or not
     #[arg(long, value_name = "PERIODS", allow_hyphen_values = true)]
     all: Option<Count>,
 

@@ -198,6 +198,10 @@ fn branches_are_watched_and_drawn_over_a_diagram() {
             "shows `x`",
         ),
         (
+            "continue m.toml --sweep w=1.1:1.5 --monitor 2-1",
+            "is a constant",
+        ),
+        (
             "continue m.toml --sweep w=1.1:1.5 --monitor xx-1",
             "unknown name `xx`",
         ),

@@ -25,7 +25,7 @@ pub enum Vertical {
 
 fn mark(kind: SpecialKind) -> (Marker, Color, &'static str) {
     match kind {
-        SpecialKind::Fold => (Marker::Disc, Color::VERMILION, "fold"),
+        SpecialKind::Fold => (Marker::Diamond, Color::VERMILION, "fold"),
         SpecialKind::PeriodDoubling => (Marker::Diamond, Color::GREEN, "period doubling"),
         SpecialKind::NeimarkSacker => (Marker::Triangle, Color::PURPLE, "Neimark\u{2013}Sacker"),
         SpecialKind::Hopf => (Marker::Triangle, Color::VERMILION, "Hopf"),

@@ -85,7 +85,7 @@ pub struct Arguments {
     )]
     sweep: Vec<Swept>,
 
-    /// Follow the branches of every orbit of up to so many periods of the forcing, or returns to the section, stable or not
+    /// Follow the branches of every orbit of up to so many periods of the forcing, or returns to the section (in a map by events without one, to an event), stable or not
     #[arg(
         long,
         value_name = "PERIODS",

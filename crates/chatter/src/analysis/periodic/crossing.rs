@@ -59,6 +59,20 @@ impl Shooting<f64> {
         self.steps.iter().filter(ends).count() + self.crossings_on_the_way(at).len()
     }
 
+    /// How often a period returns: to the section, or without one, in a model of events alone, to that of them which comes most seldom.
+    pub(crate) fn returns(&mut self, at: &[f64]) -> usize {
+        if self.workshop.section.is_some() || !self.workshop.is_map_by_events() {
+            return self.crossings(at);
+        }
+        let ends = |event: usize| {
+            let event = Some(GuardKind::Section(event));
+            let ends = |step: &&Step| step.ends_at() == event;
+            self.steps.iter().filter(ends).count()
+        };
+        let counts = (0..self.workshop.model.sections.len()).map(ends);
+        counts.filter(|&count| count > 0).min().unwrap_or(0)
+    }
+
     /// Of an orbit whose only event is one crossing of the section, the others on its way; of one on which nothing happens, all.
     pub(crate) fn other_crossings(&self, at: &[f64]) -> Vec<Least> {
         match self.steps.len() {
@@ -152,17 +166,39 @@ impl Shooting<f64> {
         crossings.min_by(|a, b| off(a).total_cmp(&off(b)))
     }
 
-    /// The state that the orbit is told from: at the section, or where that is not crossed, at its first node.
+    /// The state that the orbit is told from: at the section, or where that is not crossed, after one of its events.
     pub(crate) fn told_state(&mut self, at: &[f64]) -> Vec<f64> {
         let state = match self.section_step() {
             Some(_) => self.node(at, 0).to_vec(),
             None => match self.crossing(at) {
                 Some((_, crossing)) => crossing.state,
-                None => return self.node(at, 0).to_vec(),
+                None => self.told_after_event(at),
             },
         };
         self.told = Some(state.clone());
         state
+    }
+
+    /// The state after the event that the orbit is told from: the same along all of a sequence of events, and where that has become another
+    /// one, perhaps begun with another of its events, the one nearest to the state that was told last.
+    fn told_after_event(&mut self, at: &[f64]) -> Vec<f64> {
+        if self.told_node.is_none_or(|node| node >= self.steps.len()) {
+            self.told_node = Some(self.nearest_node(at).unwrap_or(0));
+        }
+        self.node(at, self.told_node.unwrap_or(0)).to_vec()
+    }
+
+    fn nearest_node(&self, at: &[f64]) -> Option<usize> {
+        let told = self.told.as_deref()?;
+        let parameters = self.workshop.parameters(self.free(at));
+        let turns = self.workshop.closure.turns(&parameters).ok()?;
+        let sizes = self.state_sizes();
+        let off = |&index: &usize| {
+            let states = (told, self.node(at, index));
+            let difference = (self.workshop.closure).difference(&turns, states, &sizes);
+            difference.distance
+        };
+        (0..self.steps.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
     }
 
     /// The values of the user's functions there.

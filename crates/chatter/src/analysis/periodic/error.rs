@@ -61,6 +61,11 @@ pub enum PeriodicError {
         /// What was given.
         text: String,
     },
+    /// A function to be watched has no state and no parameter in it: it vanishes nowhere, or everywhere.
+    ConstantMonitor {
+        /// What was given.
+        text: String,
+    },
     /// The trajectory comes to rest.
     Equilibrium {
         /// When.
@@ -152,6 +157,10 @@ impl fmt::Display for PeriodicError {
             Self::BadMonitor { text } => {
                 write!(out, "`{text}` is no expression in states and parameters")
             }
+            Self::ConstantMonitor { text } => write!(
+                out,
+                "`{text}` is a constant: it has no zeros along a branch, or is zero everywhere"
+            ),
             Self::Equilibrium { time } => write!(
                 out,
                 "nothing happens after time {time:.6}: the trajectory comes to rest, and an equilibrium is no periodic orbit"

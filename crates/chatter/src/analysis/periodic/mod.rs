@@ -106,7 +106,11 @@ pub(in crate::analysis) fn workshop(
     for text in &spec.monitors {
         let parsed = model.parse_expression(text);
         let what = |_| PeriodicError::BadMonitor { text: text.clone() };
-        monitors.push(parsed.map_err(what)?);
+        let value = parsed.map_err(what)?;
+        if model.graph.symbols(value).is_empty() {
+            return Err(PeriodicError::ConstantMonitor { text: text.clone() });
+        }
+        monitors.push(value);
     }
     let sections = &model.sections;
     let plain = |index: &usize| sections.get(*index).is_some_and(|s| s.reset.is_none());

@@ -16,8 +16,8 @@ use std::sync::Arc;
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
-    /// Orbits of up to so many periods of the forcing, or returns to the section; without either so many returns of each
-    /// trajectory are tried.
+    /// Orbits of up to so many periods of the forcing, or returns to the section or, without both, to that of the events with resets which
+    /// happens most seldom; in models with contacts and none of these so many returns of each trajectory are tried.
     pub periods: usize,
     /// From so many starts.
     pub starts: u64,
@@ -62,7 +62,7 @@ pub(crate) fn search(
     // Newton's method may close a loop by an orbit that goes around more often, and the motion lead to one that does.
     let is_wanted = |orbit: &mut Orbit| match forcing {
         Some(period) => (orbit.period.to_f64() / period).round() as usize <= search.periods,
-        None => orbit.shooting.crossings(&orbit.at) <= search.periods,
+        None => orbit.shooting.returns(&orbit.at) <= search.periods,
     };
     let wanted: Wanted<'_> = (&extent, &is_wanted);
     if let Ok(orbit) = settled(workshop, &[], state, patience, &mut quiet) {

@@ -9,6 +9,7 @@ use super::error::PeriodicError;
 use super::orbit::settled;
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Singular, Station};
+use crate::numerics::Real;
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -26,6 +27,8 @@ pub struct Beside {
 const HOPS: [f64; 7] = [0.05, 0.02, 0.01, 3e-3, 1e-3, 3e-4, 1e-4];
 /// Where none is found there, at these parts of what is left of the range.
 const FARTHER: [f64; 4] = [0.1, 0.2, 0.4, 0.7];
+/// Which way the parameter goes at an end so many points before it tell.
+const BACK: usize = 60;
 /// Borders that are passed in one survey.
 const MOST_HOPS: usize = 8;
 /// Where fewer impacts than these come to nothing they do not accumulate at a border, beyond which chatter is complete: a lone one may
@@ -49,25 +52,33 @@ pub(crate) fn survey(
         if branches[next].ends.contains(&End::Interrupted) {
             return Ok(branches);
         }
-        let ends: Vec<(End, f64, f64)> = ends(&branches[next]);
-        for (end, value, direction) in ends {
-            let wants_infinite = match end {
+        for way in ends(&branches[next]) {
+            let wants_infinite = match way.end {
                 End::Impacts(_) => true,
                 End::Rounding(impacts) => impacts >= ACCUMULATES,
                 _ => false,
             };
-            let crosses = wants_infinite || end == End::ChatterBorder;
+            let crosses = wants_infinite || way.end == End::ChatterBorder;
             if !crosses || hops >= MOST_HOPS {
                 continue;
             }
             let (low, high) = limits.range;
-            let left = match direction > 0.0 {
-                true => high - value,
-                false => value - low,
+            let left = match way.direction > 0.0 {
+                true => high - way.value,
+                false => way.value - low,
             };
-            let near = HOPS.iter().map(|part| part * (high - low));
-            for ahead in near.chain(FARTHER.iter().map(|part| part * left)) {
-                let beyond = value + direction * ahead;
+            // Arcs may lie to both sides of the border that they accumulate at, and say nothing of where chatter is complete.
+            let sides = match wants_infinite {
+                true => &[way.direction, -way.direction][..],
+                false => &[way.direction][..],
+            };
+            let near = HOPS.iter().flat_map(|part| {
+                let hop = part * (high - low);
+                sides.iter().map(move |side| side * hop)
+            });
+            let far = FARTHER.iter().map(|part| way.direction * part * left);
+            for ahead in near.chain(far) {
+                let beyond = way.value + ahead;
                 if beyond < limits.range.0 || beyond > limits.range.1 {
                     continue;
                 }
@@ -78,13 +89,20 @@ pub(crate) fn survey(
                 let fits = orbit.impacts.is_none() == wants_infinite
                     && orbit
                         .impacts
-                        .is_none_or(|impacts| impacts <= limits.impacts);
+                        .is_none_or(|impacts| impacts <= limits.impacts)
+                    && (!wants_infinite || is_as_long(orbit.period.to_f64(), way.period));
                 if !fits {
                     continue;
                 }
-                if !is_known(&branches, beyond, orbit.impacts) {
-                    hops += 1;
+                let told = (beyond, orbit.impacts, orbit.period.to_f64());
+                if !is_known(&branches, told) {
                     let found = follow(&orbit.shooting, &orbit.at, limits, diary)?;
+                    let is_broken_off = found.ends.contains(&End::Interrupted);
+                    // Complete chatter that is there, and is not what the border parts from these arcs, does not continue them.
+                    if wants_infinite && !(is_broken_off || comes_to(&found, &way, ahead.abs())) {
+                        continue;
+                    }
+                    hops += 1;
                     add(&mut branches, found, limits);
                 }
                 break;
@@ -96,25 +114,64 @@ pub(crate) fn survey(
     Ok(branches)
 }
 
-/// How each end came about, where it is, and to which side the parameter went.
-fn ends(branch: &Branch) -> Vec<(End, f64, f64)> {
-    let value = |point: Option<&Point>| point.map(Point::parameter);
-    let mut found = Vec::new();
-    let points = &branch.points;
-    let count = points.len();
-    let trend = |a: Option<f64>, b: Option<f64>| match (a, b) {
-        (Some(a), Some(b)) if b > a => 1.0,
-        _ => -1.0,
-    };
-    if let Some(first) = value(points.first()) {
-        let back = value(points.get(count.min(60) - 1));
-        found.push((branch.ends[0].clone(), first, trend(back, Some(first))));
-    }
-    if let Some(last) = value(points.last()) {
-        let back = value(points.get(count.saturating_sub(60)));
-        found.push((branch.ends[1].clone(), last, trend(back, Some(last))));
-    }
-    found
+/// An end of a branch.
+struct Way {
+    end: End,
+    value: f64,
+    /// The period there.
+    period: f64,
+    /// To which side the parameter went.
+    direction: f64,
+}
+
+/// How each end came about, and where.
+fn ends(branch: &Branch) -> Vec<Way> {
+    let backwards: Vec<&Point> = branch.points.iter().rev().collect();
+    let forwards: Vec<&Point> = branch.points.iter().collect();
+    let both = [(&branch.ends[0], forwards), (&branch.ends[1], backwards)];
+    let ways = both.into_iter().map(|(end, points)| way(end, &points));
+    ways.flatten().collect()
+}
+
+/// An end, with the points from there on.
+fn way(end: &End, points: &[&Point]) -> Option<Way> {
+    let last = points.first()?;
+    let back = points.get(points.len().min(BACK) - 1)?;
+    Some(Way {
+        end: end.clone(),
+        value: last.parameter(),
+        period: last.period,
+        direction: if last.parameter() > back.parameter() {
+            1.0
+        } else {
+            -1.0
+        },
+    })
+}
+
+/// Periods to both sides of a border are the same there, and differ by no more than this part of them within a hop.
+const AS_LONG: f64 = 0.3;
+/// What continues a branch beyond a border comes back to it: as near as this part of how far beyond it was looked for.
+const COMES_BACK: f64 = 0.1;
+
+fn is_as_long(one: f64, other: f64) -> bool {
+    (one - other).abs() <= AS_LONG * other
+}
+
+/// Whether a branch that was found so far beyond an end of another comes to that end, where chatter ends, or impacts accumulate.
+fn comes_to(found: &Branch, way: &Way, ahead: f64) -> bool {
+    let accumulates =
+        |end: &End| matches!(end, End::ChatterBorder | End::Impacts(_) | End::Rounding(_));
+    ends(found).iter().any(|other| {
+        // Up to a number of impacts arcs come near to the border, and no farther.
+        let is_short = [&other.end, &way.end]
+            .iter()
+            .any(|end| matches!(end, End::Impacts(_)));
+        let part = if is_short { 1.0 } else { COMES_BACK };
+        accumulates(&other.end)
+            && (other.value - way.value).abs() <= part * ahead
+            && is_as_long(other.period, way.period)
+    })
 }
 
 /// Adds a branch, unless it was followed before and is only reached once more: from another of its orbits, or another turn of their
@@ -132,12 +189,13 @@ fn add(branches: &mut Vec<Branch>, found: Branch, limits: &Limits) -> bool {
     is_new
 }
 
-/// Whether a branch is known to have such an orbit there.
-fn is_known(branches: &[Branch], value: f64, impacts: Option<u64>) -> bool {
+/// Whether a branch is known to have an orbit there with so many impacts and so long a period.
+fn is_known(branches: &[Branch], (value, impacts, period): (f64, Option<u64>, f64)) -> bool {
     branches.iter().any(|branch| {
         branch.points.windows(2).any(|pair| {
             let (a, b) = (pair[0].parameter(), pair[1].parameter());
-            pair[0].impacts == impacts && a.min(b) <= value && value <= a.max(b)
+            let is_like = pair[0].impacts == impacts && is_as_long(pair[0].period, period);
+            is_like && a.min(b) <= value && value <= a.max(b)
         })
     })
 }

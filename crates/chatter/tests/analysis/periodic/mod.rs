@@ -17,6 +17,7 @@ mod plane;
 mod reference;
 mod resumed;
 mod rough_walls;
+mod stations;
 mod steps;
 mod sticks;
 mod surfaces;

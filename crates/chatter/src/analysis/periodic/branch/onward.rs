@@ -303,6 +303,7 @@ impl Walker {
                 return None;
             }
             let (mut shooting, at) = orbit.shooting.without_section(orbit.at);
+            shooting.told = self.shooting.told.take().or(shooting.told);
             let station = Station::near(&mut shooting, &at, at.len() - 1).ok()?;
             let forward = from.tangent[last] >= 0.0;
             let station = if forward { station } else { station.reversed() };

@@ -8,6 +8,9 @@ use crate::numerics::Complex;
 use crate::numerics::stored::{list, number, pairs};
 use serde::{Deserialize, Serialize};
 
+/// The last correction leads from where the equations were evaluated last to the solution: no farther than so many of it.
+const NEXT_TO: f64 = 2.0;
+
 /// One orbit of a branch.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Point {
@@ -40,8 +43,13 @@ pub struct Point {
 }
 
 impl Point {
-    /// Of a solution, the latest that the equations were evaluated at.
+    /// Of a solution. The landings that period and multipliers are read off are those of the latest evaluation, which may have been a
+    /// trial elsewhere: then they are evaluated anew.
     pub(crate) fn new(shooting: &mut Shooting<f64>, station: &Station) -> Self {
+        if !shooting.was_evaluated_at(&station.at, NEXT_TO * station.correction) {
+            // Equations that have just been solved there have a value there.
+            let _ = shooting.evaluate(&station.at);
+        }
         let state = shooting.told_state(&station.at);
         let (multipliers, modulus_error) = shooting.multipliers_known();
         Self {

@@ -182,7 +182,14 @@ impl Walker {
                     continue;
                 }
             }
-            // The landings of the last correction belong to a point that differs by less than its square.
+            // The landings of the last correction belong to a point that differs by less than its square; a hop that led nowhere has left
+            // others.
+            if !self
+                .shooting
+                .was_evaluated_at(&next.at, 2.0 * next.correction)
+            {
+                self.settle(&next);
+            }
             let least = self.shooting.least(&next.at).unwrap_or_default();
             let broken = broken(&self.shooting, &least);
             if !broken.is_empty() {

@@ -533,7 +533,7 @@ fn timed(
     })
 }
 
-/// The cycles of up to so many periods of the forcing, or returns to the section, that a trajectory from a state would have if
+/// The cycles of up to so many periods of the forcing, or returns to the section or, without both, to an event, that a trajectory from a state would have if
 /// they closed. Those `passed` over before are left out.
 pub(crate) fn loops(
     workshop: &Workshop,
@@ -587,6 +587,23 @@ pub(crate) fn loops(
                         &turns,
                         &instants[first..=last],
                     )?);
+                }
+            }
+        }
+        (None, None) if workshop.is_map_by_events() => {
+            // Events mark periods, each of its own: those that happen most seldom on an orbit.
+            let most = (passed + periods + 2) * workshop.model.sections.len();
+            tracer.follow((f64::MAX, most), &mut instants, &mut quiet)?;
+            for event in 0..workshop.model.sections.len() {
+                let met: Vec<usize> = (0..instants.len())
+                    .filter(|&index| instants[index].crosses(event))
+                    .collect();
+                for count in 1..=periods {
+                    if let (Some(&first), Some(&last)) = (met.get(passed), met.get(passed + count))
+                    {
+                        let between = &instants[first..=last];
+                        found.push(alone((workshop, &parameters), &turns, between)?);
+                    }
                 }
             }
         }

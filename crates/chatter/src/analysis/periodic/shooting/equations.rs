@@ -23,12 +23,16 @@ impl<R: Real> Shooting<R> {
         let monitor = (self.workshop.monitors.get(index))
             .ok_or_else(|| Left::because(format_args!("there is no function {index}")))?;
         let parameters = self.workshop.parameters(self.free(at));
+        let node = self.told_node.unwrap_or(0).min(self.steps.len() - 1);
         let of = |expr: Expr| {
             let graph = &self.workshop.model.graph;
-            graph.evaluate(expr, self.node(at, 0), &parameters)
+            graph.evaluate(expr, self.node(at, node), &parameters)
         };
         let mut gradient = vec![R::ZERO; at.len()];
-        for (entry, &slope) in gradient[self.places[0]..].iter_mut().zip(&monitor.by_state) {
+        for (entry, &slope) in gradient[self.places[node]..]
+            .iter_mut()
+            .zip(&monitor.by_state)
+        {
             *entry = of(slope);
         }
         let free = at.len() - self.workshop.free.len();

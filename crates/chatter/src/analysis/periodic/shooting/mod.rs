@@ -100,6 +100,8 @@ pub(crate) struct Shooting<R: Real> {
     exchanges: Vec<bool>,
     /// The state that was told last: of several crossings of the section the nearest is told next.
     pub told: Option<Vec<f64>>,
+    /// The node that the orbit is told from where no crossing of the section is; the first until one was told.
+    pub(super) told_node: Option<usize>,
     /// The corner whose function is watched.
     corner: Option<corner::Watched<R>>,
     /// The normal of the plane that each step leads around to, empty for others; none before these are needed.
@@ -177,6 +179,7 @@ impl<R: Real> Shooting<R> {
             seen: None,
             exchanges: Vec::new(),
             told: None,
+            told_node: None,
             corner: None,
             planes: Vec::new(),
         };
@@ -184,6 +187,16 @@ impl<R: Real> Shooting<R> {
         shooting.exchanges = exchanges.collect();
         shooting.rescale();
         Ok(shooting)
+    }
+
+    /// Whether the latest evaluation was at a point, or no farther from it than such a part of the sizes.
+    pub(crate) fn was_evaluated_at(&self, at: &[R], near: f64) -> bool {
+        let Some(latest) = (self.watching.as_ref()).filter(|latest| latest.len() == at.len())
+        else {
+            return false;
+        };
+        let mut parts = latest.iter().zip(at).zip(&self.scales);
+        parts.all(|((&was, &is), scale)| was == is || (was - is).abs().to_f64() <= near * scale)
     }
 
     /// Sizes from the nodes as they are known.

@@ -65,6 +65,13 @@ impl Monitor {
 }
 
 impl Workshop {
+    /// Whether nothing but events with resets happens at instants: the motion is a map from one to the next. (Impacts may accumulate, and
+    /// are no periods.)
+    pub(crate) fn is_map_by_events(&self) -> bool {
+        let model = &self.model;
+        model.contacts.is_empty() && model.sections.iter().any(|section| section.reset.is_some())
+    }
+
     pub(crate) fn new(
         model: &Model,
         (free, sizes): (&[usize], &[f64]),

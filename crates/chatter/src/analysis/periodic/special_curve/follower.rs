@@ -12,6 +12,7 @@ use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::leaves_at_border;
+use crate::analysis::periodic::multipliers::NEAR_ONE;
 use crate::analysis::periodic::shooting::{Shooting, station_after};
 use crate::numerics::Complex;
 
@@ -196,6 +197,9 @@ impl Follower {
                 None => Stop::End(End::Lost("the sequence of events changes".to_owned())),
             };
         }
+        if let Some(end) = self.is_of_no_kind() {
+            return Stop::End(end);
+        }
         let edge = self.limits.beyond(next.parameter());
         if let Some(edge) = edge {
             let mut held = bordered.of(&mut self.shooting);
@@ -229,6 +233,27 @@ impl Follower {
         curve.moves(next);
         self.shooting.adopt(&curve.station.at);
         Stop::On
+    }
+
+    /// The end where the orbit that was evaluated last solves the equations of a fold or doubling and yet has no multiplier of 1 or -1: the
+    /// matrix is singular there by rounding alone, as where an arc is narrower than a rounding of the parameters, or where what vanishes
+    /// is the time between two events of a touch.
+    fn is_of_no_kind(&self) -> Option<End> {
+        let Condition::Singular(sign) = self.condition else {
+            return None;
+        };
+        let multipliers = self.shooting.multipliers();
+        let largest = (multipliers.iter()).fold(0.0_f64, |most, m| most.max(m.modulus()));
+        // Rounding of the largest is in all of them.
+        let off = |m: &Complex| (m.re - sign).hypot(m.im);
+        let near = NEAR_ONE.max(ROUNDOFFS * f64::EPSILON * largest);
+        let is_known = multipliers.iter().all(|m| m.modulus().is_finite());
+        let is_there = !is_known || multipliers.iter().any(|m| off(m) <= near);
+        (!is_there).then(|| {
+            End::Lost(format!(
+                "the next orbit has no multiplier of {sign} any more: what vanishes there is rounding"
+            ))
+        })
     }
 
     /// A station as a point: of the orbit without the impact that grazes.
