@@ -1,16 +1,16 @@
-// Columns of the valve's orbit diagram, one trajectory a thread. As a program for the processor alone (g++ -x c++) it runs them one
-// after the other, which is what the results on the GPU are compared with.
+// Columns of the valve's orbit diagram, one trajectory a thread. Compiled as C++ for the processor it runs them one after the other.
 //
-//     columns COLUMNS TRANSIENT KEEP [BLOCK [ORDER]]
+//     columns COLUMNS TRANSIENT KEEP [ORDER [BLOCK [RESTITUTION]]]
 //
-// Prints a line of JSON. With ORDER each step has this order, written out; else those of crates/chatter, each as it is needed. The
-// samples of the first columns are written to the file that CHATTER_SAMPLES names.
+// Prints a line of JSON. ORDER 0: those of crates/chatter, each as it is needed, written out; 1: the same in a loop over orders;
+// 16 or 18: each step has this order. BLOCK: threads a block. RESTITUTION: one half or more; well below 0.8 chatter comes to rest.
+// Samples of the first columns go to the file that CHATTER_SAMPLES names, as doubles. valve.h is what `tapes_as_cpp` prints of
+// models/pressure_relief_valve.toml.
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <string>
 #include <vector>
 
 #include "trajectory.h"
@@ -107,9 +107,9 @@ double border_value(double r) {
 
 int main(int count, char **arguments) {
     const auto number = [&](int place, int otherwise) { return count > place ? std::atoi(arguments[place]) : otherwise; };
-    const int columns = number(1, 1000), transient = number(2, 100), keep = number(3, 200), block = number(4, 128), order = number(5, 0);
-    Common common = {{0.0203, 1.25, 10.0, 20.0, 0.8}, 0.0, 1, {}};
-    const double r = common.parameters[4];
+    const int columns = number(1, 1000), transient = number(2, 100), keep = number(3, 200), order = number(4, 0), block = number(5, 64);
+    Common common = {{0.0203, 1.25, 10.0, 20.0, 0.0}, 0.0, 1, {}};
+    const double r = common.parameters[4] = count > 6 ? std::atof(arguments[6]) : 0.8;
     common.border = border_value(r);
     common.stride = int(std::ceil(std::log(0.5) / std::log(r)));
     const double ratio = std::pow(r, common.stride);
@@ -120,28 +120,25 @@ int main(int count, char **arguments) {
     std::vector<Summary> out(columns);
     double spent = 0.0;
     switch (order) {
-    case 0: spent = run<AllOrders>(common, columns, transient, keep, block, samples, out); break;
-    case 13: spent = run<Orders<13>>(common, columns, transient, keep, block, samples, out); break;
-    case 16: spent = run<Orders<16>>(common, columns, transient, keep, block, samples, out); break;
-    case 20: spent = run<Orders<20>>(common, columns, transient, keep, block, samples, out); break;
-    case 26: spent = run<Orders<26>>(common, columns, transient, keep, block, samples, out); break;
+    case 0: spent = run<All<true>>(common, columns, transient, keep, block, samples, out); break;
+    case 1: spent = run<All<false>>(common, columns, transient, keep, block, samples, out); break;
+    case 16: spent = run<One<16>>(common, columns, transient, keep, block, samples, out); break;
+    case 18: spent = run<One<18>>(common, columns, transient, keep, block, samples, out); break;
     default: std::fprintf(stderr, "no such order\n"); return 2;
     }
-    double steps = 0, impacts = 0, settled = 0, accumulations = 0, releases = 0, grazes = 0, left = 0, most = 0;
-    double in_step = 0;
+    double steps = 0, impacts = 0, settled = 0, accumulations = 0, releases = 0, grazes = 0, left = 0;
     for (int i = 0; i < columns; ++i) {
         const Counts &c = out[i].counts;
         steps += c.steps, impacts += c.impacts, settled += c.settled, accumulations += c.accumulations;
         releases += c.releases, grazes += c.grazes, left += out[i].left != 0;
-        most = i % 32 ? std::max(most, double(c.steps)) : c.steps;
-        if (i % 32 == 31 || i + 1 == columns) in_step += most * (i % 32 + 1);
     }
     const double returns = double(columns) * (transient + keep);
-    std::printf("{\"columns\": %d, \"block\": %d, \"order\": %d, \"returns_per_second\": %.6g, \"seconds\": %.4f, \"steps_a_return\": %.3f, "
-                "\"impacts_a_return\": %.3f, \"settled_a_return\": %.4f, \"accumulations_a_return\": %.4f, \"releases_a_return\": %.4f, "
-                "\"grazes\": %.0f, \"left\": %.0f, \"lanes_busy\": %.3f}\n",
-                columns, block, order, returns / spent, spent, steps / returns, impacts / returns, settled / returns, accumulations / returns,
-                releases / returns, grazes, left, steps / in_step);
+    std::printf("{\"columns\": %d, \"block\": %d, \"order\": %d, \"returns_per_second\": %.6g, \"seconds\": %.4f, ", columns, block, order,
+                returns / spent, spent);
+    std::printf("\"steps_a_return\": %.3f, \"impacts_a_return\": %.3f, \"settled_a_return\": %.4f, ", steps / returns,
+                impacts / returns, settled / returns);
+    std::printf("\"accumulations_a_return\": %.4f, \"releases_a_return\": %.4f, \"grazes\": %.0f, \"left\": %.0f}\n",
+                accumulations / returns, releases / returns, grazes, left);
     if (left > 0)
         for (int i = 0, told = 0; i < columns && told < 5; ++i)
             if (out[i].left) ++told, std::fprintf(stderr, "column %d left for reason %d at time %g\n", i, out[i].left, out[i].time);

@@ -21,19 +21,18 @@ struct InverseBinomials {
         }
     }
 };
-#ifdef __CUDACC__
-__device__ constexpr InverseBinomials INVERSE_BINOMIALS;
-#else
-constexpr InverseBinomials INVERSE_BINOMIALS;
-#endif
+CHATTER_TABLE InverseBinomials INVERSE_BINOMIALS;
 
 // Coefficients in Bernstein's basis on [0, width].
 CHATTER_FUNCTION void bernstein(double constant, const double *rest, int n, double width, double *out) {
     const double *inverse = INVERSE_BINOMIALS.of[n];
     out[0] = constant;
     double power = width;
+    CHATTER_ROLLED
     for (int k = 1; k < n; ++k) out[k] = rest[k - 1] * power * inverse[k], power *= width;
+    CHATTER_ROLLED
     for (int first = 1; first < n; ++first)
+        CHATTER_ROLLED
         for (int k = n - 1; k >= first; --k) out[k] += out[k - 1];
 }
 
@@ -71,6 +70,7 @@ CHATTER_FUNCTION bool falls_steadily(const double *p, int n, double s) {
     // As the others, but that what is left over at the top begins the sum of odd powers.
     int k = 3 + (high & ~1);
     if (high & 1) odd = fabs(p[n - 1]) * (n - 1);
+    CHATTER_ROLLED
     for (k -= 2; k >= 3; k -= 2) {
         even = fma(even, square, fabs(p[k + 1]) * (k + 1));
         odd = fma(odd, square, fabs(p[k]) * k);
@@ -88,20 +88,21 @@ CHATTER_FUNCTION bool keeps_sign(const double *p, int n, double s, double noise)
     constexpr double INVERSE[LEADING] = {1.0, 1.0 / 5.0, 1.0 / 10.0, 1.0 / 10.0, 1.0 / 5.0, 1.0};
     leading[0] = p[0];
     double power = s;
-#pragma unroll
+    CHATTER_UNROLLED
     for (int k = 1; k < LEADING; ++k) leading[k] = p[k] * power * INVERSE[k], power *= s;
-#pragma unroll
+    CHATTER_UNROLLED
     for (int first = 1; first < LEADING; ++first)
-#pragma unroll
+        CHATTER_UNROLLED
         for (int k = LEADING - 1; k >= first; --k) leading[k] += leading[k - 1];
     double least = leading[0], greatest = leading[0];
-#pragma unroll
+    CHATTER_UNROLLED
     for (int k = 1; k < LEADING; ++k) least = smaller(leading[k], least), greatest = larger(leading[k], greatest);
     return level < least || greatest < -level;
 }
 
 CHATTER_RARE bool stays_above_tangent(const double *p, int n, double s, double noise) {
     double bend = 0.0;
+    CHATTER_ROLLED
     for (int k = n - 1; k >= 3; --k) bend = fma(bend, s, fabs(p[k]) * (k * (k - 1)));
     const double twice = p[2] * 2.0;
     if (!(bend * s < twice)) return false;
@@ -128,6 +129,7 @@ CHATTER_RARE bool rises(const double *p, int n, double s, double noise, double n
     const double level = magnitude(p + 2, n - 2, s) * noise_factor;
     bernstein(p[2] * (1.0 - 1.0 / FAR), p + 3, n - 2, s, g);
     double least = g[0];
+    CHATTER_ROLLED
     for (int k = 1; k < n - 2; ++k) least = smaller(g[k], least);
     return level < least;
 }
@@ -140,6 +142,7 @@ struct SignCount {
         int changes = 0;
         bool clear = noise < fabs(values[0]);
         double place = 0.0, before = 1.0, after = 1.0;
+        CHATTER_ROLLED
         for (int i = 0; i + 1 < n; ++i) {
             const double a = values[i], b = values[i + 1];
             clear = clear && noise < fabs(b);
@@ -196,6 +199,7 @@ CHATTER_FUNCTION bool newton(const double *p, int n, double guess, double end, d
         at = usable && inside(next, far) ? next : at;
     }
     slope_there = 0.0;
+    CHATTER_ROLLED
     for (int step = 0; step < STEPS && !done; ++step) {
         double value, slope;
         horner_with_slope(p, n, at, value, slope);

@@ -9,12 +9,21 @@
 #include <cstring>
 
 #ifdef __CUDACC__
-#define CHATTER_FUNCTION __host__ __device__ __forceinline__
-// Not inlined: what hardly ever happens should cost the other threads no registers.
-#define CHATTER_RARE __host__ __device__ __noinline__
+#define CHATTER_FUNCTION __device__ __forceinline__
+#define CHATTER_CONSTEXPR __host__ __device__ constexpr
+#define CHATTER_TABLE __device__ constexpr
+// Not inlined: what hardly ever happens should cost the other threads no registers, and no room among their instructions.
+#define CHATTER_RARE __device__ __noinline__
+// Not unrolled, for the same reason: threads at different places of the code share what holds its instructions.
+#define CHATTER_ROLLED _Pragma("unroll 1")
+#define CHATTER_UNROLLED _Pragma("unroll")
 #else
 #define CHATTER_FUNCTION inline __attribute__((always_inline))
+#define CHATTER_CONSTEXPR constexpr
+#define CHATTER_TABLE constexpr
 #define CHATTER_RARE __attribute__((noinline))
+#define CHATTER_ROLLED
+#define CHATTER_UNROLLED
 #endif
 
 // N coefficients of each of several series.
@@ -124,7 +133,7 @@ template <class S> CHATTER_FUNCTION S convolution(const S *a, const S *b, int n)
     if (n == 1) return a[0] * b[0];
     S even(0.0), odd(0.0);
     const int pairs = (n - 2) / 2;
-#pragma unroll
+    CHATTER_UNROLLED
     for (int j = 0; j < pairs; ++j) {
         even = fused(a[1 + 2 * j], b[n - 2 - 2 * j], even);
         odd = fused(a[2 + 2 * j], b[n - 3 - 2 * j], odd);
@@ -160,11 +169,7 @@ struct Reciprocals {
         for (int k = 1; k < 52; ++k) of[k] = 1.0 / k;
     }
 };
-#ifdef __CUDACC__
-__constant__ constexpr Reciprocals RECIPROCALS;
-#else
-constexpr Reciprocals RECIPROCALS;
-#endif
+CHATTER_TABLE Reciprocals RECIPROCALS;
 
 // numerics/polynomial.rs: p has n coefficients.
 
@@ -173,6 +178,7 @@ CHATTER_FUNCTION double horner(const double *p, int n, double s) {
     double even = 0.0, odd = 0.0;
     int k = n & ~1;
     if (n & 1) even = p[n - 1];
+    CHATTER_ROLLED
     for (k -= 2; k >= 0; k -= 2) even = fma(even, square, p[k]), odd = fma(odd, square, p[k + 1]);
     return fma(odd, s, even);
 }
@@ -182,6 +188,7 @@ CHATTER_FUNCTION void horner_with_slope(const double *p, int n, double s, double
     double even = 0.0, odd = 0.0, even_slope = 0.0, odd_slope = 0.0;
     int k = n & ~1;
     if (n & 1) even = p[n - 1];
+    CHATTER_ROLLED
     for (k -= 2; k >= 0; k -= 2) {
         even_slope = fma(even_slope, square, even), odd_slope = fma(odd_slope, square, odd);
         even = fma(even, square, p[k]), odd = fma(odd, square, p[k + 1]);
@@ -194,7 +201,7 @@ template <int N> CHATTER_FUNCTION void leading_with_slope(const double *p, doubl
     const double square = s * s;
     double even = p[N - 2], odd = p[N - 1], even_slope = even, odd_slope = odd;
     even = fma(even, square, p[N - 4]), odd = fma(odd, square, p[N - 3]);
-#pragma unroll
+    CHATTER_UNROLLED
     for (int k = N - 6; k >= 0; k -= 2) {
         even_slope = fma(even_slope, square, even), odd_slope = fma(odd_slope, square, odd);
         even = fma(even, square, p[k]), odd = fma(odd, square, p[k + 1]);
@@ -205,6 +212,7 @@ template <int N> CHATTER_FUNCTION void leading_with_slope(const double *p, doubl
 
 CHATTER_FUNCTION double magnitude(const double *p, int n, double s) {
     double sum = 0.0;
+    CHATTER_ROLLED
     for (int k = n - 1; k >= 0; --k) sum = fma(sum, s, fabs(p[k]));
     return sum;
 }
@@ -222,9 +230,10 @@ CHATTER_FUNCTION void sizes(const double *p, int n, double s, double &all, doubl
     const int others = n - LEADING;
     int k = LEADING + (others & ~1);
     if (others & 1) even = fabs(p[n - 1]);
+    CHATTER_ROLLED
     for (k -= 2; k >= LEADING; k -= 2) even = fma(even, square, fabs(p[k])), odd = fma(odd, square, fabs(p[k + 1]));
     beyond = fma(odd, s, even);
-#pragma unroll
+    CHATTER_UNROLLED
     for (k = LEADING - 2; k >= 0; k -= 2) even = fma(even, square, fabs(p[k])), odd = fma(odd, square, fabs(p[k + 1]));
     all = fma(odd, s, even);
 }

@@ -1,22 +1,27 @@
 // One trajectory of the pressure relief valve, as crates/chatter steps it: the same expansions (valve.h, which `tapes_as_cpp` prints),
-// certificates, roots, impacts, ends of chatter and phases of contact, to the bit with the same orders. What can be no event of this model (several contacts,
-// corners, columns of derivatives) is left out; what would need it ends the trajectory, with its reason.
+// certificates, roots, impacts, ends of chatter and phases of contact, to the bit with the same orders. What is no event of this model
+// (several contacts, corners, columns of derivatives) is left out. Three things hardly ever happen and are left out, too: a singular
+// point that cannot be told from zero, which ends the trajectory, with its reason; a section that is crossed at the instant of an
+// impact, and one at the very end of a run.
 
 #pragma once
 
 #include "polynomial.h"
 #include "valve.h"
 
-// Orders that a step chooses from, ascending.
-template <int... ALL> struct Orders {
+// Orders that a step chooses from, ascending. Where they are written out a step computes all up to the last, in registers, and uses
+// those up to its own, which are the same to the bit: threads side by side wait for the highest order among them anyway.
+template <bool WRITES_OUT, int... ALL> struct Choice {
     static constexpr int COUNT = sizeof...(ALL), TOP = COUNT - 1;
-    CHATTER_FUNCTION static constexpr int of(int index) {
+    static constexpr bool IS_WRITTEN_OUT = WRITES_OUT;
+    CHATTER_CONSTEXPR static int of(int index) {
         int order = 0, place = 0;
         ((order = place++ == index ? ALL : order), ...);
         return order;
     }
 };
-using AllOrders = Orders<8, 10, 13, 16, 20, 26>;
+template <int ORDER> using One = Choice<true, ORDER>;
+template <bool WRITES_OUT> using All = Choice<WRITES_OUT, 8, 10, 13, 16, 20, 26>;
 
 // Why a trajectory has ended.
 enum class Left : int { NOT, UNSETTLED, STUCK, RESTITUTION, UNDECIDED, OFF_CONTACT, PATIENCE };
@@ -36,7 +41,7 @@ struct Common {
 };
 
 constexpr double FOREVER = 1e30, FIRST_UNIT = 0.125, GROWTH = 4.0, LEAST_GROWTH = 1.0 / 16.0, NOISE = 32.0 * ROUNDOFF;
-constexpr double LATE_ROUNDOFFS = 8.0, ASKED_ROUNDOFFS = 1024.0, SAFE_FRACTION = 0.5, SAFE_NEGATIVE = -0.25;
+constexpr double LATE_ROUNDOFFS = 8.0, ASKED_ROUNDOFFS = 1024.0, SAFE_FRACTION = 0.5, SAFE_NEGATIVE = -0.25, GRAZE = 5000.0;
 // Of the return map: so long may a return take, in so many parts.
 constexpr double PATIENCE = 1e4 / 64.0;
 
@@ -89,7 +94,9 @@ template <class Tape, class S> struct AtPoint {
     CHATTER_FUNCTION static void drop_terms(WithTerms &value) { value.terms = 0.0; }
 };
 
-constexpr int STATES = 3, MOST_SERIES = flight::Motion::SERIES > contact_0::Motion::SERIES ? flight::Motion::SERIES : contact_0::Motion::SERIES;
+constexpr int STATES = flight::Motion::STATES;
+constexpr int MOST_SERIES =
+    flight::Motion::SERIES > contact_0::Motion::SERIES ? flight::Motion::SERIES : contact_0::Motion::SERIES;
 
 // The coefficients of all series, in one mode.
 template <class Orders> struct Expansion {
@@ -109,17 +116,32 @@ template <class Orders> struct Expansion {
     };
 
     template <class Tape> CHATTER_FUNCTION void run(const double *c, const double *y, const double *y_low, double tau, int order) {
+        if constexpr (Orders::IS_WRITTEN_OUT) {
+            double low[Tape::SERIES], inverse[Tape::INVERSES + 1];
+            for (int i = 0; i < Tape::STATES; ++i) low[i] = y_low[i];
+            for (int i = Tape::STATES; i < Tape::SERIES; ++i) low[i] = 0.0;
+            double all[Tape::SERIES][N];
+            for (int i = 0; i < Tape::STATES; ++i) all[i][0] = y[i];
+            Tape::begin(c, all, low, inverse, tau);
+            Unrolled<Tape, 1, N - 1>::run(c, all, inverse, tau);
+            // What is no state and no guard never leaves the registers.
+            CHATTER_UNROLLED
+            for (int i = 0; i < Tape::SERIES; ++i) {
+                if (i >= Tape::STATES && i != Tape::output(0) && i != Tape::output(1)) continue;
+                CHATTER_UNROLLED
+                for (int k = 0; k < N; ++k) x[i][k] = all[i][k];
+            }
+        } else run_rolled<Tape>(c, y, y_low, tau, order);
+    }
+
+    template <class Tape> CHATTER_FUNCTION void run_rolled(const double *c, const double *y, const double *y_low, double tau, int order) {
         double low[Tape::SERIES], inverse[Tape::INVERSES + 1];
         for (int i = 0; i < Tape::STATES; ++i) x[i][0] = y[i], low[i] = y_low[i];
         for (int i = Tape::STATES; i < Tape::SERIES; ++i) low[i] = 0.0;
         Tape::begin(c, x, low, inverse, tau);
-        if constexpr (Orders::COUNT == 1) {
-            Unrolled<Tape, 1, N - 1>::run(c, x, inverse, tau);
-        } else {
-            for (int k = 1; k < order; ++k)
-                Tape::go_on(k, order, c, x, inverse, tau * RECIPROCALS.of[k + 1], RECIPROCALS.of[k]);
-            Tape::go_on(order, order, c, x, inverse, tau, RECIPROCALS.of[order]);
-        }
+        CHATTER_ROLLED
+        for (int k = 1; k < order; ++k) Tape::go_on(k, order, c, x, inverse, tau * RECIPROCALS.of[k + 1], RECIPROCALS.of[k]);
+        Tape::go_on(order, order, c, x, inverse, tau, RECIPROCALS.of[order]);
     }
 };
 
@@ -291,7 +313,7 @@ template <class Orders> struct Trajectory {
     CHATTER_FUNCTION int plan(double &unit) const {
         int chosen = TOP;
         unit = reach[TOP];
-#pragma unroll
+        CHATTER_UNROLLED
         for (int m = TOP; m >= 0; --m) {
             const bool covers = flight_time <= reach[m] * 0.95;
             chosen = covers ? m : chosen, unit = covers ? flight_time : unit;
@@ -308,6 +330,12 @@ template <class Orders> struct Trajectory {
     }
     CHATTER_FUNCTION int first_roots() const { return flies ? gap_roots : reaction_roots; }
 
+    CHATTER_RARE void expand_in_contact(Expansion<Orders> &e, int order) const {
+        double c[contact_0::Motion::CONSTANTS];
+        contact_0::Motion::constants(parameters, c);
+        e.template run_rolled<contact_0::Motion>(c, y, low, tau, order);
+    }
+
     // Expands and finds how far each order reaches.
     CHATTER_FUNCTION void expand(Expansion<Orders> &e, int chosen) {
         const int order = Orders::of(chosen);
@@ -315,26 +343,22 @@ template <class Orders> struct Trajectory {
             double c[flight::Motion::CONSTANTS];
             flight::Motion::constants(parameters, c);
             e.template run<flight::Motion>(c, y, low, tau, order);
-        } else {
-            double c[contact_0::Motion::CONSTANTS];
-            contact_0::Motion::constants(parameters, c);
-            e.template run<contact_0::Motion>(c, y, low, tau, order);
-        }
+        } else expand_in_contact(e, order);
         double inverse[STATES];
-#pragma unroll
+        CHATTER_UNROLLED
         for (int i = 0; i < STATES; ++i) {
             const double *p = e.x[i];
             const double leading = (fabs(p[0]) + fabs(p[1])) + (fabs(p[2]) + fabs(p[3]));
             inverse[i] = 1.0 / larger(leading, 1e-290);
         }
         growth = GROWTH;
-#pragma unroll
+        CHATTER_UNROLLED
         for (int m = 0; m < CLASSES; ++m) {
             ended_reach[m] = reach[m];
             if (m > chosen) continue;
             double worst = 0.0;
             constexpr double BEFORE_LAST = 1.0 / 16.0;
-#pragma unroll
+            CHATTER_UNROLLED
             for (int i = 0; i < STATES; ++i) {
                 const double tail = larger(fabs(e.x[i][Orders::of(m)]), fabs(e.x[i][Orders::of(m) - 1]) * BEFORE_LAST);
                 worst = larger(worst, tail * inverse[i]);
@@ -366,7 +390,7 @@ template <class Orders> struct Trajectory {
         double nothing = 0.0;
         for (int i = 0; i < STATES; ++i) nothing = fma(fabs(e.x[i][1]) + fabs(e.x[i][order]), 0.0, nothing);
         clear = clear && is_finite(nothing);
-#pragma unroll
+        CHATTER_UNROLLED
         for (int m = 0; m < CLASSES; ++m)
             if (m == chosen) ended_reach[m] = tau * growth;
     }
@@ -420,20 +444,18 @@ template <class Orders> struct Trajectory {
         double root, slope;
         const bool converged = newton(p, n, guess, end, root, slope);
         const double drop = slope * root;
-        bool found = converged && inside(root, end) && noise * (rest + fabs(start)) * 5000.0 < drop * drop && noise < start;
+        bool found = converged && inside(root, end) && noise * (rest + fabs(start)) * GRAZE < drop * drop && noise < start;
         found = found && (falls_by_leading(p, n, root, beyond) || falls_steadily(p, n, root));
         if (IS_SECTION && found) found = noise < fabs(horner(p, n, end));
-        if (!found && expected) {
-            double value;
-            settled = has_no_event<IS_SECTION>(p, n, start, end, noise, beyond, value);
-        }
+        if (!found && expected) settled = has_no_event_after_all(p, n, start, end, noise, beyond);
         if (!found && !settled) settled = count_signs(p, n, start, end, noise, found, root);
         if (found) scaled_step = root, event = IS_SECTION ? SECTION : FIRST;
         return found || settled;
     }
 
     template <bool IS_SECTION>
-    CHATTER_FUNCTION static bool has_no_event(const double *p, int n, double start, double end, double noise, double beyond, double &value) {
+    CHATTER_FUNCTION static bool has_no_event(
+        const double *p, int n, double start, double end, double noise, double beyond, double &value) {
         value = horner(p, n, end);
         const LeadingSlopes slopes(p, n, end, beyond);
         const bool up = slopes.rest < smaller(slopes.first, slopes.last), down = larger(slopes.first, slopes.last) < -slopes.rest;
@@ -441,6 +463,11 @@ template <class Orders> struct Trajectory {
         const bool only_rises = up && start < -noise && noise < value;
         if ((up || down) && (stays || only_rises)) return true;
         return keeps_sign(p, n, end, noise) || (!IS_SECTION && rises(p, n, end, noise, NOISE));
+    }
+
+    CHATTER_RARE static bool has_no_event_after_all(const double *p, int n, double start, double end, double noise, double beyond) {
+        double value;
+        return has_no_event<false>(p, n, start, end, noise, beyond, value);
     }
 
     CHATTER_RARE static bool count_signs(const double *p, int n, double start, double end, double noise, bool &found, double &at) {
@@ -480,7 +507,7 @@ template <class Orders> struct Trajectory {
     // Moves to the end of the step, and applies an impact.
     CHATTER_FUNCTION void finish(const Expansion<Orders> &e, int order) {
         step = scaled_step * tau, step_low = fma(scaled_step, tau, -step);
-#pragma unroll
+        CHATTER_UNROLLED
         for (int i = 0; i < STATES; ++i)
             two_sum(y[i], fma(horner(e.x[i] + 1, order, scaled_step), scaled_step, low[i]), ended[i], ended_low[i]);
         if (order == Orders::of(TOP) && step * 64.0 < ended_reach[TOP]) ended_reach[TOP] = smaller(ended_reach[TOP], tau);
@@ -804,7 +831,7 @@ template <class Orders> struct Trajectory {
     // Whether the section stays away until the end of a chatter sequence.
     CHATTER_RARE bool ends_undisturbed() const {
         if (completion[0] > remaining()) return false;
-        using Short = Expansion<::Orders<8>>;
+        using Short = Expansion<Choice<false, 8>>;
         Short e;
         double c[flight::Motion::CONSTANTS];
         flight::Motion::constants(parameters, c);

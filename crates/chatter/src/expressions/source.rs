@@ -1,12 +1,12 @@
 //! Tapes as C++: the same operations in the same sequence, with the same fused ones, as the interpreter runs.
 //!
-//! A tape becomes a structure of templates on the number that they compute with. What a line calls is written by hand beside whatever
-//! includes them (`benches/peers/cuda/series.h`), so that the text is short enough to be read, and says nothing that the tape does
-//! not. Compilers must not fuse operations of their own, nor reorder them.
+//! A tape becomes a structure of templates on the number that they compute with. What a line calls is written by hand, so that the text
+//! is short enough to be read, and says nothing that the tape does not: `benches/peers/cuda/series.h` has what the valve's lines call.
+//! Compilers must not fuse operations of their own, nor reorder them.
 
 use super::graph::{Expr, Function, Graph, Node, Symbol};
 use super::tape::{Op, Operand, Sign, Tape};
-use core::fmt::{self, Write};
+use core::fmt;
 
 /// What has no C++: a choice, a whole part or a curve among the constants of a tape. Where the motion depends on one, its mode has
 /// settled it.
@@ -15,7 +15,9 @@ pub struct NoSource;
 
 impl fmt::Display for NoSource {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str("a constant is a choice, a whole part or a curve, which cannot be written as C++")
+        out.write_str(
+            "a constant is a choice, a whole part or a curve, which cannot be written as C++",
+        )
     }
 }
 
@@ -40,54 +42,85 @@ impl Tape {
 
     /// What parameters `p` alone give.
     fn constants_source(&self, graph: &Graph, out: &mut String) -> Result<(), NoSource> {
-        line(out, 1, "CHATTER_FUNCTION static void constants(const double *p, double *c) {");
+        head(
+            out,
+            "CHATTER_FUNCTION static void constants(const double *p, double *c) {",
+        );
         let parts = graph.reachable(&self.constants);
         for &part in &parts {
             let value = constant(graph, part).ok_or(NoSource)?;
-            line(out, 2, &format!("const double e{} = {value};", part.index()));
+            statement(out, &format!("const double e{} = {value};", part.index()));
         }
         for (index, expr) in self.constants.iter().enumerate() {
-            line(out, 2, &format!("c[{index}] = e{};", expr.index()));
+            statement(out, &format!("c[{index}] = e{};", expr.index()));
         }
-        line(out, 1, "}");
+        head(out, "}");
         Ok(())
     }
 
     /// Coefficients of order zero, then of order k: those of states are one order ahead.
     fn orders_source(&self, out: &mut String) {
         let takes = "Series<S, N> x, S *low, S *inverse, S factor";
-        line(out, 1, "template <class S, int N>");
-        line(out, 1, &format!("CHATTER_FUNCTION static void begin(const S *c, {takes}) {{"));
+        head(out, "template <class S, int N>");
+        head(
+            out,
+            &format!("CHATTER_FUNCTION static void begin(const S *c, {takes}) {{"),
+        );
         for op in &self.ops {
-            line(out, 2, &self.of_order_zero(op));
+            statement(out, &self.of_order_zero(op));
         }
         for &(state, derivative) in &self.field {
-            line(out, 2, &format!("if (N > 1) x[{state}][1] = {} * factor;", first(derivative)));
+            statement(
+                out,
+                &format!("if (N > 1) x[{state}][1] = {} * factor;", first(derivative)),
+            );
         }
-        line(out, 1, "}");
-        line(out, 1, "template <class S, int N>");
-        let takes = "int k, int last, const S *c, Series<S, N> x, const S *inverse, S factor, S reciprocal";
-        line(out, 1, &format!("CHATTER_FUNCTION static void go_on({takes}) {{"));
+        head(out, "}");
+        if self.is_at_point() {
+            return;
+        }
+        head(out, "template <class S, int N>");
+        let takes =
+            "int k, int last, const S *c, Series<S, N> x, const S *inverse, S factor, S reciprocal";
+        head(
+            out,
+            &format!("CHATTER_FUNCTION static void go_on({takes}) {{"),
+        );
         for op in &self.ops {
-            line(out, 2, &self.of_order(op));
+            statement(out, &self.of_order(op));
         }
         for &(state, derivative) in &self.field {
             let value = match derivative {
                 Operand::Series(of) => format!("x[{of}][k] * factor"),
                 Operand::Constant(_) => "S(0.0)".to_owned(),
             };
-            line(out, 2, &format!("if (k < last) x[{state}][k + 1] = {value};"));
+            statement(out, &format!("if (k < last) x[{state}][k + 1] = {value};"));
         }
-        line(out, 1, "}");
+        head(out, "}");
+    }
+
+    /// Whether it integrates nothing: what it gives are values at a point.
+    fn is_at_point(&self) -> bool {
+        self.field.is_empty() && !self.ops.iter().any(|op| matches!(op, Op::Rate { .. }))
     }
 
     fn of_order_zero(&self, op: &Op) -> String {
         match *op {
-            Op::Linear { out, offset, first, end } => {
+            Op::Linear {
+                out,
+                offset,
+                first,
+                end,
+            } => {
                 let sum = self.compensated(offset, (first, end));
                 format!("{sum}.into(x[{out}][0], low[{out}]);")
             }
-            Op::Rate { state, offset, first, end } => {
+            Op::Rate {
+                state,
+                offset,
+                first,
+                end,
+            } => {
                 let sum = self.compensated(offset, (first, end));
                 format!("if (N > 1) x[{state}][1] = {sum}.value() * factor;")
             }
@@ -95,21 +128,45 @@ impl Tape {
                 format!("x[{out}][0] = x[{left}][0] * x[{right}][0];")
             }
             Op::Square { out, base } => format!("x[{out}][0] = self_convolution(x[{base}], 0);"),
-            Op::Divide { out, numerator, denominator, inverse } => format!(
+            Op::Divide {
+                out,
+                numerator,
+                denominator,
+                inverse,
+            } => format!(
                 "inverse[{inverse}] = S(1.0) / x[{denominator}][0], x[{out}][0] = {} / x[{denominator}][0];",
                 first(numerator)
             ),
-            Op::SquareRoot { out, radicand, inverse } => format!(
+            Op::SquareRoot {
+                out,
+                radicand,
+                inverse,
+            } => format!(
                 "x[{out}][0] = square_root(x[{radicand}][0]), inverse[{inverse}] = S(0.5) / x[{out}][0];"
             ),
-            Op::Power { out, base, exponent, inverse } => format!(
+            Op::Power {
+                out,
+                base,
+                exponent,
+                inverse,
+            } => format!(
                 "inverse[{inverse}] = S(1.0) / x[{base}][0], x[{out}][0] = power(x[{base}][0], c[{exponent}]);"
             ),
             Op::Slope { out, .. } => format!("x[{out}][0] = S(0.0);"),
-            Op::Integral { out, argument, function, .. } => {
+            Op::Integral {
+                out,
+                argument,
+                function,
+                ..
+            } => {
                 format!("x[{out}][0] = {}(x[{argument}][0]);", named(function))
             }
-            Op::SineCosine { sine, cosine, argument, .. } => format!(
+            Op::SineCosine {
+                sine,
+                cosine,
+                argument,
+                ..
+            } => format!(
                 "sine_cosine(x[{argument}][0], low[{argument}], x[{sine}][0], x[{cosine}][0]);"
             ),
         }
@@ -117,8 +174,12 @@ impl Tape {
 
     fn of_order(&self, op: &Op) -> String {
         match *op {
-            Op::Linear { out, first, end, .. } => format!("x[{out}][k] = {};", self.sum((first, end))),
-            Op::Rate { state, first, end, .. } => {
+            Op::Linear {
+                out, first, end, ..
+            } => format!("x[{out}][k] = {};", self.sum((first, end))),
+            Op::Rate {
+                state, first, end, ..
+            } => {
                 let value = match self.terms[first..end].split_last() {
                     None => "S(0.0)".to_owned(),
                     Some((&(coefficient, slot), [])) => {
@@ -135,8 +196,15 @@ impl Tape {
                 format!("x[{out}][k] = convolution(x[{left}], x[{right}], k + 1);")
             }
             Op::Square { out, base } => format!("x[{out}][k] = self_convolution(x[{base}], k);"),
-            Op::Divide { out, numerator, denominator, inverse } => {
-                let rest = format!("-(convolution(x[{out}], x[{denominator}] + 1, k) * inverse[{inverse}])");
+            Op::Divide {
+                out,
+                numerator,
+                denominator,
+                inverse,
+            } => {
+                let rest = format!(
+                    "-(convolution(x[{out}], x[{denominator}] + 1, k) * inverse[{inverse}])"
+                );
                 match numerator {
                     Operand::Series(slot) => {
                         format!("x[{out}][k] = fused(x[{slot}][k], inverse[{inverse}], {rest});")
@@ -144,18 +212,44 @@ impl Tape {
                     Operand::Constant(_) => format!("x[{out}][k] = {rest};"),
                 }
             }
-            Op::SquareRoot { out, radicand, inverse } => {
-                format!("x[{out}][k] = root_coefficient(x[{out}], x[{radicand}][k], inverse[{inverse}], k);")
+            Op::SquareRoot {
+                out,
+                radicand,
+                inverse,
+            } => {
+                format!(
+                    "x[{out}][k] = root_coefficient(x[{out}], x[{radicand}][k], inverse[{inverse}], k);"
+                )
             }
-            Op::Power { out, base, exponent, inverse } => format!(
+            Op::Power {
+                out,
+                base,
+                exponent,
+                inverse,
+            } => format!(
                 "x[{out}][k] = power_coefficient(x[{out}], x[{base}], c[{exponent}], inverse[{inverse}], reciprocal, k);"
             ),
             Op::Slope { out, of } => format!("x[{out}][k] = x[{of}][k] * S(double(k));"),
-            Op::Integral { out, slope, argument, weight, sign, .. } => {
+            Op::Integral {
+                out,
+                slope,
+                argument,
+                weight,
+                sign,
+                ..
+            } => {
                 let minus = if sign == Sign::Minus { "-" } else { "" };
-                format!("x[{out}][k] = {minus}{};", integral(slope, argument, weight))
+                format!(
+                    "x[{out}][k] = {minus}{};",
+                    integral(slope, argument, weight)
+                )
             }
-            Op::SineCosine { sine, cosine, slope, argument } => format!(
+            Op::SineCosine {
+                sine,
+                cosine,
+                slope,
+                argument,
+            } => format!(
                 "x[{sine}][k] = {}, x[{cosine}][k] = -{};",
                 integral(slope, argument, cosine),
                 integral(slope, argument, sine)
@@ -182,7 +276,10 @@ impl Tape {
 
     /// Which series each output is, or which constant, as -1 less its number; and what its value of order zero is rounded against.
     fn outputs_source(&self, out: &mut String) {
-        line(out, 1, "CHATTER_FUNCTION static constexpr int output(int index) {");
+        head(
+            out,
+            "CHATTER_FUNCTION static constexpr int output(int index) {",
+        );
         let mut text = "return ".to_owned();
         for (index, output) in self.outputs.iter().enumerate() {
             let place = match *output {
@@ -191,27 +288,40 @@ impl Tape {
             };
             text += &format!("index == {index} ? {place} : ");
         }
-        line(out, 2, &format!("{text}0;"));
-        line(out, 1, "}");
-        line(out, 1, "template <class S, int N>");
-        line(out, 1, "CHATTER_FUNCTION static S size_of_terms(int series, const S *c, Series<S, N> x) {");
+        statement(out, &format!("{text}0;"));
+        head(out, "}");
+        head(out, "template <class S, int N>");
+        head(
+            out,
+            "CHATTER_FUNCTION static S size_of_terms(int series, const S *c, Series<S, N> x) {",
+        );
         for op in &self.ops {
-            if let Op::Linear { out: series, offset, first, end } = *op {
-                let mut sum = offset.map_or("S(0.0)".to_owned(), |index| format!("absolute(c[{index}])"));
+            if let Op::Linear {
+                out: series,
+                offset,
+                first,
+                end,
+            } = *op
+            {
+                let mut sum =
+                    offset.map_or("S(0.0)".to_owned(), |index| format!("absolute(c[{index}])"));
                 for &(coefficient, slot) in &self.terms[first..end] {
                     sum += &format!(" + absolute(c[{coefficient}] * x[{slot}][0])");
                 }
-                line(out, 2, &format!("if (series == {series}) return {sum};"));
+                statement(out, &format!("if (series == {series}) return {sum};"));
             }
         }
-        line(out, 2, "return absolute(x[series][0]);");
-        line(out, 1, "}");
+        statement(out, "return absolute(x[series][0]);");
+        head(out, "}");
     }
 }
 
-fn line(out: &mut String, depth: usize, text: &str) {
-    // A string can always be written to.
-    let _ = writeln!(out, "{:width$}{text}", "", width = 4 * depth);
+fn head(out: &mut String, text: &str) {
+    *out += &format!("    {text}\n");
+}
+
+fn statement(out: &mut String, text: &str) {
+    *out += &format!("        {text}\n");
 }
 
 /// An operand's value of order zero.
@@ -245,7 +355,10 @@ fn named(function: Function) -> &'static str {
 /// The value of a node without states, from those of its operands, as [`Graph::evaluate`] computes it.
 fn constant(graph: &Graph, expr: Expr) -> Option<String> {
     let joined = |parts: &[Expr], by: &str| {
-        let names: Vec<String> = parts.iter().map(|part| format!("e{}", part.index())).collect();
+        let names: Vec<String> = parts
+            .iter()
+            .map(|part| format!("e{}", part.index()))
+            .collect();
         names.join(by)
     };
     Some(match graph.node(expr) {
