@@ -1,5 +1,5 @@
-//! Times the columns of an orbit diagram of the valve on one core and prints, as one line of JSON, what the peers' script
-//! compares: `cargo run --release -p chatter-dynamics --example valve_columns -- COLUMNS TRANSIENT KEEP`.
+//! Times the columns of an orbit diagram of the valve, on one core unless told otherwise, and prints, as one line of JSON, what the
+//! peers' script compares: `cargo run --release -p chatter-dynamics --example valve_columns -- COLUMNS TRANSIENT KEEP [THREADS]`.
 
 use chatter::analysis::diagram::{Range, Spec, Threads, diagram};
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
@@ -16,9 +16,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .skip(1)
         .flat_map(|text| text.parse())
         .collect();
-    let &[columns, transient, keep] = &numbers[..] else {
-        return Err("expected three numbers: COLUMNS TRANSIENT KEEP".into());
-    };
+    let (&[columns, transient, keep], more) = numbers
+        .split_first_chunk()
+        .ok_or("expected three numbers: COLUMNS TRANSIENT KEEP [THREADS]")?;
+    let threads = more.first().map_or(1, |&threads| threads as usize);
     let model = Model::from_toml(VALVE, "pressure_relief_valve.toml")?;
     let map = ReturnMap::new(&model, &ReturnSpec::section("closing"))?;
     let spec = Spec::new(
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         keep,
     );
     let started = Instant::now();
-    let rows = diagram(&map, &spec, &Threads::new(1))?;
+    let rows = diagram(&map, &spec, &Threads::new(threads))?;
     let spent = started.elapsed().as_secs_f64();
     let returns = (columns * (transient + keep)) as f64;
     let mean: f64 = rows.iter().map(|row| row.impacts_per_return).sum::<f64>() / columns as f64;

@@ -7,6 +7,7 @@ mod lowering;
 mod machine;
 mod series;
 mod singularity;
+mod source;
 mod tape;
 mod text;
 
@@ -25,6 +26,7 @@ pub(crate) use series::ORDER_CLASSES;
 pub use series::{Expansion, MAX_ORDER};
 pub(crate) use singularity::Negligible;
 pub use singularity::Singularity;
+pub use source::NoSource;
 pub use tape::{Operand, Tape};
 pub use text::display::Names;
 pub use text::formula::Formula;

@@ -30,6 +30,7 @@ mod program;
 mod reset;
 mod resolve;
 mod sides;
+mod source;
 mod step;
 mod system;
 mod touch;

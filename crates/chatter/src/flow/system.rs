@@ -279,6 +279,12 @@ impl System {
         self.modes.get(mode)?.program.as_ref()
     }
 
+    /// The same with the graph that holds the expressions of its constants.
+    pub(super) fn compiled(&self, mode: usize) -> Option<(&Graph, &Program)> {
+        let mode = self.modes.get(mode)?;
+        Some((&mode.graph, mode.program.as_ref()?))
+    }
+
     /// Which constants of a tape of a mode change with any of these parameters.
     pub(crate) fn constants_depending_on(
         &self,
