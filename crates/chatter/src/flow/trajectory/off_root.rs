@@ -106,7 +106,7 @@ impl<R: Real> Trajectory<R> {
         let moving = || bases.iter().filter(|base| !base.rests(reach));
         let rests = moving().next().is_none();
         // Where no surface says on which side motion is, nothing turns that motion with slopes, or that the root does not move at all.
-        let is_beside = bases.iter().all(|base| !base.ends_a_side);
+        let is_beside = !system.goes_past_roots() && bases.iter().all(|base| !base.ends_a_side);
         let passes = is_beside && self.has_slopes(program, slots);
         if !(system.goes_past_roots() || begins || ends_here || rests || passes) {
             return Err(None);

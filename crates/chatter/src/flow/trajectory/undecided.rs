@@ -24,6 +24,13 @@ pub(super) const BALANCE_LEVELS: f64 = 32.0;
 /// Gap, rate, acceleration and jerk have been asked of a contact at rest.
 const ORDERS_AT_REST: usize = 4;
 
+/// The series of a gap, each coefficient with its terms.
+struct GapSeries<R> {
+    /// Its unit of time.
+    unit: R,
+    series: Vec<WithTerms<R>>,
+}
+
 impl<R: Real> Trajectory<R> {
     /// Contacts at rest without acceleration in the present mode, which `held` keeps closed: the rates at which their forces begin to
     /// grow, and their jerks, obey the law that forces and accelerations do. Those that are balanced are returned.
@@ -144,7 +151,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         contact: usize,
     ) -> Result<Option<(usize, bool)>, FlowError> {
-        let Some((_, series)) = self.gap_series(system, contact)? else {
+        let Some(GapSeries { series, .. }) = self.gap_series(system, contact)? else {
             return Ok(None);
         };
         let moves = |c: &WithTerms<R>| c.value.abs() > c.level() * R::splat(BALANCE_LEVELS);
@@ -163,17 +170,16 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
     ) -> Result<bool, FlowError> {
         let series = self.gap_series(system, contact)?;
-        let bend = series.and_then(|(_, series)| series.get(2).copied());
+        let bend = series.and_then(|gap| gap.series.get(2).copied());
         Ok(bend.is_none_or(|bend| bend.value > bend.level() || !bend.value.is_finite()))
     }
 
-    /// The series of the gap of a contact that is open, in flight from here, each coefficient with its terms, and its unit of time; none
-    /// of a constant.
+    /// What the gap of a contact that is open does in flight from here; none of a constant.
     fn gap_series(
         &self,
         system: &System,
         contact: usize,
-    ) -> Result<Option<(R, Vec<WithTerms<R>>)>, FlowError> {
+    ) -> Result<Option<GapSeries<R>>, FlowError> {
         /// What rested until now may move far faster than the latest expansion says.
         const SHORTER: f64 = 1.0 / 1024.0;
         const TRIES: usize = 100;
@@ -195,7 +201,7 @@ impl<R: Real> Trajectory<R> {
             }
             unit *= R::splat(SHORTER);
         }
-        Ok(Some((unit, series)))
+        Ok(Some(GapSeries { unit, series }))
     }
 
     /// Whether the gap of a contact at rest stays zero by itself: the field does not move it to any order that is
@@ -216,7 +222,7 @@ impl<R: Real> Trajectory<R> {
         else {
             return Ok(false);
         };
-        let Some((unit, _)) = self.gap_series(system, contact)? else {
+        let Some(GapSeries { unit, .. }) = self.gap_series(system, contact)? else {
             return Ok(false);
         };
         work.expand_at(
