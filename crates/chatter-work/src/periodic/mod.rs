@@ -126,6 +126,7 @@ fn is_wrong(error: &PeriodicError) -> bool {
             | PeriodicError::Autonomous
             | PeriodicError::NoPeriod
             | PeriodicError::BadMonitor { .. }
+            | PeriodicError::ConstantMonitor { .. }
             | PeriodicError::BadPeriod { .. }
             | PeriodicError::OtherPeriod { .. }
             | PeriodicError::NoRepeat { .. }
