@@ -6,7 +6,7 @@
 use super::limits::Corner;
 use super::program::Grip;
 use super::touching::Touching;
-use crate::expressions::{Operand, Side};
+use crate::expressions::{Operand, Side, Tape};
 use crate::numerics::roots::Crossing;
 use serde::{Deserialize, Serialize};
 
@@ -151,6 +151,11 @@ impl Guard {
     /// Whether a corner that may hold the state exactly on it is met at its zero.
     pub fn meets_corner(&self) -> bool {
         matches!(self.transition, Transition::Meet(_))
+    }
+
+    /// Whether a root is taken of it on the side that ends where it vanishes.
+    pub fn ends_a_root(&self, tape: &Tape) -> bool {
+        self.meets_corner() && tape.takes_root_of(self.series)
     }
 
     /// Whether this is the reaction of a contact that stays closed without a force, and so no guard.

@@ -278,12 +278,12 @@ impl Program {
         let graph = &mut mechanics.graph;
         let listed = guard_functions(graph, &contacts, (sections, limits), mode);
         let functions: Vec<Expr> = listed.iter().map(|&(.., function)| function).collect();
-        // Roots of multiples of what ends a side vanish where it ends.
-        let ends: Vec<Expr> = (listed.iter())
+        let positive: Vec<Expr> = (listed.iter())
             .filter(|(kind, ..)| matches!(kind, GuardKind::Switch(_)))
             .map(|&(.., function)| function)
             .collect();
-        let rewritten = graph.with_powers_of(&[&field[..], &functions[..]].concat(), &ends);
+        // Roots of multiples of what ends a side vanish where it ends.
+        let rewritten = graph.with_powers_of(&[&field[..], &functions[..]].concat(), &positive);
         let (rates, functions) = rewritten.split_at(dimension);
         let mut tape = Tape::new(graph, dimension, rates, functions);
         for (guard, (kind, ..)) in listed.iter().enumerate() {
@@ -388,10 +388,6 @@ impl Program {
                 changed,
             }));
         }
-        let positive: Vec<Expr> = (listed.iter())
-            .filter(|(kind, ..)| matches!(kind, GuardKind::Switch(_)))
-            .map(|&(.., function)| function)
-            .collect();
         let guards: Vec<Guard> = (listed.into_iter().zip(&tape.outputs))
             .map(|((kind, crossing, function), &series)| Guard {
                 kind,
@@ -494,8 +490,7 @@ impl Program {
             .collect();
         let asked_values = Tape::new(graph, dimension, &[], &asked);
         let at_point = Tape::new(graph, dimension, &[], &field[..mechanics.field.len()]);
-        let roots_at_sides =
-            (guards.iter()).any(|guard| guard.meets_corner() && tape.takes_root_of(guard.series));
+        let roots_at_sides = guards.iter().any(|guard| guard.ends_a_root(&tape));
         Self {
             tape,
             vanishing,

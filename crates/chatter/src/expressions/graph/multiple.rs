@@ -1,11 +1,15 @@
 //! Roots of multiples: what vanishes with something else is written as that.
 
 use crate::expressions::{Expr, Graph, Node};
+use crate::numerics::Scalar;
 
 impl Graph {
     /// Expressions in which powers of constant multiples of one of these bases are powers of the base times those of the multiple:
     /// `sqrt(2*g*h)` is `sqrt(2*g)*sqrt(h)` for the base `h`, as long as that is positive. Whole powers stay.
     pub(crate) fn with_powers_of(&mut self, exprs: &[Expr], bases: &[Expr]) -> Vec<Expr> {
+        if bases.is_empty() {
+            return exprs.to_vec();
+        }
         let forms: Vec<(Expr, Vec<Term>)> = (bases.iter())
             .map(|&base| (base, self.terms_of(base)))
             .collect();
@@ -29,18 +33,13 @@ impl Graph {
         exprs.iter().map(|expr| known[expr.index()]).collect()
     }
 
-    fn is_whole_number(&self, exponent: Expr) -> bool {
-        (self.as_number(exponent))
-            .is_some_and(|e| e.low() == 0.0 && libm::rint(e.high()) == e.high())
-    }
-
     /// The power of a multiple of one of these, as that of the multiple times theirs; none of anything else, or a whole one.
     fn power_by(
         &mut self,
         (of, exponent): (Expr, Expr),
         forms: &[(Expr, Vec<Term>)],
     ) -> Option<Expr> {
-        if forms.is_empty() || self.is_whole_number(exponent) {
+        if self.as_number(exponent).is_some_and(Scalar::is_whole) {
             return None;
         }
         let terms = self.terms_of(of);

@@ -384,10 +384,8 @@ impl<R: Real> Trajectory<R> {
             (Some(resolution), _) => resolution,
             (None, Ok(mut resolution)) => {
                 // A root ends where what it is taken of only touches zero.
-                let ended = (resolution.touched)
-                    .filter(|&index| program.guards[index].meets_corner())
-                    .filter(|&index| program.tape.takes_root_of(program.guards[index].series));
-                if let Some(index) = ended {
+                let ends = |&index: &usize| program.guards[index].ends_a_root(&program.tape);
+                if let Some(index) = resolution.touched.filter(ends) {
                     work.event = R::splat(index as f64);
                     resolution.touched = None;
                 }

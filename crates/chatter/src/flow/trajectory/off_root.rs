@@ -182,23 +182,25 @@ impl<R: Real> Trajectory<R> {
             return false;
         };
         let end = (work.state.clone(), work.low.clone());
-        let mut goes_on = true;
-        let is_alike = [(&self.state, &self.low), (&end.0, &end.1)].map(|(state, low)| {
-            let mut values = |tape| {
-                work.expand_at(tape, &constants.tape, (state, low), R::ONE);
-                goes_on = (0..state.len()).all(|i| work.point.series(i)[1].is_finite());
-                let value = |guard: &Guard| match guard.series {
-                    Operand::Series(slot) => work.point.series(slot)[0],
-                    Operand::Constant(index) => constants.tape[index],
-                };
-                program.guards.iter().map(value).collect::<Vec<R>>()
+        let mut at = |tape, (state, low): (&[R], &[R])| {
+            work.expand_at(tape, &constants.tape, (state, low), R::ONE);
+            let value = |guard: &Guard| match guard.series {
+                Operand::Series(slot) => work.point.series(slot)[0],
+                Operand::Constant(index) => constants.tape[index],
             };
-            let (without, with) = (values(&plain.tape), values(&program.tape));
-            (with.iter().zip(&without)).all(|(&with, &without)| {
+            let moves = (0..state.len()).all(|i| work.point.series(i)[1].is_finite());
+            let values: Vec<R> = program.guards.iter().map(value).collect();
+            (moves, values)
+        };
+        let ends: [(&[R], &[R]); 2] = [(&self.state, &self.low), (&end.0, &end.1)];
+        let [(_, is_alike), goes_on] = ends.map(|end| {
+            let ((_, without), (moves, with)) = (at(&plain.tape, end), at(&program.tape, end));
+            let is_alike = (with.iter().zip(&without)).all(|(&with, &without)| {
                 with == without || (with - without).abs() <= without.abs() * R::splat(0.5)
-            })
+            });
+            (moves, is_alike)
         });
-        goes_on && is_alike == [true, true]
+        is_alike && goes_on == (true, true)
     }
 
     /// Whether the field has slopes where these series vanish: motion along which they do is the only one then.

@@ -1,5 +1,6 @@
 //! Where states matter only by their differences an orbit drifts along, and its multipliers are those of the differences.
 
+use super::touches::CONVEYED;
 use super::{model, orbit, over, value, with};
 use chatter::analysis::exponents::{Spec as Averages, exponents};
 use chatter::analysis::periodic::{End, SpecialKind};
@@ -144,33 +145,12 @@ fn what_has_drifted_far_has_the_branch_of_what_stays() {
 /// quotient of both it touches that.
 #[test]
 fn what_drifts_is_told_from_another_event_as_far_on_as_it_is_then() {
-    let text = r#"
-    [parameters]
-    A = 0.6
-    B = 0.12
-    ph = 0.7
-    mu = 0.3
-    [flight]
-    x = "u"
-    u = "0"
-    y = "v"
-    v = "-1"
-    [[contact]]
-    name = "plane"
-    gap = "y - A*sin(t)"
-    impulse = { v = 1 }
-    restitution = 0.2
-    friction = { coefficient = "mu", along = { u = 1 }, rate = "u - B*cos(t + ph)" }
-    [section.strobe]
-    surface = "sin(t)"
-    direction = "rising"
-    [initial]
-    x = 0
-    u = 0
-    y = 0
-    v = "A"
-    "#;
-    let found = over(&with(text, &[]), "B", (0.12, 0.43), (4, 0.03));
+    let found = over(
+        &with(CONVEYED, &[("B", "0.12")]),
+        "B",
+        (0.12, 0.43),
+        (4, 0.03),
+    );
     assert_eq!(found[0].ends, [End::Range, End::Range]);
     let touches: Vec<f64> = found[0].special.iter().map(value).collect();
     let expected = [0.139_011_379_590_337_85, 0.414_354_567_012_753_64];

@@ -21,7 +21,7 @@ u = 0.2
 "#;
 
 /// The same where a contact carries the block, and friction is that of the contact.
-const CONVEYED: &str = r#"
+pub(super) const CONVEYED: &str = r#"
 [parameters]
 A = 0.6
 B = 0.3
