@@ -1,0 +1,178 @@
+//! The equations of a leg: its field, its guards, the surface that it ends at and the map there.
+
+use super::{Jump, LegKind};
+use crate::expressions::{Asked, Expr, Graph, Side, Symbol};
+use crate::flow::guard::GuardKind;
+use crate::flow::limits::Limits;
+use crate::flow::program::{ModeExprs, guard_functions};
+use crate::flow::system::System;
+use crate::flow::touch::stop;
+use crate::flow::variation::Column;
+use crate::model::{Model, Section, State};
+
+/// The equations of a leg.
+pub(super) struct Ending {
+    pub graph: Graph,
+    pub field: Vec<Expr>,
+    pub guards: Vec<(GuardKind, Expr)>,
+    pub surface: Option<Expr>,
+    pub map: Vec<Expr>,
+    pub held: Vec<Held>,
+    /// Of the corners that its event alone asks for what is positive where it is.
+    pub asked: Vec<(GuardKind, Expr)>,
+}
+
+/// A function that a mode holds at zero: gap and rate of a contact that is closed, the surface that is slid along.
+pub(super) struct Held {
+    function: Expr,
+    /// What changes it by one; without it, the function's own slopes do.
+    by: Option<Vec<Expr>>,
+}
+
+/// A map of states that are put onto what holds them first: forces of contact and friction keep gap and rates as they are, be they
+/// zero or not, so that an orbit which never leaves a contact or a surface would be one of many.
+pub(super) fn onto_what_holds(
+    graph: &mut Graph,
+    held: &[Held],
+    map: &[Expr],
+    time: Option<usize>,
+) -> Vec<Expr> {
+    let mut place: Vec<Expr> = (0..map.len()).map(|i| graph.state(i)).collect();
+    for Held { function, by } in held {
+        let (direction, part) = match by {
+            Some(jump) => (jump.clone(), *function),
+            None => {
+                let slopes: Vec<Expr> = (0..map.len())
+                    .map(|i| match time {
+                        Some(time) if time == i => graph.number(0.0),
+                        _ => graph.derivative(*function, Symbol::State(i)),
+                    })
+                    .collect();
+                let squares: Vec<Expr> = slopes
+                    .iter()
+                    .map(|&slope| graph.mul(slope, slope))
+                    .collect();
+                let square = graph.sum(&squares);
+                (slopes, graph.div(*function, square))
+            }
+        };
+        let moved: Vec<Expr> = (direction.iter().enumerate())
+            .map(|(i, &along)| {
+                let step = graph.mul(along, part);
+                let state = graph.state(i);
+                graph.sub(state, step)
+            })
+            .collect();
+        let known = place.clone();
+        place = (moved.iter())
+            .map(|&expr| graph.substitute(expr, &|symbol| at(&known, symbol)))
+            .collect();
+    }
+    (map.iter())
+        .map(|&image| graph.substitute(image, &|symbol| at(&place, symbol)))
+        .collect()
+}
+
+pub(super) fn at(place: &[Expr], symbol: Symbol) -> Option<Expr> {
+    match symbol {
+        Symbol::State(i) => place.get(i).copied(),
+        Symbol::Parameter(_) => None,
+    }
+}
+
+/// Derivatives by the state, then by parameters.
+pub(super) fn columns(coordinates: usize, free: &[usize]) -> Vec<Column> {
+    (core::iter::repeat_n(Column::State, coordinates))
+        .chain(free.iter().map(|&p| Column::Parameter(p)))
+        .collect()
+}
+
+/// The model in flight by this field alone, with these sections.
+pub(super) fn bare(model: &Model, graph: &Graph, field: &[Expr], sections: Vec<Section>) -> Model {
+    let states = (model.states.iter().zip(field)).map(|(state, &derivative)| State {
+        derivative,
+        ..state.clone()
+    });
+    Model {
+        graph: graph.clone(),
+        states: states.collect(),
+        contacts: Vec::new(),
+        sections,
+        ..model.clone()
+    }
+}
+
+impl System {
+    pub(super) fn ending(&self, kind: LegKind) -> Option<Ending> {
+        let (grip, sides, on_sides) = self.origin_of(kind.mode)?;
+        let mut mechanics = on_sides.mechanics.clone();
+        let exprs = ModeExprs::new(&mut mechanics, grip)?;
+        let limits = Limits::new(
+            &mut mechanics,
+            (self.corners(), on_sides),
+            (self.rubbing(), grip.carrying(), sides),
+            &exprs,
+        );
+        let contacts = mechanics.contacts.clone();
+        let stop = match kind.jump {
+            Jump::Stop(contact) => Some(stop(&mut mechanics, contact)?.stop),
+            _ => None,
+        };
+        let mut graph = mechanics.graph;
+        let sections = &on_sides.sections;
+        let guards = guard_functions(&mut graph, &contacts, (sections, &limits), &exprs);
+        let mut map: Vec<Expr> = match kind.jump {
+            Jump::None => (0..exprs.field.len()).map(|i| graph.state(i)).collect(),
+            Jump::Impact(contact) | Jump::Stop(contact) => {
+                contacts.get(contact)?.after_impact.clone()
+            }
+            Jump::Reset(section) => sections.get(section)?.reset.clone()?,
+        };
+        if let Some(stop) = stop {
+            let hit = map.clone();
+            for (after, added) in map.iter_mut().zip(stop) {
+                let added = graph.substitute(added, &|symbol| at(&hit, symbol));
+                *after = graph.add(*after, added);
+            }
+        }
+        let slid_along = (on_sides.followed.surfaces.members())
+            .filter(|&index| sides.get(index) == Side::Sliding)
+            .map(|index| Held {
+                function: on_sides.surfaces[index],
+                by: None,
+            });
+        let in_contact = (grip.carrying().contacts())
+            .filter_map(|index| contacts.get(index))
+            .flat_map(|contact| {
+                [(contact.gap, None), (contact.rate, Some(&contact.jump))].map(|(function, by)| {
+                    let by = by.cloned();
+                    Held { function, by }
+                })
+            });
+        let held = in_contact.chain(slid_along).collect();
+        let asked = match kind.jump {
+            Jump::None => Asked::default(),
+            Jump::Impact(contact) | Jump::Stop(contact) => limits.impacts[contact],
+            Jump::Reset(section) => limits.resets[section],
+        };
+        let asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
+        // What is a corner for the event alone may be where it comes.
+        let all = guards.iter().map(|&(guard, _, of)| (guard, of));
+        let surface = match kind.ends_at {
+            Some(wanted) => {
+                let mut all = all.chain(asked.iter().copied());
+                Some(all.find(|(guard, _)| *guard == wanted)?.1)
+            }
+            None => None,
+        };
+        Some(Ending {
+            graph,
+            field: exprs.field,
+            guards: guards.into_iter().map(|(guard, _, f)| (guard, f)).collect(),
+            surface,
+            map,
+            held,
+            asked,
+        })
+    }
+}

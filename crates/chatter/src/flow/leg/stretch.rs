@@ -1,0 +1,242 @@
+//! Stretches of the flow with whatever happens on them.
+
+use super::edge::{Edge, Known, Landing};
+use super::equations::{Ending, columns};
+use super::{LegKind, MOST_STEPS};
+use crate::expressions::{Expansion, Expr, Symbol};
+use crate::flow::error::FlowError;
+use crate::flow::guard::GuardKind;
+use crate::flow::step::Workspace;
+use crate::flow::system::{Settings, System};
+use crate::flow::trajectory::Trajectory;
+use crate::flow::variation::with_identity;
+use crate::flow::{Closed, Occurrence};
+use crate::model::Model;
+use crate::numerics::linear::solve_consistent;
+use crate::numerics::{Real, dot, two_sum};
+use serde::{Deserialize, Serialize};
+
+/// A stretch of the flow with whatever happens on it, from a state up to an event: for what has no fixed number of events, such
+/// as complete chatter.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretch {
+    system: System,
+    edge: Edge,
+    /// The guard that ends it, and how many chatter sequences come to their end before.
+    ends_at: Option<GuardKind>,
+    accumulations: usize,
+    /// Contacts that are closed where it starts, and the gaps to start on.
+    closed: Closed,
+    gaps: Vec<Expr>,
+    time: Option<usize>,
+}
+
+/// What a stretch starts from and ends at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct StretchKind {
+    /// Contacts that are closed at the start.
+    pub closed: Closed,
+    /// Contacts at which there were impacts just before, and that are open.
+    pub on: Closed,
+    /// Chatter sequences that end on the way.
+    pub accumulations: usize,
+    /// Impacts on the way, where none do.
+    pub impacts: usize,
+    /// The mode that it ends in, and how.
+    pub last: LegKind,
+}
+
+impl System {
+    /// Compiles a stretch; `self` carries no columns.
+    pub(crate) fn stretch(&self, kind: StretchKind, free: &[usize]) -> Option<Stretch> {
+        let Ending {
+            mut graph,
+            field,
+            surface,
+            map,
+            ..
+        } = self.ending(kind.last)?;
+        let coordinates = field.len();
+        let columns = columns(coordinates, free);
+        Some(Stretch {
+            system: System::with_columns(self.model(), &columns).ok()?,
+            edge: Edge::new(self.model(), &mut graph, (&field, surface, &map), free),
+            ends_at: kind.last.ends_at,
+            accumulations: kind.accumulations,
+            closed: kind.closed,
+            gaps: Closed(kind.closed.0 | kind.on.0)
+                .contacts()
+                .map(|contact| self.model().contacts[contact].gap)
+                .collect(),
+            time: self.model().time,
+        })
+    }
+}
+
+/// Scratch space of a stretch.
+#[derive(Clone, Debug)]
+pub(crate) struct Follower<R: Real> {
+    work: Workspace<R>,
+    expansion: Expansion<R>,
+    at_edge: Known<R>,
+}
+
+/// Why a stretch has no end like the one it was compiled for.
+#[derive(Clone, Debug)]
+pub(crate) enum Astray {
+    /// Something else ended it.
+    Otherwise,
+    /// Its flights cross a surface: with derivatives such chatter is followed impact by impact, and so has no end.
+    Crosses,
+    /// It cannot be followed.
+    Failed(FlowError),
+}
+
+impl From<FlowError> for Astray {
+    fn from(error: FlowError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// A stretch has no more events than this.
+const MOST_EVENTS: usize = 20_000;
+
+impl Stretch {
+    pub(crate) fn follower<R: Real>(&self, settings: &Settings) -> Follower<R> {
+        Follower {
+            work: self.system.workspace(settings),
+            expansion: Expansion::new(&[&self.edge.tape]),
+            at_edge: Known::new(),
+        }
+    }
+
+    /// Follows the flow from a state until the stretch ends, at the latest after `longest`; for so long where a time says
+    /// the end.
+    pub(crate) fn follow<R: Real>(
+        &self,
+        follower: &mut Follower<R>,
+        parameters: &[R],
+        x: &[R],
+        longest: R,
+    ) -> Result<Landing<R>, Astray> {
+        let system = &self.system;
+        let all = parameters;
+        // A trajectory finds the pieces of lookups by itself.
+        let parameters = &all[..system.model().parameters.len()];
+        let x = self.onto_contact(parameters, x);
+        let start = with_identity(&x, self.edge.columns);
+        let clock = self.time.map_or(R::ZERO, |index| x[index]);
+        let work = &mut follower.work;
+        let mut trajectory = if self.closed == Closed::NONE {
+            Trajectory::start(system, work, parameters, clock, &start)?
+        } else {
+            // Started anywhere, to have the parameters; then with these contacts closed.
+            let mut trajectory = Trajectory::start(system, work, parameters, clock, &start)?;
+            trajectory.restart_beside(system, work, self.closed, clock, &start)?;
+            trajectory
+        };
+        trajectory.set_horizon_parts(two_sum(clock, longest));
+        let mut accumulations = 0;
+        let mut astray = Astray::Otherwise;
+        for _ in 0..MOST_EVENTS {
+            let mut told = None;
+            for _ in 0..MOST_STEPS {
+                told = trajectory.advance_to_horizon(system, work)?;
+                if told.is_some() || trajectory.ended_by().is_some() {
+                    break;
+                }
+            }
+            match told {
+                Some(Occurrence::Horizon) => {
+                    if self.ends_at.is_some() {
+                        return Err(astray);
+                    }
+                    let end = trajectory.state();
+                    return Ok((self.edge).landing(
+                        (&mut follower.expansion, &mut follower.at_edge),
+                        all,
+                        longest,
+                        end,
+                    ));
+                }
+                Some(Occurrence::Accumulation { .. } | Occurrence::Cascade { .. }) => {
+                    accumulations += 1
+                }
+                Some(Occurrence::Switch { .. }) if accumulations < self.accumulations => {
+                    astray = Astray::Crosses;
+                }
+                _ => {}
+            }
+            let Some(guard) = trajectory.ended_by() else {
+                continue;
+            };
+            if Some(guard) == self.ends_at && accumulations >= self.accumulations {
+                let duration = trajectory.time() - clock;
+                let dense = work.dense();
+                let end: Vec<R> = (0..start.len()).map(|i| dense.state(i, R::ONE)).collect();
+                return Ok((self.edge).landing(
+                    (&mut follower.expansion, &mut follower.at_edge),
+                    all,
+                    duration,
+                    &end,
+                ));
+            }
+        }
+        Err(astray)
+    }
+
+    /// Takes a state that impacts have just left, or that contacts hold, to where their gaps are zero: off it by what the solution
+    /// of the orbit's equations has yet to close.
+    pub(crate) fn onto_contact<R: Real>(&self, parameters: &[R], x: &[R]) -> Vec<R> {
+        let mut x = x.to_vec();
+        let gaps = (&*self.gaps, CORRECTIONS);
+        onto_gaps(self.system.model(), gaps, parameters, &mut x);
+        x
+    }
+}
+
+/// A gap that is nearly zero is after so many.
+const CORRECTIONS: usize = 3;
+
+/// Takes a state to where gaps are zero at the same time, by the least displacement: by so many steps of Newton's method.
+pub(crate) fn onto_gaps<R: Real>(
+    model: &Model,
+    (gaps, steps): (&[Expr], usize),
+    parameters: &[R],
+    x: &mut [R],
+) {
+    let graph = &mut model.graph.clone();
+    let slopes: Vec<Vec<Expr>> = (gaps.iter())
+        .map(|&gap| {
+            (0..model.states.len())
+                .map(|i| graph.derivative(gap, Symbol::State(i)))
+                .collect()
+        })
+        .collect();
+    for _ in 0..steps {
+        let values: Vec<R> = (gaps.iter())
+            .map(|&gap| graph.evaluate(gap, x, parameters))
+            .collect();
+        let slope = |(i, &slope): (usize, &Expr)| match model.time {
+            Some(time) if time == i => R::ZERO,
+            _ => graph.evaluate(slope, x, parameters),
+        };
+        let gradients: Vec<Vec<R>> = (slopes.iter())
+            .map(|of_gap| of_gap.iter().enumerate().map(slope).collect())
+            .collect();
+        let squares: Vec<Vec<R>> = (gradients.iter())
+            .map(|a| gradients.iter().map(|b| dot(a, b)).collect())
+            .collect();
+        if values.iter().all(|value| *value == R::ZERO) {
+            break;
+        }
+        let Some(parts) = solve_consistent(&squares, &values) else {
+            break;
+        };
+        for (gradient, &part) in gradients.iter().zip(&parts) {
+            for (x, &slope) in x.iter_mut().zip(gradient) {
+                *x -= part * slope;
+            }
+        }
+    }
+}
