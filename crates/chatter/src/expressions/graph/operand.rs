@@ -228,7 +228,13 @@ impl Parser<'_> {
                         "e" | "E" if is_joined => {
                             (ParseErrorKind::MalformedNumber(before + &after), None)
                         }
-                        _ => (ParseErrorKind::NumberWithUnit(after), Some(before)),
+                        _ => {
+                            let meant = match suggest::as_product(&after, self.known) {
+                                Some(product) => format!("{before}*{product}"),
+                                None => before,
+                            };
+                            (ParseErrorKind::NumberWithUnit(after), Some(meant))
+                        }
                     };
                     return ParseError {
                         span,

@@ -22,6 +22,11 @@ fn names() {
     check("⟦PI⟧", "unknown name `PI`; did you mean `pi`?");
     check("⟦e⟧^x", "unknown name `e`; did you mean `exp(1)`?");
     check("⟦w⟧", "unknown name `w`");
+    check("⟦kappax⟧", "unknown name `kappax`; did you mean `kappa*x`?");
+    check(
+        "sin(⟦2πx⟧)",
+        "unknown name `πx` after a number, which has no unit; write `2*pi*x`",
+    );
 }
 
 #[test]
@@ -200,6 +205,27 @@ fn characters_and_numbers() {
     check("x⟦²⟧", "unexpected character `²`; write `^2`");
     check("x ⟦·⟧ y", "unexpected character `·`; write `*`");
     check("⟦[⟧x]", "unexpected character `[`; write `(`");
+    check(
+        "x⟦[⟧0]",
+        "unexpected character `[`; quantities go by their names, such as `x1`, not by numbers",
+    );
+    check("Sin⟦[⟧x]", "unexpected character `[`; write `(`");
+    check(
+        "⟦\\⟧frac{x}{2}",
+        "unexpected character `\\`; plain text is read, not LaTeX: `a/b`, `sin(x)`, `omega`",
+    );
+    check("x⟦//⟧y", "unexpected character `/`; write `floor(x/y)`");
+    for (marked, name, meant) in [
+        ("⟦np.sin⟧(x)", "np.sin", "sin"),
+        ("⟦Math.PI⟧*x", "Math.PI", "pi"),
+        ("2*⟦math.pow⟧(x, 2)", "math.pow", "x^y"),
+        ("⟦self.model.k⟧*x", "self.model.k", "k"),
+    ] {
+        check(
+            marked,
+            &format!("`{name}` has a point in it, as no name here; write `{meant}`"),
+        );
+    }
     check("y⟦₁⟧", "unexpected character `₁`; write `1`");
     check(
         "y⟦'⟧",

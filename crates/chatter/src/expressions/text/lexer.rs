@@ -62,6 +62,14 @@ pub(in crate::expressions) fn tokens(text: &str) -> Result<Vec<Lexeme>, ParseErr
             '-' => (Token::Minus, 1),
             '*' if rest.starts_with("**") => (Token::Power, 2),
             '*' => (Token::Times, 1),
+            // The quotient without its fraction, as in Python.
+            '/' if rest.starts_with("//") => {
+                return Err(ParseError {
+                    span: at..at + 2,
+                    kind: ParseErrorKind::StrayCharacter(character),
+                    suggestion: Some("floor(x/y)".to_owned()),
+                });
+            }
             '/' => (Token::Divide, 1),
             '^' => (Token::Power, 1),
             '(' => (Token::Open, 1),
@@ -86,8 +94,29 @@ pub(in crate::expressions) fn tokens(text: &str) -> Result<Vec<Lexeme>, ParseErr
                 (Token::Number(number(text, at..at + length)?), length)
             }
             _ if starts_name(character) => {
-                let length = rest.find(|c| !continues_name(c)).unwrap_or(rest.len());
+                let length = name_length(rest);
+                let whole = qualified_length(rest, length);
+                if whole > length {
+                    return Err(ParseError {
+                        span: at..at + whole,
+                        kind: ParseErrorKind::QualifiedName(rest[..whole].to_owned()),
+                        suggestion: suggest::for_qualified(&rest[..whole]),
+                    });
+                }
                 (Token::Name, length)
+            }
+            // `x[0]`; but `Sin[x]` calls a function.
+            '[' if lexemes.last().is_some_and(|last: &Lexeme| {
+                last.token == Token::Name
+                    && last.span.end == at
+                    && suggest::callable(&text[last.span.clone()].to_lowercase()).is_none()
+            }) =>
+            {
+                return Err(ParseError {
+                    span: at..at + 1,
+                    kind: ParseErrorKind::StrayCharacter(character),
+                    suggestion: None,
+                });
             }
             _ => {
                 return Err(ParseError {
@@ -108,6 +137,21 @@ pub(in crate::expressions) fn tokens(text: &str) -> Result<Vec<Lexeme>, ParseErr
         span: text.len()..text.len(),
     });
     Ok(lexemes)
+}
+
+/// Bytes of the name that `text` starts with.
+fn name_length(text: &str) -> usize {
+    text.find(|c| !continues_name(c)).unwrap_or(text.len())
+}
+
+/// Bytes of the name and of what follows it after points, as in `np.sin`.
+fn qualified_length(text: &str, mut length: usize) -> usize {
+    while let Some(part) = text[length..].strip_prefix('.')
+        && part.starts_with(starts_name)
+    {
+        length += 1 + name_length(part);
+    }
+    length
 }
 
 /// Bytes of the longest thing at the start of `text` that looks meant as one number, well formed or not.

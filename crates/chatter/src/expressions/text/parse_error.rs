@@ -67,6 +67,8 @@ pub enum ParseErrorKind {
     },
     /// A number with a name after it that stands for nothing, as a unit does.
     NumberWithUnit(String),
+    /// A name with points in it, as a function of another language's library has.
+    QualifiedName(String),
     /// The first argument of `if` is a number.
     NotACondition,
     /// A comparison outside the first argument of `if`.
@@ -164,6 +166,7 @@ impl fmt::Display for ParseErrorKind {
                     "unknown name `{name}` after a number, which has no unit"
                 )
             }
+            Self::QualifiedName(name) => write!(out, "`{name}` has a point in it, as no name here"),
             Self::StrayComma => write!(out, "unexpected `,`; the decimal sign is a point"),
             Self::UnclosedParenthesis => write!(out, "this parenthesis is never closed"),
             Self::UnopenedParenthesis => write!(out, "this parenthesis was never opened"),
@@ -180,6 +183,7 @@ impl ParseError {
                 | ParseErrorKind::NumberWithUnit(_)
                 | ParseErrorKind::NotAFunction(_)
                 | ParseErrorKind::BareFunction(_)
+                | ParseErrorKind::QualifiedName(_)
                 | ParseErrorKind::StrayCharacter(_),
                 Some(suggestion),
             ) => Some(match suggestion.as_str() {
@@ -193,6 +197,12 @@ impl ParseError {
             }
             (ParseErrorKind::StrayCharacter('\''), None) => {
                 Some("a rate goes by a name: with y = \"v\" that of `y` is `v`".to_owned())
+            }
+            (ParseErrorKind::StrayCharacter('['), None) => {
+                Some("quantities go by their names, such as `x1`, not by numbers".to_owned())
+            }
+            (ParseErrorKind::StrayCharacter('\\'), None) => {
+                Some("plain text is read, not LaTeX: `a/b`, `sin(x)`, `omega`".to_owned())
             }
             (ParseErrorKind::StrayCharacter('#'), None) => {
                 Some("comments stand outside the quotes".to_owned())

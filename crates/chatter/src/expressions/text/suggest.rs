@@ -159,11 +159,8 @@ pub(in crate::expressions) fn for_function<'a>(
     name: &str,
     tables: impl Iterator<Item = &'a str>,
 ) -> Option<String> {
-    let lower = name.to_lowercase();
-    ALIASES
-        .iter()
-        .find(|(alias, _)| *alias == lower)
-        .map(|&(_, meant)| meant.to_string())
+    alias(&name.to_lowercase())
+        .map(str::to_string)
         .or_else(move || {
             nearest(
                 name,
@@ -183,7 +180,58 @@ pub(in crate::expressions) fn for_name(name: &str, known: &[&str]) -> Option<Str
     };
     by_habit
         .map(str::to_string)
+        .or_else(|| as_product(name, known))
         .or_else(|| nearest(name, known.iter().copied().chain([PI])))
+}
+
+/// Most factors that a name is looked at as a product of.
+const MOST_FACTORS: usize = 3;
+
+/// The product of known names that `name` is when they are written side by side: `pi*t` for `πt`, `k*x` for `kx`.
+pub(in crate::expressions) fn as_product(name: &str, known: &[&str]) -> Option<String> {
+    let factors = factors(name, known, MOST_FACTORS)?;
+    let is_new = |(place, factor): (usize, &&str)| !factors[..place].contains(factor);
+    let all_differ = factors.iter().enumerate().all(is_new);
+    all_differ.then(|| factors.join("*"))
+}
+
+/// The known names that make `name` when written one after the other, at most `most`.
+fn factors<'a>(name: &'a str, known: &[&str], most: usize) -> Option<Vec<&'a str>> {
+    if name.is_empty() {
+        return Some(Vec::new());
+    }
+    let fewer = most.checked_sub(1)?;
+    let ends = name.char_indices().map(|(at, c)| at + c.len_utf8());
+    ends.rev().find_map(|end| {
+        let (first, rest) = name.split_at(end);
+        let first = match first {
+            "π" => PI,
+            _ if first == PI || known.contains(&first) => first,
+            _ => return None,
+        };
+        let mut all = vec![first];
+        all.extend(factors(rest, known, fewer)?);
+        Some(all)
+    })
+}
+
+/// What to write for a name with points in it: what its last part is or stands for.
+pub(in crate::expressions) fn for_qualified(name: &str) -> Option<String> {
+    let last = name.rsplit('.').next()?;
+    let lower = last.to_lowercase();
+    Some(if is_reserved(&lower) {
+        lower
+    } else {
+        alias(&lower).unwrap_or(last).to_owned()
+    })
+}
+
+/// What a habit from elsewhere is called here.
+fn alias(name: &str) -> Option<&'static str> {
+    ALIASES
+        .iter()
+        .find(|(alias, _)| *alias == name)
+        .map(|&(_, meant)| meant)
 }
 
 /// The known name nearest to `name`, if it is near enough to be meant: a third of its letters wrong, or its case.

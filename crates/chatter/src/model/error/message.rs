@@ -40,9 +40,9 @@ impl fmt::Display for ModelErrorKind {
             }
             Self::Expression { error, .. } => write!(f, "{}", error.kind),
             Self::ImpulseOnUnknownState { name, .. } => {
-                write!(f, "impulse on `{name}`, which is not a state")
+                write!(f, "`{name}` is not a state, and only states jump")
             }
-            Self::ImpulseOnTime => write!(f, "impulse on time"),
+            Self::ImpulseOnTime => write!(f, "time does not jump"),
             Self::ResetBesideImpulse { key } => {
                 write!(f, "both `reset` and `{key}` say what an impact does")
             }
