@@ -60,12 +60,21 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
             time,
             contact,
             value,
-        } => format!(
-            "at time {} {} has restitution {}, outside 0 <= r <= 1",
-            number(*time),
-            name(*contact),
-            number(*value)
-        ),
+        } => match model.contacts.get(*contact) {
+            Some(contact) if contact.reset.is_some() => format!(
+                "at time {} the reset of contact `{}` returns {} times its rate, outside 0 <= r <= 1: only an [[event]] may \
+                 do so",
+                number(*time),
+                contact.name,
+                number(*value)
+            ),
+            _ => format!(
+                "at time {} {} has restitution {}, outside 0 <= r <= 1",
+                number(*time),
+                name(*contact),
+                number(*value)
+            ),
+        },
         FlowError::Jammed { time, contact } => format!(
             "at time {} friction jams {}: the contact force cannot hold it, so that there is no motion or there are \
              several (Painlevé)",

@@ -114,8 +114,10 @@ pub struct Program {
     /// Whether a root is taken of what vanishes at the end of a side.
     pub(crate) roots_at_sides: bool,
     pub(crate) guards: Vec<Guard>,
-    /// Whether nothing holds the state: no contact is closed, no surface slid along.
+    /// Whether nothing holds the state, no contact being closed and no surface slid along, and no impact moves a gap.
     pub(crate) is_free: bool,
+    /// The contacts whose impacts may move their own gaps.
+    pub(crate) moves_gap: Closed,
     /// How many of them are gaps.
     pub(crate) gaps: usize,
     /// Per contact; none where it is closed.
@@ -437,7 +439,9 @@ impl Program {
             }
         }
         residuals.extend(&held);
-        let is_free = closed == Closed::NONE && residuals.is_empty();
+        let moving = contacts.iter().enumerate().filter(|(_, c)| c.moves_gap);
+        let moves_gap = moving.fold(Closed::NONE, |all, (contact, _)| all.with(contact));
+        let is_free = closed == Closed::NONE && residuals.is_empty() && moves_gap == Closed::NONE;
         let mut gradients = Vec::new();
         // What contacts alone hold goes back along their impulses.
         for &held in residuals.iter().filter(|_| !held.is_empty()) {
@@ -498,6 +502,7 @@ impl Program {
             gaps: contacts.len() - closed.contacts().count(),
             guards,
             is_free,
+            moves_gap,
             impacts,
             sequences,
             locals,

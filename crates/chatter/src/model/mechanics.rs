@@ -7,7 +7,7 @@ mod size;
 use self::identically_zero::is_identically_zero;
 use self::size::check_size;
 use super::Model;
-use crate::expressions::{Expr, Folding, Graph};
+use crate::expressions::{Expr, Folding, Graph, Symbol};
 use core::fmt;
 
 /// The expressions derived from a [`Model`], in a graph that continues the model's own: handles of the model stay valid
@@ -52,6 +52,8 @@ pub struct ContactMechanics {
     pub restitution: Expr,
     /// The state after an impact in terms of the state before, x - (1 + r) v W / b: equation (M1).
     pub after_impact: Vec<Expr>,
+    /// Whether the gap itself may be another after an impact, as where each one wears the stop.
+    pub moves_gap: bool,
 }
 
 /// Motion in persistent contact: equation (M2) for any number of contacts.
@@ -214,7 +216,14 @@ impl Mechanics {
                 graph.sum(&[before, stop, rebound])
             })
             .collect();
-        let after_impact = contact.reset.clone().unwrap_or(after_impact);
+        let after_impact: Vec<Expr> = contact.reset.clone().unwrap_or(after_impact);
+        let gap_after = graph.substitute(contact.gap, &|symbol| match symbol {
+            Symbol::State(index) => after_impact.get(index).copied(),
+            Symbol::Parameter(_) => None,
+        });
+        let change = graph.sub(gap_after, contact.gap);
+        // A state that is put where the gap is zero has no other.
+        let moves_gap = !self.vanishes(change) && !self.vanishes(gap_after);
         Ok(ContactMechanics {
             name: contact.name.clone(),
             gap: contact.gap,
@@ -225,6 +234,7 @@ impl Mechanics {
             jump,
             restitution: contact.restitution,
             after_impact,
+            moves_gap,
         })
     }
 

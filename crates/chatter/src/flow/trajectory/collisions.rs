@@ -311,15 +311,18 @@ impl<R: Real> Trajectory<R> {
         } else {
             1.0
         };
+        let mut apart = Closed::NONE;
         for contact in collisions.touching.contacts() {
             let level = collisions.level(touch, contact) * R::splat(levels);
-            if touch.rate[contact].value <= level {
+            if self.is_moved(system, contact, &touch.gap[contact])? {
+                apart = apart.with(contact);
+            } else if touch.rate[contact].value <= level {
                 resting = resting.with(contact);
             } else {
                 separating = separating.with(contact);
             }
         }
-        let held = Closed(self.closed.0 & !separating.0);
+        let held = Closed(self.closed.0 & !(separating.0 | apart.0));
         self.enter(system, held)?;
         for contact in separating.contacts() {
             self.leave_gap(system, contact, 1);

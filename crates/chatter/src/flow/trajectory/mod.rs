@@ -114,6 +114,8 @@ pub struct Trajectory<R> {
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
     burst: usize,
+    /// Steps in a row that could not be certified, took no time and told of nothing, and when the first of them began.
+    silent: (usize, R),
     /// By how much each column of derivatives shifts the time of the latest event.
     shifts: Vec<R>,
     /// What has left the columns without a meaning.
@@ -141,6 +143,9 @@ pub struct Trajectory<R> {
     pending: VecDeque<Occurrence<R>>,
     untold: Untold<R>,
 }
+
+/// So many steps of which nothing is told take time.
+const MOST_SILENT: usize = 10_000;
 
 /// What the kernel found for one trajectory.
 #[derive(Clone, Copy, Debug)]
@@ -359,7 +364,18 @@ impl<R: Real> Trajectory<R> {
             settled => settled?,
         };
         self.accept(work);
-        self.digest(system, work, program, &result)
+        let told = self.digest(system, work, program, &result)?;
+        let (count, since) = self.silent;
+        let has_moved = (self.time - since).abs() > self.negligible();
+        self.silent = match told.is_some() || has_moved {
+            true => (0, self.time),
+            false => (count + 1, since),
+        };
+        // What grows without bound comes to no end of numbers by steps that columns of derivatives are made units between.
+        if self.silent.0 > MOST_SILENT {
+            return Err(self.undefined_here());
+        }
+        Ok(told)
     }
 
     /// Redoes a step that could not be certified, from this trajectory's state, with full root isolation.
@@ -694,6 +710,9 @@ impl<R: Real> Trajectory<R> {
             return self.pass_by(system, (index, contact), &impact);
         }
         self.touched_at = self.time;
+        if let Some(told) = self.moved_apart(system, work, contact, &impact)? {
+            return Ok(Some(told));
+        }
         if system.corners().is_empty() {
             let program = self.program(system)?;
             return self.after_impact(system, work, program, (contact, &impact));

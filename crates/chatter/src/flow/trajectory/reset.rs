@@ -3,12 +3,13 @@
 use super::Trajectory;
 use super::corners::INSTANT_ROUNDOFFS;
 use super::recurrence::Latest;
+use super::start::is_inside;
 use super::tops::Tops;
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, IMPACT_SCALARS};
-use crate::flow::step::{FOREVER, Workspace, flight_time};
+use crate::flow::step::{FOREVER, Workspace, flight_time, legal_rates};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::touching::Touching;
@@ -33,32 +34,91 @@ impl<R: Real> Trajectory<R> {
             return Err(self.switches_without_end());
         }
         let before = self.surface(system, section)?;
-        let closed = self.closed;
         let shifts = self.apply_reset(system, work, (section, jumped))?;
-        self.tracker.interrupt();
-        self.sequence = 0;
-        self.latest_impact = None;
-        self.flight_time = R::splat(FOREVER);
-        self.enter(system, Closed::NONE)?;
-        self.touching = Touching::NONE;
         // Where the event's surface is a corner's, too, the motion says on which side it goes on, and not a rounding error.
         let surface = system.model().sections[section].surface;
-        self.met = (system.corners().surface(surface))
-            .filter(|_| !jumped)
-            .map(Corner::Surface);
-        self.settle_corners(system, None)?;
-        self.classify(system, work, false)?;
+        let met = (system.corners().surface(surface)).filter(|_| !jumped);
+        self.begin_anew(system, work, met.map(Corner::Surface))?;
         self.shift_columns(system, work, &shifts, -R::ONE)?;
         // On which side of its own surface it has put the state is found anew: that is no crossing.
         self.sides.set(section, R::ZERO);
         if !jumped {
             self.follow_itself(system, section, before)?;
         }
+        self.may_have_crossed = true;
+        Ok(Occurrence::Reset { section })
+    }
+
+    /// Goes on from a state that was put somewhere, as from a start; tells of contacts that have opened.
+    fn begin_anew(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        met: Option<Corner>,
+    ) -> Result<(), FlowError> {
+        let closed = self.closed;
+        self.tracker.interrupt();
+        self.sequence = 0;
+        self.latest_impact = None;
+        self.flight_time = R::splat(FOREVER);
+        self.enter(system, Closed::NONE)?;
+        self.touching = Touching::NONE;
+        self.met = met;
+        self.settle_corners(system, None)?;
+        self.classify(system, work, false)?;
         for contact in closed.contacts().filter(|&c| !self.closed.contains(c)) {
             self.pending.push_back(Occurrence::Release { contact });
         }
+        Ok(())
+    }
+
+    /// Whether an impact has left the gap of its contact open.
+    pub(super) fn is_moved(
+        &self,
+        system: &System,
+        contact: usize,
+        gap: &WithTerms<R>,
+    ) -> Result<bool, FlowError> {
+        if !self.program(system)?.moves_gap.contains(contact) {
+            return Ok(false);
+        }
+        if is_inside(gap) {
+            return Err(FlowError::JumpsInside {
+                time: self.time.to_f64(),
+                contact,
+                gap: gap.value.to_f64(),
+            });
+        }
+        Ok(gap.value > gap.level())
+    }
+
+    /// What follows an impact, applied already, that has moved the gap of its contact, as a blow does which wears a stop: the next
+    /// flight does not begin with the gap closed, and no sequence goes on.
+    pub(super) fn moved_apart(
+        &mut self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+        &[rate_before, rate_after, ..]: &[R; IMPACT_SCALARS],
+    ) -> Result<Option<Occurrence<R>>, FlowError> {
+        if !self.program(system)?.moves_gap.contains(contact)
+            || rate_before >= R::ZERO
+            || !legal_rates(rate_before, rate_after)
+        {
+            return Ok(None);
+        }
+        let [gap, ..] = self.local(system, contact)?;
+        if !self.is_moved(system, contact, &gap)? {
+            return Ok(None);
+        }
+        self.begin_anew(system, work, None)?;
         self.may_have_crossed = true;
-        Ok(Occurrence::Reset { section })
+        Ok(Some(Occurrence::Impact {
+            contact,
+            rate_before,
+            rate_after,
+            closes: false,
+        }))
     }
 
     /// Where an event has left the state on its own surface, which it was on but for rounding, the flight begins with a zero of

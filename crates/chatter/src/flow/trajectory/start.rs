@@ -97,6 +97,7 @@ impl<R: Real> Trajectory<R> {
             started_at: time,
             longest_step: R::ZERO,
             burst: 0,
+            silent: (0, time),
             shifts: Vec::new(),
             no_derivative: None,
             latest_resets: Vec::new(),
@@ -249,6 +250,7 @@ impl<R: Real> Trajectory<R> {
         self.started_at = time;
         self.longest_step = R::ZERO;
         self.burst = 0;
+        self.silent = (0, time);
         self.latest_resets.clear();
         self.rates_of_instant.clear();
         self.collisions = None;
