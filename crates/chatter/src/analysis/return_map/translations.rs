@@ -93,22 +93,32 @@ impl Translations {
     fn rows(&self, parameters: &[f64], state: &[f64], places: usize) -> Vec<Vec<Slope>> {
         let mut scratch = Vec::new();
         let mut rows = Vec::new();
+        // Of each equation that has shown nothing yet: which states its slopes have no finite value, or another than zero, by.
+        let mut unknown: Vec<Option<Vec<bool>>> =
+            vec![Some(vec![false; state.len()]); self.slopes.len()];
         for place in 0..places {
             let moved: Vec<f64> = (state.iter().enumerate())
                 .map(|(index, x)| {
                     let turn = place + index * (place / DISTANCES.len());
                     let distance = DISTANCES[turn % DISTANCES.len()];
-                    let step = ((1 + index + place * state.len()) as f64 * APART).fract();
-                    x + distance * step * (1.0 + x.abs())
+                    // Roots and powers may have values on one side of the state alone.
+                    let step = ((1 + index + place * state.len()) as f64 * APART).fract() - 0.5;
+                    x + distance * 2.0 * step * (1.0 + x.abs())
                 })
                 .collect();
-            for slopes in &self.slopes {
+            for (slopes, unknown) in self.slopes.iter().zip(&mut unknown) {
                 let row: Vec<f64> = (slopes.iter())
                     .map(|slope| slope.evaluate(&moved, parameters, &mut scratch))
                     .collect();
                 let size = row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
                 // Outside the domain there is nothing to learn.
-                if size > 0.0 && row.iter().all(|x| x.is_finite()) {
+                if !row.iter().all(|x| x.is_finite()) {
+                    let depends = unknown.iter_mut().flatten().zip(&row);
+                    depends.for_each(|(depends, x)| *depends |= *x != 0.0);
+                    continue;
+                }
+                *unknown = None;
+                if size > 0.0 {
                     let slope = |x: &f64| {
                         let value = if x.abs() > ROUNDING * size {
                             x / size
@@ -121,6 +131,22 @@ impl Translations {
                     rows.push(row.iter().map(slope).collect());
                 }
             }
+        }
+        // What has no value anywhere near depends on all that it is written with.
+        let dimension = state.len();
+        let unknown = unknown.iter().filter(|_| places == PLACES);
+        for state in unknown.flatten().flat_map(|depends| {
+            let states = depends.iter().enumerate();
+            states
+                .filter(|(_, depends)| **depends)
+                .map(|(state, _)| state)
+        }) {
+            let one = |index| f64::from(u8::from(index == state));
+            let slope = |index| Slope {
+                value: one(index),
+                size: one(index),
+            };
+            rows.push((0..dimension).map(slope).collect());
         }
         rows
     }
@@ -230,6 +256,20 @@ mod tests {
         let state = model.initial_state(&[]);
         let found = Translations::new(&model, &model.equations()).at(&[], &state);
         assert_eq!(found, []);
+    }
+
+    /// A power may have no value where the state is, and none on one side of it.
+    #[test]
+    fn what_has_no_value_nearby_is_not_free() {
+        for force in [
+            "max(-a - 0.1, 0)^1.5",
+            "max(a - 0.1, 0)^1.5",
+            "if(a < -0.1, (-0.1 - a)^1.5, 0)",
+            "sqrt(-1e6 - a)",
+        ] {
+            let states = format!("a = \"u\"\nu = \"-a + {force} - u\"\nb = \"v\"\nv = \"-b\"");
+            assert_eq!(of(&states, "b + 1"), [], "{force}");
+        }
     }
 
     #[test]
