@@ -43,6 +43,8 @@ const FORGOTTEN: f64 = 1e-11;
 const SHRUNK: f64 = 1e-4;
 /// … and one that shrinks by this part anyhow.
 const NEARLY_LOST: f64 = 1e-9;
+/// One that grows to this size is made a unit again at once: an interval may be long, and numbers end.
+const LARGE: f64 = 1e100;
 /// Parts of the time whose averages are compared.
 const PARTS: usize = 16;
 /// An exponent is zero that grows displacements by less than this in an interval, or is within so many standard errors of it.
@@ -80,13 +82,15 @@ pub fn exponents(
     let (mut work, mut trajectory) =
         (system.trajectory_from(&parameters, &start)).map_err(PeriodicError::Start)?;
     let begin = trajectory.time();
-    let mut units = vec![1.0; n];
+    // Lengths say what is forgotten in units that the motion itself takes for like ones, before it forgets any.
+    let mut natural: Option<Vec<f64>> = None;
     let mut growth: Vec<Vec<f64>> = Vec::new();
     let total = spec.transient + spec.intervals;
     for interval in 0..total {
         if interval % 8 == 0 && observer(interval as f64 / total as f64).is_break() {
             break;
         }
+        let mut units = natural.clone().unwrap_or_else(|| vec![1.0; n]);
         put(&frame, &units, (&system, &mut work, &mut trajectory))?;
         trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
         let mut steps = 0;
@@ -101,19 +105,37 @@ pub fn exponents(
                 return Err(no_derivative(model, why));
             }
             forgets |= told.is_some_and(|told| may_forget(model, &told));
-            if interval == 0 && !forgets {
+            if natural.is_none() && !forgets {
                 take(&mut whole, &units, &trajectory, model);
             }
-            if told == Some(Occurrence::Horizon) {
+            let is_over = told == Some(Occurrence::Horizon);
+            let is_large = trajectory.is_between_steps()
+                && (trajectory.state()[n..].iter()).any(|x| x.abs() > LARGE);
+            if natural.is_none() && (is_over || is_large) {
+                take(&mut frame, &units, &trajectory, model);
+                units = natural_units(&whole, &moving, n);
+                for (displacement, &i) in frame.iter_mut().zip(&moving) {
+                    (displacement.iter_mut().zip(&units))
+                        .for_each(|(x, unit)| *x *= units[i] / unit);
+                }
+                add(&mut logarithms, &orthonormal(&mut frame, &moving, forgets));
+                natural = Some(units.clone());
+                if is_over {
+                    break;
+                }
+                put(&frame, &units, (&system, &mut work, &mut trajectory))?;
+                forgets = trajectory.is_held(&system);
+            } else if is_over {
+                take(&mut frame, &units, &trajectory, model);
+                add(&mut logarithms, &orthonormal(&mut frame, &moving, forgets));
                 break;
-            }
-            if interval > 0 && trajectory.is_between_steps() {
+            } else if natural.is_some() && trajectory.is_between_steps() {
                 let mut ahead = frame.clone();
                 take(&mut ahead, &units, &trajectory, model);
                 let grown = orthonormal(&mut ahead, &moving, forgets);
                 let least = (grown.iter()).fold(f64::INFINITY, |least, &x| least.min(libm::exp(x)));
                 let between = told.is_none() && !trajectory.follows_sequence();
-                let is_due = least < NEARLY_LOST || (between && least < SHRUNK);
+                let is_due = is_large || least < NEARLY_LOST || (between && least < SHRUNK);
                 if is_due && !trajectory.has_caused_more(&system, &mut work) {
                     frame = ahead;
                     add(&mut logarithms, &grown);
@@ -128,15 +150,6 @@ pub fn exponents(
                 });
             }
         }
-        take(&mut frame, &units, &trajectory, model);
-        if interval == 0 {
-            // Lengths say what is forgotten in units that the motion itself takes for like ones, before it forgets any.
-            units = natural_units(&whole, &moving, n);
-            for (displacement, &i) in frame.iter_mut().zip(&moving) {
-                (displacement.iter_mut().zip(&units)).for_each(|(x, unit)| *x *= units[i] / unit);
-            }
-        }
-        add(&mut logarithms, &orthonormal(&mut frame, &moving, forgets));
         if interval >= spec.transient {
             growth.push(logarithms);
         }
@@ -328,13 +341,22 @@ fn averaged(growth: &[Vec<f64>], interval: f64) -> Exponents {
     }
 }
 
-/// Kaplan and Yorke's dimension: so many exponents as have a sum that is not negative, and the share of the next. An exponent
-/// that its error does not tell from zero, as the one along the flow, is zero.
+/// Kaplan and Yorke's dimension: so many exponents as have a sum that is not negative, and the share of the next. One that its error
+/// does not tell from zero, as the one along the flow, is zero if it is negative, or the nearest to zero where none is: a positive one
+/// whose error is large is still more likely that than none.
 fn dimension(found: &[(f64, f64)], nothing: f64) -> f64 {
+    let may_vanish =
+        |&(value, error): &(f64, f64)| value.abs() <= nothing.max(STANDARD_ERRORS * error);
+    // They are in descending order.
+    let nearest = found
+        .iter()
+        .rposition(|one| may_vanish(one) && one.0 >= 0.0);
+    let any_below = found.iter().any(|one| may_vanish(one) && one.0 < 0.0);
     let mut sum = 0.0;
-    for (k, &(value, error)) in found.iter().enumerate() {
-        let zero = value.abs() <= nothing.max(STANDARD_ERRORS * error);
-        let value = if zero { 0.0 } else { value };
+    for (k, one) in found.iter().enumerate() {
+        let is_zero = one.0.abs() <= nothing
+            || may_vanish(one) && (one.0 < 0.0 || !any_below && nearest == Some(k));
+        let value = if is_zero { 0.0 } else { one.0 };
         if sum + value < 0.0 {
             let share = if value.is_finite() { sum / -value } else { 0.0 };
             return k as f64 + share;
@@ -347,6 +369,17 @@ fn dimension(found: &[(f64, f64)], nothing: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_dimension_of_a_short_average_is_of_what_it_found() {
+        // Lorenz's attractor, after a few turns: a positive exponent whose error is a third of it.
+        let few = [(0.948, 0.36), (-0.032, 0.17), (-14.58, 0.3)];
+        assert!((dimension(&few, 1e-9) - (2.0 + 0.948 / 14.58)).abs() < 1e-12);
+        let cycle = [(1e-5, 1e-4), (-0.3, 0.01)];
+        assert_eq!(dimension(&cycle, 1e-9), 1.0);
+        let torus = [(1e-5, 1e-4), (-2e-5, 1e-4), (-0.3, 0.01)];
+        assert!((dimension(&torus, 1e-9) - 2.0).abs() < 1e-4);
+    }
 
     fn of(text: &str, spec: &Spec) -> Exponents {
         let model = Model::from_toml(text, "test").unwrap();
