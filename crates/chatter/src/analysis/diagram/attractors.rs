@@ -105,6 +105,7 @@ impl<'a> Collector<'a> {
         let cycle = Cycle {
             period: row.period,
             points: row.orbit.clone(),
+            sizes: row.sizes.clone(),
         };
         let tolerance = sweep.spec().period_tolerance;
         let mut known = group.found.iter_mut().zip(1..);

@@ -10,7 +10,7 @@ mod tail;
 use self::aperiodic::{Evidence, evidence};
 use self::classify::Settled;
 use self::embedding::Embedding;
-use self::exponent::{Companion, Growth, Tangent, Trail};
+use self::exponent::{Companion, Growth, Tangent, Trail, units};
 use self::tail::Tail;
 use super::run::row::{Outcome, Row, Started};
 use super::spec::observable::Scratch;
@@ -34,6 +34,8 @@ pub(super) struct Column {
     accumulations: Vec<bool>,
     tail: Tail,
     kinds: Vec<CoordinateKind>,
+    /// What sizes coordinates have, on the way from sample to sample, too.
+    sizes: Vec<f64>,
     origin: Vec<f64>,
     end: Vec<f64>,
     orbit: Vec<f64>,
@@ -67,6 +69,7 @@ impl Column {
             accumulations: Vec::new(),
             tail: Tail::new(sweep.coordinates().len(), judged(spec)),
             kinds: Vec::new(),
+            sizes: Vec::new(),
             origin,
             end: Vec::new(),
             orbit: Vec::new(),
@@ -162,10 +165,28 @@ impl Column {
         }
     }
 
+    /// What sizes the coordinates have: at samples, where the orbit started, where orbits of the map start, and on the way of
+    /// another return. One that is zero at all samples, as across a section, has a size elsewhere; one that has died out had it at
+    /// the start.
+    fn find_sizes(&mut self, map: &dyn Map, arrival: &Arrival<'_>) {
+        let mut elsewhere = Tail::new(arrival.point.len(), usize::MAX);
+        elsewhere.push(&self.origin);
+        elsewhere.push(&map.initial_point(arrival.parameters));
+        if let (Ok(passage), Some(&(_, time))) = (&arrival.passage, self.ways.last()) {
+            let from = (arrival.point, passage.phase);
+            elsewhere.push(&map.on_the_way(arrival.parameters, from, time));
+        }
+        elsewhere.relate(&self.kinds);
+        let pairs = self.tail.sizes().into_iter().zip(elsewhere.sizes());
+        let largest = pairs.map(|(a, b)| if b.is_finite() { a.max(b) } else { a });
+        self.sizes = largest.collect();
+    }
+
     fn period(&self, sweep: &Sweep) -> Option<usize> {
         let settled = Settled {
             points: &self.tail,
             kinds: &self.kinds,
+            sizes: &self.sizes,
             ways: &self.ways,
         };
         let spec = sweep.spec();
@@ -173,7 +194,8 @@ impl Column {
     }
 
     fn aperiodic(&self) -> Outcome {
-        match evidence(&Embedding::new(&self.tail, JUDGED as usize, &self.kinds)) {
+        let of = (&*self.kinds, &*self.sizes);
+        match evidence(&Embedding::new(&self.tail, JUDGED as usize, of)) {
             Evidence::Chaotic => Outcome::Chaotic,
             Evidence::Quasiperiodic => Outcome::Quasiperiodic,
             Evidence::None => Outcome::Unsettled,
@@ -185,6 +207,7 @@ impl Column {
         let spec = sweep.spec();
         self.kinds = map.coordinate_kinds(arrival.parameters);
         self.tail.relate(&self.kinds);
+        self.find_sizes(map, arrival);
         if sweep.carries() {
             self.end = arrival.point.to_vec();
         }
@@ -207,6 +230,7 @@ impl Column {
         } else {
             settled
         };
+        let units = units(&self.kinds, &self.sizes);
         let tangent = self.tangent.take();
         let mut row = self.take(sweep, outcome);
         row.period = period.unwrap_or(0) as u64;
@@ -218,7 +242,7 @@ impl Column {
         if spec.exponent == Exponent::Skip {
             return Need::Done(row);
         }
-        let mut companion = Companion::new(map.directions(), arrival.point.len());
+        let mut companion = Companion::new(map.directions(), units);
         let Some(origin) = companion.origin(&self.trail) else {
             return Need::Done(row);
         };
@@ -276,6 +300,11 @@ impl Column {
             exponent: f64::NAN,
             samples: if sweep.records() { samples } else { Vec::new() },
             origin: core::mem::take(&mut self.origin),
+            sizes: if self.orbit.is_empty() {
+                Vec::new()
+            } else {
+                core::mem::take(&mut self.sizes)
+            },
             orbit: core::mem::take(&mut self.orbit),
             end: core::mem::take(&mut self.end),
         }
@@ -300,7 +329,8 @@ const RESERVED: u64 = 1 << 16;
 
 /// Notes the exponent, which says more about chaos than samples do.
 fn weigh(row: &mut Row, growth: &Growth) {
-    row.exponent = growth.mean();
+    let period = (row.period > 0).then_some(row.period as usize);
+    row.exponent = growth.mean(period);
     let aperiodic = [Outcome::Chaotic, Outcome::Quasiperiodic, Outcome::Unsettled];
     if !aperiodic.contains(&row.outcome) || row.exponent.is_nan() {
         return;

@@ -58,6 +58,11 @@ pub enum DiagramError {
         /// The name.
         name: String,
     },
+    /// A parameter that is swept is called as a column of the result is.
+    SweptNameTaken {
+        /// The name.
+        name: String,
+    },
     /// No sample is kept.
     KeepsNothing,
     /// More samples of an orbit than memory holds.
@@ -173,6 +178,10 @@ impl fmt::Display for DiagramError {
             Self::NameTaken { name } => write!(
                 out,
                 "two columns of the result would be called `{name}`: give the observed quantity another name"
+            ),
+            Self::SweptNameTaken { name } => write!(
+                out,
+                "the result has a column `{name}` beside that of the parameter `{name}`: give the parameter another name in the model"
             ),
             Self::KeepsNothing => write!(out, "no sample is kept: expected at least one"),
             Self::KeepsTooMuch { keep, most } => write!(

@@ -120,6 +120,28 @@ fn exponents_are_those_of_the_books() {
     }
 }
 
+/// Whatever the number of samples, and whatever part of a period they end with.
+#[test]
+fn exponents_of_periodic_orbits_are_of_whole_periods() {
+    for map in [PLAIN, Logistic { knows_slope: true }] {
+        let mut spec = spec(3.5, 3.55, 2);
+        spec.exponent = Exponent::Largest;
+        spec.transient = 5000;
+        for keep in [40, 63, 200] {
+            spec.keep = keep;
+            let rows = diagram(&map, &spec, &Threads::new(1)).unwrap();
+            for (row, (a, period)) in rows.iter().zip([(3.5, 4), (3.55, 8)]) {
+                assert_eq!(row.period, period);
+                let cycle = &row.samples[row.samples.len() - period as usize..];
+                let slopes = cycle.iter().map(|x| libm::log((a * (1.0 - 2.0 * x)).abs()));
+                let exact = slopes.sum::<f64>() / period as f64;
+                let error = (row.exponent - exact).abs();
+                assert!(error < 1e-4, "{a}, {keep}: {} for {exact}", row.exponent);
+            }
+        }
+    }
+}
+
 #[test]
 fn every_kth_return_is_a_sample() {
     let mut second = spec(3.2, 3.9, 5);

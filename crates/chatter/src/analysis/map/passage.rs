@@ -14,6 +14,9 @@ pub struct Passage {
     pub return_time: f64,
     /// Length of the latest flight that was completed on the way; NaN if there was none, or for a map without flights.
     pub flight_time: f64,
+    /// How often on the way several impacts came at one instant and their order decided what came of them: beside such an orbit
+    /// are others that leave it at once, and it has no derivative.
+    pub ambiguities: u64,
     /// In which phase the next point is.
     pub phase: Phase,
 }
@@ -53,6 +56,7 @@ impl Passage {
             } else {
                 next.flight_time
             },
+            ambiguities: self.ambiguities + next.ambiguities,
             phase: next.phase,
         }
     }

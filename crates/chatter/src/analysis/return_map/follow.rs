@@ -8,7 +8,7 @@ use crate::expressions::Formula;
 use crate::flow::{
     Closed, FlowError, GuardKind, Next, Occurrence, Trajectory, Workspace, run_fleet,
 };
-use crate::numerics::DoubleDouble;
+use crate::numerics::{DoubleDouble, two_sum};
 use core::sync::atomic::AtomicBool;
 
 /// Into so many parts is the time that a return may take divided, so that an orbit that never returns can be called off
@@ -20,6 +20,9 @@ const ON_SECTION: f64 = 1e-12;
 
 /// So does one that is this small at a state displaced from it by a small amount.
 const BESIDE_SECTION: f64 = 1e-4;
+
+/// A start is at a look if it is this near to one, in periods.
+const SAME_LOOK: f64 = 1e-12;
 
 /// The size that a surface function is compared with.
 fn largest(point: &[f64]) -> f64 {
@@ -56,6 +59,44 @@ enum Clock {
         period: DoubleDouble,
         count: u64,
     },
+}
+
+/// So many steps at most show what sizes coordinates have on the way.
+const MOST_SHOWN: usize = 1000;
+
+/// The states after the steps of so long a way from a point that was in this phase.
+pub(super) fn on_the_way(
+    map: &ReturnMap,
+    parameters: &[f64],
+    (point, phase): (&[f64], Phase),
+    duration: f64,
+) -> Vec<f64> {
+    let every: Vec<usize> = (0..parameters.len()).collect();
+    let mut nobody = |_: Arrival<'_>| Command::Retire;
+    let mut follower = Follower::new(map, &every, &mut nobody);
+    let start = Start {
+        swept: parameters.to_vec(),
+        origin: Origin::Beside {
+            point: point.to_vec(),
+            phase,
+        },
+    };
+    let mut states = Vec::new();
+    let Some((_, mut trajectory)) = follower.begin(0, &start) else {
+        return states;
+    };
+    trajectory.set_horizon_parts(two_sum(trajectory.time(), duration));
+    for _ in 0..MOST_SHOWN {
+        let told = trajectory.advance_to_horizon(&map.system, &mut follower.work);
+        if told.is_err() {
+            break;
+        }
+        states.extend(trajectory.state());
+        if let Ok(Some(Occurrence::Horizon)) = told {
+            break;
+        }
+    }
+    states
 }
 
 impl<'m, 'v> Follower<'m, 'v> {
@@ -207,11 +248,17 @@ impl<'m, 'v> Follower<'m, 'v> {
         orbit.takeoff = f64::NAN;
         orbit.clock = match &self.map.look {
             Look::Event { .. } => Clock::Patience(0),
-            Look::Stroboscopic { period } => Clock::Strobe {
-                origin: time,
-                period: self.possible(strobe_period(period, &orbit.parameters))?,
-                count: 0,
-            },
+            Look::Stroboscopic { period } => {
+                let period = self.possible(strobe_period(period, &orbit.parameters))?;
+                Clock::Strobe {
+                    origin: match origin {
+                        Origin::Point(_) => self.look_before(time, orbit, period.high()),
+                        _ => time,
+                    },
+                    period,
+                    count: 0,
+                }
+            }
         };
         self.set_horizon(orbit, trajectory);
         self.let_pass(orbit, trajectory);
@@ -224,6 +271,21 @@ impl<'m, 'v> Follower<'m, 'v> {
             true => 0,
             false => self.map.most_impacts.saturating_sub(orbit.passage.impacts),
         });
+    }
+
+    /// The latest look up to a time at which an orbit starts: looks are whole periods from where the model starts, so that orbits from
+    /// anywhere are seen in one phase.
+    fn look_before(&self, time: f64, orbit: &Orbit, period: f64) -> f64 {
+        let Some(clock) = self.map.model.time else {
+            return time;
+        };
+        let start = self.map.model.initial_state(&orbit.parameters)[clock];
+        let turns = (time - start) / period;
+        if (turns - turns.round()).abs() <= SAME_LOOK * turns.abs().max(1.0) {
+            time
+        } else {
+            start + turns.floor() * period
+        }
     }
 
     /// A period that a return can take.
@@ -321,6 +383,7 @@ impl<'m, 'v> Follower<'m, 'v> {
                 }
             }
             Occurrence::Ambiguity { contact, .. } => {
+                orbit.passage.ambiguities += 1;
                 if self.map.look.sees(EventKind::Ambiguity, contact) {
                     return self.returned(orbit, trajectory);
                 }

@@ -19,8 +19,8 @@ mod tests;
 pub use spec::{ReturnMapError, ReturnSpec, Sampling};
 
 use crate::analysis::map::{
-    Arrival, Carry, Command, CoordinateKind, Map, NoReturn, Origin, Passage, PhaseLost, Scope,
-    Start,
+    Arrival, Carry, Command, CoordinateKind, Map, NoReturn, Origin, Passage, Phase, PhaseLost,
+    Scope, Start,
 };
 use crate::analysis::simulate::check_tolerance;
 use crate::flow::{Settings, System};
@@ -173,6 +173,15 @@ impl Map for ReturnMap {
                 .push((definition.name.clone(), definition.value));
         }
         scope
+    }
+
+    fn on_the_way(
+        &self,
+        parameters: &[f64],
+        (point, phase): (&[f64], Phase),
+        duration: f64,
+    ) -> Vec<f64> {
+        follow::on_the_way(self, parameters, (point, phase), duration)
     }
 
     fn next(&self, parameters: &[f64], point: &mut [f64]) -> Result<Passage, NoReturn> {

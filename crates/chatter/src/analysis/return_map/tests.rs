@@ -434,6 +434,73 @@ fn the_clock_of_a_stroboscopic_map_is_no_direction() {
     }
 }
 
+/// A forced oscillator of some amplitude at a stop, and a state of another size that touches nothing.
+fn beside_another(amplitude: f64, beside: f64) -> Model {
+    let text = format!(
+        "[parameters]\nw = 2.5\n[flight]\nx = \"v\"\nv = \"{amplitude:e}*cos(w*t) - x\"\np = \"{beside:e} - p\"\n[[contact]]\n\
+         name = \"stop\"\ngap = \"-x\"\nimpulse = {{ v = -1 }}\nrestitution = 0.5\n[initial]\nx = 0\nv = \"-0.5*{amplitude:e}\"\n\
+         p = \"1.1*{beside:e}\"\n"
+    );
+    Model::from_toml(&text, "beside").unwrap()
+}
+
+/// What an orbit settles to, and its exponent, are the same whatever the units of its states are.
+#[test]
+fn rows_do_not_depend_on_units() {
+    let strobe = ReturnSpec::new(Sampling::Stroboscopic {
+        period: "2*pi/w".to_owned(),
+    });
+    let rows = |amplitude, beside| {
+        let map = ReturnMap::new(&beside_another(amplitude, beside), &strobe).unwrap();
+        let mut spec = Spec::new(Range::linear("w", 2.5, 2.833_333_3, 3), "v", 300, 300);
+        spec.exponent = Exponent::Largest;
+        diagram(&map, &spec, &Threads::new(1)).unwrap()
+    };
+    let plain = rows(1.0, 1.0);
+    let outcomes = [Outcome::Periodic, Outcome::Periodic, Outcome::Chaotic];
+    // Of the multipliers of the orbits of one and two periods; of a finite part of chaos.
+    let exponents = [(-0.693, 0.02), (-0.175_83, 1e-3), (0.11, 0.05)];
+    for (amplitude, beside) in [
+        (1.0, 1.0),
+        (1e-3, 1e5),
+        (1e-6, 1e7),
+        (1e-9, 1.0),
+        (1e9, 1e-9),
+    ] {
+        let at = format!("{amplitude:e} {beside:e}");
+        for (row, known) in rows(amplitude, beside).iter().zip(&plain) {
+            let place = row.row as usize;
+            assert_eq!(
+                (row.outcome, row.period),
+                (known.outcome, known.period),
+                "{at}"
+            );
+            assert_eq!(row.outcome, outcomes[place], "{at}");
+            let (exponent, within) = exponents[place];
+            assert!(
+                (row.exponent - exponent).abs() < within,
+                "{at}: {}",
+                row.exponent
+            );
+        }
+    }
+}
+
+/// Whenever it starts: it is looked at in one phase of what drives it.
+#[test]
+fn orbits_that_start_at_any_time_are_looked_at_in_one_phase() {
+    let strobe = ReturnSpec::new(Sampling::Stroboscopic {
+        period: "2*pi/omega".to_owned(),
+    });
+    let map = ReturnMap::new(&shipped("impact_oscillator"), &strobe).unwrap();
+    let range = Range::initial("t", 0.0, 1.0, 3);
+    let rows = diagram(&map, &Spec::new(range, "v", 60, 20), &Threads::new(1)).unwrap();
+    for row in &rows {
+        assert_eq!((row.outcome, row.period), (Outcome::Periodic, 1));
+        assert!((row.samples[19] - rows[0].samples[19]).abs() < 1e-9);
+    }
+}
+
 #[test]
 fn orbits_that_come_to_rest_on_the_way_forget_where_they_came_from() {
     let (_, map) = valve();
@@ -443,6 +510,21 @@ fn orbits_that_come_to_rest_on_the_way_forget_where_they_came_from() {
     for row in &rows {
         assert_eq!(row.outcome, Outcome::CompleteChatter);
         assert_eq!(row.exponent, f64::NEG_INFINITY, "row {}", row.row);
+    }
+}
+
+/// A cradle's balls hit at one instant, one order of blows beside the other: orbits beside leave it by a jump, which is no growth.
+#[test]
+fn an_orbit_that_the_order_of_impacts_decides_has_no_exponent() {
+    let strobe = ReturnSpec::new(Sampling::Stroboscopic {
+        period: "2*pi".to_owned(),
+    });
+    let map = ReturnMap::new(&shipped("newtons_cradle"), &strobe).unwrap();
+    let mut spec = Spec::new(Range::linear("r", 0.9, 0.99, 2), "v1", 1, 100);
+    spec.exponent = Exponent::Largest;
+    for row in diagram(&map, &spec, &Threads::new(1)).unwrap() {
+        assert!(row.exponent.is_nan(), "{}", row.exponent);
+        assert_ne!(row.outcome, Outcome::Chaotic);
     }
 }
 

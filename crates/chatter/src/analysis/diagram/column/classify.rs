@@ -9,11 +9,13 @@ pub(in crate::analysis::diagram) struct Settled<'a> {
     pub points: &'a Tail,
     /// What their coordinates are.
     pub kinds: &'a [CoordinateKind],
+    /// What size they have, on the way from sample to sample, too.
+    pub sizes: &'a [f64],
     /// Impacts and time since the sample before, one a sample.
     pub ways: &'a [(u64, f64)],
 }
 
-/// A coordinate that is zero but for rounding errors differs by them, which are this small against the others.
+/// A coordinate that is zero at all samples but for rounding errors differs by them, which are this small against its size elsewhere.
 const ROUNDING: f64 = 1e-13;
 
 impl Settled<'_> {
@@ -37,20 +39,9 @@ impl Settled<'_> {
 
     /// By how much coordinates that are the same may differ.
     fn allowed(&self, tolerance: f64) -> Vec<f64> {
-        let plain = |kind: &CoordinateKind| *kind == CoordinateKind::Plain;
-        let scale = match self.points.len() {
-            0 => 0.0,
-            count => {
-                let last = self.points.point(count - 1).iter().zip(self.kinds);
-                let last = last.filter(|(_, kind)| plain(kind));
-                last.fold(0.0_f64, |most, (x, _)| most.max(x.abs()))
-            }
-        };
+        let at_samples = self.points.sizes();
         let allowed = |(index, kind): (usize, &CoordinateKind)| match *kind {
-            CoordinateKind::Plain => {
-                let values = self.points.coordinate(index);
-                values.fold(0.0_f64, |most, x| most.max(x.abs())) * tolerance + scale * ROUNDING
-            }
+            CoordinateKind::Plain => at_samples[index] * tolerance + self.sizes[index] * ROUNDING,
             CoordinateKind::Phase { period } => period * tolerance,
             CoordinateKind::Idle { .. } => f64::INFINITY,
         };
@@ -96,14 +87,16 @@ mod tests {
     fn judged(values: &[f64], kinds: &[CoordinateKind]) -> (Option<usize>, Evidence) {
         let tail = tail(values, kinds.len());
         let ways = vec![(1, 1.0); tail.len()];
+        let sizes = tail.sizes();
         let settled = Settled {
             points: &tail,
             kinds,
+            sizes: &sizes,
             ways: &ways,
         };
         (
             settled.period(16, 1e-8),
-            evidence(&Embedding::new(&tail, 4096, kinds)),
+            evidence(&Embedding::new(&tail, 4096, (kinds, &sizes))),
         )
     }
 
@@ -217,6 +210,7 @@ mod tests {
             Settled {
                 points: &points,
                 kinds: &[CoordinateKind::Plain],
+                sizes: &[0.5],
                 ways,
             }
             .period(4, 1e-8)

@@ -5,7 +5,7 @@ use crate::analysis::map::CoordinateKind;
 use crate::numerics::dispatch::{Kernel, dispatch};
 use core::ops::Range;
 
-/// A coordinate that varies by less than this, relative to the largest of the point, does so by rounding errors.
+/// A coordinate that varies by less than this, relative to its size, does so by rounding errors.
 const ROUNDING: f64 = 1e-12;
 
 /// Points whose coordinates vary by one: numbers in units of their extent, phases as points of a circle. Coordinates that
@@ -21,34 +21,31 @@ pub(in crate::analysis::diagram) struct Embedding {
 const ABREAST: usize = 16;
 
 impl Embedding {
-    /// Of the latest points, so many at most.
-    pub fn new(tail: &Tail, most: usize, kinds: &[CoordinateKind]) -> Self {
+    /// Of the latest points, so many at most, of coordinates of these kinds and sizes.
+    pub fn new(tail: &Tail, most: usize, (kinds, sizes): (&[CoordinateKind], &[f64])) -> Self {
         let skipped = tail.len().saturating_sub(most);
         let mut columns: Vec<Vec<f64>> = Vec::new();
-        for (index, kind) in kinds.iter().enumerate() {
+        for (index, (kind, size)) in kinds.iter().zip(sizes).enumerate() {
             let values = tail.coordinate(index).skip(skipped);
             match *kind {
                 CoordinateKind::Idle { .. } => {}
-                CoordinateKind::Plain => columns.push(values.collect()),
+                CoordinateKind::Plain => {
+                    if let Some(column) = within_its_extent(values.collect(), ROUNDING * size) {
+                        columns.push(column);
+                    }
+                }
                 CoordinateKind::Phase { period } => {
                     let turn = core::f64::consts::TAU / period;
                     let angles = values.map(|x| (x - (x / period).floor() * period) * turn);
-                    columns.push(angles.clone().map(libm::cos).collect());
-                    columns.push(angles.map(libm::sin).collect());
+                    let of_circle = [
+                        angles.clone().map(libm::cos).collect(),
+                        angles.map(libm::sin).collect(),
+                    ];
+                    let vary = of_circle.into_iter();
+                    columns.extend(vary.filter_map(|x| within_its_extent(x, ROUNDING)));
                 }
             }
         }
-        let size = |column: &Vec<f64>| column.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let largest = columns.iter().map(size).fold(0.0, f64::max);
-        columns.retain_mut(|column| {
-            let low = column.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let extent = high - low;
-            column
-                .iter_mut()
-                .for_each(|x| *x = (*x - low) / extent - 0.5);
-            extent > ROUNDING * largest && extent.is_finite()
-        });
         let count = columns.first().map_or(0, Vec::len);
         Self {
             vectors: (0..count)
@@ -155,6 +152,17 @@ impl Embedding {
         }
         Some(sum / count)
     }
+}
+
+/// Numbers in units of their extent, about the middle of it; none where they vary by no more than this.
+fn within_its_extent(mut column: Vec<f64>, rounding: f64) -> Option<Vec<f64>> {
+    let low = column.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let extent = high - low;
+    for x in &mut column {
+        *x = (*x - low) / extent - 0.5;
+    }
+    (extent > rounding && extent.is_finite()).then_some(column)
 }
 
 struct Nearest<'a> {

@@ -1,11 +1,11 @@
 //! The largest Lyapunov exponent of an orbit.
 
 use super::aperiodic::grows;
-use crate::analysis::map::{Map, Origin, Passage, Phase};
+use crate::analysis::map::{CoordinateKind, Map, Origin, Passage, Phase};
 
-/// Distance of the second orbit, relative to the point with its time, whose rounding makes as much of an error: a million
-/// times rounding error, and small against the windows of stability and the distance to the next graze, over which the map
-/// is far from linear.
+/// Distance of the second orbit, in [`units`], relative to the point with its time, whose rounding makes as much of an error: a
+/// million times rounding error, and small against the windows of stability and the distance to the next graze, over which the
+/// map is far from linear.
 const DISPLACEMENT: f64 = 1e-10;
 
 /// Two orbits that are this close, relative to the point, differ by rounding errors alone: they have become one, and the
@@ -25,9 +25,14 @@ impl Growth {
         &self.0[turning..]
     }
 
-    /// The exponent.
-    pub(in crate::analysis::diagram) fn mean(&self) -> f64 {
+    /// The exponent, of an orbit that repeats after so many samples over whole periods: what a part of one grows by is no mean.
+    pub(in crate::analysis::diagram) fn mean(&self, period: Option<usize>) -> f64 {
         let counted = self.counted();
+        let left_over = match period {
+            Some(period) if period <= counted.len() => counted.len() % period,
+            _ => 0,
+        };
+        let counted = &counted[left_over..];
         counted.iter().sum::<f64>() / counted.len() as f64
     }
 
@@ -35,6 +40,25 @@ impl Growth {
     pub(in crate::analysis::diagram) fn is_chaotic(&self) -> bool {
         grows(self.counted())
     }
+}
+
+/// Units in which displacements of coordinates of these kinds and sizes can be compared, whatever the model's are. What is always
+/// zero may vary as much as anything else.
+pub(in crate::analysis::diagram) fn units(kinds: &[CoordinateKind], sizes: &[f64]) -> Vec<f64> {
+    let unit = |(kind, &size): (&CoordinateKind, &f64)| match *kind {
+        CoordinateKind::Phase { period } => period,
+        CoordinateKind::Plain | CoordinateKind::Idle { .. } => size,
+    };
+    let mut units: Vec<f64> = kinds.iter().zip(sizes).map(unit).collect();
+    let is_unit = |unit: &f64| *unit > 0.0 && unit.is_finite();
+    let largest = units.iter().copied().filter(is_unit).fold(0.0, f64::max);
+    let instead = if largest > 0.0 { largest } else { 1.0 };
+    for unit in &mut units {
+        if !is_unit(unit) {
+            *unit = instead;
+        }
+    }
+    units
 }
 
 /// A displacement that a map's Jacobian carries along.
@@ -93,6 +117,8 @@ pub(in crate::analysis::diagram) struct Trail {
     points: Vec<f64>,
     phases: Vec<Phase>,
     dimension: usize,
+    /// Whether the orbit has a derivative no longer.
+    is_ambiguous: bool,
 }
 
 impl Trail {
@@ -100,11 +126,11 @@ impl Trail {
         self.dimension = point.len();
         self.points.extend_from_slice(point);
         self.phases.push(passage.phase);
+        self.is_ambiguous |= passage.ambiguities > 0;
     }
 
     pub(in crate::analysis::diagram) fn clear(&mut self) {
-        self.points.clear();
-        self.phases.clear();
+        *self = Self::default();
     }
 
     fn point(&self, index: usize) -> &[f64] {
@@ -118,6 +144,7 @@ pub(in crate::analysis::diagram) struct Companion {
     /// The coordinates in which it differs.
     directions: Vec<usize>,
     direction: Vec<f64>,
+    units: Vec<f64>,
     /// Sample of the first orbit beside which the second one started.
     from: usize,
     size: f64,
@@ -125,23 +152,24 @@ pub(in crate::analysis::diagram) struct Companion {
 }
 
 impl Companion {
-    pub(in crate::analysis::diagram) fn new(directions: Vec<usize>, dimension: usize) -> Self {
+    pub(in crate::analysis::diagram) fn new(directions: Vec<usize>, units: Vec<f64>) -> Self {
         Self {
-            direction: even(&directions, dimension),
+            direction: even(&directions, units.len()),
             directions,
+            units,
             from: 0,
             size: 0.0,
             growth: Growth::default(),
         }
     }
 
-    /// Where the second orbit starts next; none if the first one has no further sample.
+    /// Where the second orbit starts next; none if the first one has no further sample, or orbits beside it leave it at once.
     pub(in crate::analysis::diagram) fn origin(&mut self, trail: &Trail) -> Option<Origin> {
-        if self.from + 1 >= trail.phases.len() {
+        if trail.is_ambiguous || self.from + 1 >= trail.phases.len() {
             return None;
         }
         let point = trail.point(self.from);
-        let length = norm(point);
+        let length = self.length(point);
         let size = if length > 0.0 {
             DISPLACEMENT * length
         } else {
@@ -149,11 +177,18 @@ impl Companion {
         };
         // The sign is kept where the other side was not admissible.
         self.size = size.copysign(self.size);
-        let displaced = point.iter().zip(&self.direction);
+        let displaced = point.iter().zip(&self.direction).zip(&self.units);
         Some(Origin::Beside {
-            point: displaced.map(|(x, d)| x + self.size * d).collect(),
+            point: displaced
+                .map(|((x, d), unit)| x + self.size * d * unit)
+                .collect(),
             phase: trail.phases[self.from],
         })
+    }
+
+    fn length(&self, point: &[f64]) -> f64 {
+        let of_units = point.iter().zip(&self.units).map(|(x, unit)| x / unit);
+        norm(&of_units.collect::<Vec<f64>>())
     }
 
     /// The second orbit has come to a sample.
@@ -162,9 +197,9 @@ impl Companion {
         let reached = trail.point(self.from);
         let mut distance = vec![0.0; point.len()];
         for &k in &self.directions {
-            distance[k] = point[k] - reached[k];
+            distance[k] = (point[k] - reached[k]) / self.units[k];
         }
-        let growth = if norm(&distance) <= ONE_ORBIT * norm(reached) {
+        let growth = if norm(&distance) <= ONE_ORBIT * self.length(reached) {
             f64::NEG_INFINITY
         } else {
             let image: Vec<f64> = distance.iter().map(|d| d / self.size).collect();

@@ -10,6 +10,8 @@ pub(in crate::analysis::diagram) struct Cycle {
     pub period: u64,
     /// The points, one after the other.
     pub points: Vec<f64>,
+    /// What sizes their coordinates have, between them, too.
+    pub sizes: Vec<f64>,
 }
 
 /// Two orbits that are one differ by what is left of their approach: more than from one period to the next by as much as
@@ -19,7 +21,7 @@ const SLOWNESS: f64 = 1e4;
 /// But never by more than this, relative to the largest value of a coordinate.
 const LARGEST_DIFFERENCE: f64 = 1e-3;
 
-/// A coordinate that is zero but for rounding errors, relative to the largest.
+/// A coordinate that is zero but for rounding errors, relative to its size elsewhere.
 const ROUNDING: f64 = 1e-11;
 
 /// Some points of an orbit, this part of them, …
@@ -71,27 +73,18 @@ impl Cycle {
 
     fn allowed(&self, other: &Self, kinds: &[CoordinateKind], tolerance: f64) -> Vec<f64> {
         let share = (tolerance * SLOWNESS).min(LARGEST_DIFFERENCE);
-        let sizes: Vec<f64> = (0..kinds.len())
-            .map(|k| {
-                let values = self.points.iter().skip(k).step_by(kinds.len());
-                let others = other.points.iter().skip(k).step_by(kinds.len());
-                values
-                    .chain(others)
-                    .fold(0.0_f64, |most, x| most.max(x.abs()))
-            })
-            .collect();
-        let plain = sizes
-            .iter()
-            .zip(kinds)
-            .filter(|(_, kind)| **kind == CoordinateKind::Plain);
-        let largest = plain.fold(0.0_f64, |most, (size, _)| most.max(*size));
-        sizes
-            .iter()
-            .zip(kinds)
-            .map(|(size, kind)| match *kind {
+        let at_points = |k: usize| {
+            let values = self.points.iter().skip(k).step_by(kinds.len());
+            let others = other.points.iter().skip(k).step_by(kinds.len());
+            values
+                .chain(others)
+                .fold(0.0_f64, |most, x| most.max(x.abs()))
+        };
+        (kinds.iter().enumerate())
+            .map(|(k, kind)| match *kind {
                 CoordinateKind::Phase { period } => period * share,
                 CoordinateKind::Plain | CoordinateKind::Idle { .. } => {
-                    size * share + largest * ROUNDING
+                    at_points(k) * share + self.sizes[k].max(other.sizes[k]) * ROUNDING
                 }
             })
             .collect()
@@ -153,20 +146,22 @@ impl<'a> Units<'a> {
         kinds: &'a [CoordinateKind],
     ) -> Self {
         let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); kinds.len()];
+        let mut sizes = vec![0.0_f64; kinds.len()];
         for cycle in cycles {
+            for (size, &other) in sizes.iter_mut().zip(&cycle.sizes) {
+                *size = size.max(other);
+            }
             for point in cycle.points.chunks_exact(kinds.len()) {
                 for ((low, high), &x) in ranges.iter_mut().zip(point) {
                     (*low, *high) = (low.min(x), high.max(x));
                 }
             }
         }
-        let size = |(low, high): &(f64, f64)| low.abs().max(high.abs());
-        let largest = ranges.iter().map(size).fold(0.0, f64::max);
-        let extent = |(low, high): &(f64, f64)| match high - low {
-            extent if extent > ROUNDING * largest && extent.is_finite() => extent,
+        let extent = |((low, high), size): (&(f64, f64), &f64)| match high - low {
+            extent if extent > ROUNDING * size && extent.is_finite() => extent,
             _ => 0.0,
         };
-        let extents = ranges.iter().map(extent).collect();
+        let extents = ranges.iter().zip(&sizes).map(extent).collect();
         Self { kinds, extents }
     }
 

@@ -23,7 +23,8 @@ impl Tail {
     /// The orbit has come to another point.
     pub fn push(&mut self, point: &[f64]) {
         // Half of the room is emptied at once, so that each point is moved at most once.
-        if self.points.len() >= 2 * self.wanted * self.dimension {
+        let room = self.wanted.saturating_mul(2 * self.dimension);
+        if self.points.len() >= room {
             self.points.drain(..self.wanted * self.dimension);
         }
         self.points.extend_from_slice(point);
@@ -45,6 +46,15 @@ impl Tail {
                 }
             }
         }
+    }
+
+    /// The largest size of each coordinate.
+    pub fn sizes(&self) -> Vec<f64> {
+        let largest = |index| {
+            self.coordinate(index)
+                .fold(0.0_f64, |most, x| most.max(x.abs()))
+        };
+        (0..self.dimension).map(largest).collect()
     }
 
     /// How many points there are.

@@ -19,7 +19,8 @@ pub struct Row {
     /// sequences are among them; NaN where no sample was kept.
     pub impacts_per_return: f64,
     /// Largest Lyapunov exponent: mean growth, as a logarithm, of a small distance from sample to sample.
-    /// Minus infinity where orbits become one, as by coming to rest on the way. NaN where it was not asked for or not found.
+    /// Minus infinity where orbits become one, as by coming to rest on the way. NaN where it was not asked for or not found, and where the order of impacts at one
+    /// instant decides on the orbit's way, so that it has no derivative.
     pub exponent: f64,
     /// The samples kept, one after the other, each with all observed quantities.
     pub samples: Vec<f64>,
@@ -28,6 +29,9 @@ pub struct Row {
     /// Whole points of what the orbit settled to, where rows are compared: those of a period, or the latest of those that
     /// do not repeat; none where it settled to nothing.
     pub orbit: Vec<f64>,
+    /// What sizes the coordinates of these points have on the way, which rounding errors are compared with; none where there are no
+    /// points.
+    pub sizes: Vec<f64>,
     /// The last point, where the next row of the piece goes on from it.
     pub end: Vec<f64>,
 }
@@ -134,11 +138,17 @@ impl From<&NoReturn> for Outcome {
 
 impl Row {
     /// The number of the form of [`to_bytes`](Self::to_bytes): another form has another number.
-    pub const FORMAT: u32 = 2;
+    pub const FORMAT: u32 = 3;
 
     /// The row as bytes, to be stored.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let lists = [&self.origin, &self.orbit, &self.end, &self.samples];
+        let lists = [
+            &self.origin,
+            &self.orbit,
+            &self.sizes,
+            &self.end,
+            &self.samples,
+        ];
         let numbers: usize = lists.iter().map(|list| list.len()).sum();
         let mut bytes = Vec::with_capacity(72 + 8 * numbers);
         bytes.extend(self.row.to_le_bytes());
@@ -169,6 +179,7 @@ impl Row {
             exponent: f64::from_bits(word(&mut rest)?),
             origin: numbers(&mut rest)?,
             orbit: numbers(&mut rest)?,
+            sizes: numbers(&mut rest)?,
             end: numbers(&mut rest)?,
             samples: numbers(&mut rest)?,
         };
@@ -230,6 +241,7 @@ mod tests {
                 samples: vec![1.0, -0.0, 1e-300],
                 origin: vec![2.0, 3.0],
                 orbit: vec![0.5; code],
+                sizes: vec![1.5; code % 2],
                 end: vec![0.25],
             };
             let bytes = row.to_bytes();

@@ -110,7 +110,12 @@ pub(in crate::analysis::diagram) fn observed(
     let coordinates = map.coordinates();
     let mut taken: Vec<String> = Sweep::CLASS_NAMES.map(str::to_owned).to_vec();
     taken.push(Sweep::COLUMN_NAME.to_owned());
-    taken.extend(spec.sweeps.iter().map(Range::name));
+    let swept: Vec<String> = spec.sweeps.iter().map(Range::name).collect();
+    if let Some(name) = swept.iter().find(|name| taken.contains(name)) {
+        let name = name.clone();
+        return Err(DiagramError::SweptNameTaken { name });
+    }
+    taken.extend(swept);
     taken.extend(coordinates.iter().map(|name| initial_name(name)));
     let scope = map.scope();
     let mut observables = Vec::new();
