@@ -155,6 +155,14 @@ const THIN: f64 = 3.0 / 18.0;
 const MEDIUM: f64 = 4.0 / 18.0;
 const THICK: f64 = 5.0 / 18.0;
 
+/// Says whether a text can be drawn as a label.
+///
+/// # Errors
+/// What is wrong with it, and where.
+pub fn check(source: &str) -> Result<(), LabelError> {
+    parse(source).map(drop)
+}
+
 /// Reads a label.
 pub(super) fn parse(source: &str) -> Result<Vec<Node>, LabelError> {
     let mut parser = Parser {

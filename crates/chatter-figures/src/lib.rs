@@ -73,7 +73,7 @@ pub use density::{Density, Grain, Normalisation};
 pub use error::Error;
 pub use figure::{Figure, Letters, Sharing};
 pub use figure_error::{AxisSide, FigureError};
-pub use label::{LabelError, variable};
+pub use label::{LabelError, check as check_label, variable};
 pub use layer::{Dash, Layer, Line, Marker, Markers, Orientation, Rule, Spans};
 pub use legend::Legend;
 pub use map::{Category, CategoryMap, HeatMap};

@@ -6,6 +6,7 @@ use crate::refusal::Refusal;
 use crate::shipped;
 use chatter::expressions::nearest;
 use chatter::model::{Model, ModelError};
+use chatter_figures::check_label;
 use std::path::{Path, PathBuf};
 
 /// The text of a model, not read yet.
@@ -123,6 +124,7 @@ impl Source {
                 let mut load = kept(&data_files);
                 let model = Model::from_toml_with(&self.text, &self.name, &mut load)?;
                 drop(load);
+                check_labels(&model, &self.name)?;
                 return Ok(Loaded {
                     model,
                     text: self.text,
@@ -136,12 +138,28 @@ impl Source {
         let mut load = beside(path.as_deref(), &mut data_files);
         let model = Model::from_toml_with(&self.text, &self.name, &mut load)?;
         drop(load);
+        check_labels(&model, &self.name)?;
         Ok(Loaded {
             model,
             text: self.text,
             data_files,
         })
     }
+}
+
+/// Refuses labels that no picture can show: found when one is drawn, they would cost what was computed for it.
+fn check_labels(model: &Model, source: &str) -> Result<(), Refusal> {
+    let states = (model.states.iter()).map(|state| (&state.name, &state.label));
+    let parameters = (model.parameters.iter()).map(|one| (&one.name, &one.label));
+    for (name, label) in states.chain(parameters) {
+        let texts = label.iter().flat_map(|label| [&label.text, &label.unit]);
+        for text in texts.flatten() {
+            check_label(text).map_err(|error| {
+                Refusal::input(format!("[labels] of {source}: `{name}` has a {error}"))
+            })?;
+        }
+    }
+    Ok(())
 }
 
 /// Sets parameters.

@@ -1,5 +1,6 @@
 //! Which branches are to be found: all that a run needs to go on where another was broken off.
 
+use super::check_names;
 use super::request::{free_parameter, specification};
 use super::restored::Restored;
 use super::wanted::{Branches, Reach, beside, search};
@@ -142,7 +143,8 @@ impl Job {
         let wanted = Branches { spec, over, search };
         let other = self.plane.as_ref().map(|plane| &plane.other);
         let other = other.map(|name| free_parameter(&model, name)).transpose()?;
-        let free = other.into_iter().chain([parameter]).collect();
+        let free: Vec<usize> = other.into_iter().chain([parameter]).collect();
+        check_names(&model, &free)?;
         Ok(Ready {
             model,
             wanted,

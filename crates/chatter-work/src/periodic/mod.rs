@@ -36,6 +36,7 @@ pub use several::Shared;
 pub use table::write;
 pub use wanted::{Branches, Curve, Orbits, Reach, beside, search};
 
+use crate::Refusal;
 use crate::numbers::Digits;
 use chatter::analysis::periodic::{Branch, PeriodicError, SpecialKind};
 use chatter::flow::GuardKind;
@@ -102,6 +103,24 @@ impl Subject<'_> {
         (self.free.iter())
             .map(|&index| parameters[index].name.as_str())
             .collect()
+    }
+}
+
+/// Refuses states and free parameters that are called as a column beside theirs is.
+fn check_names(model: &Model, free: &[usize]) -> Result<(), Refusal> {
+    let mut parameters = free.iter().map(|&index| &model.parameters[index].name);
+    let mut states = model.states.iter().map(|state| &state.name);
+    let taken = |kind: &str, name: &str| {
+        Refusal::input(format!(
+            "points of a branch have a column `{name}` beside that of the {kind} `{name}`"
+        ))
+        .help(format!("give the {kind} another name in the model"))
+    };
+    let is_taken = |name: &&String| COLUMNS.contains(&name.as_str());
+    match (parameters.find(is_taken), states.find(is_taken)) {
+        (Some(name), _) => Err(taken("parameter", name)),
+        (None, Some(name)) => Err(taken("state", name)),
+        (None, None) => Ok(()),
     }
 }
 

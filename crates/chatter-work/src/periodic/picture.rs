@@ -69,6 +69,9 @@ pub fn first_that_changes(subject: &Subject, branches: &[Branch]) -> Vertical {
     changing.next().map_or(Vertical::Period, Vertical::State)
 }
 
+/// A special point lies between two stations if the way past it is no more than this many times the straight one: folds lie beyond both.
+const MOST_DETOUR: f64 = 2.0;
+
 /// The figure, over a diagram where there is one.
 pub fn picture(
     subject: &Subject,
@@ -91,7 +94,7 @@ pub fn picture(
     };
     let mut told = [false; 2];
     for branch in branches {
-        for (stable, run) in runs(&branch.points) {
+        for (stable, run) in runs(branch, &|point| (point.parameter(), value(point))) {
             let (x, y) = run
                 .iter()
                 .map(|point| (point.parameter(), value(point)))
@@ -170,16 +173,37 @@ fn add_marks(panel: &mut Panel, branches: &[Branch], place: &dyn Fn(&Point) -> (
     }
 }
 
-/// Stretches of one stability; each ends where the next begins.
-fn runs(points: &[Point]) -> Vec<(bool, Vec<&Point>)> {
+/// Stretches of one stability. Each ends where the next begins: at the special point that lies between, where there is one.
+fn runs<'b>(
+    branch: &'b Branch,
+    place: &dyn Fn(&Point) -> (f64, f64),
+) -> Vec<(bool, Vec<&'b Point>)> {
+    let places: Vec<(f64, f64)> = branch.points.iter().map(place).collect();
+    let extent = |of: &dyn Fn(&(f64, f64)) -> f64| {
+        let low = places.iter().map(of).fold(f64::INFINITY, f64::min);
+        let high = places.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        if high > low { high - low } else { 1.0 }
+    };
+    let (width, height) = (extent(&|place| place.0), extent(&|place| place.1));
+    let apart = |a: (f64, f64), b: (f64, f64)| ((a.0 - b.0) / width).hypot((a.1 - b.1) / height);
+    let between = |a: &'b Point, b: &'b Point| {
+        let (from, to) = (place(a), place(b));
+        let way = |point: &Point| apart(from, place(point)) + apart(place(point), to);
+        let nearest = (branch.special.iter().map(|special| &special.point))
+            .min_by(|a, b| way(a).total_cmp(&way(b)));
+        nearest
+            .filter(|point| way(point) <= MOST_DETOUR * apart(from, to))
+            .unwrap_or(b)
+    };
     let mut runs: Vec<(bool, Vec<&Point>)> = Vec::new();
-    for point in points {
+    for point in &branch.points {
         let stable = point.is_stable();
         match runs.last_mut() {
             Some((known, run)) if *known == stable => run.push(point),
             Some((_, run)) => {
-                run.push(point);
-                runs.push((stable, vec![point]));
+                let change = run.last().map_or(point, |before| between(before, point));
+                run.push(change);
+                runs.push((stable, vec![change, point]));
             }
             None => runs.push((stable, vec![point])),
         }

@@ -12,7 +12,7 @@ use crate::terminal::{self, Console, Style, Waiting};
 use crate::universal::{
     Atlas, Cobweb, Findings, Request, compute, document, figure, refused, table,
 };
-use chatter::analysis::universal::{Argument, Universal, UniversalMap};
+use chatter::analysis::universal::{Argument, Evaluation, Universal, UniversalMap};
 use chatter::numerics::{DoubleDouble, Real};
 use std::path::PathBuf;
 
@@ -49,6 +49,7 @@ fn find<R: Real + Argument<Real = R>>(
     )
     .map_err(refused)?;
 
+    let values = values(arguments, &universal)?;
     let request = arguments.request();
     let mut diagram = match request.job()? {
         Some(job) => {
@@ -58,9 +59,6 @@ fn find<R: Real + Argument<Real = R>>(
         }
         None => None,
     };
-    let values: Vec<(R, _)> = (arguments.at.iter())
-        .map(|x| (x.get(), universal.at(x.get())))
-        .collect();
     let atlas = Atlas::new(&request, &Console::new())?;
     let waiting = Waiting::new("writing");
     let mut samples = diagram.as_mut().and_then(|found| found.3.take());
@@ -100,6 +98,26 @@ fn find<R: Real + Argument<Real = R>>(
         text += &format!("wrote {}\n", path.display());
     }
     Ok(terminal::Answer::Text(text))
+}
+
+/// Upsilon where it is asked for, and can be held.
+fn values<R: Real + Argument<Real = R>>(
+    arguments: &Arguments,
+    universal: &Universal<R>,
+) -> Result<Vec<(R, Evaluation<R>)>, Failure> {
+    (arguments.at.iter())
+        .map(|x| {
+            let x: R = x.get();
+            let at = universal.at(x);
+            match at.value.is_finite() {
+                true => Ok((x, at)),
+                false => Err(Failure::input(format!(
+                    "Upsilon({:e}) is out of range; sizes up to 1.7e308 can be held",
+                    x.to_f64()
+                ))),
+            }
+        })
+        .collect()
 }
 
 /// The cobweb, where one is asked for.
