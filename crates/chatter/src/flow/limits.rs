@@ -31,8 +31,9 @@ pub(crate) struct Limit {
     pub is_kept: bool,
     /// What is zero on the corner: the surface, or the argument up to a constant.
     pub surface: Expr,
-    /// Its rate, where that must be zero, too, for it to be slid along, and half of what that changes faster above than below.
-    pub rate: Option<[Expr; 2]>,
+    /// Its rate, where that must be zero, too, for it to be slid along, half of what that changes faster above than below, and the mean
+    /// of both.
+    pub rate: Option<[Expr; 3]>,
 }
 
 /// All of them, and where contact forces cease to be determined.
@@ -64,8 +65,10 @@ impl Limits {
             let rubs = rubbing.iter().find(|rubbing| rubbing.surface == index);
             let slide = mechanics.slides.iter().find(|s| s.index == index);
             let rate = (slide.cloned()).and_then(|slide| {
-                let jump = mechanics.graph.lie_derivative(slide.rate?, &slide.jump);
-                Some([slide.rate?, jump])
+                let rate = slide.rate?;
+                let jump = mechanics.graph.lie_derivative(rate, &slide.jump);
+                let mean = mechanics.graph.lie_derivative(rate, &mechanics.unheld);
+                Some([rate, jump, mean])
             });
             let guards = match (sides.get(index), rubs) {
                 (Side::Above, _) => vec![(GuardKind::Switch(index), surface)],

@@ -365,7 +365,7 @@ impl Program {
             let has_columns = dimension > coordinates;
             let corners = limits.corners.iter();
             let held =
-                corners.flat_map(|limit| [Some(limit.surface), limit.rate.map(|[rate, _]| rate)]);
+                corners.flat_map(|limit| [Some(limit.surface), limit.rate.map(|[rate, ..]| rate)]);
             let keeps_sides = held.flatten().all(|held| {
                 let change = graph.lie_derivative(held, &contact.jump);
                 graph

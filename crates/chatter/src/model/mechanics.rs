@@ -22,7 +22,7 @@ pub struct Mechanics {
     pub contacts: Vec<ContactMechanics>,
     parameters: usize,
     /// The field without what holds the state on the surfaces that it slides along: then not the field of flight.
-    unheld: Vec<Expr>,
+    pub(crate) unheld: Vec<Expr>,
     /// What holds the state on surfaces.
     pub(crate) slides: Vec<Slide>,
     /// Contacts that stick, if they are closed.

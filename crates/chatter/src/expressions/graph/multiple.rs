@@ -1,4 +1,4 @@
-//! Roots of multiples: what vanishes with something else is written as that.
+//! Roots of multiples: what vanishes with something else is written as that, or as nothing where that stays zero.
 
 use crate::expressions::{Expr, Graph, Node};
 use crate::numerics::Scalar;
@@ -7,6 +7,33 @@ impl Graph {
     /// Expressions in which powers of constant multiples of one of these bases are powers of the base times those of the multiple:
     /// `sqrt(2*g*h)` is `sqrt(2*g)*sqrt(h)` for the base `h`, as long as that is positive. Whole powers stay.
     pub(crate) fn with_powers_of(&mut self, exprs: &[Expr], bases: &[Expr]) -> Vec<Expr> {
+        self.with_powers(exprs, bases, |graph, factor, (of, base), exponent| {
+            if base == of {
+                return None;
+            }
+            let (factor, power) = (graph.power(factor, exponent), graph.power(base, exponent));
+            Some(graph.mul(factor, power))
+        })
+    }
+
+    /// Expressions where these bases are zero and stay so: their powers, and those of their constant multiples, are nothing, as
+    /// `sqrt(abs(u)/vs)` where u is held at zero. Evaluated, a root of what rounding leaves of u may have no value, and it has no
+    /// derivative. Whole powers stay, and so do those with a negative number.
+    pub(crate) fn without_powers_of(&mut self, exprs: &[Expr], bases: &[Expr]) -> Vec<Expr> {
+        self.with_powers(exprs, bases, |graph, _, _, exponent| {
+            let sinks = (graph.as_number(exponent)).is_none_or(|exponent| exponent.high() > 0.0);
+            (sinks && !graph.depends_on_state(exponent)).then(|| graph.number(0.0))
+        })
+    }
+
+    /// Expressions with what `new` makes of powers, but whole ones, of multiples of one of these bases: by the factor, what the power
+    /// is of and the base, and the exponent.
+    fn with_powers(
+        &mut self,
+        exprs: &[Expr],
+        bases: &[Expr],
+        new: impl Fn(&mut Self, Expr, (Expr, Expr), Expr) -> Option<Expr>,
+    ) -> Vec<Expr> {
         if bases.is_empty() {
             return exprs.to_vec();
         }
@@ -23,32 +50,32 @@ impl Graph {
                 true => self.with_parts(old, &known, &|_| None),
                 false => old,
             };
-            let new = match *self.node(rebuilt) {
-                Node::Power(base, exponent) => self.power_by((base, exponent), &forms),
+            let power = match *self.node(rebuilt) {
+                Node::Power(base, exponent) => self.power_by((base, exponent), &forms, &new),
                 _ => None,
             };
-            known[old.index()] = new.unwrap_or(rebuilt);
+            known[old.index()] = power.unwrap_or(rebuilt);
             changed[old.index()] = known[old.index()] != old;
         }
         exprs.iter().map(|expr| known[expr.index()]).collect()
     }
 
-    /// The power of a multiple of one of these, as that of the multiple times theirs; none of anything else, or a whole one.
+    /// What becomes of the power of a multiple of one of these; none of anything else, or a whole one.
     fn power_by(
         &mut self,
         (of, exponent): (Expr, Expr),
         forms: &[(Expr, Vec<Term>)],
+        new: &impl Fn(&mut Self, Expr, (Expr, Expr), Expr) -> Option<Expr>,
     ) -> Option<Expr> {
         if self.as_number(exponent).is_some_and(Scalar::is_whole) {
             return None;
         }
         let terms = self.terms_of(of);
         for (base, own) in forms {
-            if *base != of
-                && let Some(factor) = self.factor_between(&terms, own)
+            if let Some(factor) = self.factor_between(&terms, own)
+                && let Some(power) = new(self, factor, (of, *base), exponent)
             {
-                let (factor, power) = (self.power(factor, exponent), self.power(*base, exponent));
-                return Some(self.mul(factor, power));
+                return Some(power);
             }
         }
         None

@@ -94,7 +94,7 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// The function of a surface, as it is on the sides of the present mode, and its gradient, at a state.
-    fn surface_with_gradient(
+    pub(super) fn surface_with_gradient(
         &self,
         system: &System,
         surface: usize,

@@ -94,6 +94,37 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
+    /// Puts the state onto surfaces that nothing moves it off: what rounding has left beside them would be a motion, as that of a current
+    /// which a diode has stopped and which decays.
+    pub(super) fn rest_on_surfaces(&mut self, system: &System, surfaces: &[usize]) {
+        for &surface in surfaces {
+            let mut sizes: Vec<R> = self.state[..self.coordinates]
+                .iter()
+                .map(|x| x.abs())
+                .collect();
+            for _ in 0..CORRECTIONS {
+                let start = (&self.state[..], &self.low[..]);
+                let Some((value, mut gradient)) =
+                    self.surface_with_gradient(system, surface, start)
+                else {
+                    break;
+                };
+                if let Some(time) = system.model().time {
+                    gradient[time] = R::ZERO;
+                }
+                let share = value / dot(&gradient, &gradient);
+                if value == R::ZERO || !share.is_finite() {
+                    break;
+                }
+                for (size, &slope) in sizes.iter_mut().zip(&gradient) {
+                    *size = size.max((slope * share).abs());
+                }
+                self.push(&gradient, -share);
+            }
+            self.drop_rounding(&sizes);
+        }
+    }
+
     /// Takes from the columns, displacements of the state, what would vary the surfaces that it slides along, and whatever else is
     /// held beside them.
     pub(super) fn hold_columns_on_surfaces(&mut self, system: &System) -> Result<(), FlowError> {

@@ -34,6 +34,11 @@ impl<R: Real> Latest<R> {
         }
     }
 
+    /// Whether it was at this time.
+    pub(super) fn is_at(&self, time: (R, R)) -> bool {
+        self.time == time
+    }
+
     pub(super) fn then(self, time: (R, R)) -> Self {
         let interval = (time.0 - self.time.0) + (time.1 - self.time.1);
         Self {

@@ -45,6 +45,7 @@ impl<R: Real> Trajectory<R> {
         if !jumped {
             self.follow_itself(system, section, before)?;
         }
+        self.touch_latest(system, section)?;
         self.may_have_crossed = true;
         Ok(Occurrence::Reset { section })
     }
@@ -154,7 +155,32 @@ impl<R: Real> Trajectory<R> {
         if moves && back > R::ZERO && back <= self.longest_step * R::splat(NO_TIME) {
             return Err(self.switches_without_end());
         }
-        let roots = if moves { 1 } else { 2 };
+        self.touch_event(system, section, if moves { 1 } else { 2 })
+    }
+
+    /// Where other events came at this very instant, and the state still lies on their surfaces, the flight begins with zeros of
+    /// these, too.
+    fn touch_latest(&mut self, system: &System, section: usize) -> Result<(), FlowError> {
+        let now = self.time_parts();
+        let latest = self.latest_resets.iter().enumerate();
+        let others: Vec<usize> = latest
+            .filter(|&(other, latest)| other != section && latest.is_some_and(|l| l.is_at(now)))
+            .map(|(other, _)| other)
+            .collect();
+        for other in others {
+            let Some([value, rate, _]) = self.surface(system, other)? else {
+                continue;
+            };
+            let rests = value.value.abs() <= value.level();
+            if rests && rate.value.abs() > rate.level() {
+                self.touch_event(system, other, 1)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets the flight begin with so many zeros of the surface of an event.
+    fn touch_event(&mut self, system: &System, section: usize, roots: u8) -> Result<(), FlowError> {
         let guards = &self.program(system)?.guards;
         if let Some(index) = guards.iter().position(|g| g.section() == Some(section)) {
             self.touching.set(index, roots);

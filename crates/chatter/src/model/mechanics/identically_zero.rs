@@ -11,12 +11,16 @@ const PROBES: usize = 8;
 /// 2^-53 apart in theory, half of that asked for, since elementary functions lose a few bits.
 const VANISHED: f64 = 1.0 / (1_u64 << 27) as f64;
 
+/// How large states are at probes. Beside exp(400 v), which a law of friction with a small speed has on the side where it does not
+/// hold, all else is rounding at a speed of one, whatever digits there are; near zero it is not.
+const SCALES: [f64; 2] = [1.0, 1.0 / (1_u64 << 20) as f64];
+
 /// Whether `expr` is zero for all states and parameters.
 ///
 /// Decided by simplification, else by probing: what is identically zero evaluates to rounding error, which shrinks by
-/// 2^53 in double-double, whereas any other value stays. The largest of each over all probes are compared, since either
-/// may be zero by luck at one. Probes without a finite value say nothing; an expression without any is taken not to
-/// vanish.
+/// 2^53 in double-double, whereas any other value stays. The largest of each over all probes of one scale are compared, since
+/// either may be zero by luck at one; it vanishes at all scales. Probes without a finite value say nothing; an expression without
+/// any is taken not to vanish.
 pub(in crate::model) fn is_identically_zero(
     graph: &Graph,
     expr: Expr,
@@ -26,15 +30,26 @@ pub(in crate::model) fn is_identically_zero(
     if let Some(value) = graph.as_number(expr) {
         return value.high() == 0.0;
     }
-    let (mut value, mut rounding) = (f64::NAN, 0.0_f64);
-    for [rough, fine] in probes(graph, expr, [states, parameters]) {
-        if rough.is_finite() && fine.is_finite() {
-            value = value.max(fine.abs());
-            rounding = rounding.max((rough - fine).abs());
+    let mut says_something = false;
+    for scale in SCALES {
+        let (mut value, mut rounding) = (f64::NAN, 0.0_f64);
+        for [rough, fine] in probes(graph, expr, ([states, parameters], scale)) {
+            if rough.is_finite() && fine.is_finite() {
+                value = value.max(fine.abs());
+                rounding = rounding.max((rough - fine).abs());
+            }
         }
+        if value > VANISHED * rounding {
+            return false;
+        }
+        says_something |= !value.is_nan();
     }
-    value <= VANISHED * rounding
+    says_something
 }
+
+/// What cancels but for the rounding of the numbers that it is written with leaves no more than so much: a few of them are multiplied with
+/// each other, and with units.
+const WRITTEN: f64 = 4.0 * f64::EPSILON;
 
 /// Whether `expr` is no more than rounding of `of`, which it is a part of: numbers that were put together may leave some of what
 /// cancels.
@@ -44,11 +59,11 @@ pub(in crate::model) fn is_rounding(
     size: [usize; 2],
 ) -> bool {
     let largest = |expr: Expr| {
-        let values = probes(graph, expr, size).map(|[_, fine]| fine.abs());
+        let values = probes(graph, expr, (size, 1.0)).map(|[_, fine]| fine.abs());
         values.filter(|value| value.is_finite()).reduce(f64::max)
     };
     match (largest(expr), largest(of)) {
-        (Some(value), Some(of)) => value <= f64::EPSILON * of,
+        (Some(value), Some(of)) => value <= WRITTEN * of,
         _ => false,
     }
 }
@@ -73,7 +88,7 @@ pub(in crate::model) fn is_rounding_of_parts(
         if !(sum.is_finite() && largest.is_finite()) {
             continue;
         }
-        if sum > f64::EPSILON * largest {
+        if sum > WRITTEN * largest {
             return false;
         }
         says_something = true;
@@ -81,13 +96,14 @@ pub(in crate::model) fn is_rounding_of_parts(
     says_something
 }
 
-/// The values of an expression of so many states and parameters at generic points, in doubles and in twice the digits.
+/// The values of an expression of so many states, of this size, and parameters at generic points, in doubles and in twice the digits.
 fn probes(
     graph: &Graph,
     expr: Expr,
-    [states, parameters]: [usize; 2],
+    ([states, parameters], scale): ([usize; 2], f64),
 ) -> impl Iterator<Item = [f64; 2]> {
-    points(states + parameters).map(move |point| {
+    points(states + parameters).map(move |mut point| {
+        point[..states].iter_mut().for_each(|x| *x *= scale);
         let exact: Vec<DoubleDouble> = point.iter().map(|&x| DoubleDouble::from(x)).collect();
         let rough: f64 = graph.evaluate(expr, &point[..states], &point[states..]);
         let fine: DoubleDouble = graph.evaluate(expr, &exact[..states], &exact[states..]);

@@ -86,8 +86,21 @@ impl Mechanics {
         sides: Sides,
     ) -> Result<OnSides, MechanicsError> {
         let mut graph = model.graph.clone();
-        let smooth =
-            |graph: &mut _, sides: Sides, exprs: &[Expr]| corners.smooth(graph, sides, exprs).exprs;
+        let is_rubbing = |index: usize| rubbing.iter().any(|rubbing| rubbing.surface == index);
+        let slid = |index: &usize| sides.get(*index) == Side::Sliding && !is_rubbing(*index);
+        // What is slid along stays zero, and so do its powers.
+        let zeros: Vec<Expr> = (0..corners.surfaces.len())
+            .filter(slid)
+            .map(|index| {
+                corners
+                    .smooth(&mut graph, sides, &[corners.surfaces[index]])
+                    .exprs[0]
+            })
+            .collect();
+        let smooth = |graph: &mut Graph, sides: Sides, exprs: &[Expr]| {
+            let smooth = corners.smooth(graph, sides, exprs).exprs;
+            graph.without_powers_of(&smooth, &zeros)
+        };
         let field = smooth(&mut graph, sides, &model.field());
         let mut contacts: Vec<Contact> = Vec::with_capacity(model.contacts.len());
         for contact in &model.contacts {
@@ -119,24 +132,22 @@ impl Mechanics {
         // The surfaces themselves may have corners.
         let mut surfaces = Vec::with_capacity(corners.surfaces.len());
         for &surface in &corners.surfaces {
-            surfaces.push(corners.smooth(&mut graph, sides, &[surface]).exprs[0]);
+            surfaces.push(smooth(&mut graph, sides, &[surface])[0]);
         }
         let mut arguments = Vec::with_capacity(corners.lookups.len());
         for lookup in &corners.lookups {
-            arguments.push(corners.smooth(&mut graph, sides, &[lookup.argument]).exprs[0]);
+            arguments.push(smooth(&mut graph, sides, &[lookup.argument])[0]);
         }
         let whole_resets = (model.sections.iter())
             .map(|section| whole_reset(corners, &mut graph, sides, section.reset.as_deref()?))
             .collect();
         let asked = AskedFor::new(model, (corners, rubbing), &graph, sides);
         graph.set_folding(Folding::Continued);
-        let is_rubbing = |index: usize| rubbing.iter().any(|rubbing| rubbing.surface == index);
         let mut slides = Vec::new();
         let mut unheld = field.clone();
-        let slid = |index: &usize| sides.get(*index) == Side::Sliding && !is_rubbing(*index);
         for index in asked.followed.surfaces.members().filter(slid) {
             let below = sides.with(index, Side::Below);
-            let below = corners.smooth(&mut graph, below, &model.field()).exprs;
+            let below = smooth(&mut graph, below, &model.field());
             let half = graph.number(0.5);
             let jump: Vec<Expr> = (field.iter().zip(&below))
                 .map(|(&above, &below)| {
@@ -164,7 +175,7 @@ impl Mechanics {
             contacts: Vec::with_capacity(contacts.len()),
             parameters: model.parameters.len() + corners.slots(),
         };
-        mechanics.check_slides(model, corners, sides, &field)?;
+        mechanics.check_slides((model, &smooth), sides, &field)?;
         mechanics.hold_rates();
         for rubbing in rubbing {
             mechanics.rub(&mut contacts[rubbing.contact], *rubbing, sides);
@@ -270,8 +281,7 @@ impl Mechanics {
     /// Whether surfaces that are slid along together change the field one by one.
     fn check_slides(
         &mut self,
-        model: &Model,
-        corners: &Corners,
+        (model, smooth): (&Model, &impl Fn(&mut Graph, Sides, &[Expr]) -> Vec<Expr>),
         sides: Sides,
         above: &[Expr],
     ) -> Result<(), MechanicsError> {
@@ -279,7 +289,7 @@ impl Mechanics {
         for (place, first) in slides.iter().enumerate() {
             for second in &slides[..place] {
                 let below = (sides.with(first.index, Side::Below)).with(second.index, Side::Below);
-                let below = corners.smooth(&mut self.graph, below, &model.field()).exprs;
+                let below = smooth(&mut self.graph, below, &model.field());
                 for i in 0..above.len() {
                     let two = self.graph.number(2.0);
                     let both = self.graph.add(first.jump[i], second.jump[i]);

@@ -81,6 +81,28 @@ fn reactions_of_two_contacts_hold_both_rates() {
     assert!((value(sticking.reactions[1]) - (a1 - 0.25 * a0) / det).abs() < 1e-15);
 }
 
+/// y (0.7 + e) - y (0.6 + e) is 0.1 y, however large e = exp(400 x) is against that where x is about one, and y (0.7 + e) - 0.7 y - y e nothing.
+#[test]
+fn what_vanishes_is_told_from_what_is_small_beside_exponentials() {
+    let mut graph = Graph::default();
+    let (x, y) = (graph.state(0), graph.state(1));
+    let large = graph.number(400.0);
+    let large = graph.mul(large, x);
+    let large = graph.call(Function::Exp, large);
+    let [more, less] = [0.7, 0.6].map(|number| {
+        let number = graph.number(number);
+        let sum = graph.add(number, large);
+        graph.mul(y, sum)
+    });
+    let small = graph.sub(more, less);
+    assert!(!is_identically_zero(&graph, small, 2, 0));
+    let (number, beside) = (graph.number(0.7), graph.mul(y, large));
+    let number = graph.mul(number, y);
+    let parts = graph.add(number, beside);
+    let nothing = graph.sub(more, parts);
+    assert!(is_identically_zero(&graph, nothing, 2, 0));
+}
+
 #[test]
 fn contacts_that_do_not_touch_each_other_stick_each_by_itself() {
     let model = two_contacts([[0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 0.0, 3.0]]);

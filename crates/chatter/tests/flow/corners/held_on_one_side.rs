@@ -27,6 +27,30 @@ fn a_current_that_a_diode_stops_stays_at_zero() {
     check::<DoubleDouble>(3.5, 1e-18);
 }
 
+/// What a diode has stopped stays so where something else meets a corner, whatever rounding has left of it: y' = 0, from 0.01 on 1, less i.
+#[test]
+fn a_current_stays_at_zero_as_other_corners_are_met() {
+    for k in 1..=40 {
+        for unit in [1.0, 0.0920833, 7.3, -3.1] {
+            let resistance = 0.25 * f64::from(k);
+            let text = format!(
+                "[flight]\ni = \"(if({unit:?}*i > 0, -12, 0) - {resistance}*({unit:?}*i))/(0.004*{unit:?})\"\n\
+                 y = \"if(t > 0.01, 1, 0) - {unit:?}*i\"\n[initial]\ni = \"1/({unit:?})\"\ny = 0\n"
+            );
+            let run = run::<f64>(&text, 0.02);
+            assert_eq!(run.outcome, Outcome::Horizon, "{resistance} {unit}");
+            assert_eq!(run.state[0], 0.0, "{resistance} {unit}");
+            let stops = 0.004 / resistance * (resistance / 12.0).ln_1p();
+            let charge = 0.004 / resistance - 12.0 * stops / resistance;
+            assert!(
+                (run.state[1] - (0.01 - charge)).abs() < 1e-15,
+                "{resistance} {unit}: {}",
+                run.state[1] - (0.01 - charge)
+            );
+        }
+    }
+}
+
 /// An event on a surface that is a corner, too: the state goes on to the other side, whatever rounding says where it is.
 #[test]
 fn an_event_on_its_own_corner_tells_one_switch() {

@@ -126,6 +126,50 @@ fn blocks_rest_in_every_unit_of_time() {
     }
 }
 
+/// Two bodies that rub on a belt that swings, on the ground and on each other, the ground by a law with a small speed: alike in all units,
+/// mirrored or not, though exp(-427 v) exceeds all else where v is negative. The end by implicit steps of Euler's, two of them for the order.
+#[test]
+fn bodies_that_rub_move_alike_in_all_units() {
+    let end = |time: f64, [x, v, y, w]: [f64; 4]| {
+        let [p, u, q, s] = [x, v, y, w].map(|unit| format!("({unit:?})"));
+        let text = format!(
+            "[flight]\nx = \"{time:?}/{p}*{u}*v\"\nv = \"{time:?}/{u}*(-2.16*({p}*x) + 1.11*cos(1.69*({time:?}*t)) \
+             - 0.53*sign({u}*v - 0.2*sin({time:?}*t)) - 0.71*sign({u}*v - {s}*w))/0.61\"\n\
+             y = \"{time:?}/{q}*{s}*w\"\nw = \"{time:?}/{s}*(-2.79*({q}*y) + 0.93*cos(1.95*({time:?}*t) + 1) \
+             - 0.77*(0.6 + 0.4*exp(-abs({s}*w)))*sign({s}*w) - 7*max({q}*y - 0.3, 0) + 0.71*sign({u}*v - {s}*w))/1.7\"\n\
+             [initial]\nx = \"-0.16/{p}\"\nv = 0\ny = \"0.4/{q}\"\nw = \"-0.67/{s}\"\n"
+        );
+        let run = run::<f64>(&text, 12.0 / time);
+        assert_eq!(run.outcome, Outcome::Horizon, "{time} {x} {v} {y} {w}");
+        [run.state[0] * x, run.state[2] * y]
+    };
+    let expected = end(1.0, [1.0; 4]);
+    for (right, own) in IMPLICIT.iter().zip(expected) {
+        assert!((right - own).abs() < 5e-6, "{own} {right}");
+    }
+    for (time, units) in [
+        (
+            59.952_167_356_205_52,
+            [0.192_537_7, 23.669_339, -0.024_075_56, -426.836_093],
+        ),
+        (
+            59.952_167_356_205_52,
+            [0.192_537_7, 23.669_339, 0.024_075_56, 426.836_093],
+        ),
+        (0.037, [1.0, -3000.0, 0.5, 7e4]),
+    ] {
+        for (other, own) in end(time, units).into_iter().zip(expected) {
+            assert!(
+                (other - own).abs() < 1e-12,
+                "{time} {units:?}: {other} {own}"
+            );
+        }
+    }
+}
+
+/// Places of both bodies at t = 12, from steps of 1e-3 and 5e-4.
+const IMPLICIT: [f64; 2] = [0.006_203_88, -0.084_133_58];
+
 /// Two dry frictions hand over where their surfaces meet: v is monotone in what acts on it, so there is one motion. From pi/2 on it is
 /// held along 0.2 cos t, as 0.25 - 0.4 - 0.8 l = -0.2 sin t has solutions |l| <= 1.
 #[test]

@@ -2,6 +2,7 @@
 
 use super::run;
 use chatter::analysis::simulate::{Outcome, Simulation};
+use chatter::flow::EventKind;
 use chatter::numerics::{DoubleDouble, Real};
 
 /// The motion of a model with the parameter n, and that with the number in its place.
@@ -101,5 +102,36 @@ fn a_table_on_two_feet_keeps_its_energy() {
             let given = 0.981 + turn * turn / 6.0;
             assert!((energy - given).abs() < 1e-12, "{n} {turn}: {energy}");
         }
+    }
+}
+
+/// Stribeck's law with a root of the speed, however that is made a number: on the belt it is zero. Times and end from DOP853.
+#[test]
+fn a_body_sticks_where_friction_has_a_root_of_its_speed() {
+    let forms = [
+        ("abs(u/vs)^de", "sign(u)"),
+        ("sqrt(abs(u)/vs)", "sign(u)"),
+        ("sqrt(abs(5*u))", "sign(u)"),
+        ("sqrt(abs(u/vs))", "sign(u/vs)"),
+        ("sqrt(abs(0.3 - v)/0.2)", "sign(v - 0.3)"),
+    ];
+    for (power, sign) in forms {
+        let text = format!(
+            "[parameters]\nde = 0.5\nvs = 0.2\nV = 0.3\n[definitions]\nu = \"v - V\"\n[flight]\nx = \"v\"\n\
+             v = \"-x - 0.05*v - (0.5 + 0.5*exp(-{power}))*{sign}\"\n[initial]\nx = 0\nv = 0\n"
+        );
+        let run = run::<f64>(&text, 12.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{power} {sign}");
+        let leaves = (run.events.iter()).find(|e| e.detail.kind() == Some(EventKind::Leave));
+        let leaves = leaves.map_or(f64::NAN, |event| event.time);
+        assert!(
+            (leaves - 3.505_644_713).abs() < 1e-12,
+            "{power} {sign}: {leaves}"
+        );
+        let [x, v] = [run.state[0], run.state[1]];
+        assert!(
+            (x - 1.151_736_598_699).abs() < 1e-11 && (v + 0.067_953_180_402).abs() < 1e-11,
+            "{power} {sign}: {x} {v}"
+        );
     }
 }

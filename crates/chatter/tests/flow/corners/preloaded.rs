@@ -4,6 +4,7 @@ use super::run;
 use chatter::analysis::simulate::{Outcome, SimulateError, Simulation, Spec, simulate};
 use chatter::flow::{EventKind, FlowError};
 use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
 use std::ops::ControlFlow;
 
 fn ends_at(run: &Simulation<f64>, expected: &[f64], within: f64) {
@@ -100,6 +101,60 @@ fn an_impact_throws_a_preloaded_body_off_its_rest() {
         ];
         ends_at(&run, &expected, 1e-14);
     }
+}
+
+/// Swings between a relay a sign(x) and friction b sign(v), a > b, from rest at x0: each rises and falls for
+/// sqrt(2 x0) (1/sqrt(a - b) + sqrt(a - b)/(a + b)), and the next one is shorter by sqrt((a - b)/(a + b)). So they end in rest, which a push
+/// that grows as t ends at a + b: from there x is a cubic.
+#[test]
+fn ever_shorter_swings_end_in_rest() {
+    fn check<R: Real>([a, b]: [f64; 2], [time, length]: [f64; 2], within: f64) {
+        let text = |push: &str| {
+            format!(
+                "[flight]\nx = \"v/{time:?}\"\nv = \"(-{a:?}*sign(x/({length:?})) - {b:?}*sign(v/({length:?})) + {push})*({length:?})/{time:?}\"\n\
+                 [initial]\nx = \"0.5*({length:?})\"\nv = 0\n"
+            )
+        };
+        let first = 1.0 / (a - b).sqrt() + (a - b).sqrt() / (a + b);
+        let ends = first / (1.0 - ((a - b) / (a + b)).sqrt());
+        let rests = run::<R>(&text("0"), time * (ends + 3.0));
+        assert_eq!(rests.outcome, Outcome::Horizon, "{a} {b} {time} {length}");
+        assert!(rests.state[..2].iter().all(|x| x.to_f64() == 0.0));
+        let last = rests.events.last().map(|event| event.time.to_f64() / time);
+        assert!(
+            last.is_some_and(|last| (last - ends).abs() < within),
+            "{a} {b}: {last:?} {ends}"
+        );
+        let push = format!("if(t/{time:?} > {ends:?}, t/{time:?}, 0)");
+        let pushed = run::<R>(&text(&push), time * (a + b + 1.0));
+        assert_eq!(pushed.outcome, Outcome::Horizon, "{a} {b} {time} {length}");
+        let [x, v] = [0, 1].map(|k| pushed.state[k].to_f64() / length);
+        assert!(
+            (x - 1.0 / 6.0).abs() < 1e-12 && (v - 0.5).abs() < 1e-12,
+            "{a} {b} {time} {length}: {x} {v}"
+        );
+    }
+    for (time, length) in [(1.0, 1.0), (0.37, 25.4), (13.0, -3.0), (1e-5, 0.21)] {
+        check::<f64>([5.0, 3.0], [time, length], 1e-13);
+        check::<f64>([4.0, 1.0], [time, length], 1e-13);
+    }
+    check::<DoubleDouble>([5.0, 3.0], [1.0, 1.0], 1e-15);
+}
+
+/// A preloaded joint with friction that is forced comes to rest where closed forms of its swings do, followed in fifty digits until they
+/// are shorter than 1e-18, and stays, as 0.9 < 1 + 0.3.
+#[test]
+fn a_forced_joint_comes_to_rest_between_preload_and_friction() {
+    let text = "[flight]\nx = \"v\"\nv = \"-sign(x) - x - 0.3*sign(v) + 0.9*sin(t)\"\n[initial]\nx = 0.5\nv = 0\n";
+    let run = run::<f64>(text, 25.0);
+    ends_at(&run, &[0.0, 0.0], 0.0);
+    let mut slides = (run.events.iter()).filter(|e| e.detail.kind() == Some(EventKind::Slide));
+    let slides = slides.find(|event| event.state[0].abs() < 1e-20);
+    let rests = slides.map(|event| event.time);
+    assert!(
+        rests.is_some_and(|t| (t - 9.745_127_853_782_658).abs() < 1e-12),
+        "{rests:?}"
+    );
 }
 
 /// Where the force leads away on both sides, rest is only one of the motions there: that is said.

@@ -3,6 +3,7 @@
 use chatter::analysis::simulate::{Outcome, Simulation, Spec, simulate};
 use chatter::flow::Occurrence;
 use chatter::model::Model;
+use chatter::numerics::{DoubleDouble, Real};
 use std::ops::ControlFlow;
 
 fn run(text: &str, until: f64) -> Simulation<f64> {
@@ -274,5 +275,32 @@ fn reversals_are_counted_where_friction_holds() {
                 );
             }
         }
+    }
+}
+
+/// An event that another one follows at its instant is told once, in doubles and with thirty digits: sin(a t + sin(2 t)/2 + 0.1) rises through zero once a
+/// turn of its argument, which never falls.
+#[test]
+fn an_event_that_another_follows_at_once_is_told_once() {
+    fn check<R: Real>(a: f64) {
+        let text = format!(
+            "[flight]\nx = \"cos(2*t)\"\nn = \"0\"\nk = \"0\"\n[[event]]\nname = \"turn\"\nsurface = \"sin({a}*t + x)\"\ndirection = \"rising\"\n\
+             reset = {{ n = \"1 - n\", k = \"k + 1\" }}\n[[event]]\nname = \"back\"\nsurface = \"0.5 - n\"\ndirection = \"rising\"\n\
+             reset = {{ n = \"n + 1\" }}\n[initial]\nx = 0.1\nn = 1\nk = 0\n"
+        );
+        let model = Model::from_toml(&text, "test").unwrap_or_else(|errors| panic!("{errors:?}"));
+        let run = simulate::<R>(&model, &Spec::until(12.0), &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .expect("a legal start");
+        let turns = (a * 12.0 + 0.1 + 0.5 * 24.0_f64.sin()) / core::f64::consts::TAU;
+        assert_eq!(run.outcome, Outcome::Horizon);
+        let [n, k] = [1, 2].map(|state| run.state[state].to_f64());
+        assert_eq!([n, k], [1.0, turns.floor()], "{a}");
+    }
+    for k in 0..20 {
+        let a = 3.0 + 0.013 * f64::from(k);
+        check::<f64>(a);
+        check::<DoubleDouble>(a);
     }
 }

@@ -56,6 +56,13 @@ impl<R: Real> Standing<R> {
         (rate.abs() > level).then_some(rate)
     }
 
+    /// Whether the motion leaves the surface by its rate, and its acceleration brings it back.
+    fn comes_back(&self) -> bool {
+        self.guards.iter().all(|(_, [_, rate, acceleration, _])| {
+            rate.value > rate.level() && acceleration.value < -acceleration.level()
+        })
+    }
+
     /// The same for what is zero, or looked up, at the corner: the guards of pieces have its rate.
     fn surface_level(&self) -> R {
         let rate = (self.guards.first()).map_or(R::ZERO, |(_, orders)| orders[1].value.abs());
@@ -224,8 +231,10 @@ impl<R: Real> Trajectory<R> {
                 surface: values[0],
                 is_kept: tapes.is_kept,
                 rate: match rate {
-                    [rate, jump] => {
-                        Some((rate.value, rate.level().max(jump.value.abs() * instant)))
+                    // The faster of both accelerations, in whatever direction.
+                    [rate, jump, mean] => {
+                        let fastest = jump.value.abs() + mean.value.abs();
+                        Some((rate.value, rate.level().max(fastest * instant)))
                     }
                     _ => None,
                 },

@@ -2,7 +2,7 @@
 
 use super::choice::{Asked, Fields, change};
 use super::{Candidate, Standing};
-use crate::expressions::{Side, Sides};
+use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
@@ -31,6 +31,11 @@ pub(super) struct Verdict<R> {
     pub(super) is_plain: bool,
     /// Of what vanishes at corners that nothing moves it off it takes no root.
     pub(super) is_smooth: bool,
+    /// Surfaces that are at rest with it, their rates held at zero, and those that it leaves by their rates, only to come back.
+    pub(super) rests: Surfaces,
+    pub(super) comes_back: Surfaces,
+    /// Those that nothing moves it off, and that it lies beside by rounding.
+    pub(super) lies_beside: Vec<usize>,
     pub(super) fields: Fields<R>,
 }
 
@@ -60,6 +65,9 @@ impl<R: Real> Trajectory<R> {
             opens_there: true,
             is_plain: true,
             is_smooth: true,
+            rests: Surfaces::default(),
+            comes_back: Surfaces::default(),
+            lies_beside: Vec::new(),
             fields,
         };
         // What an instant changes says nothing yet.
@@ -78,6 +86,13 @@ impl<R: Real> Trajectory<R> {
             }
             if standing.departure().is_some() {
                 return Ok(None);
+            }
+            if let Corner::Surface(index) = standing.corner {
+                if is_slid && standing.rate.is_some() {
+                    verdict.rests = verdict.rests.with(index);
+                } else if !is_slid && standing.comes_back() {
+                    verdict.comes_back = verdict.comes_back.with(index);
+                }
             }
             for ((kind, orders), (_, later)) in standing.guards.iter().zip(&later.guards) {
                 // The surface of a side is touched, whatever rounding says, unless it has jumped at another corner; the ends of sliding
@@ -138,6 +153,13 @@ impl<R: Real> Trajectory<R> {
                     Some((true, roots)) => verdict.roots.push((*kind, roots)),
                     None => {
                         verdict.is_balanced = true;
+                        if let Corner::Surface(index) = standing.corner
+                            && !is_slid
+                            && standing.surface.value != R::ZERO
+                            && !self.may_jump(system, standing.corner)
+                        {
+                            verdict.lies_beside.push(index);
+                        }
                         verdict.opens_there &=
                             is_slid || self.opens_there(system, standing.corner)?;
                         verdict.is_plain &= is_slid || self.is_plain(system, standing);
