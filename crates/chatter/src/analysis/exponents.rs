@@ -166,6 +166,12 @@ fn no_derivative(model: &Model, why: NoDerivative) -> PeriodicError {
         NoDerivative::Order(contact) => PeriodicError::OrderMatters {
             contact: name(contact),
         },
+        NoDerivative::Direction(surface) => PeriodicError::Unfollowed {
+            what: format!(
+                "motion that begins where `{}` is zero, against friction along its direction",
+                model.surfaces[surface]
+            ),
+        },
         NoDerivative::Joint(contact) => PeriodicError::Unfollowed {
             what: format!(
                 "an impact at `{}` that others feel at the same instant by Moreau's law",

@@ -185,6 +185,8 @@ pub struct Corners {
     pub surfaces: Vec<Expr>,
     /// For each of them what holds where it is exactly zero, by the first choice that asks for it.
     edges: Vec<Edge>,
+    /// The numbers of those that are the squared length of a vector whose direction is asked for. Nothing is below them.
+    discs: Surfaces,
     /// What is looked up.
     pub lookups: Vec<Lookup>,
     /// The number of the first parameter of the first lookup.
@@ -249,6 +251,18 @@ impl Corners {
         self.surfaces.push(surface);
         self.edges.push(Edge::Above);
         self.surfaces.len() - 1
+    }
+
+    /// One more surface, the squared length of a vector whose direction is asked for.
+    pub fn add_disc(&mut self, square: Expr) {
+        let index = self.add(square);
+        self.discs = self.discs.with(index);
+    }
+
+    /// Whether a surface is the squared length of a vector whose direction is asked for: where that vanishes it may be kept at zero by
+    /// what any direction does, and else is positive.
+    pub fn is_disc(&self, surface: usize) -> bool {
+        self.discs.contains(surface)
     }
 
     /// Whether a surface has corners itself, where it may jump.
@@ -363,6 +377,14 @@ impl Corners {
         for (&part, &moves) in parts.iter().zip(moves).rev() {
             if !needed[&part] {
                 continue;
+            }
+            if moves
+                && self.discs != Surfaces::default()
+                && let Some((square, _)) = graph.inverse_root(part)
+                && let Some(index) = self.surface(square)
+                && self.is_disc(index)
+            {
+                surfaces = surfaces.with(index);
             }
             match (moves, graph.node(part)) {
                 (

@@ -2,6 +2,7 @@
 
 pub(super) mod condition;
 mod derivative;
+pub(super) mod disc;
 pub(super) mod domain;
 pub(super) mod eval;
 mod multiple;

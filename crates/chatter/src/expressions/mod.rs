@@ -17,6 +17,7 @@ pub use corners::{
 pub use curve::{
     Axis, CURVE_KINDS, Curve, CurveError, CurveKind, MOST_KNOTS, OUTSIDES, Outside, Piece,
 };
+pub(crate) use graph::disc::Disc;
 pub use graph::domain::Folding;
 pub use graph::number::Number;
 pub use graph::piecewise::{Condition, CurveId, Edge};

@@ -3,7 +3,7 @@
 use super::guard::GuardKind;
 use super::program::{Closed, ModeExprs};
 use crate::expressions::{Asked, Corners, Expr, Graph, Side, Sides};
-use crate::model::{Mechanics, OnSides, Rubbing};
+use crate::model::{Mechanics, OnSides, Rubbing, Slide};
 
 /// A corner that a mode depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +34,19 @@ pub(crate) struct Limit {
     /// Its rate, where that must be zero, too, for it to be slid along, half of what that changes faster above than below, and the mean
     /// of both.
     pub rate: Option<[Expr; 3]>,
+    /// Where the surface is the squared length of a vector.
+    pub vector: Option<Vector>,
+}
+
+/// A vector whose direction the field asks for: a, a' = g + C n on its direction n.
+#[derive(Clone, Debug)]
+pub(crate) struct Vector {
+    pub components: Vec<Expr>,
+    /// Where it is kept at zero, what is in place of its direction, l = -C^-1 g.
+    pub shares: Vec<Expr>,
+    /// C, row by row, and what each component of the direction adds to the field.
+    pub changes: Vec<Expr>,
+    pub directions: Vec<Vec<Expr>>,
 }
 
 /// All of them, and where contact forces cease to be determined.
@@ -79,6 +92,12 @@ impl Limits {
                     cone(mechanics, mode, closed, *rubs)
                 }
                 (Side::Sliding, Some(_)) => Vec::new(),
+                (Side::Sliding, None) if corners.is_disc(index) => {
+                    vec![(
+                        GuardKind::Leave(index, Side::Above),
+                        within(mechanics, index, mode),
+                    )]
+                }
                 (Side::Sliding, None) => {
                     let place = mechanics.slides.iter().position(|s| s.index == index);
                     let share = place.and_then(|place| mode.shares.get(place).copied());
@@ -89,6 +108,9 @@ impl Limits {
             };
             let is_beside = sides.get(index) != Side::Sliding;
             limits.corners.push(Limit {
+                vector: (corners.is_disc(index))
+                    .then(|| Vector::new(mechanics, (index, surface), mode))
+                    .flatten(),
                 corner: Corner::Surface(index),
                 guards,
                 is_kept: is_beside
@@ -109,6 +131,7 @@ impl Limits {
                 is_kept: false,
                 surface: argument,
                 rate: None,
+                vector: None,
             });
             let range = corners.limits(&mut mechanics.graph, index, argument);
             let sides = [Side::Below, Side::Above].map(|side| GuardKind::Outside(index, side));
@@ -166,6 +189,52 @@ impl OnSides {
         }
         guards
     }
+}
+
+impl Vector {
+    fn new(
+        mechanics: &mut Mechanics,
+        (index, square): (usize, Expr),
+        mode: &ModeExprs,
+    ) -> Option<Self> {
+        let components = mechanics.graph.disc_of(square)?.components();
+        let own = |slide: &&Slide| slide.index == index;
+        let directions: Vec<Vec<Expr>> = (mechanics.slides.iter().filter(own))
+            .map(|slide| slide.jump.clone())
+            .collect();
+        let shares = shares_of(mechanics, index, mode);
+        let changes = (components.iter())
+            .flat_map(|&component| directions.iter().map(move |jump| (component, jump)))
+            .map(|(component, jump)| mechanics.graph.lie_derivative(component, jump))
+            .collect();
+        Some(Self {
+            components,
+            shares,
+            changes,
+            directions,
+        })
+    }
+}
+
+/// What is in place of the components of the direction of a vector that is kept at zero.
+fn shares_of(mechanics: &Mechanics, index: usize, mode: &ModeExprs) -> Vec<Expr> {
+    (mechanics.slides.iter().zip(&mode.shares))
+        .filter(|(slide, _)| slide.index == index)
+        .map(|(_, &share)| share)
+        .collect()
+}
+
+/// A vector is kept at zero while what is in place of its direction lies within the unit disc.
+fn within(mechanics: &mut Mechanics, index: usize, mode: &ModeExprs) -> Expr {
+    let shares = shares_of(mechanics, index, mode);
+    let graph = &mut mechanics.graph;
+    let (one, two) = (graph.number(1.0), graph.number(2.0));
+    let squares: Vec<Expr> = shares
+        .iter()
+        .map(|&share| graph.power(share, two))
+        .collect();
+    let square = graph.sum(&squares);
+    graph.sub(one, square)
 }
 
 /// Sliding goes on while each field has a part in it.

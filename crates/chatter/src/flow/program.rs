@@ -162,7 +162,7 @@ pub(crate) struct ProgramConstants<R> {
     pub residuals: Vec<R>,
     pub residual_gradients: Vec<R>,
     pub resets: Vec<[Vec<R>; 3]>,
-    pub standings: Vec<[Vec<R>; 3]>,
+    pub standings: Vec<[Vec<R>; STANDING_TAPES]>,
     pub field: Vec<R>,
     pub asked_values: Vec<R>,
 }
@@ -186,6 +186,26 @@ pub(crate) struct StandingTapes {
     pub slopes: Tape,
     /// By how much the surface rises where the rate of each contact is made larger by one.
     pub lifts: Tape,
+    /// Of the squared length of a vector its components.
+    pub components: Tape,
+    /// And where it is kept at zero what is in place of its direction, and the rates of that; what each component of a direction changes
+    /// its components by, row by row; and what it adds to the field.
+    pub holding: Tape,
+}
+
+/// How many tapes that is.
+pub(crate) const STANDING_TAPES: usize = 5;
+
+impl StandingTapes {
+    fn all(&self) -> [&Tape; STANDING_TAPES] {
+        [
+            &self.values,
+            &self.slopes,
+            &self.lifts,
+            &self.components,
+            &self.holding,
+        ]
+    }
 }
 
 /// Values of a guard and its derivatives that decide which mode follows at a corner.
@@ -479,6 +499,18 @@ impl Program {
                 let lifts: Vec<Expr> = (contacts.iter())
                     .map(|contact| graph.lie_derivative(limit.surface, &contact.jump))
                     .collect();
+                let components = (limit.vector.iter())
+                    .flat_map(|v| v.components.clone())
+                    .collect::<Vec<_>>();
+                let mut holding = Vec::new();
+                if let Some(vector) = &limit.vector {
+                    holding.extend(&vector.shares);
+                    for &share in &vector.shares {
+                        holding.push(graph.lie_derivative(share, field));
+                    }
+                    holding.extend(&vector.changes);
+                    holding.extend(vector.directions.iter().flatten());
+                }
                 StandingTapes {
                     corner: limit.corner,
                     values: Tape::new(graph, dimension, &[], &outputs),
@@ -486,6 +518,8 @@ impl Program {
                     is_kept: limit.is_kept,
                     slopes: Tape::new(graph, dimension, &[], &slopes),
                     lifts: Tape::new(graph, dimension, &[], &lifts),
+                    components: Tape::new(graph, dimension, &[], &components),
+                    holding: Tape::new(graph, dimension, &[], &holding),
                 }
             })
             .collect();
@@ -551,7 +585,7 @@ impl Program {
                 })
                 .collect(),
             standings: (self.standings.iter())
-                .map(|standing| [&standing.values, &standing.slopes, &standing.lifts].map(of))
+                .map(|standing| standing.all().map(of))
                 .collect(),
             field: of(&self.field),
             asked_values: of(&self.asked_values),
@@ -585,7 +619,7 @@ impl Program {
             &self.asked_values,
         ]
         .into_iter()
-        .chain((self.standings.iter()).flat_map(|s| [&s.values, &s.slopes, &s.lifts]))
+        .chain(self.standings.iter().flat_map(StandingTapes::all))
         .chain((self.resets.iter().flatten()).flat_map(|r| [&r.after, &r.crossing, &r.surface]))
         .chain(&self.locals)
         .chain(&self.captures)

@@ -360,8 +360,8 @@ impl Mechanics {
 
 mod sides;
 
-pub(crate) use sides::{OnSides, Rubbing};
-use sides::{Slide, Stick};
+use sides::Stick;
+pub(crate) use sides::{OnSides, Rubbing, Slide};
 
 #[cfg(test)]
 mod tests;

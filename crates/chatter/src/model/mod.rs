@@ -33,7 +33,7 @@ pub use error::diagnostic::Palette;
 pub use error::visible::visible;
 pub use error::{ModelError, ModelErrorKind, ModelErrors, Role};
 pub use mechanics::{ContactMechanics, Mechanics, MechanicsError, Sticking};
-pub(crate) use mechanics::{OnSides, Rubbing};
+pub(crate) use mechanics::{OnSides, Rubbing, Slide};
 pub use model::{Contact, Definition, Friction, Label, Model, Parameter, Section, State};
 pub use phase::Phase;
 pub(crate) use phase::greatest_common_divisor;

@@ -82,7 +82,7 @@ impl Graph {
     }
 
     /// By which constant terms are multiples of others.
-    fn factor_between(&mut self, terms: &[Term], of: &[Term]) -> Option<Expr> {
+    pub(super) fn factor_between(&mut self, terms: &[Term], of: &[Term]) -> Option<Expr> {
         let (first, first_of) = (terms.first()?, of.first()?);
         if terms.len() != of.len() || first.moving.is_none() && terms.len() == 1 {
             return None;
@@ -100,7 +100,7 @@ impl Graph {
     }
 
     /// The terms of a sum, constants multiplied into sums within.
-    fn terms_of(&mut self, expr: Expr) -> Vec<Term> {
+    pub(super) fn terms_of(&mut self, expr: Expr) -> Vec<Term> {
         match self.node(expr).clone() {
             Node::Sum(terms) => terms.iter().flat_map(|&term| self.terms_of(term)).collect(),
             Node::Product(factors) => {
@@ -138,7 +138,7 @@ impl Graph {
 }
 
 /// A constant times what depends on the state, or alone.
-struct Term {
+pub(super) struct Term {
     constant: Expr,
     moving: Option<Expr>,
 }

@@ -57,6 +57,9 @@ impl<R: Real> Trajectory<R> {
             (is_near && after * work.tau <= work.horizon).then_some((index, surface, after))
         });
         let (index, surface, after) = near?;
+        if system.corners().is_disc(surface) {
+            return Some(self.come_to_zero(system, work, (index, after)));
+        }
         // There series end, and say nothing beyond their first terms.
         work.scaled_step = R::ZERO;
         work.event = R::splat(index as f64);

@@ -385,6 +385,9 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         program: &Program,
     ) -> Result<StepResult<R>, FlowError> {
+        if let Some(leaving) = self.vector_left(system, program) {
+            return self.leave_zero(system, work, leaving);
+        }
         let class = self.load(work);
         let mut resolved = resolve(work, program, class, (self.touching, self.left));
         let is_untold = work.event == R::splat(NO_EVENT) && work.is_untold();

@@ -30,6 +30,8 @@ pub(crate) enum NoDerivative {
     Order(usize),
     /// One impulse vector stops several contacts that feel each other, this one among them.
     Joint(usize),
+    /// A vector leaves zero, this surface being its squared length.
+    Direction(usize),
 }
 
 impl<R: Real> Trajectory<R> {

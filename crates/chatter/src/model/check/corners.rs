@@ -1,7 +1,7 @@
 //! The corners of a model: every surface where an expression of it changes its form.
 
-use crate::expressions::{Corners, Expr, LOOKUP_SLOTS, Names, Side, Sides, Symbol};
-use crate::model::mechanics::identically_zero::generic;
+use crate::expressions::{Corners, Expr, Folding, Graph, LOOKUP_SLOTS, Names, Side, Sides, Symbol};
+use crate::model::mechanics::identically_zero::{generic, is_identically_zero};
 use crate::model::{Model, Rubbing};
 
 impl Model {
@@ -15,7 +15,36 @@ impl Model {
                 surface: corners.add(rate),
             })
             .collect();
+        for square in self.discs() {
+            corners.add_disc(square);
+        }
         (corners, rubbing)
+    }
+
+    /// Of the vectors whose directions the field asks for the squared lengths of those that it changes by them: what dry friction in the
+    /// plane brings to rest. Nothing rests where a central force, say, only turns round.
+    fn discs(&self) -> Vec<Expr> {
+        let field = self.field();
+        let squares = self.graph.squares_of_directions(&field);
+        if squares.is_empty() {
+            return squares;
+        }
+        let mut graph = self.graph.clone();
+        graph.set_folding(Folding::Continued);
+        let size = (self.states.len(), self.parameters.len());
+        let changes = |graph: &mut Graph, square: Expr| -> Option<bool> {
+            let disc = graph.disc_of(square)?;
+            let columns = disc.columns(graph, &field)?;
+            let vanishes = |graph: &mut Graph, (place, component): (usize, Expr)| {
+                let change = graph.lie_derivative(component, &columns[place]);
+                is_identically_zero(graph, change, size.0, size.1)
+            };
+            let mut components = disc.components().into_iter().enumerate();
+            Some(!components.any(|component| vanishes(graph, component)))
+        };
+        (squares.into_iter())
+            .filter(|&square| changes(&mut graph, square) == Some(true))
+            .collect()
     }
 
     /// Every expression that a trajectory is made by, as it stands in the model; [`equations`](Self::equations) leaves out what moves nothing.
@@ -100,7 +129,9 @@ impl Model {
                     can_slide: contact.is_some(),
                     contact,
                 };
-                if contact.is_none() {
+                if corners.is_disc(index) {
+                    (kind.jumps, kind.can_slide) = (true, true);
+                } else if contact.is_none() {
                     self.probe(&corners, index, (&start, &parameters), &mut kind);
                 }
                 kind

@@ -2,7 +2,9 @@
 
 use super::identically_zero::{is_rounding, is_rounding_of_parts};
 use super::{Mechanics, MechanicsError};
-use crate::expressions::{Asked, Corners, Expr, Folding, Graph, LookedUpIn, Side, Sides, Symbol};
+use crate::expressions::{
+    Asked, Corners, Disc, Expr, Folding, Graph, LookedUpIn, Side, Sides, Surfaces, Symbol,
+};
 use crate::model::{Contact, Model, Section};
 
 /// A surface that is slid along.
@@ -13,8 +15,10 @@ pub(crate) struct Slide {
     /// The function that stays zero, and its rate where no side changes that, but only the acceleration.
     pub surface: Expr,
     pub rate: Option<Expr>,
-    /// Half of what the field above has more than the one below.
+    /// Half of what the field above has more than the one below; or what a component of a direction adds to it, the surface being that
+    /// of the vector.
     pub jump: Vec<Expr>,
+    pub is_component: bool,
 }
 
 /// A contact that sticks where it is closed.
@@ -87,7 +91,9 @@ impl Mechanics {
     ) -> Result<OnSides, MechanicsError> {
         let mut graph = model.graph.clone();
         let is_rubbing = |index: usize| rubbing.iter().any(|rubbing| rubbing.surface == index);
-        let slid = |index: &usize| sides.get(*index) == Side::Sliding && !is_rubbing(*index);
+        let slid = |index: &usize| {
+            sides.get(*index) == Side::Sliding && !is_rubbing(*index) && !corners.is_disc(*index)
+        };
         // What is slid along stays zero, and so do its powers.
         let zeros: Vec<Expr> = (0..corners.surfaces.len())
             .filter(slid)
@@ -97,11 +103,16 @@ impl Mechanics {
                     .exprs[0]
             })
             .collect();
-        let smooth = |graph: &mut Graph, sides: Sides, exprs: &[Expr]| {
+        let with_directions = |graph: &mut Graph, sides: Sides, exprs: &[Expr]| {
             let smooth = corners.smooth(graph, sides, exprs).exprs;
             graph.without_powers_of(&smooth, &zeros)
         };
-        let field = smooth(&mut graph, sides, &model.field());
+        let resting = Resting::new(corners, &mut graph, sides)?;
+        let smooth = |graph: &mut Graph, sides: Sides, exprs: &[Expr]| {
+            let exprs = with_directions(graph, sides, exprs);
+            resting.undirected(graph, &exprs).unwrap_or(exprs)
+        };
+        let directed = with_directions(&mut graph, sides, &model.field());
         let mut contacts: Vec<Contact> = Vec::with_capacity(model.contacts.len());
         for contact in &model.contacts {
             let mut contact = contact.clone();
@@ -143,7 +154,9 @@ impl Mechanics {
             .collect();
         let asked = AskedFor::new(model, (corners, rubbing), &graph, sides);
         graph.set_folding(Folding::Continued);
-        let mut slides = Vec::new();
+        let mut slides = resting.slides(&mut graph, &directed, asked.followed.surfaces)?;
+        let undirected = resting.undirected(&mut graph, &directed);
+        let field = undirected.ok_or_else(|| resting.undetermined())?;
         let mut unheld = field.clone();
         for index in asked.followed.surfaces.members().filter(slid) {
             let below = sides.with(index, Side::Below);
@@ -163,6 +176,7 @@ impl Mechanics {
                 surface: surfaces[index],
                 rate: None,
                 jump,
+                is_component: false,
             });
         }
         let mut mechanics = Self {
@@ -175,7 +189,8 @@ impl Mechanics {
             contacts: Vec::with_capacity(contacts.len()),
             parameters: model.parameters.len() + corners.slots(),
         };
-        mechanics.check_slides((model, &smooth), sides, &field)?;
+        let told = (model, &with_directions, &resting);
+        mechanics.check_slides(told, sides, &directed)?;
         mechanics.hold_rates();
         for rubbing in rubbing {
             mechanics.rub(&mut contacts[rubbing.contact], *rubbing, sides);
@@ -266,6 +281,10 @@ impl Mechanics {
     fn hold_rates(&mut self) {
         for place in 0..self.slides.len() {
             let surface = self.slides[place].surface;
+            // A vector is a rate that its direction changes.
+            if self.slides[place].is_component {
+                continue;
+            }
             let is_free = (0..self.slides.len()).all(|other| {
                 let jump = self.slides[other].jump.clone();
                 let change = self.graph.lie_derivative(surface, &jump);
@@ -281,18 +300,37 @@ impl Mechanics {
     /// Whether surfaces that are slid along together change the field one by one.
     fn check_slides(
         &mut self,
-        (model, smooth): (&Model, &impl Fn(&mut Graph, Sides, &[Expr]) -> Vec<Expr>),
+        (model, with_directions, resting): (
+            &Model,
+            &impl Fn(&mut Graph, Sides, &[Expr]) -> Vec<Expr>,
+            &Resting,
+        ),
         sides: Sides,
-        above: &[Expr],
+        directed: &[Expr],
     ) -> Result<(), MechanicsError> {
         let slides = self.slides.clone();
         for (place, first) in slides.iter().enumerate() {
             for second in &slides[..place] {
+                // Components of directions are told in their places; a surface beside them changes the field alike with each direction.
+                let beside = match (first.is_component, second.is_component) {
+                    (true, true) => continue,
+                    (false, false) => 0.0,
+                    _ => 1.0,
+                };
                 let below = (sides.with(first.index, Side::Below)).with(second.index, Side::Below);
-                let below = smooth(&mut self.graph, below, &model.field());
+                let below = with_directions(&mut self.graph, below, &model.field());
+                let both = [directed, &below[..]]
+                    .map(|field| resting.along(&mut self.graph, field, beside));
+                let [Some(above), Some(below)] = both else {
+                    return Err(resting.undetermined());
+                };
+                let jumps = [first, second]
+                    .into_iter()
+                    .filter(|slide| !slide.is_component);
                 for i in 0..above.len() {
                     let two = self.graph.number(2.0);
-                    let both = self.graph.add(first.jump[i], second.jump[i]);
+                    let both: Vec<Expr> = jumps.clone().map(|slide| slide.jump[i]).collect();
+                    let both = self.graph.sum(&both);
                     let both = self.graph.mul(two, both);
                     let change = self.graph.sub(above[i], below[i]);
                     let mixed = self.graph.sub(change, both);
@@ -306,6 +344,82 @@ impl Mechanics {
             }
         }
         Ok(())
+    }
+}
+
+/// Vectors that are kept at zero, and whose directions are what keeps them there.
+struct Resting {
+    discs: Vec<(usize, Disc)>,
+}
+
+impl Resting {
+    fn new(corners: &Corners, graph: &mut Graph, sides: Sides) -> Result<Self, MechanicsError> {
+        let mut resting = Self { discs: Vec::new() };
+        for (index, &square) in corners.surfaces.iter().enumerate() {
+            if corners.is_disc(index) && sides.get(index) == Side::Sliding {
+                let square = corners.smooth(graph, sides, &[square]).exprs[0];
+                let disc = graph.disc_of(square);
+                let disc = disc.ok_or_else(|| Self::undetermined_at(index))?;
+                resting.discs.push((index, disc));
+            }
+        }
+        Ok(resting)
+    }
+
+    /// That what keeps a vector at zero is not determined.
+    fn undetermined_at(index: usize) -> MechanicsError {
+        MechanicsError::MixedSurfaces {
+            first: index,
+            second: index,
+        }
+    }
+
+    fn undetermined(&self) -> MechanicsError {
+        Self::undetermined_at(self.discs.first().map_or(0, |&(index, _)| index))
+    }
+
+    /// Expressions without what the directions add; none if that is not told.
+    fn undirected(&self, graph: &mut Graph, exprs: &[Expr]) -> Option<Vec<Expr>> {
+        self.along(graph, exprs, 0.0)
+    }
+
+    /// Expressions with all components of all directions equal to this.
+    fn along(&self, graph: &mut Graph, exprs: &[Expr], component: f64) -> Option<Vec<Expr>> {
+        (self.discs.iter()).try_fold(exprs.to_vec(), |exprs, (_, disc)| {
+            disc.along(graph, &exprs, |_| component)
+        })
+    }
+
+    /// What each component adds to a field, if that is linear in them.
+    fn slides(
+        &self,
+        graph: &mut Graph,
+        field: &[Expr],
+        followed: Surfaces,
+    ) -> Result<Vec<Slide>, MechanicsError> {
+        let mut slides = Vec::new();
+        for (place, &(index, ref disc)) in self.discs.iter().enumerate() {
+            if !followed.contains(index) {
+                continue;
+            }
+            let undetermined = || Self::undetermined_at(index);
+            let mut others = self.discs.iter().enumerate().filter(|&(k, _)| k != place);
+            let own = others.try_fold(field.to_vec(), |field, (_, (_, other))| {
+                other.along(graph, &field, |_| 0.0)
+            });
+            let own = own.ok_or_else(undetermined)?;
+            let columns = disc.columns(graph, &own).ok_or_else(undetermined)?;
+            for (surface, jump) in disc.components().into_iter().zip(columns) {
+                slides.push(Slide {
+                    index,
+                    surface,
+                    rate: None,
+                    jump,
+                    is_component: true,
+                });
+            }
+        }
+        Ok(slides)
     }
 }
 

@@ -8,6 +8,7 @@ mod kept;
 mod many_frictions;
 mod nested;
 mod piecewise;
+mod plane_friction;
 mod powers;
 mod preloaded;
 mod roots;

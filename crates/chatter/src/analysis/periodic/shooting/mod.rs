@@ -38,7 +38,7 @@ use super::cycle::itinerary::{Passage, Step, around, held};
 use super::error::PeriodicError;
 use crate::analysis::continuation::Left;
 use crate::flow::leg::{Astray, Flyer, Follower, Jump, Landing, Least, Leg, LegKind, Stretch};
-use crate::flow::{Closed, Settings};
+use crate::flow::{Closed, GuardKind, Settings};
 use crate::model::Model;
 use crate::numerics::Real;
 use std::sync::Arc;
@@ -148,6 +148,14 @@ impl<R: Real> Shooting<R> {
                 | Passage::Around(kind)
                 | Passage::AtOnce(kind)
                 | Passage::Together(kind) => {
+                    // Where a vector is zero is no surface that a leg ends across.
+                    if let Some(GuardKind::Switch(surface) | GuardKind::Leave(surface, _)) =
+                        kind.ends_at
+                        && workshop.system.corners().is_disc(surface)
+                    {
+                        let what = "a rest that friction in the plane brings about".to_owned();
+                        return Err(PeriodicError::Unfollowed { what });
+                    }
                     let leg = workshop.leg(kind).ok_or_else(unfollowed)?;
                     let place = flyers.iter().position(|(of, _)| *of == kind);
                     let place = place.unwrap_or_else(|| {

@@ -8,7 +8,7 @@ use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
-use crate::flow::trajectory::Trajectory;
+use crate::flow::trajectory::{NoDerivative, Trajectory};
 use crate::numerics::{Real, WithTerms, two_sum};
 
 /// So many modes are asked at once at a corner of several surfaces, not more.
@@ -131,6 +131,11 @@ impl<R: Real> Trajectory<R> {
         self.try_sides(system, &verdict.candidate)?;
         for (kind, roots) in verdict.roots {
             self.touch(system, kind, roots);
+        }
+        if self.carries_columns()
+            && let Some((surface, _)) = self.vector_left(system, self.program(system)?)
+        {
+            self.no_derivative = Some(NoDerivative::Direction(surface));
         }
         // A rounding error beside what is slid along from here on would be a side.
         self.stay_on_surfaces(system)?;

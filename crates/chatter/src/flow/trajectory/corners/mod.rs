@@ -9,6 +9,7 @@ mod met;
 mod opening;
 mod options;
 mod range;
+mod vector;
 mod verdict;
 
 use super::{StandingTapes, Trajectory};
@@ -17,7 +18,7 @@ use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Held, Program, STANDING_ORDERS};
+use crate::flow::program::{Held, Program, STANDING_ORDERS, STANDING_TAPES};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::numerics::{Real, WithTerms};
@@ -39,6 +40,8 @@ struct Standing<R> {
     /// How long an instant is: nothing for surfaces but that which is met now, since a sequence of crossings may become as fast
     /// as that.
     instant: R,
+    /// Of the squared length of a vector that is what is nearest to being told from zero in it: the square says less.
+    vector: Option<WithTerms<R>>,
 }
 
 impl<R: Real> Standing<R> {
@@ -65,6 +68,9 @@ impl<R: Real> Standing<R> {
 
     /// The same for what is zero, or looked up, at the corner: the guards of pieces have its rate.
     fn surface_level(&self) -> R {
+        if self.vector.is_some() {
+            return self.surface.level();
+        }
         let rate = (self.guards.first()).map_or(R::ZERO, |(_, orders)| orders[1].value.abs());
         (rate * self.instant).max(self.surface.level())
     }
@@ -103,6 +109,15 @@ pub(super) struct Earlier {
     pieces: Vec<i64>,
     /// The surfaces that anything depended on. The side of another is as it was left, wherever the state has come since.
     watched: Surfaces,
+}
+
+/// The one of several numbers that is most clearly not zero.
+fn clearest<R: Real>(of: &[WithTerms<R>]) -> Option<WithTerms<R>> {
+    let clearness = |number: &WithTerms<R>| match number.value == R::ZERO {
+        true => R::ZERO,
+        false => number.value.abs() / number.level(),
+    };
+    (of.iter().copied()).reduce(|a, b| if clearness(&b) > clearness(&a) { b } else { a })
 }
 
 impl<R: Real> Trajectory<R> {
@@ -216,8 +231,12 @@ impl<R: Real> Trajectory<R> {
             self.met.is_some_and(|met| expr(corner) == expr(met))
         };
         let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
-        let standing = |(tapes, constants): (&StandingTapes, &[Vec<R>; 3])| {
+        let standing = |(tapes, constants): (&StandingTapes, &[Vec<R>; STANDING_TAPES])| {
             let values = with_terms(&tapes.values, &constants[0], start);
+            let vector = match tapes.components.outputs.is_empty() {
+                true => None,
+                false => clearest(&with_terms(&tapes.components, &constants[3], start)),
+            };
             let (orders, rate) = values[1..].split_at(tapes.guards.len() * STANDING_ORDERS);
             let guards = (tapes.guards.iter().zip(orders.chunks(STANDING_ORDERS)))
                 .map(|(&kind, orders)| {
@@ -228,7 +247,8 @@ impl<R: Real> Trajectory<R> {
                 .collect();
             Standing {
                 corner: tapes.corner,
-                surface: values[0],
+                surface: vector.unwrap_or(values[0]),
+                vector,
                 is_kept: tapes.is_kept,
                 rate: match rate {
                     // The faster of both accelerations, in whatever direction.
@@ -384,7 +404,7 @@ impl<R: Real> Trajectory<R> {
                     Some(rate) => (rate, true),
                     None => (value, value.abs() > standing.surface_level()),
                 };
-                let side = if value > R::ZERO {
+                let side = if value > R::ZERO || standing.vector.is_some() {
                     Side::Above
                 } else {
                     Side::Below
@@ -424,6 +444,9 @@ impl<R: Real> Trajectory<R> {
                 standing.guards.is_empty()
                     || (standing.guards.iter())
                         .any(|(_, orders)| reached(orders) || !orders[0].value.is_finite())
+            }
+            _ if standing.vector.is_some() => {
+                standing.surface.value.abs() <= standing.surface_level()
             }
             _ => (standing.guards.iter()).any(|(_, orders)| reached(orders)),
         }

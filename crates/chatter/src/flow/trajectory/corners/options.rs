@@ -60,6 +60,13 @@ impl<R: Real> Trajectory<R> {
         (touched, asked): (&[Corner], &mut Asked<R>),
     ) -> Result<Vec<Choice>, FlowError> {
         match corner {
+            // Of a vector any direction is on the one side of its zero.
+            Corner::Surface(index) if system.corners().is_disc(index) => {
+                asked.slippery = asked.slippery.with(index);
+                Ok([Side::Above, Side::Sliding]
+                    .map(|side| Choice::Side(index, side))
+                    .to_vec())
+            }
             Corner::Surface(index) => {
                 let jumps = self.jumps(system, index, (base, touched, &mut *asked))?;
                 if jumps {
@@ -122,7 +129,11 @@ impl<R: Real> Trajectory<R> {
             return Ok(choice.made(base));
         };
         let mut found = base.clone();
-        for side in [Side::Above, Side::Below] {
+        let sides = match system.corners().is_disc(index) {
+            true => &[Side::Above][..],
+            false => &[Side::Above, Side::Below],
+        };
+        for &side in sides {
             if self.ask_beside(system, &found.with_side(index, side), (touched, asked))? {
                 found = self.standing_sides();
             }

@@ -1,6 +1,7 @@
 //! What a mode says of itself at corners that the state lies on: whether it holds there, and how it leaves them.
 
 use super::choice::{Asked, Fields, change};
+use super::vector::Leaves;
 use super::{Candidate, Standing};
 use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
@@ -39,6 +40,11 @@ pub(super) struct Verdict<R> {
     pub(super) fields: Fields<R>,
 }
 
+/// Whether a field has one.
+fn has_values<R: Real>(fields: &Fields<R>) -> bool {
+    fields[0].iter().all(|f| f.value.is_finite())
+}
+
 impl<R: Real> Trajectory<R> {
     /// What the present mode says of itself; none where it does not hold.
     pub(super) fn verdict(
@@ -51,8 +57,15 @@ impl<R: Real> Trajectory<R> {
             asked.singular = Some(self.jammed(contact));
             return Ok(None);
         }
-        let fields = self.fields_here(system, asked)?;
-        if !fields[0].iter().all(|f| f.value.is_finite()) {
+        let mut fields = self.fields_here(system, asked)?;
+        let at_zeros = self.at_zeros(system, &candidate, touched);
+        if let Some(at_zeros) = at_zeros.filter(|_| !has_values(&fields)) {
+            if self.try_sides(system, &at_zeros)? {
+                fields = self.fields_here(system, asked)?;
+            }
+            self.try_sides(system, &candidate)?;
+        }
+        if !has_values(&fields) {
             asked.singular = self.singular_here(system);
             return Ok(None);
         }
@@ -86,6 +99,26 @@ impl<R: Real> Trajectory<R> {
             }
             if standing.departure().is_some() {
                 return Ok(None);
+            }
+            if standing.vector.is_some() {
+                let Corner::Surface(index) = standing.corner else {
+                    continue;
+                };
+                match (
+                    self.leaves_zero(system, index, &verdict.candidate)?,
+                    is_slid,
+                ) {
+                    (Leaves::Stays, true) => {}
+                    (Leaves::After(roots), false) => {
+                        verdict.roots.push((GuardKind::Switch(index), roots));
+                    }
+                    (Leaves::Untold, _) => {
+                        asked.singular = self.singular_here(system);
+                        return Ok(None);
+                    }
+                    _ => return Ok(None),
+                }
+                continue;
             }
             if let Corner::Surface(index) = standing.corner {
                 if is_slid && standing.rate.is_some() {
@@ -175,7 +208,10 @@ impl<R: Real> Trajectory<R> {
 
     /// How the state stands to corners once it is on the surfaces that the present mode slides along: what rounding has left beside
     /// these is no motion. One that may have jumped, or that the state runs away from, is left where it is.
-    fn standings_on_surfaces(&mut self, system: &System) -> Result<Vec<Standing<R>>, FlowError> {
+    pub(super) fn standings_on_surfaces(
+        &mut self,
+        system: &System,
+    ) -> Result<Vec<Standing<R>>, FlowError> {
         let standings = self.standings(system)?;
         let mut slid = (0..Sides::MOST).filter(|&k| self.regime.get(k) == Side::Sliding);
         let is_beside = slid.clone().next().is_some()
