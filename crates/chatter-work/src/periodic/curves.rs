@@ -8,7 +8,7 @@ use super::wanted::Curve;
 use crate::observer::Observer;
 use crate::parallel::{each, lock};
 use crate::refusal::Refusal;
-use chatter::analysis::periodic::{Branch, End, Known, Record, Spec, SpecialKind};
+use chatter::analysis::periodic::{Branch, End, Known, Record, Spec, SpecialKind, goes_through};
 use chatter::model::Model;
 use std::sync::{Mutex, PoisonError};
 
@@ -41,6 +41,7 @@ pub(super) fn find_curves(
         let before = begun.parts.remove(&number).unwrap_or_default();
         pieces.push((number, model, known, before));
     }
+    let free = [ready.free[0], ready.wanted.over.parameter];
     let log = Mutex::new(log);
     let found: Vec<Mutex<Option<_>>> = pieces.iter().map(|_| Mutex::new(None)).collect();
     let refused: Mutex<Vec<(usize, Refusal)>> = Mutex::default();
@@ -50,7 +51,7 @@ pub(super) fn find_curves(
         |(number, model, known, before)| {
             let wanted = Curve {
                 spec: spec.clone(),
-                free: [ready.free[0], ready.wanted.over.parameter],
+                free,
                 known: known.clone(),
                 limits: ready.wanted.over.limits,
             };
@@ -91,12 +92,32 @@ pub(super) fn find_curves(
         }
     }
     let found = found.into_iter().map(|curve| lock(&curve).take());
-    let all: Vec<Option<(SpecialKind, Branch)>> = found.collect();
+    let mut all: Vec<Option<(SpecialKind, Branch)>> = found.collect();
     let is_whole = |curve: &Option<(SpecialKind, Branch)>| {
         (curve.as_ref()).is_some_and(|(_, curve)| !curve.ends.contains(&End::Interrupted))
     };
+    let complete = all.iter().all(is_whole);
+    // Two points may lie on one curve: it is listed once, from the first of them.
+    for (number, model, known, _) in &pieces {
+        let Some((kind, _)) = all[*number] else {
+            continue;
+        };
+        let of = (free, known);
+        let before = pieces.iter().zip(&all[..*number]);
+        let is_known = before
+            .filter_map(|(piece, curve)| Some((&piece.2, curve.as_ref()?)))
+            .any(|(other, (of_kind, curve))| {
+                let limits = &ready.wanted.over.limits;
+                *of_kind == kind
+                    && other.monitor == known.monitor
+                    && goes_through(model, &spec, of, limits, &curve.points).unwrap_or(false)
+            });
+        if is_known {
+            all[*number] = None;
+        }
+    }
     Ok(Curves {
-        complete: all.iter().all(is_whole),
+        complete,
         curves: all.into_iter().flatten().collect(),
         monitors: spec.monitors,
     })

@@ -2,22 +2,22 @@
 
 use super::cycle::rotate::a_turn_later;
 use super::shooting::Shooting;
-use crate::analysis::continuation::{Condition, Problem, Singular, newton};
-use crate::numerics::dot;
+use crate::analysis::continuation::{Condition, Held, Problem, Singular, newton};
+use crate::numerics::{DoubleDouble, Real, dot};
 
 /// Equations of an orbit aside, a guess of it, and the row that tells how far aside it is.
-pub(crate) struct Aside {
-    pub shooting: Shooting<f64>,
-    pub guess: Vec<f64>,
-    row: Vec<f64>,
+pub(crate) struct Aside<R: Real> {
+    pub shooting: Shooting<R>,
+    pub guess: Vec<R>,
+    row: Vec<R>,
 }
 
-impl Aside {
+impl<R: Real> Aside<R> {
     /// Displaced so far, against the size of the orbit; twice around where the cycle closes with the other sign.
     pub(crate) fn new(
-        shooting: &Shooting<f64>,
-        at: &[f64],
-        singular: &Singular<f64>,
+        shooting: &Shooting<R>,
+        at: &[R],
+        singular: &Singular<R>,
         far: f64,
     ) -> Option<Self> {
         let size = at.len() - shooting.parameters();
@@ -25,11 +25,12 @@ impl Aside {
         // Along a curve an orbit may have outgrown the sizes that steps are measured against.
         let sizes = shooting.scales().iter().zip(at);
         let reach = (direction.iter().zip(sizes)).fold(0.0_f64, |most, (x, (scale, here))| {
-            most.max(x.abs() / scale.max(here.abs()))
+            most.max(x.abs().to_f64() / scale.max(here.abs().to_f64()))
         });
         let by = far / reach;
-        let moved = |sign: f64| -> Vec<f64> {
-            let displaced = (at[..size].iter().zip(direction)).map(|(x, v)| x + sign * by * v);
+        let moved = |sign: f64| -> Vec<R> {
+            let by = R::splat(sign * by);
+            let displaced = (at[..size].iter().zip(direction)).map(|(&x, &v)| x + by * v);
             displaced.chain(at[size..].iter().copied()).collect()
         };
         let mut steps = shooting.current_steps(&moved(1.0));
@@ -37,17 +38,18 @@ impl Aside {
         let mut guess = moved(1.0)[..size].to_vec();
         let mut row = direction.to_vec();
         if singular.sign() < 0.0 {
-            let parameters = shooting.workshop.parameters(shooting.free(at));
+            let free: Vec<f64> = shooting.free(at).iter().map(|p| p.to_f64()).collect();
+            let parameters = shooting.workshop.parameters(&free);
             let second = (&*shooting.current_steps(&moved(-1.0)), &*shooting.counts);
             steps.extend(a_turn_later(&shooting.workshop, &parameters, second).ok()?);
             counts.iter_mut().for_each(|count| *count *= 2);
             let mut second = moved(-1.0)[..size].to_vec();
             shooting.turn_on(&mut second, at);
             guess.extend(second);
-            row.extend(direction.iter().map(|v| -v));
+            row.extend(direction.iter().map(|&v| -v));
         }
         guess.extend(&at[size..]);
-        row.resize(guess.len(), 0.0);
+        row.resize(guess.len(), R::ZERO);
         let mut beside = Shooting::new(&shooting.workshop, steps, counts).ok()?;
         beside.take_sizes(&shooting.state_sizes());
         Some(Self {
@@ -58,14 +60,10 @@ impl Aside {
     }
 
     /// The orbit so far aside, where these rows of the free parameters keep their products.
-    pub(crate) fn close(&mut self, held: &[Vec<f64>]) -> Option<Vec<f64>> {
+    pub(crate) fn close(&mut self, held: &[Vec<f64>]) -> Option<Vec<R>> {
         let mut rows = vec![self.row.clone()];
-        for parameters in held {
-            let mut row = vec![0.0; self.guess.len() - parameters.len()];
-            row.extend(parameters);
-            rows.push(row);
-        }
-        let conditions: Vec<Condition<f64>> = (rows.into_iter())
+        rows.extend(held.iter().map(|row| of_parameters(row, self.guess.len())));
+        let conditions: Vec<Condition<R>> = (rows.into_iter())
             .map(|row| Condition {
                 value: dot(&row, &self.guess),
                 row,
@@ -77,35 +75,85 @@ impl Aside {
     }
 }
 
-/// So far aside are the orbits that tell to which side a branch leaves, half and a quarter of it: what is left of the next two orders
-/// is taken out of all three. Nearer ones do where the farther are none.
-const FAR: [f64; 2] = [2e-2, 6e-3];
-/// Their parameters are known to so many roundoffs.
-const ROUNDOFFS: f64 = 64.0;
+/// A row of the free parameters as one of all unknowns.
+fn of_parameters<R: Real>(row: &[f64], unknowns: usize) -> Vec<R> {
+    let mut all = vec![R::ZERO; unknowns - row.len()];
+    all.extend(row.iter().map(|&x| R::splat(x)));
+    all
+}
 
-/// How far the parameters of the orbits beside a singular one lie along a row, at the parameters that hold the other rows, and what
-/// that may be off by: in parts of the square of how far aside they are. Positive where the branch that leaves goes along the row.
+/// So far aside are the orbits that tell to which side a branch leaves, half and a quarter of it: what is left of the next two orders
+/// is taken out of all three. Nearer ones do where the farther are none, or say too little.
+const FAR: [f64; 3] = [2e-2, 6e-3, 2e-3];
+/// In longer numbers they are so near that no further order is left, and yet known.
+const NEAR: [f64; 1] = [1e-6];
+/// Their parameters are known to so many roundoffs.
+const ROUNDOFFS: f64 = 128.0;
+/// Extrapolation may be off by so many times what its last order changed.
+const EXTRAPOLATED: f64 = 8.0;
+
+/// How far the parameters of the orbits beside a singular one lie along a row, at the parameters that hold the other rows: in parts of
+/// the square of how far aside they are, positive where the branch that leaves goes along the row. None where that is no more than what it
+/// may be off by. What doubles do not tell longer numbers are asked for.
 pub(crate) fn shift(
     shooting: &Shooting<f64>,
     at: &[f64],
     singular: &Singular<f64>,
     (along, held): (&[f64], &[Vec<f64>]),
-) -> Option<(f64, f64)> {
+) -> Option<f64> {
+    let roughly = shift_of((shooting, at), singular, (along, held), &FAR);
+    roughly.or_else(|| fine_shift((shooting, at), singular.sign(), (along, held)))
+}
+
+/// The same of the solution nearby in numbers of thirty digits: the singular orbit, too, has to be known as well as those beside it.
+fn fine_shift(
+    (shooting, at): (&Shooting<f64>, &[f64]),
+    sign: f64,
+    (along, held): (&[f64], &[Vec<f64>]),
+) -> Option<f64> {
+    let mut fine = shooting.in_longer_numbers().ok()?;
+    let start: Vec<DoubleDouble> = at.iter().map(|&x| x.into()).collect();
+    let rows = held.iter().map(|row| {
+        let row: Vec<DoubleDouble> = of_parameters(row, at.len());
+        Condition {
+            value: dot(&row, &start),
+            row,
+        }
+    });
+    let rows: Vec<_> = rows.collect();
+    let singular = Singular::near(&mut fine, &start, sign).ok()?;
+    let mut there = Held::singular(&mut fine, singular);
+    let found = newton(&mut there, &start, &rows).ok()?;
+    let singular = Singular::near(&mut fine, &found.at, sign).ok()?;
+    shift_of((&fine, &found.at), &singular, (along, held), &NEAR)
+}
+
+/// The shift from the first of these distances that there are orbits at whose shift is more than it may be off by.
+fn shift_of<R: Real>(
+    (shooting, at): (&Shooting<R>, &[R]),
+    singular: &Singular<R>,
+    (along, held): (&[f64], &[Vec<f64>]),
+    distances: &[f64],
+) -> Option<f64> {
+    let along: Vec<R> = along.iter().map(|&x| R::splat(x)).collect();
     let free = shooting.parameters();
-    let here = dot(along, &at[at.len() - free..]);
+    let here = dot(&along, &at[at.len() - free..]);
     let of = |far: f64| {
         let mut aside = Aside::new(shooting, at, singular, far)?;
         let found = aside.close(held)?;
-        Some((dot(along, &found[found.len() - free..]) - here) / (far * far))
+        let there = dot(&along, &found[found.len() - free..]);
+        Some((there - here).to_f64() / (far * far))
     };
     let sizes = (at.iter().zip(shooting.scales())).skip(at.len() - free);
     let size: f64 = (along.iter().zip(sizes))
-        .map(|(by, (x, scale))| (by * x.abs().max(*scale)).abs())
+        .map(|(by, (x, scale))| (by.to_f64() * x.to_f64().abs().max(*scale)).abs())
         .sum();
-    FAR.into_iter().find_map(|far| {
-        let error = ROUNDOFFS * f64::EPSILON * size / (0.25 * far).powi(2);
+    distances.iter().find_map(|&far| {
+        let rounding = ROUNDOFFS * R::ROUNDOFF * size / (0.25 * far).powi(2);
         let [far, half, quarter] = [of(far)?, of(0.5 * far)?, of(0.25 * far)?];
         let (once, again) = ((4.0 * half - far) / 3.0, (4.0 * quarter - half) / 3.0);
-        Some(((16.0 * again - once) / 15.0, error))
+        let by = (16.0 * again - once) / 15.0;
+        let error = rounding + EXTRAPOLATED * (by - again).abs();
+        (by.abs() > error).then_some(by)
     })
 }

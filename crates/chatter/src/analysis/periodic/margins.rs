@@ -268,6 +268,10 @@ fn sequence(
             of(mechanics.jerk),
         );
         if !(acceleration < 0.0 && rate > 0.0 && jerk > 0.0) {
+            // What is held comes nearer to release the later it is: a sequence may begin before.
+            if found.is_empty() {
+                continue;
+            }
             break;
         }
         found.push(Local {

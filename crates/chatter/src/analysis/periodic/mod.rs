@@ -263,14 +263,45 @@ pub fn special_curve(
             range,
         });
     }
-    let size = |value: f64| if value == 0.0 { 1.0 } else { value.abs() };
-    let sizes = [size(values[0]), limits.range.1 - limits.range.0];
     if known.kind == SpecialKind::ChatterBorder {
         let monitors = spec.monitors.len();
         return special_curve::border::follow(model, (free, monitors), limits, &mut diary);
     }
-    let workshop = workshop(model, spec, (&free, &sizes))?;
+    let workshop = in_plane(model, spec, (free, &values), limits)?;
     special_curve::follow(&workshop, (&values, known), limits, &mut diary)
+}
+
+/// A model with two free parameters at these values, within limits of the second.
+fn in_plane(
+    model: &Model,
+    spec: &Spec,
+    (free, values): ([usize; 2], &[f64; 2]),
+    limits: &Limits,
+) -> Result<Arc<Workshop>, PeriodicError> {
+    let size = |value: f64| if value == 0.0 { 1.0 } else { value.abs() };
+    let sizes = [size(values[0]), limits.range.1 - limits.range.0];
+    workshop(model, spec, (&free, &sizes))
+}
+
+/// Whether a curve of special points, that of these orbits in order, goes through another special point of its kind as it was told: both
+/// are then on one curve. `free` and `limits` are those that it was followed with; the model has the values of the point.
+///
+/// # Errors
+/// The point cannot be found again.
+pub fn goes_through(
+    model: &Model,
+    spec: &Spec,
+    (free, known): ([usize; 2], &Known),
+    limits: &Limits,
+    curve: &[Point],
+) -> Result<bool, PeriodicError> {
+    let parameters = model.parameter_values::<f64>(&[]);
+    let values = free.map(|index| parameters[index]);
+    if known.kind == SpecialKind::ChatterBorder {
+        return Ok(false);
+    }
+    let workshop = in_plane(model, spec, (free, &values), limits)?;
+    special_curve::passes::passes(&workshop, (&values, known), curve)
 }
 
 /// A point is in a range up to so small a part of it.

@@ -277,12 +277,7 @@ fn part_of_timed(shooting: &Shooting<f64>, at: &[f64]) -> Option<Cycle> {
 pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit, PeriodicError> {
     let workshop = shooting.workshop.clone();
     let free = workshop.free.len();
-    let mut fine =
-        Shooting::<DoubleDouble>::new(&workshop, shooting.steps.clone(), shooting.counts.clone())?;
-    // Where the solution is zero but for rounding, its own size is none.
-    for (size, before) in fine.scales.iter_mut().zip(&shooting.scales) {
-        *size = size.max(*before);
-    }
+    let mut fine = shooting.in_longer_numbers()?;
     let start: Vec<DoubleDouble> = at.iter().map(|&x| x.into()).collect();
     let rows = Condition::held(&start, start.len() - free..start.len());
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;

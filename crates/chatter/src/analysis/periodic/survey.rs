@@ -2,13 +2,13 @@
 //! special points.
 
 use super::aside::Aside;
-use super::branch::{Branch, End, Limits, Near, Point, Special, SpecialKind, follow};
+use super::branch::{Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, beside, follow};
 use super::cycle::settle::Patience;
 use super::diary::Diary;
 use super::error::PeriodicError;
-use super::orbit::settled;
+use super::orbit::{Orbit, settled};
 use super::shooting::{Shooting, Workshop};
-use crate::analysis::continuation::{Singular, Station};
+use crate::analysis::continuation::{Problem, Singular, Station};
 use crate::numerics::Real;
 use core::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
@@ -25,12 +25,17 @@ pub struct Beside {
 
 /// Beyond a border orbits are looked for at these parts of the range.
 const HOPS: [f64; 7] = [0.05, 0.02, 0.01, 3e-3, 1e-3, 3e-4, 1e-4];
+/// The motion beside a border is asked ever closer to it, by this factor, as near as this.
+const CLOSER: f64 = 0.7;
+const CLOSEST: f64 = 1e-6;
 /// Where none is found there, at these parts of what is left of the range.
 const FARTHER: [f64; 4] = [0.1, 0.2, 0.4, 0.7];
 /// Which way the parameter goes at an end so many points before it tell.
 const BACK: usize = 60;
 /// Borders that are passed in one survey.
 const MOST_HOPS: usize = 8;
+/// So many branches are followed to see whether they come to a border.
+const MOST_TRIED: usize = 6;
 /// Where fewer impacts than these come to nothing they do not accumulate at a border, beyond which chatter is complete: a lone one may
 /// be that of a part left to itself.
 const ACCUMULATES: u64 = 4;
@@ -53,65 +58,89 @@ pub(crate) fn survey(
             return Ok(branches);
         }
         for way in ends(&branches[next]) {
-            let wants_infinite = match way.end {
-                End::Impacts(_) => true,
-                End::Rounding(impacts) => impacts >= ACCUMULATES,
-                _ => false,
-            };
-            let crosses = wants_infinite || way.end == End::ChatterBorder;
-            if !crosses || hops >= MOST_HOPS {
+            if !way.accumulates() || hops >= MOST_HOPS {
                 continue;
             }
             let (low, high) = limits.range;
-            let left = match way.direction > 0.0 {
-                true => high - way.value,
-                false => way.value - low,
-            };
-            // Arcs may lie to both sides of the border that they accumulate at, and say nothing of where chatter is complete.
-            let sides = match wants_infinite {
-                true => &[way.direction, -way.direction][..],
-                false => &[way.direction][..],
-            };
-            let near = HOPS.iter().flat_map(|part| {
-                let hop = part * (high - low);
-                sides.iter().map(move |side| side * hop)
-            });
-            let far = FARTHER.iter().map(|part| way.direction * part * left);
-            for ahead in near.chain(far) {
-                let beyond = way.value + ahead;
-                if beyond < limits.range.0 || beyond > limits.range.1 {
+            // What was followed already may come here by itself.
+            let nearest = HOPS[HOPS.len() - 1] * (high - low);
+            let mut others = branches.iter().enumerate();
+            if others.any(|(index, other)| index != next && comes_to(other, &way, nearest)) {
+                continue;
+            }
+            let asked = (workshop, limits, (state, patience));
+            let mut followed: Vec<Branch> = Vec::new();
+            for (ahead, (shooting, at), told) in beyond(asked, &way) {
+                // What is there and does not come here is no continuation, from whichever of its orbits it is followed.
+                if is_known(&followed, told) {
                     continue;
                 }
-                let mut quiet = |_: f64| ControlFlow::Continue(());
-                let Ok(orbit) = settled(workshop, &[beyond], state, patience, &mut quiet) else {
-                    continue;
-                };
-                let fits = orbit.impacts.is_none() == wants_infinite
-                    && orbit
-                        .impacts
-                        .is_none_or(|impacts| impacts <= limits.impacts)
-                    && (!wants_infinite || is_as_long(orbit.period.to_f64(), way.period));
-                if !fits {
-                    continue;
-                }
-                let told = (beyond, orbit.impacts, orbit.period.to_f64());
-                if !is_known(&branches, told) {
-                    let found = follow(&orbit.shooting, &orbit.at, limits, diary)?;
-                    let is_broken_off = found.ends.contains(&End::Interrupted);
-                    // Complete chatter that is there, and is not what the border parts from these arcs, does not continue them.
-                    if wants_infinite && !(is_broken_off || comes_to(&found, &way, ahead.abs())) {
-                        continue;
-                    }
+                let found = follow(&shooting, &at, limits, diary)?;
+                let is_broken_off = found.ends.contains(&End::Interrupted);
+                if is_broken_off || comes_to(&found, &way, ahead.abs()) {
                     hops += 1;
                     add(&mut branches, found, limits);
+                    break;
                 }
-                break;
+                followed.push(found);
+                if followed.len() >= MOST_TRIED {
+                    break;
+                }
             }
         }
         next += 1;
     }
     leave(&mut branches, (limits, beside), diary)?;
     Ok(branches)
+}
+
+/// Value, impacts and period of an orbit.
+type Shown = (f64, Option<u64>, f64);
+
+/// Orbits of the other kind beyond a border, complete chatter or impacts that are counted, each with how far beyond: those that the
+/// motion of the orbit at the border shows beside it, and then what settles there.
+fn beyond<'a>(
+    (workshop, limits, (state, patience)): (&'a Arc<Workshop>, &'a Limits, (&'a [f64], Patience)),
+    way: &'a Way,
+) -> impl Iterator<Item = (f64, (Shooting<f64>, Vec<f64>), Shown)> + 'a {
+    let wants_infinite = way.end != End::ChatterBorder;
+    let (low, high) = limits.range;
+    let is_inside = move |ahead: &f64| (low..=high).contains(&(way.value + ahead));
+    let left = match way.direction > 0.0 {
+        true => high - way.value,
+        false => way.value - low,
+    };
+    // Arcs may lie to both sides of the border that they accumulate at, and say nothing of where chatter is complete.
+    let both =
+        move |part: f64| [way.direction, -way.direction].map(|side| side * part * (high - low));
+    let fits = move |orbit: &Orbit| {
+        orbit.impacts.is_none() == wants_infinite
+            && orbit
+                .impacts
+                .is_none_or(|impacts| impacts <= limits.impacts)
+            && is_as_long(orbit.period.to_f64(), way.period)
+    };
+    let near = core::iter::successors(Some(HOPS[0]), |part| Some(part * CLOSER));
+    let near = near.take_while(|part| *part > CLOSEST).flat_map(both);
+    let near = near.filter(is_inside);
+    let by_motion = near.filter_map(move |ahead| {
+        let seed = way.seed.as_ref()?;
+        let distance = (way.value + ahead - seed.at.last()?) / (high - low);
+        let (mut shooting, station) = beside((seed, limits), distance, fits)?;
+        shooting.evaluate(&station.at).ok()?;
+        let told = (station.parameter(), shooting.impacts(), shooting.period());
+        Some((ahead, (shooting, station.at), told))
+    });
+    let far = FARTHER.iter().map(move |part| way.direction * part * left);
+    let anywhere = HOPS.into_iter().flat_map(both).chain(far);
+    let by_settling = anywhere.filter(is_inside).filter_map(move |ahead| {
+        let mut quiet = |_: f64| ControlFlow::Continue(());
+        let value = way.value + ahead;
+        let orbit = settled(workshop, &[value], state, patience, &mut quiet).ok()?;
+        let told = (value, orbit.impacts, orbit.period.to_f64());
+        fits(&orbit).then_some((ahead, (orbit.shooting, orbit.at), told))
+    });
+    by_motion.chain(by_settling)
 }
 
 /// An end of a branch.
@@ -122,30 +151,77 @@ struct Way {
     period: f64,
     /// To which side the parameter went.
     direction: f64,
+    /// The special point nearest to it.
+    seed: Option<Seed>,
+    /// The latest grazes of as many different numbers of impacts, the latest first.
+    grazes: Vec<f64>,
+}
+
+impl Way {
+    /// Whether complete chatter ends there, or as many impacts as are followed come to nothing.
+    fn accumulates(&self) -> bool {
+        match self.end {
+            End::ChatterBorder | End::Impacts(_) => true,
+            End::Rounding(impacts) => impacts >= ACCUMULATES,
+            _ => false,
+        }
+    }
+
+    /// What arcs tend to, by their latest grazes, which come nearer to it in one ratio; and how far from it the latest one is.
+    fn limit(&self) -> Option<(f64, f64)> {
+        let [last, before, first] = self.grazes[..] else {
+            return None;
+        };
+        // Aitken's extrapolation.
+        let (step, earlier) = (last - before, before - first);
+        let limit = last + step * step / (earlier - step);
+        limit.is_finite().then_some((limit, (limit - last).abs()))
+    }
 }
 
 /// How each end came about, and where.
 fn ends(branch: &Branch) -> Vec<Way> {
     let backwards: Vec<&Point> = branch.points.iter().rev().collect();
     let forwards: Vec<&Point> = branch.points.iter().collect();
-    let both = [(&branch.ends[0], forwards), (&branch.ends[1], backwards)];
-    let ways = both.into_iter().map(|(end, points)| way(end, &points));
-    ways.flatten().collect()
+    let from_first: Vec<&Special> = branch.special.iter().collect();
+    let from_last: Vec<&Special> = branch.special.iter().rev().collect();
+    let both = [
+        (&branch.ends[0], forwards, from_first),
+        (&branch.ends[1], backwards, from_last),
+    ];
+    let ways = both.into_iter();
+    ways.filter_map(|(end, points, special)| way(end, &points, &special))
+        .collect()
 }
 
-/// An end, with the points from there on.
-fn way(end: &End, points: &[&Point]) -> Option<Way> {
+/// An end, with the points and special points from there on.
+fn way(end: &End, points: &[&Point], special: &[&Special]) -> Option<Way> {
     let last = points.first()?;
     let back = points.get(points.len().min(BACK) - 1)?;
+    let nearest = special.first();
+    let border = nearest
+        .filter(|nearest| *end == End::ChatterBorder && nearest.kind == SpecialKind::ChatterBorder);
+    let value = border.map_or(last.parameter(), |border| border.point.parameter());
+    let mut grazes: Vec<(u64, f64)> = Vec::new();
+    for graze in special.iter().filter(|special| special.kind.is_graze()) {
+        if let Some(impacts) = graze.point.impacts
+            && grazes.last().is_none_or(|(later, _)| impacts < *later)
+        {
+            grazes.push((impacts, graze.point.parameter()));
+        }
+    }
+    grazes.truncate(3);
     Some(Way {
         end: end.clone(),
-        value: last.parameter(),
+        value,
         period: last.period,
         direction: if last.parameter() > back.parameter() {
             1.0
         } else {
             -1.0
         },
+        seed: nearest.and_then(|nearest| nearest.seed.clone()),
+        grazes: grazes.into_iter().map(|(_, value)| value).collect(),
     })
 }
 
@@ -153,6 +229,8 @@ fn way(end: &End, points: &[&Point]) -> Option<Way> {
 const AS_LONG: f64 = 0.3;
 /// What continues a branch beyond a border comes back to it: as near as this part of how far beyond it was looked for.
 const COMES_BACK: f64 = 0.1;
+/// What grazes of arcs tend to is nearer to their border than the last of them, by this part.
+const TENDS: f64 = 0.5;
 
 fn is_as_long(one: f64, other: f64) -> bool {
     (one - other).abs() <= AS_LONG * other
@@ -160,17 +238,21 @@ fn is_as_long(one: f64, other: f64) -> bool {
 
 /// Whether a branch that was found so far beyond an end of another comes to that end, where chatter ends, or impacts accumulate.
 fn comes_to(found: &Branch, way: &Way, ahead: f64) -> bool {
-    let accumulates =
-        |end: &End| matches!(end, End::ChatterBorder | End::Impacts(_) | End::Rounding(_));
     ends(found).iter().any(|other| {
-        // Up to a number of impacts arcs come near to the border, and no farther.
-        let is_short = [&other.end, &way.end]
-            .iter()
-            .any(|end| matches!(end, End::Impacts(_)));
-        let part = if is_short { 1.0 } else { COMES_BACK };
-        accumulates(&other.end)
-            && (other.value - way.value).abs() <= part * ahead
-            && is_as_long(other.period, way.period)
+        let kinds = [&other.end, &way.end].map(|end| *end == End::ChatterBorder);
+        if !other.accumulates() || kinds[0] == kinds[1] || !is_as_long(other.period, way.period) {
+            return false;
+        }
+        let (border, arcs) = if kinds[0] { (other, way) } else { (way, other) };
+        // Up to a number of impacts arcs come near to the border, and no farther: there they say what they tend to.
+        let is_short = matches!(arcs.end, End::Impacts(_));
+        match arcs.limit().filter(|_| is_short) {
+            Some((limit, left)) => (limit - border.value).abs() <= TENDS * left,
+            None => {
+                let part = if is_short { 1.0 } else { COMES_BACK };
+                (other.value - way.value).abs() <= part * ahead
+            }
+        }
     })
 }
 

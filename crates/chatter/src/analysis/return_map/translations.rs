@@ -2,6 +2,7 @@
 
 use crate::expressions::{Expr, Formula, Symbol};
 use crate::model::Model;
+use crate::numerics::Real;
 
 /// The derivatives of the equations, of which translations are the null vectors.
 #[derive(Clone, Debug)]
@@ -21,10 +22,10 @@ pub(crate) struct Translation {
 
 impl Translation {
     /// Displaces a state along it.
-    pub(crate) fn carry(&self, state: &mut [f64], by: f64) {
+    pub(crate) fn carry<R: Real>(&self, state: &mut [R], by: R) {
         state[self.state] += by;
         for &(other, times) in &self.others {
-            state[other] += times * by;
+            state[other] += R::splat(times) * by;
         }
     }
 }

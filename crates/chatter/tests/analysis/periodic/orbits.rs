@@ -1,8 +1,8 @@
 //! Orbits against reference values in quadruple precision, and against laws.
 
-use super::{model, orbit, orbits_from, settles, with};
+use super::{model, nearest, orbit, orbits_from, over, settles, value, with};
 use chatter::analysis::border::{BorderSpec, border_near};
-use chatter::analysis::periodic::{MarginKind, PeriodicError, Spec, settled};
+use chatter::analysis::periodic::{MarginKind, PeriodicError, Spec, SpecialKind, settled};
 use chatter::analysis::universal::Universal;
 use chatter::numerics::Real;
 use proptest::prelude::*;
@@ -505,4 +505,36 @@ fn no_orbit_returns_more_often_than_was_asked_for() {
             "{period}"
         );
     }
+}
+
+/// A ball that falls onto a table with drag: its first impact comes while the table's jerk is not yet of the sign that it has at release, and the
+/// velocity changes its sign there. How near the border is is told all the same, and so how well a border is known.
+#[test]
+fn a_sequence_may_begin_before_its_jerk_is_that_of_release() {
+    let text = r#"
+    [parameters]
+    w = 2.5831
+    [flight]
+    y = "v"
+    v = "-1 - 0.1*v*abs(v)"
+    [[contact]]
+    name = "table"
+    gap = "y - 0.22*sin(w*t)"
+    impulse = { v = 1 }
+    restitution = 0.6
+    [initial]
+    y = 0.5
+    v = 0.3
+    "#;
+    let ball = with(text, &[]);
+    let border = border_margin(&ball, None);
+    assert!(border.is_some_and(|x| x < 0.0), "{border:?}");
+    let told = [0.05, 0.2].map(|step| {
+        let found = over(&ball, "w", (2.56, 2.6), (20, step));
+        let border = nearest(&found, &[SpecialKind::ChatterBorder], 2.583_165);
+        (value(&border), border.error)
+    });
+    let [(one, error), (other, other_error)] = told;
+    assert!((one - other).abs() <= error + other_error, "{told:?}");
+    assert!(error < 1e-5, "{told:?}");
 }

@@ -3,7 +3,7 @@
 use super::{GRAZES, model, nearest, over, value, with};
 use chatter::analysis::periodic::{
     Beside, Branch, BranchSpec, End, Known, Limits, PeriodicError, Point, Spec, Special,
-    SpecialCurve, SpecialKind, branches, special_curve,
+    SpecialCurve, SpecialKind, branches, goes_through, special_curve,
 };
 use chatter::model::Model;
 use std::ops::ControlFlow;
@@ -85,6 +85,42 @@ fn the_folds_of_duffings_oscillator_meet_in_a_cusp() {
     assert_eq!(cusps.len(), 1, "{:?}", curve.special);
     assert!((cusps[0][0] - 0.164_702_26).abs() < 1e-7, "{cusps:?}");
     assert!((cusps[0][1] - 1.187_299_86).abs() < 1e-7, "{cusps:?}");
+    // Each of the folds lies on it, one to each side of the cusp.
+    let cusp = curve.special[0].place;
+    let [before, beyond] = [&curve.points[..cusp], &curve.points[cusp..]];
+    let on = folds.iter().map(|fold| {
+        [&*curve.points, before, beyond].map(|part| is_on(&duffing, ["f", "w"], fold, part))
+    });
+    let on: Vec<[bool; 3]> = on.collect();
+    assert!(on.iter().all(|&[all, ..]| all), "{on:?}");
+    assert!(
+        on.iter().all(|&[_, before, beyond]| before != beyond),
+        "{on:?}"
+    );
+    assert!(on[0][1] != on[1][1], "{on:?}");
+}
+
+/// Whether a special point lies on a part of a curve.
+fn is_on(model: &Model, free: [&str; 2], special: &Special, points: &[Point]) -> bool {
+    let known = Known {
+        kind: special.kind,
+        monitor: special.monitor,
+        state: special.point.state.clone(),
+        period: special.point.period,
+    };
+    let mut model = model.clone();
+    model
+        .set_parameter(free[0], &format!("{:?}", value(special)))
+        .unwrap();
+    let free = free.map(|name| model.parameter_index(name).unwrap());
+    let limits = Limits {
+        range: (1.1, 1.4),
+        other: None,
+        impacts: 60,
+        points: 3000,
+        longest_step: 0.05,
+    };
+    goes_through(&model, &Spec::default(), (free, &known), &limits, points).unwrap()
 }
 
 /// x'' + c x' + x = cos(w t) below the wall s: the orbit without impacts touches it where its amplitude is s, and goes on

@@ -254,3 +254,103 @@ fn a_curve_of_doublings_has_none_without() {
         "{ends:?}"
     );
 }
+
+/// Where the side changes on which doubled orbits lie is a property of the curve: the same from stations anywhere on it. Doubled orbits at
+/// a finite distance tell it to 1e-4 only, since the orbit is next to a touch. (Found as well by Newton's method on the map of two periods of an
+/// integration of its own, DOP853 between switches, at distances that are halved.)
+#[test]
+fn generalised_doublings_depend_on_no_step() {
+    let blocks = with(
+        BLOCKS,
+        &[("w", "0.8699878626506353"), ("A", "0.4678169389908977")],
+    );
+    let known = Known {
+        kind: SpecialKind::PeriodDoubling,
+        monitor: None,
+        state: vec![
+            0.3302691530675326,
+            0.6,
+            -0.019057964263635995,
+            1.010412190184603,
+            5.449400958035778,
+        ],
+        period: 7.222152833300791,
+    };
+    for longest_step in [0.1, 0.3] {
+        let limits = Limits {
+            range: (0.458, 0.482),
+            other: None,
+            impacts: 60,
+            points: 2000,
+            longest_step,
+        };
+        let free = ["w", "A"].map(|name| blocks.parameter_index(name).unwrap());
+        let curve = special_curve(
+            &blocks,
+            &Spec::default(),
+            (free, &known),
+            &limits,
+            Vec::new(),
+            &mut |_| ControlFlow::Continue(()),
+        )
+        .unwrap();
+        let special = curve.special.iter();
+        let sides = special.filter(|s| s.kind == SpecialKind::GeneralisedDoubling);
+        let mut found: Vec<f64> = sides.map(|special| special.point.parameter()).collect();
+        found.sort_by(f64::total_cmp);
+        let expected = [0.463_042_496_379_018, 0.477_709_258_577_911];
+        assert_eq!(found.len(), 2, "{found:?}");
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{longest_step}: {found}");
+        }
+    }
+}
+
+/// A follower on a cam of two harmonics: its chatter is complete from W = 40.93 to 42.21.
+const CAM: &str = r#"
+[parameters]
+W = 41.5
+[flight]
+y = "v"
+v = "-60*y - 1.5*v - 40"
+[definitions]
+lift = "0.2*(1 - cos(W*t)) + 0.05*(1 - cos(2*W*t))"
+[[contact]]
+name = "cam"
+gap = "y - lift"
+impulse = { v = 1 }
+restitution = 0.3
+[initial]
+y = 1
+v = 0
+"#;
+
+/// Beyond a border the orbits with so many impacts are those that accumulate there, and not those that other motions come to: at every
+/// step.
+#[test]
+fn arcs_beyond_a_border_come_back_to_it() {
+    let cam = with(CAM, &[]);
+    for longest_step in [0.03, 0.1] {
+        let found = over(&cam, "W", (39.0, 45.0), (10, longest_step));
+        let borders = [40.926_705_525_294, 42.212_566_031_793];
+        for border in borders {
+            let special = found.iter().flat_map(|branch| &branch.special);
+            let mut told = special.filter(|s| s.kind == SpecialKind::ChatterBorder);
+            assert!(told.any(|s| (s.point.parameter() - border).abs() < 1e-11));
+            let arcs = found.iter().filter(|branch| {
+                let ends = [branch.points.first(), branch.points.last()];
+                let mut ends = ends.into_iter().flatten();
+                ends.any(|end| {
+                    end.impacts.is_some_and(|impacts| impacts >= 9)
+                        && (end.parameter() - border).abs() < 1e-3
+                })
+            });
+            assert_eq!(arcs.count(), 1, "{longest_step}: {border}");
+        }
+        assert_eq!(found.len(), 3, "{longest_step}");
+        let points = found.iter().flat_map(|branch| &branch.points);
+        let periods = points.map(|point| point.period * point.parameter());
+        let turn = core::f64::consts::TAU;
+        assert!({ periods }.all(|turns| (turns - 2.0 * turn).abs() < 1e-9));
+    }
+}

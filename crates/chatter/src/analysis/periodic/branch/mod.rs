@@ -56,6 +56,7 @@ pub(super) use graze::moved;
 pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
 pub(super) use kept::{Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
+pub(super) use onward::beside;
 pub(super) use special::Seed;
 pub(super) use walker::{NOISE, Side};
 

@@ -3,7 +3,7 @@
 use super::holds::is_broken;
 use super::touch::Touched;
 use super::walker::Walker;
-use super::{Point, SpecialKind};
+use super::{Limits, Point, Seed, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::Step;
@@ -75,7 +75,7 @@ impl Walker {
         here: &mut Point,
         (before, broke): (usize, Option<&Station>),
     ) -> bool {
-        let parts = &BEYOND[(before / PATIENCE).min(BEYOND.len() - 1)..];
+        let distances = self.distances()[(before / PATIENCE).min(BEYOND.len() - 1)..].to_vec();
         let same = |orbit: &Orbit| orbit.impacts == here.impacts;
         let from = broke.unwrap_or(&curve.station).clone();
         let forward = self.heading(&from);
@@ -97,7 +97,7 @@ impl Walker {
         let wanted = |orbit: &Orbit| same(orbit) && passes(orbit);
         let Some(next) = ways
             .into_iter()
-            .find_map(|way| self.beyond(way, parts, wanted))
+            .find_map(|way| self.beyond(way, &distances, wanted))
         else {
             return false;
         };
@@ -176,13 +176,15 @@ impl Walker {
     ) -> Result<Station, String> {
         let touched = self.touched(&station.at, touch)?;
         self.note_touch(there, touched);
-        let next = self.beyond(station, &BEYOND, |orbit| orbit.impacts != there.impacts);
+        let distances = self.distances();
+        let next = self.beyond(station, &distances, |orbit| orbit.impacts != there.impacts);
         next.ok_or_else(|| "a contact opens there, and no orbit is found beyond".to_owned())
     }
 
     /// The same from the other side: chatter has shrunk to nothing, and beyond the contact stays closed. Whether that is so.
     pub(super) fn stays_closed(&mut self, curve: &mut Curve, here: &mut Point) -> bool {
         let before = self.shooting.clone();
+        let distances = self.distances();
         let another = |orbit: &Orbit| orbit.impacts != here.impacts;
         // From where the contact is released, and beyond is not.
         let releases = self.shooting.steps.iter().enumerate();
@@ -195,9 +197,10 @@ impl Walker {
             let closed = self.shooting.steps[index].closed.with(contact);
             let begin = (self.shooting.after(index), closed);
             let over = self.over_the_parameter(&curve.station);
-            self.beyond_from(&over, &BEYOND, begin, another)
+            self.beyond_from(&over, &distances, begin, another)
         });
-        let Some(next) = resting.or_else(|| self.beyond(&curve.station, &BEYOND, another)) else {
+        let Some(next) = resting.or_else(|| self.beyond(&curve.station, &distances, another))
+        else {
             return false;
         };
         let between = [curve.station.parameter(), next.parameter()];
@@ -225,11 +228,16 @@ impl Walker {
         over
     }
 
+    /// How far beyond a place where the sequence of events changes orbits are looked for.
+    fn distances(&self) -> [f64; BEYOND.len()] {
+        BEYOND.map(|part| part * self.limits.longest_step)
+    }
+
     /// The orbit a little farther on, read off the motion itself, if it is one that is looked for.
     fn beyond(
         &mut self,
         from: &Station,
-        parts: &[f64],
+        distances: &[f64],
         is_wanted: impl Fn(&Orbit) -> bool,
     ) -> Option<Station> {
         self.settle(from);
@@ -256,7 +264,7 @@ impl Walker {
         }
         nodes.into_iter().find_map(|(node, ..)| {
             let closed = self.shooting.closed_before(node);
-            self.beyond_from(from, parts, (node, closed), &is_wanted)
+            self.beyond_from(from, distances, (node, closed), &is_wanted)
         })
     }
 
@@ -264,14 +272,13 @@ impl Walker {
     fn beyond_from(
         &mut self,
         from: &Station,
-        parts: &[f64],
+        distances: &[f64],
         (node, closed): (usize, Closed),
         is_wanted: impl Fn(&Orbit) -> bool,
     ) -> Option<Station> {
         let workshop = self.shooting.workshop.clone();
         let last = from.at.len() - 1;
-        parts.iter().find_map(|part| {
-            let ahead = part * self.limits.longest_step;
+        distances.iter().find_map(|ahead| {
             let guess = from.at.iter().zip(&from.tangent);
             let guess: Vec<f64> = guess.map(|(x, by)| x + by * ahead).collect();
             let free = self.shooting.free(&guess).to_vec();
@@ -312,6 +319,32 @@ impl Walker {
             Some(station)
         })
     }
+}
+
+/// The orbit beside a solution, at this distance of the parameter in parts of its range: the one that the motion shows which goes on from
+/// there, if it is what is looked for.
+pub(in crate::analysis::periodic) fn beside(
+    (seed, limits): (&Seed, &Limits),
+    distance: f64,
+    is_wanted: impl Fn(&Orbit) -> bool,
+) -> Option<(Shooting<f64>, Station)> {
+    let mut walker = Walker {
+        shooting: seed.shooting.clone(),
+        limits: *limits,
+        points: Vec::new(),
+        special: Vec::new(),
+    };
+    let mut over = Station {
+        at: seed.at.clone(),
+        tangent: vec![0.0; seed.at.len()],
+        residual: 0.0,
+        correction: 0.0,
+        orientation: 1.0,
+    };
+    let scale = *walker.shooting.scales().last()?;
+    *over.tangent.last_mut()? = scale.copysign(distance);
+    let found = walker.beyond(&over, &[distance.abs()], is_wanted)?;
+    Some((walker.shooting, found))
 }
 
 /// Where, between two values of the parameter, the smallest of such guards touches zero on an orbit that does not meet it.

@@ -40,7 +40,7 @@ use crate::analysis::continuation::Left;
 use crate::flow::leg::{Astray, Flyer, Follower, Jump, Landing, Least, Leg, LegKind, Stretch};
 use crate::flow::{Closed, GuardKind, Settings};
 use crate::model::Model;
-use crate::numerics::Real;
+use crate::numerics::{DoubleDouble, Real};
 use std::sync::Arc;
 
 /// Sizes of states, where nothing is known of one that of the largest.
@@ -291,20 +291,14 @@ impl<R: Real> Shooting<R> {
     }
 
     /// Adds the turns of a period to the phases of all nodes, and what the latest one took states along that nothing depends on.
-    pub(crate) fn turn_on(&self, nodes: &mut [f64], at: &[R]) {
-        let parameters = self.workshop.parameters::<f64>(
-            &self
-                .free(at)
-                .iter()
-                .map(|p| p.to_f64())
-                .collect::<Vec<f64>>(),
-        );
+    pub(crate) fn turn_on(&self, nodes: &mut [R], at: &[R]) {
+        let parameters = self.workshop.parameters(self.free(at));
         let Ok(turns) = self.workshop.closure.turns(&parameters) else {
             return;
         };
         for (turn, &count) in turns.iter().zip(&self.counts) {
             for &place in &self.places {
-                nodes[place + turn.state] += turn.period * count as f64;
+                nodes[place + turn.state] += turn.period * R::splat(count as f64);
             }
         }
         let (Some(last), Some(seen)) = (self.latest.last(), &self.watching) else {
@@ -313,7 +307,7 @@ impl<R: Real> Shooting<R> {
         let (n, closure) = (last.image.len(), &self.workshop.closure);
         let idle = closure.idle.iter();
         for free in idle.filter(|free| !closure.is_phase(free.state)) {
-            let drift = (last.image[free.state] - self.node(seen, 0)[free.state]).to_f64();
+            let drift = last.image[free.state] - self.node(seen, 0)[free.state];
             for &place in &self.places {
                 free.carry(&mut nodes[place..place + n], drift);
             }
@@ -534,5 +528,18 @@ impl<R: Real> Shooting<R> {
     /// The period, known after an evaluation.
     pub(crate) fn period(&self) -> R {
         (self.latest.iter()).fold(R::ZERO, |sum, landing| sum + landing.duration)
+    }
+}
+
+impl Shooting<f64> {
+    /// The same equations in numbers of thirty digits.
+    pub(crate) fn in_longer_numbers(&self) -> Result<Shooting<DoubleDouble>, PeriodicError> {
+        let (steps, counts) = (self.steps.clone(), self.counts.clone());
+        let mut fine = Shooting::<DoubleDouble>::new(&self.workshop, steps, counts)?;
+        // Where the solution is zero but for rounding, its own size is none.
+        for (size, before) in fine.scales.iter_mut().zip(&self.scales) {
+            *size = size.max(*before);
+        }
+        Ok(fine)
     }
 }

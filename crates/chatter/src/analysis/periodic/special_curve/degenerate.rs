@@ -56,6 +56,16 @@ pub(super) struct Place<'p> {
     pub multipliers: &'p [Complex],
     pub bordered: &'p Bordered,
     pub from: &'p Station,
+    pub sided: Sided,
+}
+
+/// What is known of the side on which doubled orbits lie, which takes longest to tell.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sided {
+    /// It is asked for.
+    Asked,
+    /// It was told before.
+    Told(Option<f64>),
 }
 
 /// All functions of a kind of curve.
@@ -179,17 +189,20 @@ fn across_and_along(place: &Place<'_>) -> Option<([f64; 2], [f64; 2])> {
 
 /// How far across the curve the doubled orbits lie.
 fn side(place: &Place<'_>) -> Option<f64> {
+    if let Sided::Told(side) = place.sided {
+        return side;
+    }
     let Bordered::Singular(singular) = place.bordered else {
         return None;
     };
     let (across, along) = across_and_along(place)?;
-    let (by, _) = shift(
+    let held = [along.to_vec()];
+    shift(
         place.shooting,
         &place.station.at,
         singular,
-        (&across, &[along.to_vec()]),
-    )?;
-    Some(by)
+        (&across, &held),
+    )
 }
 
 /// How far across the curve of a graze the orbits lie whose impact has a rate, in parts of it. Where this changes its sign the graze

@@ -1,6 +1,6 @@
 //! One side of a curve of special points, station by station.
 
-use super::degenerate::{self, Test, ends, has_multipliers, tests};
+use super::degenerate::{self, Sided, Test, ends, has_multipliers, tests};
 use crate::analysis::continuation::{
     Curve, NewtonError, Problem, Station, StepError, locate, meeting,
 };
@@ -26,14 +26,14 @@ pub(super) struct Follower {
     pub limits: Limits,
     pub points: Vec<Point>,
     pub special: Vec<Special>,
+    /// Of a curve of doublings: the latest station, and the side on which the doubled orbits lie there.
+    pub sided: Option<(Vec<f64>, Option<f64>)>,
 }
 
 /// Borders are found anew where a curve has come this far, in steps.
 const RENEWED: usize = 8;
 /// Errors are no less than so many roundoffs of the parameter.
 const ROUNDOFFS: f64 = 64.0;
-/// Where the side changes on which doubled orbits lie is known to this part of the parameter: it is extrapolated.
-const SIDE: f64 = 1e-9;
 /// Where another curve is met what is solved for is singular: not so near, in parts of the way there.
 const NOT_QUITE: f64 = 1e-5;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
@@ -122,7 +122,10 @@ impl Follower {
             if steps % RENEWED == RENEWED - 1 {
                 let at = &curve.station.at;
                 match (self.condition).near(&mut self.shooting, at, Some(&bordered)) {
-                    Ok(renewed) => bordered = renewed,
+                    Ok(renewed) => {
+                        bordered = renewed;
+                        self.sided = None;
+                    }
                     Err(left) => break End::Lost(left.to_string()),
                 }
             }
@@ -276,7 +279,7 @@ impl Follower {
     ) -> Option<End> {
         let mut reader = self.shooting.clone();
         let (kind, grazing) = (self.kind, self.grazing);
-        let mut at = |station: &Station| -> Option<(Vec<Test>, f64)> {
+        let mut at = |station: &Station, sided: Sided| -> Option<(Vec<Test>, f64)> {
             reader.evaluate(&station.at).ok()?;
             let (multipliers, modulus_error) = multipliers(&reader, &station.at, grazing);
             let place = degenerate::Place {
@@ -286,10 +289,16 @@ impl Follower {
                 multipliers: &multipliers,
                 bordered,
                 from,
+                sided,
             };
             Some((tests(kind, &place), modulus_error))
         };
-        let ((before, from_error), (after, to_error)) = (at(from)?, at(to)?);
+        let known = self.sided.take().filter(|(there, _)| *there == from.at);
+        let sided = known.map_or(Sided::Asked, |(_, side)| Sided::Told(side));
+        let ((before, from_error), (after, to_error)) = (at(from, sided)?, at(to, Sided::Asked)?);
+        let is_side = |test: &&Test| test.kind == SpecialKind::GeneralisedDoubling;
+        let side = after.iter().find(is_side);
+        self.sided = side.map(|side| (to.at.clone(), side.value));
         let mut found = Vec::new();
         for (index, (test, after_test)) in before.iter().zip(&after).enumerate() {
             let (Some(before), Some(after)) = (test.value, after_test.value) else {
@@ -301,7 +310,11 @@ impl Follower {
                 continue;
             }
             let mut held = bordered.of(&mut self.shooting);
-            let mut value = |station: &Station| at(station)?.0.get(index)?.value;
+            let sided = match test.kind {
+                SpecialKind::GeneralisedDoubling => Sided::Asked,
+                _ => Sided::Told(None),
+            };
+            let mut value = |station: &Station| at(station, sided)?.0.get(index)?.value;
             let located = locate(&mut held, from, step, (before, after), &mut |_, station| {
                 value(station)
             });
@@ -341,15 +354,11 @@ impl Follower {
             return;
         }
         let point = self.told(station);
-        let part = match kind {
-            SpecialKind::GeneralisedDoubling => SIDE,
-            _ => ROUNDOFFS * f64::EPSILON,
-        };
         let scale = self.shooting.scales()[station.at.len() - 1];
         let off = (NOISE * station.correction).max((value / slope).abs());
         self.special.push(Special {
             kind,
-            error: (part * station.parameter().abs()).max(off * scale),
+            error: (ROUNDOFFS * f64::EPSILON * station.parameter().abs()).max(off * scale),
             residual: value.abs(),
             persists: None,
             above: None,

@@ -6,11 +6,13 @@
 //! degenerate   functions that vanish at points of codimension two
 //! border       curves of chatter borders, by the search for border orbits
 //! follower     one side of a curve, station by station
+//! passes       whether it goes through another point that was told
 //! ```
 
 pub(crate) mod border;
 mod degenerate;
 mod follower;
+pub(super) mod passes;
 pub(super) mod start;
 
 use super::branch::{Branch, End, Limits, Point, Side, Special, SpecialKind, joined};
@@ -81,6 +83,7 @@ pub(crate) fn follow(
             limits: *limits,
             points: Vec::new(),
             special: Vec::new(),
+            sided: None,
         };
         first.get_or_insert_with(|| follower.told(&station));
         sides.push(match follower.resume(diary)? {
