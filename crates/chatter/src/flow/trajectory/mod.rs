@@ -373,7 +373,7 @@ impl<R: Real> Trajectory<R> {
         };
         // What grows without bound comes to no end of numbers by steps that columns of derivatives are made units between.
         if self.silent.0 > MOST_SILENT {
-            return Err(self.undefined_here());
+            return Err(self.undefined_here(system));
         }
         Ok(told)
     }
