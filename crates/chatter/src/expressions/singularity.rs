@@ -215,8 +215,11 @@ impl Tape {
         let degree = |of: usize| self.degree(of, &producers, constants, (vanishing, &squared));
         // The least power of it, other than whole ones, that each series holds.
         let mut least = vec![f64::INFINITY; self.slots];
+        // What is multiplied by nothing, as flow through a closed valve is, is none.
+        let counts = |coefficient: usize| constants[coefficient] != R::ZERO;
         let of_terms = |least: &[f64], first: usize, end: usize| {
             (self.terms[first..end].iter())
+                .filter(|&&(coefficient, _)| counts(coefficient))
                 .fold(f64::INFINITY, |found, &(_, of)| found.min(least[of]))
         };
         let mut of_field = f64::INFINITY;

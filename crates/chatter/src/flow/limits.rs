@@ -197,7 +197,8 @@ impl Vector {
         (index, square): (usize, Expr),
         mode: &ModeExprs,
     ) -> Option<Self> {
-        let components = mechanics.graph.disc_of(square)?.components();
+        let disc = mechanics.graph.disc_of(square)?;
+        let components = disc.components(&mut mechanics.graph);
         let own = |slide: &&Slide| slide.index == index;
         let directions: Vec<Vec<Expr>> = (mechanics.slides.iter().filter(own))
             .map(|slide| slide.jump.clone())

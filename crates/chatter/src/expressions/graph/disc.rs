@@ -16,9 +16,13 @@ pub(crate) struct Disc {
 }
 
 impl Disc {
-    /// What vanishes where the vector does.
-    pub fn components(&self) -> Vec<Expr> {
-        self.parts.iter().map(|&(part, _)| part).collect()
+    /// The components of the vector: the sum is that of their squares.
+    pub fn components(&self, graph: &mut Graph) -> Vec<Expr> {
+        let scaled = |&(part, weight): &(Expr, DoubleDouble)| {
+            let scale = graph.number_exact(weight.sqrt());
+            graph.mul(scale, part)
+        };
+        self.parts.iter().map(scaled).collect()
     }
 
     /// What each component of the direction adds to a field, where the vector vanishes; none if that is not told.

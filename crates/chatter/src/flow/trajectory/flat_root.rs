@@ -189,20 +189,37 @@ impl<R: Real> Trajectory<R> {
         } else {
             1.0
         });
-        let (mut state, mut low) = (self.state.clone(), self.low.clone());
-        for ((x, low), &g) in state.iter_mut().zip(&mut low).zip(&gradient) {
-            let by = g * side * scale * R::splat(BESIDE) / square;
-            (*x, *low) = two_sum(*x, *low + by);
-        }
-        let rate = |tape| {
-            let mut expansion = Expansion::new(&[tape]);
-            expansion.run(tape, &constants.tape, &state, &low, R::ONE, 1);
-            expansion.series(slot)[1]
-        };
         let Some(without) = after_roots(&program.tape, slot, &constants.tape) else {
             return Ok(false);
         };
-        Ok(rate(&program.tape) < rate(&without))
+        let rates = |tape, (state, low): (&[R], &[R])| {
+            let mut expansion = Expansion::new(&[tape]);
+            expansion.run(tape, &constants.tape, state, low, R::ONE, 1);
+            expansion
+        };
+        // Now, or a moment before or after: what the root is multiplied by may begin or end here, as the opening of a valve does.
+        let unit = (self.reach.iter()).fold(self.longest_step, |most, &reach| most.max(reach));
+        let moment = unit * R::splat(R::ROUNDOFF).sqrt();
+        let still = rates(&without, (&self.state, &self.low));
+        let draws = |time: R| {
+            let (mut state, mut low) = (self.state.clone(), self.low.clone());
+            for (i, (&g, (x, low))) in (gradient.iter())
+                .zip(state.iter_mut().zip(&mut low))
+                .enumerate()
+            {
+                let by = g * side * scale * R::splat(BESIDE) / square;
+                let rate = still.series(i)[1];
+                let drift = if rate.is_finite() {
+                    rate * time
+                } else {
+                    R::ZERO
+                };
+                (*x, *low) = two_sum(*x, *low + by + drift);
+            }
+            let rate = |tape| rates(tape, (&state, &low)).series(slot)[1];
+            rate(&program.tape) < rate(&without)
+        };
+        Ok(draws(R::ZERO) || draws(moment) || draws(-moment))
     }
 }
 

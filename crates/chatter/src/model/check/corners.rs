@@ -39,7 +39,7 @@ impl Model {
                 let change = graph.lie_derivative(component, &columns[place]);
                 is_identically_zero(graph, change, size.0, size.1)
             };
-            let mut components = disc.components().into_iter().enumerate();
+            let mut components = disc.components(graph).into_iter().enumerate();
             Some(!components.any(|component| vanishes(graph, component)))
         };
         (squares.into_iter())

@@ -409,7 +409,8 @@ impl Resting {
             });
             let own = own.ok_or_else(undetermined)?;
             let columns = disc.columns(graph, &own).ok_or_else(undetermined)?;
-            for (surface, jump) in disc.components().into_iter().zip(columns) {
+            let components = disc.components(graph);
+            for (surface, jump) in components.into_iter().zip(columns) {
                 slides.push(Slide {
                     index,
                     surface,

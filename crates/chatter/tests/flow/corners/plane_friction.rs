@@ -222,3 +222,22 @@ fn columns_end_where_a_puck_does() {
         );
     }
 }
+
+/// Friction that is not the same in all directions holds, and lets go, by the ellipse of its forces. Expected: as above, by Radau from
+/// 1e-5 and 3e-6 after the start at 1/|(2, 4/3)|.
+#[test]
+fn friction_of_an_ellipse_breaks_away() {
+    let text = "[definitions]\ns = \"hypot(u, 2*v)\"\n[flight]\nu = \"0.6*t - 0.3*u/s\"\nv = \"0.8*t - 1.2*v/s\"\n\
+                [initial]\nu = 0\nv = 0\n";
+    let run = run::<f64>(text, 1.0);
+    assert_eq!(run.outcome, Outcome::Horizon);
+    let events = rests(&run);
+    assert_eq!(events.len(), 1, "{events:?}");
+    assert!(
+        (events[0].1 * 2.0_f64.hypot(4.0 / 3.0) - 1.0).abs() < 1e-14,
+        "{events:?}"
+    );
+    for (x, expected) in run.state.iter().zip([0.12553523318714, 0.08251893775477]) {
+        assert!((x - expected).abs() < 1e-12, "{x} {expected}");
+    }
+}

@@ -535,3 +535,38 @@ fn two_vessels_come_to_one_level() {
         }
     }
 }
+
+/// A chamber that has come to supply pressure stays there, whether the valve between opens or closes, and however it does; in whatever
+/// units. Until then sqrt(b) falls by K/2 times the integral of the opening.
+#[test]
+fn a_chamber_at_supply_pressure_stays_there_as_its_valve_closes() {
+    fn stays<R: Real>() {
+        for (opening, pressure, time) in [
+            ("max(sin(w*t), 0)", 1.0_f64, 1.0),
+            ("max(sin(w*t), 0)", 0.0, 0.37),
+            ("max(sin(w*t), 0)", 7.3e5, 41.0),
+            ("abs(sin(w*t))", 1.0, 1.0),
+            ("abs(sin(w*t))", -3.7, 1e-3),
+            ("(1 - cos(w*t))", 0.7, 60.0),
+            ("max(sin(w*t), 0)^2", 2.3, 3.1),
+        ] {
+            let scale = if pressure == 0.0 {
+                1.0_f64
+            } else {
+                pressure.abs()
+            };
+            let k = 3.0 * scale.sqrt() / time;
+            let text = format!(
+                "[parameters]\nK = {k:?}\nP = {pressure:?}\nw = {:?}\n[flight]\n\
+                 p = \"K*{opening}*sign(P - p)*sqrt(abs(P - p))\"\n[initial]\np = {:?}\n",
+                1.0 / time,
+                pressure - 0.7 * scale
+            );
+            let end = run::<R>(&text, 40.0 * time);
+            assert_eq!(end.outcome, Outcome::Horizon, "{opening} {pressure} {time}");
+            assert_eq!(end.state[0].to_f64(), pressure, "{opening} {time}");
+        }
+    }
+    stays::<f64>();
+    stays::<DoubleDouble>();
+}
