@@ -70,7 +70,8 @@ fn a_dented_floor_is_hit_later() {
     }
 }
 
-/// Dents that shrink with the rate follow each other without end, up to the time that they add up to.
+/// Dents that shrink with the rate follow each other without end, up to the time that they add up to: the flights of heights
+/// that are below a rounding of the floor's place, a root of one in length, are known no better.
 #[test]
 fn a_ball_hops_in_its_dent_as_long_as_it_can_be_told() {
     let change = "reset = { v = \"-v/2\", s = \"s - 0.01*v^2*T^2/l\" }";
@@ -120,13 +121,13 @@ fn an_impact_that_puts_the_state_into_the_wall_is_an_error() {
 
 /// A state that the impact puts onto the contact has moved nothing.
 #[test]
-fn a_state_that_is_put_onto_the_floor_chatters_as_ever() {
+fn a_state_that_is_put_onto_the_floor_is_on_it() {
     for change in [
         "reset = { v = \"-v/2\", y = \"s\" }",
         "reset = { v = \"-v/2\", y = \"y + 0*v\" }",
     ] {
-        let (times, outcome) = impacts(change, [1.0, 1.0], 4.0);
-        assert_eq!(outcome, Outcome::Rest);
+        let (times, _) = impacts(change, [1.0, 1.0], 2.9);
+        assert_eq!(times.len(), 5, "{change}: {times:?}");
         let exact = fall(|_| 0.0, times.len());
         for (time, exact) in times.iter().zip(&exact) {
             assert!((time - exact).abs() < 1e-13, "{change}: {times:?}");
