@@ -111,7 +111,7 @@ impl System {
         let map = onto_what_holds(graph, &held, &map, self.model().time);
         let columns = columns(coordinates, free);
         let section = section.filter(|&section| kind.ends_at != Some(GuardKind::Section(section)));
-        let watch = Watch::new(self, graph, &field, (guards, asked), section);
+        let watch = Watch::new(self, graph, &field, [guards, asked], section);
         let edge = Edge::new(self.model(), graph, (&field, surface, &map), free);
         let smooth = bare(self.model(), graph, &field, Vec::new());
         let flow = System::with_columns(&smooth, &columns).ok()?.past_roots();

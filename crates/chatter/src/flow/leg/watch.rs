@@ -98,7 +98,7 @@ impl Watch {
         system: &System,
         graph: &mut Graph,
         field: &[Expr],
-        (guards, asked): (Vec<(GuardKind, Expr)>, Vec<(GuardKind, Expr)>),
+        [guards, asked]: [Vec<(GuardKind, Expr)>; 2],
         section: Option<usize>,
     ) -> Self {
         let model = system.model();

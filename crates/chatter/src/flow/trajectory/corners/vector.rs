@@ -65,6 +65,9 @@ struct Holding<R> {
     directions: Vec<Vec<R>>,
 }
 
+/// The state with its remainders where a vector has these components.
+type Displaced<'a, R> = dyn Fn(&[R]) -> Option<(Vec<R>, Vec<R>)> + 'a;
+
 impl<R: Real> Holding<R> {
     fn at(tapes: &StandingTapes, constants: &[R], start: (&[R], &[R])) -> Option<Self> {
         let size = tapes.components.outputs.len();
@@ -371,7 +374,7 @@ impl<R: Real> Trajectory<R> {
         &self,
         staying: &Staying<'_, R>,
         holding: &Holding<R>,
-        (at, step): (&dyn Fn(&[R]) -> Option<(Vec<R>, Vec<R>)>, R),
+        (at, step): (&Displaced<'_, R>, R),
     ) -> Option<Vec<R>> {
         let length = dot(&holding.l, &holding.l).sqrt();
         let n: Vec<R> = holding.l.iter().map(|&l| l / length).collect();
