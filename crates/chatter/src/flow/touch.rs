@@ -2,7 +2,7 @@
 
 use super::looked_up::LookedUp;
 use super::variation::Direction;
-use crate::expressions::{Expansion, Expr, Graph, Negligible, Node, Symbol, Tape};
+use crate::expressions::{Expansion, Expr, Graph, Negligible, Node, Operand, Symbol, Tape};
 use crate::model::Mechanics;
 use crate::numerics::dispatch::{Kernel, dispatch_narrow};
 use crate::numerics::{Real, WithTerms};
@@ -405,6 +405,24 @@ pub(crate) fn series_with_terms<R: Real>(
     expansion.run(tape, &numbers, &state, &low, unit[0], order);
     let series = expansion.series(slot).iter();
     series.map(|&c| WithTerms::of_series(c)).collect()
+}
+
+/// What these operands of a tape are at a point, with their terms.
+pub(crate) fn operands_with_terms<R: Real>(
+    tape: &Tape,
+    constants: &[R],
+    start: (&[R], &[R]),
+    places: &[Operand],
+) -> Vec<WithTerms<R>> {
+    let (state, low) = (WithTerms::all(start.0), WithTerms::remainders(start.1));
+    let numbers = WithTerms::all(constants);
+    let mut expansion = Expansion::new(&[tape]);
+    expansion.run(tape, &numbers, &state, &low, WithTerms::exact(R::ONE), 0);
+    let value = |place: &Operand| match *place {
+        Operand::Series(slot) => expansion.series(slot)[0],
+        Operand::Constant(place) => numbers[place],
+    };
+    places.iter().map(value).collect()
 }
 
 /// A tape without the roots of what one of its series is, if that is all that is left out.

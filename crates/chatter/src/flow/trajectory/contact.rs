@@ -4,19 +4,30 @@
 //! neither force nor acceleration can be told from zero, the jerk decides, as at release.
 
 use super::Trajectory;
+use crate::expressions::Operand;
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
+use crate::flow::guard::{Guard, GuardKind};
 use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Closed, Grip, LOCAL_SCALARS};
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
-use crate::flow::touch::with_terms;
+use crate::flow::touch::{operands_with_terms, with_terms};
 use crate::flow::touching::{Left, Touching};
 use crate::numerics::complementarity::{Complementary, complementary};
 use crate::numerics::{Real, WithTerms, dot};
 
 /// Captures of columns one contact after the other converge at least as fast as plastic collisions do, by halves.
 const COLUMN_SWEEPS: usize = 60;
+
+/// By how much a contact that carries pushes.
+#[derive(Clone, Copy, Debug)]
+struct Push<R> {
+    contact: usize,
+    /// In parts of what changes its own rate.
+    force: R,
+    /// What cannot be told from zero.
+    level: R,
+}
 
 /// What contacts at rest do: forces p and accelerations w, one of which is zero for each.
 struct Forces<R> {
@@ -122,6 +133,12 @@ impl<R: Real> Trajectory<R> {
             return self.settle_together(system, work, all);
         }
         let (before, sides) = (self.clone(), self.standing_sides());
+        if self.may_stick(system, all)? {
+            if self.stick_together(system, all).unwrap_or(false) {
+                return self.capture_columns(system, work);
+            }
+            self.clone_from(&before);
+        }
         self.resist_opening(system, all)?;
         let settled = self.settle_together(system, work, all);
         if settled.is_ok()
@@ -179,15 +196,96 @@ impl<R: Real> Trajectory<R> {
         })
     }
 
-    /// Whether the contacts that are closed stay so on the sides that hold now: their forces are determined, and none of them
-    /// moves apart at once.
-    pub(super) fn contacts_stay(&self, system: &System) -> bool {
-        let contacts: Vec<usize> = self.grip().carrying().contacts().collect();
-        if contacts.is_empty() {
-            return true;
+    /// Whether the contacts that are closed stay so on the sides that hold now: none of them pulls, with the friction that sticks; and
+    /// whether all of them push.
+    pub(super) fn contacts_stay(&self, system: &System) -> [bool; 2] {
+        let Ok(reactions) = self.reactions(system) else {
+            return [false; 2];
+        };
+        let stays = reactions.iter().all(|push| push.force >= -push.level);
+        [stays, reactions.iter().all(|push| push.force > push.level)]
+    }
+
+    /// By how much the contacts that carry push in the present mode.
+    fn reactions(&self, system: &System) -> Result<Vec<Push<R>>, FlowError> {
+        if self.closed == Closed::NONE {
+            return Ok(Vec::new());
         }
-        self.forces_at_rest(system, &contacts)
-            .is_ok_and(|forces| forces.found.w.iter().all(|&apart| apart <= forces.level))
+        let program = self.program(system)?;
+        let Some(constants) = &self.constants[self.mode] else {
+            return Ok(Vec::new());
+        };
+        let start = (&self.state[..], &self.low[..]);
+        let pushing = |guard: &Guard| Some((guard.opening()?, guard.series));
+        let (contacts, places): (Vec<usize>, Vec<Operand>) =
+            program.guards.iter().filter_map(pushing).unzip();
+        let forces = operands_with_terms(&program.tape, &constants.tape, start, &places);
+        // A force is told from zero by all that it balances, which formulas may have cancelled.
+        let greatest = self.touch_values(system)?.greatest_accelerations();
+        let level = (self.closed.contacts())
+            .map(|contact| WithTerms::exact(greatest[contact]).level())
+            .fold(R::ZERO, R::max);
+        let all = contacts.into_iter().zip(forces);
+        Ok(all
+            .map(|(contact, force)| Push {
+                contact,
+                force: force.value,
+                level: level.max(force.level()),
+            })
+            .collect())
+    }
+
+    /// Whether any of several contacts at rest has friction and does not slide.
+    fn may_stick(&self, system: &System, all: Closed) -> Result<bool, FlowError> {
+        for rubbing in system.rubbing() {
+            if all.contains(rubbing.contact) {
+                let rate = self.rate_of_sliding(system, rubbing.contact)?;
+                if rate.is_some_and(|rate| rate.value.abs() <= rate.level()) {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    /// Several contacts at rest, some of which may stick: their friction decides about the forces of the others, and these about what
+    /// it can hold. All are taken as closed, on the sides that follow from that; one that pulls opens, the one that pulls most first,
+    /// until all push. Whether what is left holds: so it is one of the motions of contacts that obey Coulomb's law, be their forces
+    /// determined or not. The mode may be any if it does not.
+    fn stick_together(&mut self, system: &System, all: Closed) -> Result<bool, FlowError> {
+        self.enter(system, all)?;
+        while self.closed != Closed::NONE {
+            self.put_right(system, None)?;
+            let reactions = self.reactions(system)?;
+            let weakest = reactions.iter().reduce(|a, b| {
+                let is_less = b.force / b.level < a.force / a.level;
+                if is_less { b } else { a }
+            });
+            let Some(&Push {
+                contact,
+                force,
+                level,
+            }) = weakest
+            else {
+                break;
+            };
+            if force > level {
+                break;
+            }
+            // What neither pushes nor pulls is decided by derivatives, and idle contacts may push in the place of others.
+            if force >= -level || self.idle != Closed::NONE {
+                return Ok(false);
+            }
+            self.enter(system, self.closed.without(contact))?;
+        }
+        for contact in Closed(all.0 & !self.closed.0).contacts() {
+            let acceleration = self.acceleration(system, contact)?;
+            if acceleration.value <= acceleration.level() {
+                return Ok(false);
+            }
+            self.leave_gap(system, contact, 2);
+        }
+        Ok(true)
     }
 
     /// By complementarity of the contacts' forces and accelerations, on the sides that hold now and on those that contacts
@@ -375,15 +473,12 @@ impl<R: Real> Trajectory<R> {
             self.rest_again(system, work)?;
             return Ok(self.pending.pop_front());
         }
-        let contacts: Vec<usize> = self.grip().carrying().contacts().collect();
-        if contacts.len() > 1 {
-            let forces = self.forces_at_rest(system, &contacts)?;
-            let vanishes = |(_, force): &(&usize, &R)| **force <= forces.level;
-            let all = (contacts.iter().zip(&forces.found.p)).filter(vanishes);
+        if self.grip().carrying().contacts().nth(1).is_some() {
             let (mut count, mut is_among) = (0, false);
-            for (&other, _) in all {
-                count += 1;
-                is_among |= other == contact;
+            for push in self.reactions(system)? {
+                let vanishes = push.force <= push.level;
+                count += usize::from(vanishes);
+                is_among |= vanishes && push.contact == contact;
             }
             if is_among && count > 1 {
                 self.rest_again(system, work)?;

@@ -11,5 +11,6 @@ mod nested_chatter;
 mod painleve;
 mod several_contacts;
 mod several_releases;
+mod standing;
 mod thrown_together;
 mod waves;

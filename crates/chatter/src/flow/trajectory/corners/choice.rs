@@ -93,6 +93,7 @@ impl<R: Real> Trajectory<R> {
         } else {
             self.forget_what_lets_go(system, &mut verdicts, now);
         }
+        forget_what_may_push(&mut verdicts);
         if verdicts.iter().any(|verdict| verdict.opens_there) {
             verdicts.retain(|verdict| verdict.opens_there);
         }
@@ -372,6 +373,20 @@ impl<R: Real> Trajectory<R> {
             surfaces: names(system, touched),
         }
     }
+}
+
+/// Of modes of one motion those are left in which all contacts push, and of these the ones in which most stick that do not slide: they
+/// say when it ends.
+fn forget_what_may_push<R: Real>(verdicts: &mut Vec<Verdict<R>>) {
+    let is_behind: Vec<bool> = (verdicts.iter())
+        .map(|verdict| {
+            let rank = |verdict: &Verdict<R>| (!verdict.contacts_push, verdict.loose);
+            let mut others = (verdicts.iter()).filter(|other| rank(other) < rank(verdict));
+            others.any(|other| vanishes(&other.fields, &verdict.fields))
+        })
+        .collect();
+    let mut places = is_behind.into_iter();
+    verdicts.retain(|_| places.next() == Some(false));
 }
 
 /// Whether two fields move the state alike: their difference is rounding, or no larger than what an

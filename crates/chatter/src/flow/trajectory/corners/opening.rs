@@ -55,11 +55,14 @@ impl<R: Real> Trajectory<R> {
         let Corner::Surface(index) = corner else {
             return Ok(true);
         };
-        if let Some(rubs) = system.rubbing().iter().find(|r| r.surface == index) {
-            // What does not slide, held by another contact, sticks as well.
-            return Ok(!self.grip().carrying().contains(rubs.contact));
-        }
-        let side = self.side_of_opening(system, corner, (self.closed, self.closed))?;
+        let carrying = self.grip().carrying();
+        let opening = match system.rubbing().iter().find(|r| r.surface == index) {
+            // Friction of a contact that another one keeps from sliding resists the opening of that.
+            Some(rubs) if carrying.contains(rubs.contact) => carrying.without(rubs.contact),
+            Some(_) => return Ok(true),
+            None => self.closed,
+        };
+        let side = self.side_of_opening(system, corner, (self.closed, opening))?;
         Ok(side.is_none_or(|side| self.regime.get(index) == side))
     }
 

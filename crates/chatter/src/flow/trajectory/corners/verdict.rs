@@ -24,10 +24,14 @@ pub(super) struct Verdict<R> {
     pub(super) roots: Vec<(GuardKind, u8)>,
     /// Nothing moves it off a corner.
     pub(super) is_balanced: bool,
-    /// Contacts that are closed stay so at least at first.
+    /// Contacts that are closed stay so at least at first, …
     pub(super) contacts_stay: bool,
-    /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them; and they stick, if they can.
+    /// … and all that carry push.
+    pub(super) contacts_push: bool,
+    /// On surfaces that closed contacts keep it on it is on the side that it leaves to with them.
     pub(super) opens_there: bool,
+    /// How many contacts rub on a side without sliding, as others keep them from it.
+    pub(super) loose: usize,
     /// On corners that nothing moves it off it is where plain evaluation says.
     pub(super) is_plain: bool,
     /// Of what vanishes at corners that nothing moves it off it takes no root.
@@ -75,7 +79,9 @@ impl<R: Real> Trajectory<R> {
             roots: Vec::new(),
             is_balanced: false,
             contacts_stay: true,
+            contacts_push: true,
             opens_there: true,
+            loose: 0,
             is_plain: true,
             is_smooth: true,
             rests: Surfaces::default(),
@@ -193,6 +199,8 @@ impl<R: Real> Trajectory<R> {
                         {
                             verdict.lies_beside.push(index);
                         }
+                        verdict.loose +=
+                            usize::from(!is_slid && self.rubs_at(system, standing.corner));
                         verdict.opens_there &=
                             is_slid || self.opens_there(system, standing.corner)?;
                         verdict.is_plain &= is_slid || self.is_plain(system, standing);
@@ -202,7 +210,7 @@ impl<R: Real> Trajectory<R> {
                 }
             }
         }
-        verdict.contacts_stay = self.contacts_stay(system);
+        [verdict.contacts_stay, verdict.contacts_push] = self.contacts_stay(system);
         Ok(Some(verdict))
     }
 
@@ -271,6 +279,13 @@ impl<R: Real> Trajectory<R> {
     /// That what must not vanish in the present mode does so.
     fn singular_here(&self, system: &System) -> Option<FlowError> {
         Some(self.singular_near(system)?.1)
+    }
+
+    /// Whether a corner is the rate of sliding of a contact that carries.
+    fn rubs_at(&self, system: &System, corner: Corner) -> bool {
+        let carrying = self.grip().carrying();
+        let mut rubbing = system.rubbing().iter();
+        rubbing.any(|r| corner == Corner::Surface(r.surface) && carrying.contains(r.contact))
     }
 
     /// Whether plain evaluation takes the piece of a corner that the state is on.
