@@ -185,9 +185,9 @@ fn a_journal_with_wrong_rows_is_gone_on_with_from_the_right_ones() {
     let length = |at: usize| u64::from_le_bytes(good[at..at + 8].try_into().unwrap()) as usize;
     let row = 16 + 12 + length(16);
     let body = row + 12;
-    // Origin and orbit stand before it.
+    // Origin, orbit and its sizes stand before it.
     let behind = |list: usize| list + 8 + 8 * length(list);
-    let end = behind(behind(body + 34));
+    let end = behind(behind(behind(body + 34)));
     assert_eq!(length(end), 3);
     let end = end - body;
     let mut changed = good[body..body + length(row)].to_vec();
