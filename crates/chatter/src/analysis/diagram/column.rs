@@ -34,6 +34,8 @@ pub(super) struct Column {
     accumulations: Vec<bool>,
     tail: Tail,
     kinds: Vec<CoordinateKind>,
+    /// The largest size of each coordinate at any return so far.
+    largest: Vec<f64>,
     /// What sizes coordinates have, on the way from sample to sample, too.
     sizes: Vec<f64>,
     origin: Vec<f64>,
@@ -69,6 +71,7 @@ impl Column {
             accumulations: Vec::new(),
             tail: Tail::new(sweep.coordinates().len(), judged(spec)),
             kinds: Vec::new(),
+            largest: vec![0.0; sweep.coordinates().len()],
             sizes: Vec::new(),
             origin,
             end: Vec::new(),
@@ -117,6 +120,9 @@ impl Column {
             Some(way) => way.then(passage),
             None => *passage,
         };
+        for (most, x) in self.largest.iter_mut().zip(arrival.point) {
+            *most = most.max(x.abs());
+        }
         self.until_sample -= 1;
         if self.until_sample > 0 {
             self.way = Some(way);
@@ -165,9 +171,9 @@ impl Column {
         }
     }
 
-    /// What sizes the coordinates have: at samples, where the orbit started, where orbits of the map start, and on the way of
-    /// another return. One that is zero at all samples, as across a section, has a size elsewhere; one that has died out had it at
-    /// the start.
+    /// What sizes the coordinates have: at all returns, where the orbit started, where orbits of the map start, and on the way of
+    /// another return. One that is zero at all samples, as across a section, has a size elsewhere; one that has died out had it
+    /// before.
     fn find_sizes(&mut self, map: &dyn Map, arrival: &Arrival<'_>) {
         let mut elsewhere = Tail::new(arrival.point.len(), usize::MAX);
         elsewhere.push(&self.origin);
@@ -177,9 +183,18 @@ impl Column {
             elsewhere.push(&map.on_the_way(arrival.parameters, from, time));
         }
         elsewhere.relate(&self.kinds);
-        let pairs = self.tail.sizes().into_iter().zip(elsewhere.sizes());
-        let largest = pairs.map(|(a, b)| if b.is_finite() { a.max(b) } else { a });
-        self.sizes = largest.collect();
+        let mut before = self.largest.clone();
+        // How far something has come says nothing of what is told relative to it.
+        for kind in &self.kinds {
+            if let CoordinateKind::Idle { others } = kind {
+                others.iter().for_each(|&(other, _)| before[other] = 0.0);
+            }
+        }
+        let sizes = self.tail.sizes().into_iter().zip(elsewhere.sizes());
+        let finite = |size: f64| if size.is_finite() { size } else { 0.0 };
+        self.sizes = (sizes.zip(before))
+            .map(|((size, there), before)| size.max(finite(there)).max(finite(before)))
+            .collect();
     }
 
     fn period(&self, sweep: &Sweep) -> Option<usize> {

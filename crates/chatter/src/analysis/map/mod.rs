@@ -68,8 +68,9 @@ pub trait Map: Sync {
         carry.end.to_vec()
     }
 
-    /// Points between a point that was in this phase and what it comes to after so long a time, one after the other: what sizes
-    /// coordinates have that are the same at all points of the map. A map without time has none.
+    /// Points between a point that was in this phase and what it comes to after so long a time, one after the other, and what the
+    /// terms of its rates make in that time: what sizes coordinates have that are the same at all points of the map, or zero
+    /// but for rounding. A map without time has none.
     fn on_the_way(&self, _parameters: &[f64], _from: (&[f64], Phase), _duration: f64) -> Vec<f64> {
         Vec::new()
     }

@@ -64,7 +64,7 @@ enum Clock {
 /// So many steps at most show what sizes coordinates have on the way.
 const MOST_SHOWN: usize = 1000;
 
-/// The states after the steps of so long a way from a point that was in this phase.
+/// The states after the steps of so long a way from a point that was in this phase, and what the terms of its rates make on it.
 pub(super) fn on_the_way(
     map: &ReturnMap,
     parameters: &[f64],
@@ -96,6 +96,8 @@ pub(super) fn on_the_way(
             break;
         }
     }
+    let terms = trajectory.terms_of_rates(&map.system);
+    states.extend(terms.into_iter().flatten().map(|terms| terms * duration));
     states
 }
 

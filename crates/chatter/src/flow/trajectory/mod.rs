@@ -38,7 +38,7 @@ use super::resolve::{Resolution, Unsettled, crossed_here, resolve};
 use super::sides::Sides;
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
-use super::touch::TouchConstants;
+use super::touch::{TouchConstants, with_terms};
 use super::touching::{Left, Touching};
 use crate::expressions::Sides as SurfaceSides;
 use crate::model::Simultaneous;
@@ -721,6 +721,17 @@ impl<R: Real> Trajectory<R> {
             return self.after_impact(system, work, program, (contact, &impact));
         }
         self.after_impact_at_corners(system, work, contact, impact)
+    }
+
+    /// How large the terms are that the rate of each coordinate is the sum of.
+    pub(crate) fn terms_of_rates(&self, system: &System) -> Option<Vec<f64>> {
+        let (program, constants) = (
+            system.program(self.mode)?,
+            self.constants[self.mode].as_ref()?,
+        );
+        let start = (&self.state[..], &self.low[..]);
+        let rates = with_terms(&program.field, &constants.field, start);
+        Some(rates.iter().map(|rate| rate.terms).collect())
     }
 
     /// What is left of a predicted flight after a step that did not end it.
