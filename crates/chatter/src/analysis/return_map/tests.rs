@@ -452,7 +452,8 @@ fn rows_do_not_depend_on_units() {
     });
     let rows = |amplitude, beside| {
         let map = ReturnMap::new(&beside_another(amplitude, beside), &strobe).unwrap();
-        let mut spec = Spec::new(Range::linear("w", 2.5, 2.833_333_3, 3), "v", 300, 300);
+        // So many that chaos is told from chance.
+        let mut spec = Spec::new(Range::linear("w", 2.5, 2.833_333_3, 3), "v", 300, 3000);
         spec.exponent = Exponent::Largest;
         diagram(&map, &spec, &Threads::new(1)).unwrap()
     };
