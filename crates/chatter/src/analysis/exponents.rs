@@ -83,14 +83,14 @@ pub fn exponents(
         (system.trajectory_from(&parameters, &start)).map_err(PeriodicError::Start)?;
     let begin = trajectory.time();
     // Lengths say what is forgotten in units that the motion itself takes for like ones, before it forgets any.
-    let mut natural: Option<Vec<f64>> = None;
+    let mut units = vec![1.0; n];
+    let mut are_natural = false;
     let mut growth: Vec<Vec<f64>> = Vec::new();
     let total = spec.transient + spec.intervals;
     for interval in 0..total {
         if interval % 8 == 0 && observer(interval as f64 / total as f64).is_break() {
             break;
         }
-        let mut units = natural.clone().unwrap_or_else(|| vec![1.0; n]);
         put(&frame, &units, (&system, &mut work, &mut trajectory))?;
         trajectory.set_horizon(begin + spec.interval * (interval + 1) as f64);
         let mut steps = 0;
@@ -105,31 +105,29 @@ pub fn exponents(
                 return Err(no_derivative(model, why));
             }
             forgets |= told.is_some_and(|told| may_forget(model, &told));
-            if natural.is_none() && !forgets {
+            if !are_natural && !forgets {
                 take(&mut whole, &units, &trajectory, model);
             }
             let is_over = told == Some(Occurrence::Horizon);
             let is_large = trajectory.is_between_steps()
                 && (trajectory.state()[n..].iter()).any(|x| x.abs() > LARGE);
-            if natural.is_none() && (is_over || is_large) {
+            if is_over || (!are_natural && is_large) {
                 take(&mut frame, &units, &trajectory, model);
-                units = natural_units(&whole, &moving, n);
-                for (displacement, &i) in frame.iter_mut().zip(&moving) {
-                    (displacement.iter_mut().zip(&units))
-                        .for_each(|(x, unit)| *x *= units[i] / unit);
+                if !are_natural {
+                    are_natural = true;
+                    units = natural_units(&whole, &moving, n);
+                    for (displacement, &i) in frame.iter_mut().zip(&moving) {
+                        (displacement.iter_mut().zip(&units))
+                            .for_each(|(x, unit)| *x *= units[i] / unit);
+                    }
                 }
                 add(&mut logarithms, &orthonormal(&mut frame, &moving, forgets));
-                natural = Some(units.clone());
                 if is_over {
                     break;
                 }
                 put(&frame, &units, (&system, &mut work, &mut trajectory))?;
                 forgets = trajectory.is_held(&system);
-            } else if is_over {
-                take(&mut frame, &units, &trajectory, model);
-                add(&mut logarithms, &orthonormal(&mut frame, &moving, forgets));
-                break;
-            } else if natural.is_some() && trajectory.is_between_steps() {
+            } else if are_natural && trajectory.is_between_steps() {
                 let mut ahead = frame.clone();
                 take(&mut ahead, &units, &trajectory, model);
                 let grown = orthonormal(&mut ahead, &moving, forgets);

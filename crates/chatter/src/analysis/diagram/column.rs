@@ -245,7 +245,6 @@ impl Column {
         } else {
             settled
         };
-        let units = units(&self.kinds, &self.sizes);
         let tangent = self.tangent.take();
         let mut row = self.take(sweep, outcome);
         row.period = period.unwrap_or(0) as u64;
@@ -257,6 +256,7 @@ impl Column {
         if spec.exponent == Exponent::Skip {
             return Need::Done(row);
         }
+        let units = units(&self.kinds, &self.sizes);
         let mut companion = Companion::new(map.directions(), units);
         let Some(origin) = companion.origin(&self.trail) else {
             return Need::Done(row);
@@ -318,7 +318,7 @@ impl Column {
             sizes: if self.orbit.is_empty() {
                 Vec::new()
             } else {
-                core::mem::take(&mut self.sizes)
+                self.sizes.clone()
             },
             orbit: core::mem::take(&mut self.orbit),
             end: core::mem::take(&mut self.end),
