@@ -126,7 +126,7 @@ impl Report<'_> {
             .filter(|&(index, _)| Some(index) != self.model.time)
             .map(|(_, state)| NamedFormula {
                 name: state.name.clone(),
-                text: self.formula(state.derivative),
+                text: self.formula(state.written),
             })
             .collect()
     }

@@ -47,7 +47,7 @@ pub fn answer(answering: &Answering, question: &CheckQuestion) -> Result<(), Ref
             json!({
                 "name": state.name,
                 "value": value,
-                "derivative": model.formula(state.derivative),
+                "derivative": model.formula(state.written),
                 "label": label(state.label.as_ref()),
                 "time": model.time == Some(index),
                 "depends": depends(&model, state.initial),

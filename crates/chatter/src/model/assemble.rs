@@ -4,6 +4,7 @@
 mod contacts;
 mod dependency;
 mod initial;
+mod jumps;
 mod naming;
 mod overrides;
 pub(super) mod scope;
@@ -115,6 +116,7 @@ impl<'a> Assembly<'a> {
             .map(|((entry, derivative), initial)| State {
                 name: entry.name.text.clone(),
                 derivative,
+                written: derivative,
                 initial: *initial,
                 label: None,
             })
@@ -134,6 +136,7 @@ impl<'a> Assembly<'a> {
             states.push(State {
                 name: TIME.to_owned(),
                 derivative: self.graph.number(1.0),
+                written: self.graph.number(1.0),
                 initial: initial.last().copied().unwrap_or(zero),
                 label: None,
             });
@@ -161,6 +164,7 @@ impl<'a> Assembly<'a> {
         }
         self.check_circles(&model);
         self.label(&mut model, draft);
+        model.part_jumps();
         model.surfaces = model.surface_names();
         model
     }

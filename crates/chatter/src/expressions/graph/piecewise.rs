@@ -289,9 +289,14 @@ impl Graph {
         &self.curves[id.0 as usize]
     }
 
-    /// Names of all curves.
+    /// Names of all curves, each once.
     pub fn curve_names(&self) -> impl Iterator<Item = &str> {
-        self.curves.iter().map(|curve| curve.name())
+        let names = self.curves.iter().map(|curve| curve.name()).enumerate();
+        let is_first = |&(place, name): &(usize, &str)| {
+            let before = &self.curves[..place];
+            before.iter().all(|curve| curve.name() != name)
+        };
+        names.filter(is_first).map(|(_, name)| name)
     }
 
     /// A curve, or a derivative of it, at an argument.

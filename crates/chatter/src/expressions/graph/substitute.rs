@@ -17,6 +17,19 @@ impl Graph {
         known[expr.index()]
     }
 
+    /// `expr` with parts of it replaced by others, and simplified again.
+    pub(crate) fn with_replaced(&mut self, expr: Expr, replaced: &[(Expr, Expr)]) -> Expr {
+        let mut known = vec![expr; expr.index() + 1];
+        for old in self.reachable(&[expr]) {
+            let other = replaced.iter().find(|&&(part, _)| part == old);
+            known[old.index()] = match other {
+                Some(&(_, other)) => other,
+                None => self.with_parts(old, &known, &|_| None),
+            };
+        }
+        known[expr.index()]
+    }
+
     /// The node `old` with what has become of its parts.
     pub(super) fn with_parts(
         &mut self,

@@ -240,6 +240,10 @@ impl<R: Real> Trajectory<R> {
         let mut after = self.state.clone();
         let start = (&self.state[..], &self.low[..]);
         work.values_at(&tapes.after, &constants[0], start, &mut after);
+        // What is put at a distance from another state is there to the digits of the distance, not of where that is.
+        let mut remainders: Vec<R> = (0..after.len())
+            .map(|i| work.point.output_remainder(&tapes.after, i))
+            .collect();
         // A whole part jumps at a whole number: where no motion says which, it is that of the very number that it is taken of.
         if !by_motion
             && let Some((_, _, on_sides)) = system.origin_of(self.mode)
@@ -248,12 +252,17 @@ impl<R: Real> Trajectory<R> {
             let graph = &on_sides.mechanics.graph;
             let state = &self.state[..self.coordinates];
             let values = graph.evaluate_all(whole, state, &self.parameters);
-            after[..values.len()].copy_from_slice(&values);
+            for (index, value) in values.into_iter().enumerate() {
+                if after[index] != value {
+                    (after[index], remainders[index]) = (value, R::ZERO);
+                }
+            }
         }
         if !after.iter().all(|x| x.is_finite()) {
             return Err(self.left_domain());
         }
-        self.take(0..after.len(), &after);
+        self.state.copy_from_slice(&after);
+        self.low.copy_from_slice(&remainders);
         Ok(shifts)
     }
 

@@ -9,6 +9,7 @@ fn blank(states: usize, parameters: usize) -> Model {
     let state = |k| State {
         name: format!("x{k}"),
         derivative: zero,
+        written: zero,
         initial: zero,
         label: None,
     };

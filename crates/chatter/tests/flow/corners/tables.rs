@@ -236,3 +236,51 @@ fn a_table_looked_up_by_turns_goes_on_for_ever() {
         assert!(off.abs() < 1e-9, "{start}: {off}");
     }
 }
+
+/// Friction by a table of steps holds at its jump as friction by `sign` does, is crossed elsewhere, and ends with the table; so does a
+/// preload by a table of places. All the same to the bit, in doubles, as the choices that say it otherwise.
+#[test]
+fn what_a_table_of_steps_drives_rests_at_its_jump() {
+    let stick_slip = |friction: &str, table: &str| {
+        format!("{table}[flight]\nx = \"v\"\nv = \"-x - {friction}\"\n[initial]\nx = 0\nv = 0\n")
+    };
+    let chosen = "(-0.4 + if(v + 0.3 >= 0, -0.1, 0) + step(v - 0.2) + if(v - 0.7 >= 0, -0.1, 0))";
+    let looked_up =
+        "[table.mu]\nkind = \"steps\"\nx = [-3, -0.5, 0, 0.5, 3]\ny = [-0.4, -0.5, 0.5, 0.4, 7]\n";
+    let (chosen, table) = (
+        run::<f64>(&stick_slip(chosen, ""), 12.0),
+        run::<f64>(&stick_slip("mu(v - 0.2)", looked_up), 12.0),
+    );
+    assert_eq!(table.outcome, Outcome::Horizon);
+    assert_eq!(table.state, chosen.state);
+    let times = |run: &chatter::analysis::simulate::Simulation<f64>| -> Vec<(EventKind, f64)> {
+        let told = run.events.iter();
+        told.map(|event| (event.kind, event.time)).collect()
+    };
+    assert_eq!(times(&table), times(&chosen));
+    // It sticks until the spring is stretched by 0.5, a fifth of a second for each 0.04 of that.
+    let [slides, leaves] = [EventKind::Slide, EventKind::Leave].map(|kind| {
+        let of = |told: &&(EventKind, f64)| told.0 == kind;
+        times(&table).iter().find(of).map(|told| told.1)
+    });
+    let sticks = 0.5 - 0.5 * (1.0 - (0.2_f64 / 0.5).asin().cos());
+    let (slides, leaves) = (slides.expect("a slide"), leaves.expect("an end of it"));
+    assert!((slides - (0.2_f64 / 0.5).asin()).abs() < 1e-14);
+    assert!((leaves - slides - sticks / 0.2).abs() < 1e-13);
+
+    let kicked = "[table.mu]\nkind = \"steps\"\nx = [-3, 0, 3]\ny = [-0.5, 0.5, 0]\n[flight]\nx = \"v\"\nv = \"4 - mu(v)\"\n\
+                  [initial]\nx = 0\nv = 0\n";
+    let ended = run::<f64>(kicked, 12.0);
+    assert!(matches!(
+        ended.outcome,
+        Outcome::Failed(FlowError::OutsideTable { .. })
+    ));
+    assert!((ended.time - 3.0 / 3.5).abs() < 1e-12);
+
+    // Half a unit of preload either way, and friction: ever shorter swings end at zero, where a load of 0.2 leaves it.
+    let preload = "[table.seat]\nkind = \"steps\"\noutside = \"hold\"\nx = [-1, 0]\ny = [-0.5, 0.5]\n[flight]\nx = \"v\"\n\
+                   v = \"0.2 - seat(x) - 0.1*sign(v)\"\n[initial]\nx = 1\nv = 0\n";
+    let rests = run::<f64>(preload, 60.0);
+    assert_eq!(rests.outcome, Outcome::Horizon);
+    assert_eq!(rests.state[..2], [0.0, 0.0]);
+}

@@ -304,3 +304,39 @@ fn an_event_that_another_follows_at_once_is_told_once() {
         check::<DoubleDouble>(a);
     }
 }
+
+/// A runner on a springy leg, whose foot each touchdown puts a leg's length away from the body: its motion does not depend on how far it
+/// has come, nor does what a distance of a million lengths has no digits for set off the event of leaving the ground.
+#[test]
+fn what_an_event_puts_at_a_distance_is_there_wherever_it_is() {
+    let runner = |start: f64| {
+        let text = format!(
+            "[parameters]\nal = 1.19\n[definitions]\nL = \"hypot(x - xf, y)\"\nF = \"if(s > 0.5, 250*(1 - L), 0)\"\n\
+             [flight]\nx = \"u\"\nu = \"F*(x - xf)/L\"\ny = \"v\"\nv = \"F*y/L - 9.81\"\nxf = \"0\"\ns = \"0\"\n\
+             [[event]]\nname = \"touchdown\"\nsurface = \"if(s > 0.5 or v > 0, 1, y - sin(al))\"\ndirection = \"falling\"\n\
+             reset = {{ s = 1, xf = \"x + cos(al)\" }}\n\
+             [[event]]\nname = \"liftoff\"\nsurface = \"if(s > 0.5, L - 1, -1)\"\ndirection = \"rising\"\nreset = {{ s = 0 }}\n\
+             [initial]\nx = {start}\nu = 5\ny = 1\nv = 0\nxf = {}\ns = 0\n",
+            start - 10.0
+        );
+        run(&text, 4.0)
+    };
+    let near = runner(0.0);
+    assert_eq!(near.outcome, Outcome::Horizon);
+    let resets = |run: &Simulation<f64>| {
+        let resets = run.events.iter();
+        resets
+            .filter(|event| matches!(event.detail, Occurrence::Reset { .. }))
+            .count()
+    };
+    assert!(resets(&near) > 14, "{}", resets(&near));
+    for start in [300.0, 4.3e3, 1e6, -7.7e8] {
+        let far = runner(start);
+        assert_eq!(far.outcome, Outcome::Horizon, "{start}");
+        assert_eq!(resets(&far), resets(&near));
+        for state in [1, 2, 3] {
+            let off = far.state[state] - near.state[state];
+            assert!(off.abs() < 1e-10, "{start}: {off:e}");
+        }
+    }
+}
