@@ -72,6 +72,14 @@ impl Grip {
         self.idle != Closed::NONE
     }
 
+    /// The same, all idle.
+    pub fn without_forces(self) -> Self {
+        Self {
+            idle: self.closed,
+            ..self
+        }
+    }
+
     /// Contacts whose forces hold all.
     pub fn carrying(self) -> Closed {
         Closed(self.closed.0 & !self.idle.0)

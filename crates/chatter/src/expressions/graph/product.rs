@@ -126,7 +126,8 @@ impl Graph {
             };
         }
         if Number::new(weight).as_integer().is_none() {
-            return self.intern(plain);
+            let root = self.root_of_square(base, weight);
+            return root.unwrap_or_else(|| self.intern(plain));
         }
         match self.node(base) {
             &Node::Power(inner, inner_exponent) => {
@@ -168,6 +169,34 @@ impl Graph {
             }
             _ => self.intern(plain),
         }
+    }
+
+    /// The square root of an even power, or an odd power of it, as a power of what that is of, or of its size: no root, but a corner at most.
+    fn root_of_square(&mut self, base: Expr, weight: DoubleDouble) -> Option<Expr> {
+        let one = self.number(1.0);
+        let (coefficient, square) = self.split_coefficient(base, one);
+        let &Node::Power(inner, exponent) = self.node(square) else {
+            return None;
+        };
+        let inner_weight = self.as_number(exponent)?;
+        let merged = Number::new(folded_product(inner_weight, weight)?).as_integer()?;
+        let half = Number::new(folded_product(inner_weight, DoubleDouble::from(0.5))?);
+        let is_even = half.as_integer().is_some();
+        if !is_even || merged < 1 || coefficient.high() < 0.0 {
+            return None;
+        }
+        let outside = match coefficient == DoubleDouble::ONE {
+            true => DoubleDouble::ONE,
+            false => folded_power(coefficient, weight)?,
+        };
+        let outside = self.number_exact(outside);
+        let whole = self.number((merged - merged % 2) as f64);
+        let even = self.power(inner, whole);
+        let size = match merged % 2 == 0 {
+            true => one,
+            false => self.abs(inner),
+        };
+        Some(self.product(&[outside, even, size]))
     }
 
     fn one_where_defined(&mut self, expr: Expr) -> Expr {

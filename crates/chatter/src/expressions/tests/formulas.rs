@@ -136,6 +136,15 @@ fn powers_and_functions_are_folded_only_where_exact() {
     check("4^-1.5", "0.125");
     check("sqrt(2)", "sqrt(2)");
     check("sqrt(2)*sqrt(2)", "2");
+    check("sqrt(x^2)", "abs(x)");
+    check("sqrt((x - y)^2)", "abs(x - y)");
+    check("sqrt(4*x^2)", "2*abs(x)");
+    check("hypot(x, 0)", "abs(x)");
+    check("(x^2)^1.5", "x^2*abs(x)");
+    check("sqrt(x^4)", "x^2");
+    check("sqrt(x^3)", "sqrt(x^3)");
+    check("sqrt(-x^2)", "sqrt(-x^2)");
+    check("(x^2)^-0.5", "(x^2)^-0.5");
     check("sqrt(-4)", "sqrt(-4)");
     check("(-2)^3", "-8");
     check("(-8)^(1/3)", "(-8)^(1/3)");

@@ -4,7 +4,7 @@
 
 use super::Trajectory;
 use super::start::{PENETRATION, is_inside};
-use crate::expressions::Operand;
+use crate::expressions::{Operand, Side, Sides};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::occurrence::Occurrence;
@@ -17,9 +17,15 @@ use crate::numerics::{Real, WithTerms};
 impl<R: Real> Trajectory<R> {
     /// Which of these contacts are idle where the others carry.
     pub(super) fn idle_among(&self, system: &System, closed: Closed) -> Result<Closed, FlowError> {
-        if closed == self.closed {
-            return Ok(self.idle);
-        }
+        let idle = match closed == self.closed {
+            true => self.idle,
+            false => self.dependent_among(system, closed)?,
+        };
+        self.idle_on_surfaces(system, Grip { closed, idle })
+    }
+
+    /// Which of these contacts depend on the others.
+    fn dependent_among(&self, system: &System, closed: Closed) -> Result<Closed, FlowError> {
         let all = Grip {
             closed,
             idle: Closed::NONE,
@@ -34,6 +40,36 @@ impl<R: Real> Trajectory<R> {
         Ok((0..contacts.len())
             .filter(|place| !carries(place))
             .fold(Closed::NONE, |idle, place| idle.with(contacts[place])))
+    }
+
+    /// Which contacts are idle on the present sides beside those that are anyway: of bodies that are all held on surfaces, as by friction
+    /// of their own, the contacts between them have nothing to hold. They are idle as long as that is so, and no longer.
+    fn idle_on_surfaces(&self, system: &System, grip: Grip) -> Result<Closed, FlowError> {
+        let exists = |grip: Grip| system.program(system.meet(grip, self.regime)).is_some();
+        let slides = (0..Sides::MOST).any(|k| self.regime.get(k) == Side::Sliding);
+        if grip.closed == Closed::NONE || !grip.has_idle() && (!slides || exists(grip)) {
+            return Ok(grip.idle);
+        }
+        let contacts: Vec<usize> = grip.closed.contacts().collect();
+        let block = self.touch_values(system)?.block(&contacts);
+        let mut anyway = grip;
+        for contact in grip.idle.contacts() {
+            let beside = (anyway.carrying(), &[contact][..]);
+            if self.idle_beside(&block, &contacts, beside) == Closed::NONE {
+                anyway.idle = anyway.idle.without(contact);
+            }
+        }
+        let mut found = anyway.without_forces();
+        if !slides || exists(anyway) || !exists(found) {
+            return Ok(anyway.idle);
+        }
+        for contact in anyway.carrying().contacts() {
+            let idle = found.idle.without(contact);
+            if exists(Grip { idle, ..found }) {
+                found.idle = idle;
+            }
+        }
+        Ok(found.idle)
     }
 
     /// Which of the undecided contacts depend on those that are held, given how they are coupled.

@@ -360,3 +360,97 @@ fn a_force_that_is_cut_off_at_zero_may_begin_with_a_jump() {
         }
     }
 }
+
+/// What sticks to a belt slips on when the belt's speed jumps, and goes on sticking when that only bends, whatever rounding has left beside
+/// a belt that stands: a parcel on belts that stop, told by friction of its own or in a contact.
+#[test]
+fn what_sticks_goes_on_as_what_it_sticks_to_is_told_otherwise() {
+    const A: f64 = 0.3 * 9.81;
+    let parcel = |belt: &str, in_contact: bool, until: f64| {
+        let text = match in_contact {
+            false => format!(
+                "[flight]\nx = \"v\"\nv = \"-0.3*9.81*sign(v - ({belt}))\"\n[initial]\nx = 0\nv = 0\n"
+            ),
+            true => format!(
+                "[flight]\nx = \"v\"\nv = \"0\"\ny = \"w\"\nw = \"-9.81\"\n[[contact]]\nname = \"belt\"\ngap = \"y\"\nimpulse = {{ w = 1 }}\n\
+                 restitution = 0\nfriction = {{ coefficient = 0.3, along = {{ v = 1 }}, rate = \"v - ({belt})\" }}\n\
+                 [initial]\nx = 0\nv = 0\ny = 0\nw = 0\n"
+            ),
+        };
+        run::<f64>(&text, until)
+    };
+    for in_contact in [false, true] {
+        for belt in [
+            "if(t < 2, 1, 0)",
+            "step(2 - t)",
+            "0.5 + 0.5*sign(2 - t)",
+            "1 - min(floor(t/2), 1)",
+            "if(mod(t, 5) < 2, 1, 0)",
+        ] {
+            let stops = parcel(belt, in_contact, 4.0);
+            assert_eq!(stops.outcome, Outcome::Horizon, "{belt}");
+            // As long to slow down as to speed up.
+            assert!(
+                (stops.state[0] - 2.0).abs() < 1e-13,
+                "{belt}: {:?}",
+                stops.state
+            );
+            assert_eq!(stops.state[1], 0.0);
+        }
+        let begins = 1.0 / (A + 0.3);
+        let slower = 1.0 - 0.3 * begins;
+        let way = 0.5 * A * begins * begins + 0.5 * slower * slower / 0.3;
+        for belt in [
+            "max(1 - 0.3*t, 0)",
+            "clamp(1 - 0.3*t, 0, 5)",
+            "if(t < 10/3, 1 - 0.3*t, 0)",
+            "0.5*(abs(1 - 0.3*t) + 1 - 0.3*t)",
+        ] {
+            let stops = parcel(belt, in_contact, 4.0);
+            assert_eq!(stops.outcome, Outcome::Horizon, "{belt}");
+            assert!(
+                (stops.state[0] - way).abs() < 1e-13,
+                "{belt}: {:?}",
+                stops.state
+            );
+            assert_eq!(stops.state[1], 0.0);
+            let leaves = |detail: &Occurrence<f64>| {
+                matches!(detail, Occurrence::Leave { .. } | Occurrence::Slip { .. })
+            };
+            assert!(
+                !stops.events.iter().any(|event| leaves(&event.detail)),
+                "{belt}"
+            );
+        }
+    }
+}
+
+/// Friction that a clock puts on while the body stands holds it, whether it jumps or grows from nothing, and from the start.
+#[test]
+fn a_brake_that_is_put_on_holds_what_stands() {
+    for brake in [
+        "if(t > 1, 8, 0)*sign(v)",
+        "if(t > 1, 8*sign(v), 0)",
+        "8*step(t - 1)*sign(v)",
+        "min(16*max(t - 0.5, 0), 8)*sign(v)",
+        "if(t > 0, 8, 0)*sign(v)",
+        "if(s > 1, 8, 0)*sign(v)",
+    ] {
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"if(t > 2, if(t > 4, 9, 3), 0) - {brake}\"\ns = \"1\"\n[initial]\nx = 0\nv = 0\ns = 0\n"
+        );
+        let run = run::<f64>(&text, 6.0);
+        assert_eq!(run.outcome, Outcome::Horizon, "{brake}");
+        // A force of 9 against 8 from t = 4 on.
+        assert!(
+            (run.state[0] - 2.0).abs() < 1e-13,
+            "{brake}: {:?}",
+            run.state
+        );
+        assert!((run.state[1] - 2.0).abs() < 1e-13);
+    }
+    let preload = "[flight]\nx = \"v\"\nv = \"if(t > 3, 4, 1) - if(t > 1, 3*sign(x), 1)\"\n[initial]\nx = 0\nv = 0\n";
+    let run = run::<f64>(preload, 5.0);
+    assert_eq!(run.outcome, Outcome::Horizon);
+    assert!((run.state[0] - 2.0).abs() < 1e-13, "{:?}", run.state);
+}

@@ -211,3 +211,49 @@ fn implicit(push: f64, until: f64) -> f64 {
         0.5 * (low + high)
     })
 }
+
+/// Wagons that run onto each other as those in front brake harder: they stop together, and stand, each by its own brake or held by others,
+/// whatever their masses and brakes.
+#[test]
+fn bodies_that_press_on_each_other_slide_to_rest_together() {
+    let slope = 0.02;
+    let mut stopped = 0;
+    for k in 0..24 {
+        let part = |i: u32| (f64::from(k * 5 + i) * 0.618_033_988_749_894_9).fract();
+        let mass: [f64; 3] = core::array::from_fn(|i| 2.0 + part(i as u32));
+        let least = [0.06, 0.11, 0.16];
+        let brake: [f64; 3] = core::array::from_fn(|i| least[i] + 0.04 * part(3 + i as u32));
+        let count = if k % 2 == 0 { 2 } else { 3 };
+        let (mut field, mut contacts, mut initial) = (String::new(), String::new(), String::new());
+        for i in 0..count {
+            field += &format!(
+                "x{i} = \"v{i}\"\nv{i} = \"9.81*{slope} - 9.81*{:?}*sign(v{i})\"\n",
+                brake[i]
+            );
+            initial += &format!("x{i} = 0\nv{i} = 2\n");
+            if i > 0 {
+                contacts += &format!(
+                    "[[contact]]\nname = \"buffer{i}\"\ngap = \"x{i} - x{}\"\nimpulse = {{ v{} = {:?}, v{i} = {:?} }}\nrestitution = 0.2\n",
+                    i - 1,
+                    i - 1,
+                    -1.0 / mass[i - 1],
+                    1.0 / mass[i],
+                );
+            }
+        }
+        let text = format!("[flight]\n{field}{contacts}[initial]\n{initial}");
+        let run = run::<f64>(&text, 9.0);
+        let of = |weigh: &dyn Fn(usize) -> f64| (0..count).map(weigh).sum::<f64>();
+        let slows = 9.81 * of(&|i| mass[i] * (brake[i] - slope)) / of(&|i| mass[i]);
+        let way = 2.0 * 2.0 / (2.0 * slows);
+        if run.outcome == Outcome::Horizon {
+            stopped += 1;
+            for i in 0..count {
+                let (x, v) = (run.state[2 * i], run.state[2 * i + 1]);
+                assert!((x - way).abs() < 1e-11, "{k}: {x} {way}");
+                assert!(v.abs() < 1e-13, "{k}: {v}");
+            }
+        }
+    }
+    assert_eq!(stopped, 24);
+}

@@ -25,12 +25,26 @@ pub(super) type Fields<R> = [Vec<WithTerms<R>>; 2];
 pub(super) struct Asked<R> {
     /// The state, with its remainders, an instant later on the motion that met the corner: it is known no better.
     pub(super) later: (Vec<R>, Vec<R>),
+    /// The surfaces that have been slid along, and what could not be told from zero of each: what rounding has left beside one is no
+    /// motion beyond another corner either, where that is all that is left of its terms.
+    held: Vec<(Corner, R)>,
     /// Surfaces that may be slid along, as the fields on their sides differ or are about to.
     pub(super) slippery: Surfaces,
+    /// The largest size of each component of the fields that modes have: what is left of some is rounding of others, though it may be a
+    /// constant that does not say so.
+    pub(super) largest: Vec<R>,
     /// Some would leave a table.
     pub(super) outside: Option<FlowError>,
     /// The equations of some are singular here.
     pub(super) singular: Option<FlowError>,
+}
+
+impl<R: Real> Asked<R> {
+    /// What could not be told from zero of a surface that has been slid along; of others nothing.
+    pub(super) fn held(&self, corner: Corner) -> R {
+        let of = self.held.iter().find(|(held, _)| *held == corner);
+        of.map_or(R::ZERO, |&(_, level)| level)
+    }
 }
 
 impl<R: Real> Trajectory<R> {
@@ -41,8 +55,14 @@ impl<R: Real> Trajectory<R> {
         (touched, met): (&[Corner], Option<Corner>),
     ) -> Result<(), FlowError> {
         let now = self.standing_sides();
+        let held = (self.standings(system)?.iter())
+            .filter(|s| matches!(s.corner, Corner::Surface(k) if now.side(k) == Side::Sliding))
+            .map(|standing| (standing.corner, standing.surface.level()))
+            .collect();
         let mut asked = Asked {
             later: self.an_instant_later(system)?,
+            held,
+            largest: vec![R::ZERO; self.state.len()],
             slippery: Surfaces::default(),
             outside: None,
             singular: None,
@@ -97,7 +117,14 @@ impl<R: Real> Trajectory<R> {
         if verdicts.iter().any(|verdict| verdict.opens_there) {
             verdicts.retain(|verdict| verdict.opens_there);
         }
-        let agree = (verdicts.iter()).all(|v| vanishes(&v.fields, &verdicts[0].fields));
+        let agree = (verdicts.iter()).all(|v| {
+            let noise = asked.largest.iter().map(|&f| WithTerms::exact(f).level());
+            let differ = |((a, b), noise): ((&WithTerms<R>, &WithTerms<R>), R)| {
+                (a.value - b.value).abs() > noise
+            };
+            let [own, first] = [v, &verdicts[0]].map(|verdict| &verdict.fields);
+            vanishes(own, first) || !own[0].iter().zip(&first[0]).zip(noise).any(differ)
+        });
         // Bodies that touch at rest, as if they did not: a force that begins as a root of how far they are pressed has no series there.
         if agree && verdicts.iter().any(|verdict| verdict.is_smooth) {
             verdicts.retain(|verdict| verdict.is_smooth);
@@ -203,6 +230,30 @@ impl<R: Real> Trajectory<R> {
                 return Ok(None);
             }
             candidates = wider;
+        }
+        // What one corner brings into use, as a clock that puts on a brake does friction, may be slid along on that side of it only.
+        let mut place = 0;
+        while touched.len() > 1 && place < candidates.len() {
+            let base = candidates[place].clone();
+            for &corner in touched {
+                if matches!(corner, Corner::Surface(k) if base.side(k) == Side::Sliding)
+                    || !self.ask_beside(system, &base, (touched, asked))?
+                {
+                    continue;
+                }
+                let options = self.options(system, (corner, met), &base, (touched, asked))?;
+                let slides = (options.iter()).find(|o| matches!(o, Choice::Side(_, Side::Sliding)));
+                if let Some(&slides) = slides {
+                    let slides = self.choose(system, (slides, &base), (touched, asked))?;
+                    if !candidates.contains(&slides) {
+                        candidates.push(slides);
+                    }
+                }
+            }
+            if candidates.len() > MOST_CANDIDATES {
+                return Ok(None);
+            }
+            place += 1;
         }
         candidates.retain(|candidate| self.slide_alike(system, candidate.sides));
         Ok(Some(candidates))

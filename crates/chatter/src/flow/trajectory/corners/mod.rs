@@ -18,7 +18,7 @@ use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Held, Program, STANDING_ORDERS, STANDING_TAPES};
+use crate::flow::program::{Grip, Held, Program, STANDING_ORDERS, STANDING_TAPES};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::numerics::{Real, WithTerms};
@@ -204,8 +204,8 @@ impl<R: Real> Trajectory<R> {
         candidate: &Candidate,
     ) -> Result<bool, FlowError> {
         self.take_sides(system, candidate)?;
-        let mode = system.meet(self.grip(), self.regime);
-        if system.program(mode).is_none() {
+        let exists = |grip: Grip| system.program(system.meet(grip, self.regime)).is_some();
+        if !exists(self.grip()) && !exists(self.grip().without_forces()) {
             return Ok(false);
         }
         self.enter(system, self.closed)?;

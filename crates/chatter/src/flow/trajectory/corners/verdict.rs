@@ -73,6 +73,9 @@ impl<R: Real> Trajectory<R> {
             asked.singular = self.singular_here(system);
             return Ok(None);
         }
+        for (most, f) in asked.largest.iter_mut().zip(&fields[0]) {
+            *most = most.max(f.value.abs());
+        }
         let standings = self.standings_on_surfaces(system)?;
         let mut verdict = Verdict {
             candidate,
@@ -106,6 +109,15 @@ impl<R: Real> Trajectory<R> {
             if standing.departure().is_some() {
                 return Ok(None);
             }
+            // What is held at a speed is not any more when that has jumped: its surface is elsewhere.
+            let held = asked.held(standing.corner);
+            let level = standing.surface.level().max(held) * R::splat(JUMPS);
+            if is_slid
+                && standing.surface.value.abs() > level
+                && self.may_jump(system, standing.corner)
+            {
+                return Ok(None);
+            }
             if standing.vector.is_some() {
                 let Corner::Surface(index) = standing.corner else {
                     continue;
@@ -137,7 +149,10 @@ impl<R: Real> Trajectory<R> {
                 // The surface of a side is touched, whatever rounding says, unless it has jumped at another corner; the ends of sliding
                 // or of a piece may be far.
                 let is_end = is_slid || !is_surface;
-                let level = standing.level(orders) * R::splat(if is_end { 1.0 } else { JUMPS });
+                let level = match is_end {
+                    true => standing.level(orders),
+                    false => standing.level(orders).max(held) * R::splat(JUMPS),
+                };
                 let is_clear = orders[0].value.abs() > level
                     && (is_end || self.may_jump(system, standing.corner));
                 let is_far = is_clear && orders[0].value > level;
