@@ -129,6 +129,11 @@ impl Graph {
             let root = self.root_of_square(base, weight);
             return root.unwrap_or_else(|| self.intern(plain));
         }
+        if let Some(inner) = self.size_of(base)
+            && libm::fmod(weight.high(), 2.0) == 0.0
+        {
+            return self.power(inner, exponent);
+        }
         match self.node(base) {
             &Node::Power(inner, inner_exponent) => {
                 let merged = self
@@ -169,6 +174,20 @@ impl Graph {
             }
             _ => self.intern(plain),
         }
+    }
+
+    /// What an expression is the size of.
+    fn size_of(&mut self, expr: Expr) -> Option<Expr> {
+        let &Node::Switch {
+            surface,
+            above,
+            below,
+            ..
+        } = self.node(expr)
+        else {
+            return None;
+        };
+        (surface == above && below == self.neg(surface)).then_some(surface)
     }
 
     /// The square root of an even power, or an odd power of it, as a power of what that is of, or of its size: no root, but a corner at most.
