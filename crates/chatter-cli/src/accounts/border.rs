@@ -112,7 +112,7 @@ fn one<R: Real + Argument<Real = R>>(
 }
 
 /// The n asked for whose windows were not found in the model: those found are in a row.
-fn not_found((first, last): (u32, u32), compared: &[WindowComparison]) -> String {
+fn not_found((first, last): (i64, i64), compared: &[WindowComparison]) -> String {
     let (begin, end) = match compared {
         [] => (last + 1, last),
         [begin, ..] => (

@@ -18,7 +18,7 @@ const RATES: [f64; 5] = [0.020_185, 0.020_19, 0.0203, 0.0205, 0.021];
 const TRANSIENT: u64 = 1000;
 const COUNTED: u64 = 500;
 /// Windows that are compared: first and last n.
-const WINDOWS: (u32, u32) = (19, 44);
+const WINDOWS: (i64, i64) = (19, 44);
 
 /// What orbits settle to: returns a period (0 for none), impacts a return.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -214,7 +214,7 @@ fn discrepancy(valve: &Valve, compared: &[Compared]) -> Plate {
                 .filter_map(|window| {
                     let window = part(window);
                     let miss = off(valve, window)[kind]?;
-                    Some((f64::from(window.predicted.lap), miss.abs()))
+                    Some((window.predicted.lap as f64, miss.abs()))
                 })
                 .unzip();
             panel.add(Line::new(n.clone(), miss.clone()).color(color).width(0.5));

@@ -43,7 +43,7 @@ pub fn ends(
 pub fn list(windows: &[WindowComparison], border: f64, digits: Digits) -> Json {
     let number = |value: Option<f64>| value.map_or(Json::Null, Json::Number);
     let object = |window: &WindowComparison| {
-        let start = Object::new(digits).with("n", i64::from(window.predicted.lap));
+        let start = Object::new(digits).with("n", window.predicted.lap);
         (NAMES.into_iter().zip(ends(window, border)))
             .fold(start, |object, (name, (found, off))| {
                 object

@@ -115,9 +115,9 @@ impl Subject<'_> {
     }
 
     /// The first and the last lap of these windows.
-    pub fn laps<R: Real>(&self, border: &Border<R>) -> (u32, u32) {
+    pub fn laps<R: Real>(&self, border: &Border<R>) -> (i64, i64) {
         let windows = self.windows(border);
-        let lap = |n: i64| u32::try_from(n).unwrap_or(u32::MAX);
+        let lap = |n: i64| i64::from(u32::try_from(n).unwrap_or(u32::MAX));
         (lap(windows.first), lap(windows.last))
     }
 }

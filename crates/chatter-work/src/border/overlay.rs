@@ -141,7 +141,7 @@ pub fn overlay<R: Real>(
 /// From where to where the windows reach, with room.
 fn span(
     prediction: &Prediction,
-    (first, last): (u32, u32),
+    (first, last): (i64, i64),
     compared: &[WindowComparison],
 ) -> (f64, f64) {
     // Far from the border an orbit is born at a fold or at its graze; the next lap begins where this one's graze is not.

@@ -1,7 +1,7 @@
 //! Why there is no answer, as failures.
 
 use crate::refusal::Refusal;
-use chatter::analysis::border::BorderError;
+use chatter::analysis::border::{BorderError, Lack};
 
 /// A question that does not fit the model is wrong input; one without answer is an answer of its own kind.
 pub fn refused(error: BorderError) -> Refusal {
@@ -10,7 +10,10 @@ pub fn refused(error: BorderError) -> Refusal {
             message: error.to_string(),
             help: Some("look elsewhere with another --near, or over a --range".to_owned()),
         },
-        BorderError::Flow { .. } => Refusal::Unfinished {
+        BorderError::Lacks {
+            what: Lack::Motion(_),
+            ..
+        } => Refusal::Unfinished {
             message: error.to_string(),
             help: None,
         },

@@ -25,7 +25,7 @@ pub fn fixed_point_layers(
     let windows =
         (map.universal()).windows(map.slope(), laps.first..=laps.last.saturating_add(1))?;
     // A lap begins where the next one ends.
-    let laps: Vec<(&Window<f64>, f64)> = (windows.iter().zip(&windows[1..]))
+    let laps: Vec<(&Window<Located<f64>>, f64)> = (windows.iter().zip(&windows[1..]))
         .filter(|(window, next)| is_seen(window, next, shown))
         .map(|(window, next)| (window, next.grazing.x))
         .collect();
@@ -50,7 +50,7 @@ pub fn fixed_point_layers(
             panel.add(line.dash(dash).width(width).label(name));
         }
     }
-    type Part = fn(&Window<f64>) -> Option<Located<f64>>;
+    type Part = fn(&Window<Located<f64>>) -> Option<Located<f64>>;
     let kinds: [(&str, Marker, Color, Part); 3] = [
         ("fold", Marker::Disc, Color::GREEN, |w| w.fold),
         ("period doubling", Marker::Diamond, Color::ORANGE, |w| {
@@ -80,7 +80,11 @@ fn within((from, to): (f64, f64), mu: f64) -> bool {
 const NARROWEST: f64 = 1e-4;
 
 /// Whether a lap is shown, and wide enough to be seen. Its ends and its fold are farthest from each other.
-fn is_seen(window: &Window<f64>, next: &Window<f64>, (from, to): (f64, f64)) -> bool {
+fn is_seen(
+    window: &Window<Located<f64>>,
+    next: &Window<Located<f64>>,
+    (from, to): (f64, f64),
+) -> bool {
     let events = [Some(window.grazing), Some(next.grazing), window.fold];
     let mu = || events.iter().flatten().map(|event| event.mu);
     let (low, high) = (
@@ -93,7 +97,7 @@ fn is_seen(window: &Window<f64>, next: &Window<f64>, (from, to): (f64, f64)) -> 
 /// Adds the fixed points of a lap to the stable and the unstable part of the curve, which meet in points of both.
 fn add_lap(
     map: &UniversalMap<f64>,
-    window: &Window<f64>,
+    window: &Window<Located<f64>>,
     begin: f64,
     stable: &mut Points,
     unstable: &mut Points,

@@ -51,4 +51,4 @@ pub use system::{Settings, System, SystemError};
 pub use trajectory::Trajectory;
 pub(crate) use trajectory::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
 pub use variation::Column;
-pub(crate) use variation::{Direction, with_identity};
+pub(crate) use variation::{Direction, columns, with_identity};

@@ -33,6 +33,13 @@ pub enum Column {
     Parameter(usize),
 }
 
+/// Derivatives by so many states, then by parameters.
+pub(crate) fn columns(states: usize, parameters: &[usize]) -> Vec<Column> {
+    (core::iter::repeat_n(Column::State, states))
+        .chain(parameters.iter().map(|&p| Column::Parameter(p)))
+        .collect()
+}
+
 /// A state followed by so many columns of derivatives by itself: unit vectors, then zeros for parameters.
 pub(crate) fn with_identity<R: Real>(state: &[R], columns: usize) -> Vec<R> {
     let n = state.len();

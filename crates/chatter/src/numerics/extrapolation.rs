@@ -18,6 +18,15 @@ impl<R: Real> Estimate<R> {
         estimates.iter().map(|estimate| estimate.value).collect()
     }
 
+    /// The product of two.
+    pub(crate) fn times(self, other: Self) -> Self {
+        let [a, b] = [self, other].map(|factor| factor.value.abs().to_f64());
+        Self {
+            value: self.value * other.value,
+            error: self.error * b + other.error * a,
+        }
+    }
+
     /// The estimate times an exact factor.
     pub(crate) fn scaled(self, factor: R) -> Self {
         Self {
@@ -53,11 +62,11 @@ pub fn ratios<R: Real>(firsts: &[R], ratio: R, powers: usize, copies: usize) -> 
 /// The limit of a sequence a + sum_i c_i ratios_i^k, from its latest terms.
 ///
 /// Eliminates one ratio after the other, largest first, and keeps the order at which successive results agree best: more
-/// orders remove more of the tail but amplify rounding. `None` for an empty sequence.
-pub fn limit<R: Real>(terms: &[R], ratios: &[R], plan: Plan) -> Option<Estimate<R>> {
+/// orders remove more of the tail but amplify rounding. No number for an empty sequence.
+pub fn limit<R: Real>(terms: &[R], ratios: &[R], plan: Plan) -> Estimate<R> {
     let mut column: Vec<R> = terms.iter().rev().step_by(plan.stride).copied().collect();
     column.reverse();
-    let last = *column.last()?;
+    let last = column.last().copied().unwrap_or(R::splat(f64::NAN));
     let mut best = Estimate {
         value: last,
         error: f64::INFINITY,
@@ -87,7 +96,7 @@ pub fn limit<R: Real>(terms: &[R], ratios: &[R], plan: Plan) -> Option<Estimate<
     }
     let floor = best.value.abs().to_f64() * R::ROUNDOFF;
     best.error = best.error.max(floor);
-    Some(best)
+    best
 }
 
 #[cfg(test)]
@@ -105,7 +114,7 @@ mod tests {
             stride: 1,
             orders: 8,
         };
-        let found = limit(&terms, &ratios(&[1.0], 0.5, 1, 2), plan).unwrap();
+        let found = limit(&terms, &ratios(&[1.0], 0.5, 1, 2), plan);
         assert!((found.value - 1.5).abs() < 1e-15, "{found:?}");
     }
 
@@ -126,10 +135,10 @@ mod tests {
             stride: 3,
             orders: 5,
         };
-        let found = limit(&terms, &ratios, plan).unwrap();
+        let found = limit(&terms, &ratios, plan);
         assert!((found.value - 2.5).abs() < 1e-11, "{found:?}");
         assert!(found.error < 1e-3);
-        let rough = limit(&terms[..10], &ratios, plan).unwrap();
+        let rough = limit(&terms[..10], &ratios, plan);
         assert!((rough.value - 2.5).abs() <= 3.0 * rough.error, "{rough:?}");
     }
 }

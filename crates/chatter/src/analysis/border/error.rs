@@ -56,17 +56,10 @@ pub enum BorderError {
     },
     /// The model cannot be compiled.
     System(SystemError),
-    /// A trajectory cannot go on.
-    Flow {
-        /// The parameter value.
-        at: f64,
-        /// Why.
-        error: FlowError,
-    },
 }
 
 /// What border orbits need.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Lack {
     /// A state with gap, rate and acceleration zero and positive jerk.
     Release,
@@ -78,6 +71,8 @@ pub enum Lack {
     Alone,
     /// A restitution at release in the open interval (0, 1), other than this one.
     Restitution(f64),
+    /// A trajectory that goes on.
+    Motion(FlowError),
 }
 
 impl Lack {
@@ -209,6 +204,7 @@ impl fmt::Display for Lack {
                     out,
                     "the restitution at release is {value}; a border orbit needs one between 0 and 1, both excluded"
                 ),
+                Self::Motion(error) => error.fmt(out),
             }
     }
 }
@@ -261,9 +257,6 @@ impl fmt::Display for BorderError {
                 }
             }
             Self::System(error) => error.fmt(out),
-            Self::Flow { at, error } => {
-                write!(out, "with the parameter at {} {error}", ParameterValue(*at))
-            }
         }
     }
 }

@@ -7,7 +7,6 @@
 //!   equations    the point h = v = a = 0, j > 0
 //!   all          all of them at a parameter value
 //!   orbits       with more than three states: those that an orbit returns to
-//!   branches     all of them over the parameter
 //!   forcing      states known up to whole periods: time, angles
 //! coordinate/    X, whose root is the border
 //!   local        u and nu after an impact, with derivatives from impact to impact
@@ -16,6 +15,7 @@
 //!   root         the smooth equation X(p) = 0
 //! search/        borders of a parameter
 //!   sample       the verdict at a parameter value
+//!   branches     that of each release point over the parameter
 //!   closing_in   from a change of the verdict to the root between
 //!   borders      stretch by stretch: all of a range, or outwards to the nearest to a value
 //!   breaks       what ends complete chatter where no border is

@@ -6,12 +6,9 @@ use super::error::{BorderError, Lack, Named};
 use super::release::equations::{CONDITIONS, ReleaseEquations, ReleasePoint};
 use super::spec::BorderSpec;
 use crate::analysis::periodic::closure::{Closure, Turn};
-use crate::flow::{Column, FlowError, System, SystemError, with_identity};
+use crate::flow::{Column, System, SystemError, columns, with_identity};
 use crate::model::{Mechanics, Model};
 use crate::numerics::Real;
-
-/// Gap, rate and acceleration that vanish where contact ends: with fewer states there is no such point.
-const FEWEST_STATES: usize = CONDITIONS;
 
 /// Contact ends at a release point if it ends this near to it, relative to the size of the states: event location and
 /// Newton's method agree to rounding.
@@ -54,7 +51,7 @@ impl Problem {
         if model.contacts.is_empty() {
             return Err(BorderError::NoContact);
         }
-        if model.states.len() < FEWEST_STATES {
+        if model.states.len() < CONDITIONS {
             let count = model.states.len();
             return Err(BorderError::States { count });
         }
@@ -77,7 +74,7 @@ impl Problem {
             releases: contacts.clone().map(release).collect(),
             closure: closure.map(|(closure, _)| closure),
             plain: follower(&[])?,
-            variational: follower(&columns(&model, index))?,
+            variational: follower(&columns(model.states.len(), &[index]))?,
             parameter: index,
             spec: spec.clone(),
             mechanics,
@@ -117,12 +114,6 @@ impl<R: Real> Here<'_, R> {
         what.at(self.value)
     }
 
-    /// That a trajectory cannot go on here.
-    pub(crate) fn ends(&self, error: FlowError) -> BorderError {
-        let at = self.value.to_f64();
-        BorderError::Flow { at, error }
-    }
-
     /// The impacts from a state, with derivatives by that state and by the parameter: so many, or fewer if chatter ends
     /// earlier, though after impact number `after`.
     pub(crate) fn variation(
@@ -139,7 +130,7 @@ impl<R: Real> Here<'_, R> {
         };
         let sequence =
             (self.problem.variational).follow(&self.parameters, (contact, &start), until);
-        sequence.map_err(|error| self.ends(error))
+        sequence.map_err(|error| self.lacks(Lack::Motion(error)))
     }
 }
 
@@ -151,7 +142,7 @@ impl Here<'_, f64> {
         until: Until,
     ) -> Result<Sequence<f64>, BorderError> {
         let sequence = self.problem.plain.follow(&self.parameters, start, until);
-        sequence.map_err(|error| self.ends(error))
+        sequence.map_err(|error| self.lacks(Lack::Motion(error)))
     }
 
     /// All release points: at least one.
@@ -213,11 +204,4 @@ impl Here<'_, f64> {
         let rest = self.problem.releases[contact].brought_to_rest(&last.state, &self.parameters);
         (self.problem.plain).contact_until_release(&self.parameters, (contact, &rest))
     }
-}
-
-/// Derivatives by all states, then by a parameter.
-pub(crate) fn columns(model: &Model, parameter: usize) -> Vec<Column> {
-    (model.states.iter().map(|_| Column::State))
-        .chain([Column::Parameter(parameter)])
-        .collect()
 }

@@ -25,8 +25,8 @@ pub(in crate::analysis) struct ArcEnd {
 
 /// Fold, period doubling, and graze of the last impact but the one that orbits are told from, as far as they are found.
 pub(in crate::analysis) type ArcEnds = [Option<ArcEnd>; 3];
-const FOLD: usize = 0;
-const DOUBLING: usize = 1;
+pub(in crate::analysis) const FOLD: usize = 0;
+pub(in crate::analysis) const DOUBLING: usize = 1;
 const GRAZE: usize = 2;
 
 /// A way from a state ends near it, in parts of the size of states, if it is to be closed.

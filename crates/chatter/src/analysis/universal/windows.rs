@@ -10,6 +10,7 @@ use super::evaluate::Universal;
 use crate::numerics::root_between;
 use crate::numerics::{DoubleDouble, Real, Scalar};
 use core::ops::RangeInclusive;
+use serde::{Deserialize, Serialize};
 
 /// A located point of the curve of periodic points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,20 +25,38 @@ pub struct Located<R> {
     pub residual: R,
 }
 
-/// The fixed points on one lap.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window<R> {
+/// The fixed points on one lap, or what is made of each.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Window<P> {
     /// n.
     pub lap: i64,
     /// Multiplier +1. Where there is none (K > 0 and n beyond the last fold), the stable window begins at the kink, at
     /// the grazing of lap n + 1.
-    pub fold: Option<Located<R>>,
+    pub fold: Option<P>,
     /// Multiplier -1. Where there is none (K < 0 and n beyond the last), the window begins at the kink.
-    pub period_doubling: Option<Located<R>>,
+    pub period_doubling: Option<P>,
     /// Multiplier 0.
-    pub superstable: Located<R>,
+    pub superstable: P,
     /// The lap's end, u_1 = 3/8.
-    pub grazing: Located<R>,
+    pub grazing: P,
+}
+
+impl<P: Copy> Window<P> {
+    /// Fold, period doubling and graze.
+    pub fn ends(&self) -> [Option<P>; 3] {
+        [self.fold, self.period_doubling, Some(self.grazing)]
+    }
+
+    /// What is made of each point.
+    pub fn map<Q>(self, by: impl Fn(P) -> Q) -> Window<Q> {
+        Window {
+            lap: self.lap,
+            fold: self.fold.map(&by),
+            period_doubling: self.period_doubling.map(&by),
+            superstable: by(self.superstable),
+            grazing: by(self.grazing),
+        }
+    }
 }
 
 impl<R: Real + Argument<Real = R>> Universal<R> {
@@ -52,7 +71,7 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
         &self,
         slope: R,
         laps: RangeInclusive<i64>,
-    ) -> Result<Vec<Window<R>>, UniversalError> {
+    ) -> Result<Vec<Window<Located<R>>>, UniversalError> {
         self.windows_remembered(slope, None, laps)
     }
 
@@ -66,7 +85,7 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
         slope: R,
         doubling_slope: Option<R>,
         laps: RangeInclusive<i64>,
-    ) -> Result<Vec<Window<R>>, UniversalError> {
+    ) -> Result<Vec<Window<Located<R>>>, UniversalError> {
         UniversalError::check_slope(slope)?;
         let window = |lap| self.window_remembered(slope, doubling_slope, lap);
         Ok(laps.map(window).collect())
@@ -78,7 +97,7 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
         slope: R,
         doubling_slope: Option<R>,
         lap: i64,
-    ) -> Window<R> {
+    ) -> Window<Located<R>> {
         let mut window = self.window_of(slope, lap);
         if let Some(other) = doubling_slope {
             let doubling = self.window_of(other, lap).period_doubling;
@@ -91,7 +110,7 @@ impl<R: Real + Argument<Real = R>> Universal<R> {
     }
 
     /// The fixed points on one lap. Where K is zero or no number there are no events but the graze.
-    pub(crate) fn window_of(&self, slope: R, lap: i64) -> Window<R> {
+    pub(crate) fn window_of(&self, slope: R, lap: i64) -> Window<Located<R>> {
         let on_lap = OnLap::new(self, slope, lap);
         let multiplier = |value: f64| on_lap.with_multiplier(R::splat(value));
         // The derivative takes every value from minus infinity to a positive one, so zero always.

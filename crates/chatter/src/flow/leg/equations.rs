@@ -7,7 +7,6 @@ use crate::flow::limits::Limits;
 use crate::flow::program::{ModeExprs, guard_functions};
 use crate::flow::system::System;
 use crate::flow::touch::stop;
-use crate::flow::variation::Column;
 use crate::model::{Model, Section, State};
 
 /// The equations of a leg.
@@ -78,13 +77,6 @@ pub(super) fn at(place: &[Expr], symbol: Symbol) -> Option<Expr> {
         Symbol::State(i) => place.get(i).copied(),
         Symbol::Parameter(_) => None,
     }
-}
-
-/// Derivatives by the state, then by parameters.
-pub(super) fn columns(coordinates: usize, free: &[usize]) -> Vec<Column> {
-    (core::iter::repeat_n(Column::State, coordinates))
-        .chain(free.iter().map(|&p| Column::Parameter(p)))
-        .collect()
 }
 
 /// The model in flight by this field alone, with these sections.

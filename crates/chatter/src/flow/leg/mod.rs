@@ -21,11 +21,11 @@ use super::guard::GuardKind;
 use super::step::Workspace;
 use super::system::{Settings, System};
 use super::trajectory::Trajectory;
-use super::variation::with_identity;
+use super::variation::{columns, with_identity};
 use crate::expressions::{Expansion, Expr, Graph, Tape};
 use crate::numerics::{Real, two_sum};
 use edge::{Edge, Known};
-use equations::{Ending, at, bare, columns, onto_what_holds};
+use equations::{Ending, at, bare, onto_what_holds};
 use serde::{Deserialize, Serialize};
 use watch::Watch;
 

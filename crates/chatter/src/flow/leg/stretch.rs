@@ -1,7 +1,7 @@
 //! Stretches of the flow with whatever happens on them.
 
 use super::edge::{Edge, Known, Landing};
-use super::equations::{Ending, columns};
+use super::equations::Ending;
 use super::{LegKind, MOST_STEPS};
 use crate::expressions::{Expansion, Expr, Symbol};
 use crate::flow::error::FlowError;
@@ -9,7 +9,7 @@ use crate::flow::guard::GuardKind;
 use crate::flow::step::Workspace;
 use crate::flow::system::{Settings, System};
 use crate::flow::trajectory::Trajectory;
-use crate::flow::variation::with_identity;
+use crate::flow::variation::{columns, with_identity};
 use crate::flow::{Closed, Occurrence};
 use crate::model::Model;
 use crate::numerics::linear::solve_consistent;

@@ -135,7 +135,8 @@ fn without_a_forcing_period_there_is_no_border() {
     for text in [text, OSCILLATOR.replace("cos(omega*t)", "cos(omega*t^2)")] {
         let text = text.replace("surface = \"sin(omega*t)\"", "surface = \"v\"");
         let error = border_near::<f64>(&read(&text), &spec, 0.5).unwrap_err();
-        let lacks = |what| matches!(error, BorderError::Lacks { what: found, .. } if found == what);
+        let lacks =
+            |what| matches!(&error, BorderError::Lacks { what: found, .. } if *found == what);
         assert!(lacks(Lack::Period), "{error}");
     }
 }

@@ -109,7 +109,7 @@ fn what_is_conserved_is_told() {
                 [[contact]]\nname = \"stop\"\ngap = \"sigma - x\"\nimpulse = { v = -1 }\nrestitution = \"r\"\n\
                 [initial]\nx = 0.0\nv = 0.0\nc = 1.0\ns = 0.0\n";
     let error = border_near::<f64>(&read(text), &BorderSpec::new("sigma"), 0.5).unwrap_err();
-    let lacks = |what| matches!(error, BorderError::Lacks { what: found, .. } if found == what);
+    let lacks = |what| matches!(&error, BorderError::Lacks { what: found, .. } if *found == what);
     assert!(lacks(Lack::Alone), "{error}");
 }
 

@@ -201,17 +201,11 @@ impl<R: Real> Limits<R> {
             })
             .collect();
         let taken = |terms: &[R]| limit(terms, &ratios, self.plan);
-        let Some(mut found) = taken(&terms) else {
-            return Estimate {
-                value: R::splat(f64::NAN),
-                error: f64::INFINITY,
-            };
-        };
+        let mut found = taken(&terms);
         // Rounding of the last terms shows in the limit without them.
-        if let Some(without) = taken(&terms[..terms.len() - 1]) {
-            let moved = (found.value - without.value).abs().to_f64();
-            found.error = found.error.max(ALIKE * moved);
-        }
+        let without = taken(&terms[..terms.len().saturating_sub(1)]);
+        let moved = (found.value - without.value).abs().to_f64();
+        found.error = found.error.max(ALIKE * moved);
         let end = sequence.impacts.len() - 1;
         let growth = libm::exp(-self.constants.ln_eta.to_f64() * end as f64);
         let noise = self.noise * growth * found.value.abs().to_f64();

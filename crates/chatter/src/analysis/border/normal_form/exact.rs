@@ -131,13 +131,8 @@ pub(crate) fn exact<R: Real>(
     let states = here.problem.states();
     let contact = release.contact;
     let amplitude = limits.amplitude(sequence);
-    let scale = amplitude.value * amplitude.value / release.jerk;
-    let relative = 2.0 * amplitude.error / amplitude.value.to_f64().abs();
-    let times_scale = |estimate: Estimate<R>| {
-        let mut product = estimate.scaled(scale);
-        product.error += relative * product.value.abs().to_f64();
-        product
-    };
+    let square_by_jerk = amplitude.times(amplitude.scaled(R::ONE / release.jerk));
+    let scale = square_by_jerk.value;
     let loops = &point.memory;
     let by_rate = Estimate::values(&loops.by_rate);
     let remembered = |sign: f64| -> Option<Vec<R>> {
@@ -180,7 +175,7 @@ pub(crate) fn exact<R: Real>(
     let unsure = release.along(&errors);
     let less_sure = |mut estimate: Estimate<R>, by: R| {
         estimate.error += by.abs().to_f64();
-        times_scale(estimate)
+        estimate.times(square_by_jerk)
     };
     let first_impact_by_upsilon = (along(&offset).into_iter().zip(local.along(&unsure)))
         .map(|(estimate, by)| less_sure(estimate, by))

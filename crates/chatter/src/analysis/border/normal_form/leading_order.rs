@@ -7,13 +7,12 @@
 use super::super::coordinate::local::{LocalCoordinate, LocalTape};
 use super::super::coordinate::root::Point;
 use super::super::error::{BorderError, Lack, Named};
-use super::super::problem::{Problem, columns};
+use super::super::problem::Problem;
 use super::super::release::equations::{FIELD, JERK};
-use super::super::search::sample::Sample;
 use super::super::spec::BorderSpec;
 use super::exact::SectionChart;
 use super::section::crossing;
-use crate::flow::with_identity;
+use crate::flow::{columns, with_identity};
 use crate::model::{Direction, Model, Section};
 use crate::numerics::{Matrix, Real, dot, unchanged, unit, with_rounding};
 use serde::{Deserialize, Serialize};
@@ -161,7 +160,7 @@ pub(crate) fn leading_order<R: Real>(
     let f = reached(&fixed, R::ONE);
 
     // u and nu at the first impact.
-    let columns = columns(&problem.model, problem.parameter);
+    let columns = columns(states, &[problem.parameter]);
     let model = (&problem.model, &problem.mechanics);
     let at_rest = LocalTape::new(model, contact, &columns, LocalCoordinate::AtRest);
     let start = with_identity(&point.sequence.impacts[0].state[..states], columns.len());
@@ -220,11 +219,9 @@ pub fn leading_order_at<R: Real>(
     let problem = Problem::new(model, spec)?;
     let at = problem.at(value.to_f64())?;
     let releases = at.release_points()?.into_iter();
-    let samples: Vec<Sample> =
-        (releases.map(|release| at.sample(release))).collect::<Result<_, _>>()?;
-    let nearest = (samples.iter()).min_by(|a, b| a.distance.total_cmp(&b.distance));
-    let found = nearest.and_then(|sample| Some((sample.found.as_ref()?, sample.settles)));
-    let ((release, _), settles) = found.ok_or_else(|| at.lacks(Lack::Release))?;
-    let point = problem.at(value)?.point(&release.place(), settles)?;
+    let samples = releases.map(|release| (at.sample(release.clone()), release));
+    let nearest = samples.min_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance));
+    let (sample, release) = nearest.ok_or_else(|| at.lacks(Lack::Release))?;
+    let point = problem.at(value)?.point(&release.place(), sample.settles)?;
     Ok(leading_order(&point, &point.chart())??)
 }

@@ -1,13 +1,12 @@
 //! States on a section of the flight after release, predicted by the one-dimensional map.
 
-use super::super::error::{BorderError, Named};
+use super::super::error::{BorderError, Lack, Named};
 use super::super::orbit::Border;
 use super::super::prediction::map::AffineStates;
-use super::super::problem::{Here, Problem, columns};
+use super::super::problem::{Here, Problem};
 use super::super::spec::BorderSpec;
 use crate::expressions::Expr;
-use crate::flow::with_identity;
-use crate::flow::{Column, Direction, Occurrence, System};
+use crate::flow::{Column, Direction, FlowError, Occurrence, System, columns, with_identity};
 use crate::model::Model;
 use crate::numerics::{DoubleDouble, Estimate, Real, Rounded, moved};
 
@@ -21,12 +20,13 @@ pub(super) fn crossing<R: Real>(
 ) -> Result<Option<Vec<R>>, BorderError> {
     let system = System::with_columns(model, columns)?;
     let start = with_identity(start, columns.len());
+    let ends = |error: FlowError| here.lacks(Lack::Motion(error));
     let started = system.trajectory_from(&here.parameters, &start);
-    let (mut work, mut trajectory) = started.map_err(|error| here.ends(error))?;
+    let (mut work, mut trajectory) = started.map_err(ends)?;
     let end = trajectory.time() + within;
     loop {
         let next = trajectory.advance(&system, &mut work, end);
-        match next.map_err(|error| here.ends(error))? {
+        match next.map_err(ends)? {
             Some(Occurrence::Section { .. }) => return Ok(Some(trajectory.state().to_vec())),
             Some(Occurrence::Impact { .. } | Occurrence::Horizon) => return Ok(None),
             _ => {}
@@ -57,8 +57,8 @@ pub fn section_states<R: Real>(
     let problem = Problem::new(model, spec)?;
     let mut model = model.clone();
     model.sections.retain(|s| s.name == section);
-    let columns = columns(&model, problem.parameter);
     let states = problem.states();
+    let columns = columns(states, &[problem.parameter]);
     // The coefficients are wanted to plot by: the border is needed more finely than they are.
     let value: DoubleDouble = border.value.value.to_double_double();
     let here = problem.at(value)?;

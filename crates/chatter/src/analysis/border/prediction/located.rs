@@ -3,9 +3,9 @@
 use super::super::normal_form::exact::SectionChart;
 use super::map::Prediction;
 use super::simulated::Simulator;
-use super::windows::{PredictedPoint, PredictedWindow};
+use super::windows::PredictedWindow;
 use crate::analysis::periodic;
-use crate::analysis::periodic::arc::{ArcEnd, ArcEnds, arc_ends};
+use crate::analysis::periodic::arc::{ArcEnd, ArcEnds, DOUBLING, FOLD, arc_ends};
 use crate::analysis::periodic::shooting::Workshop;
 use crate::numerics::{Estimate, last_where, moved};
 use core::ops::ControlFlow;
@@ -27,6 +27,16 @@ impl<T: Copy> WindowEnds<T> {
     /// Fold, period doubling and graze.
     pub fn ends(&self) -> [Option<T>; 3] {
         [self.fold, self.period_doubling, self.grazing]
+    }
+}
+
+impl<T> From<[Option<T>; 3]> for WindowEnds<T> {
+    fn from([fold, period_doubling, grazing]: [Option<T>; 3]) -> Self {
+        Self {
+            fold,
+            period_doubling,
+            grazing,
+        }
     }
 }
 
@@ -59,16 +69,12 @@ const LAST_LAP: i64 = 1 << 20;
 impl WindowComparison {
     /// Relative differences, for a border at the parameter value `border`.
     pub fn discrepancy(&self, border: f64) -> Discrepancy {
-        let located = self.located;
-        let off = |found: Option<Estimate<f64>>, predicted: Option<PredictedPoint>| {
-            let (found, predicted) = (found?.value, predicted?.parameter);
+        let (found, predicted) = (self.located.ends(), self.predicted.ends());
+        let off = |end: usize| {
+            let (found, predicted) = (found[end]?.value, predicted[end]?.parameter);
             Some((predicted - found) / (found - border))
         };
-        WindowEnds {
-            fold: off(located.fold, self.predicted.fold),
-            period_doubling: off(located.period_doubling, self.predicted.period_doubling),
-            grazing: off(located.grazing, Some(self.predicted.grazing)),
-        }
+        [0, 1, 2].map(off).into()
     }
 }
 
@@ -82,7 +88,7 @@ impl Simulator {
     /// Compares the windows of laps `first` to `last`, as far as they are found: those that doubles do not tell from the
     /// border are left out. The prediction improves with n, so what is not found from it alone is looked for from the next
     /// window, whose offset from its prediction helps to find it.
-    pub fn compare(&self, prediction: &Prediction, first: u32, last: u32) -> Vec<WindowComparison> {
+    pub fn compare(&self, prediction: &Prediction, first: i64, last: i64) -> Vec<WindowComparison> {
         let compared =
             self.compare_until(
                 prediction,
@@ -96,7 +102,7 @@ impl Simulator {
     pub fn compare_until(
         &self,
         prediction: &Prediction,
-        (first, last): (u32, u32),
+        (first, last): (i64, i64),
         observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Option<Vec<WindowComparison>> {
         let arcs = Arcs::new(self, prediction);
@@ -105,33 +111,33 @@ impl Simulator {
             return Some(Vec::new());
         };
         let last = last.min(nearest);
-        // Beyond the last one asked for, if need be, is where to begin.
-        let mut begin = None;
-        for lap in last..=nearest {
-            observer(0.0).is_continue().then_some(())?;
-            begin = arcs.locate(prediction.window(lap), None);
-            if begin.is_some() {
+        let span = (last - first).max(1) as f64;
+        let mut windows = Vec::new();
+        // Beyond the last one asked for, if need be, is where to begin; from there on to the first.
+        let (mut lap, mut next) = (last, None::<Found>);
+        loop {
+            let done = next.as_ref().map_or(0, |_| (last - lap - 1).max(0));
+            observer(done as f64 / span).is_continue().then_some(())?;
+            let predicted = prediction.window(lap);
+            let beside = (next.as_ref()).and_then(|next| arcs.locate_beside(predicted, next));
+            match beside.or_else(|| arcs.locate(predicted, None)) {
+                Some(found) => {
+                    if (first..=last).contains(&lap) {
+                        windows.push(found.compared);
+                    }
+                    next = Some(found);
+                    lap -= 1;
+                }
+                None if next.is_none() && lap < nearest => lap += 1,
+                // Farther from the border than a window that is not found nothing but other orbits would be.
+                None => break,
+            }
+            if next.is_some() && lap < first {
                 break;
             }
         }
-        let mut stopped = false;
-        let span = f64::from(last.saturating_sub(first).max(1));
-        // Farther from the border than a window that is not found nothing but other orbits would be.
-        let found = core::iter::successors(begin, |next| {
-            let lap = next.compared.predicted.lap;
-            stopped = observer(f64::from(last.saturating_sub(lap)) / span).is_break();
-            if stopped {
-                return None;
-            }
-            let predicted = prediction.window((lap > first).then(|| lap - 1)?);
-            (arcs.locate_beside(predicted, next)).or_else(|| arcs.locate(predicted, None))
-        });
-        let mut windows: Vec<WindowComparison> = found
-            .map(|found| found.compared)
-            .filter(|found| (first..=last).contains(&found.predicted.lap))
-            .collect();
         windows.reverse();
-        (!stopped).then_some(windows)
+        Some(windows)
     }
 }
 
@@ -161,18 +167,18 @@ impl<'a> Arcs<'a> {
 
     /// The last lap whose window doubles tell from the border, in the parameter and in the states: windows come nearer to it from
     /// lap to lap.
-    fn last_resolved(&self) -> Option<u32> {
+    fn last_resolved(&self) -> Option<i64> {
         let least = RESOLVED * f64::EPSILON;
         let Prediction { border, states, .. } = self.prediction;
         let is_resolved = |lap: i64| {
-            let graze = self.prediction.window(lap as u32).grazing;
+            let graze = self.prediction.window(lap).grazing;
             let distance = graze.parameter - border;
             let state = states.at(graze.z, distance);
             let moved =
                 |i: usize| (state[i] - states.origin[i]).abs() > least * states.origin[i].abs();
             distance.abs() > least * border.abs() && self.chart.free.iter().copied().any(moved)
         };
-        is_resolved(0).then(|| last_where(0, LAST_LAP, is_resolved) as u32)
+        is_resolved(0).then(|| last_where(0, LAST_LAP, is_resolved))
     }
 
     /// State and parameter of a predicted point.
@@ -199,16 +205,11 @@ impl<'a> Arcs<'a> {
     fn locate_beside(&self, predicted: PredictedWindow, next: &Found) -> Option<Found> {
         // What the prediction leaves out is quadratic in x, which goes like eta^n.
         let eta = self.prediction.universal().constants().eta;
-        let known = next.compared.predicted;
-        let [fold, doubling, _] = &next.ends;
-        let pairs = [
-            (doubling, known.period_doubling, predicted.period_doubling),
-            (fold, known.fold, predicted.fold),
-        ];
-        let starts = pairs.into_iter().filter_map(|(found, known, here)| {
-            let ArcEnd { state, parameter } = found.as_ref()?;
+        let (known, here) = (next.compared.predicted.ends(), predicted.ends());
+        let starts = [DOUBLING, FOLD].into_iter().filter_map(|end| {
+            let ArcEnd { state, parameter } = next.ends[end].as_ref()?;
             let [known, here] =
-                [known?, here?].map(|point| self.expected(point.z, point.parameter));
+                [known[end]?, here[end]?].map(|point| self.expected(point.z, point.parameter));
             let there = self.simulator.problem.at(parameter.value).ok()?;
             let (mut off, _) = there.apart(&known[..state.len()], state);
             off.push(parameter.value - known[state.len()]);
@@ -230,15 +231,11 @@ impl<'a> Arcs<'a> {
         let impacts = (contact, predicted.lap as usize + 1);
         let slack = NEAR * (value - self.prediction.border).abs();
         let ends = arc_ends(&self.workshop, (&state, value, slack), impacts).ok()?;
-        let [fold, period_doubling, grazing] = ends
+        let located: LocatedWindow = ends
             .each_ref()
-            .map(|end| end.as_ref().map(|end| end.parameter));
-        let located = WindowEnds {
-            fold,
-            period_doubling,
-            grazing,
-        };
-        (located.ends().iter().any(Option::is_some)).then_some(Found {
+            .map(|end| Some(end.as_ref()?.parameter))
+            .into();
+        (ends.iter().any(Option::is_some)).then_some(Found {
             compared: WindowComparison { predicted, located },
             ends,
         })

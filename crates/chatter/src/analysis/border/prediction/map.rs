@@ -83,7 +83,7 @@ impl Prediction {
         let mut by_upsilon = vec![0.0; border.first_impact.state.len()];
         let mut by_parameter = by_upsilon.clone();
         for (row, &i) in border.section.iter().enumerate() {
-            let along = |v: [R; 2]| form.a[row][0] * v[0] + form.a[row][1] * v[1];
+            let along = |v: [R; 2]| dot(&form.a[row], &v);
             by_upsilon[i] = along(form.b).to_f64();
             by_parameter[i] = (along(form.e) + form.f[row]).to_f64();
         }
@@ -130,13 +130,8 @@ impl Prediction {
         self.border + mu / self.unfolding_rate
     }
 
-    /// The passage that follows one with this z in an orbit that has settled to it.
-    pub fn passage(&self, mu: f64, z: f64) -> PredictedPassage {
-        self.passage_at(self.slope.mul_add(z, mu), z, Vec::new()).0
-    }
-
     /// The passage with these numbers, and the z of the next one.
-    fn passage_at(&self, x: f64, z: f64, memory: Vec<f64>) -> (PredictedPassage, f64) {
+    pub(super) fn passage(&self, x: f64, z: f64, memory: Vec<f64>) -> (PredictedPassage, f64) {
         let at = self.universal.at(x);
         // Lap n has n impacts after the first; above x_e laps are negative, and one impact is left at least.
         let impacts = (x > 0.0).then(|| (at.lap + 1.0).max(1.0) as u64);
@@ -149,25 +144,20 @@ impl Prediction {
         (passage, at.value)
     }
 
-    /// The z of the next passage in an orbit that has settled to this one.
-    pub fn next(&self, mu: f64, z: f64) -> f64 {
-        self.universal.value(self.slope.mul_add(z, mu))
-    }
-
     /// `keep` passages after `transient` others, from the border orbit's own z = 0.
     pub fn orbit(&self, parameter: f64, transient: usize, keep: usize) -> Vec<PredictedPassage> {
         let mu = self.mu(parameter);
         let coordinates = (self.memory.as_ref()).map_or(0, |memory| memory.states.len());
-        let first = self.passage_at(mu, 0.0, vec![0.0; coordinates]);
+        let first = self.passage(mu, 0.0, vec![0.0; coordinates]);
         let next = |(passage, z): &(PredictedPassage, f64)| {
             let Some(memory) = &self.memory else {
-                return Some(self.passage_at(self.slope.mul_add(*z, mu), *z, Vec::new()));
+                return Some(self.passage(self.slope.mul_add(*z, mu), *z, Vec::new()));
             };
             let y: Vec<f64> = (memory.returns.iter().zip(&memory.by_upsilon))
                 .map(|(row, b)| dot(row, &passage.memory) + b * passage.z)
                 .collect();
             let x = memory.slope.mul_add(*z, mu) + dot(&memory.covector, &y);
-            Some(self.passage_at(x, *z, y))
+            Some(self.passage(x, *z, y))
         };
         let orbit = core::iter::successors(Some(first), next);
         let passages = orbit.map(|(passage, _)| passage);

@@ -1,7 +1,7 @@
 //! Where the n-impact orbit is predicted to be born, to double its period and to graze.
 
 use super::map::Prediction;
-use crate::analysis::universal::Located;
+use crate::analysis::universal::{Located, Window};
 use serde::{Deserialize, Serialize};
 
 /// A fixed point of the predicted map.
@@ -17,41 +17,23 @@ pub struct PredictedPoint {
     pub z: f64,
 }
 
-/// What is predicted for the orbit with one number of impacts. On it mu(x) = x - K Upsilon(x), and the multiplier is
-/// K Upsilon'(x) (MATH.md 7).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PredictedWindow {
-    /// n: impacts after the first one, in each passage.
-    pub lap: u32,
-    /// Multiplier 1; none beyond some n, where orbits are born at the graze of others.
-    pub fold: Option<PredictedPoint>,
-    /// Multiplier 0.
-    pub superstable: PredictedPoint,
-    /// Multiplier -1.
-    pub period_doubling: Option<PredictedPoint>,
-    /// Where the last impact grazes.
-    pub grazing: PredictedPoint,
-}
+/// What is predicted for the orbit with one number of impacts, `lap` of them after the first one in each passage. On it
+/// mu(x) = x - K Upsilon(x), and the multiplier is K Upsilon'(x) (MATH.md 7). There is no fold beyond some n, where orbits are born
+/// at the graze of others.
+pub type PredictedWindow = Window<PredictedPoint>;
 
 impl Prediction {
     /// The window of the orbit with n + 1 impacts, n the lap: that of the universal map's atlas, in the parameter.
-    pub fn window(&self, lap: u32) -> PredictedWindow {
+    pub fn window(&self, lap: i64) -> PredictedWindow {
         // What is remembered does not move orbits that repeat, but their doubling.
         let doubling = self.memory.as_ref().map(|memory| memory.doubling_slope);
-        let window = (self.universal()).window_remembered(self.slope, doubling, i64::from(lap));
-        let point = |located: Located<f64>| PredictedPoint {
-            parameter: self.parameter(located.mu),
-            mu: located.mu,
-            x: located.x,
-            z: located.z,
-        };
-        PredictedWindow {
-            lap,
-            fold: window.fold.map(point),
-            superstable: point(window.superstable),
-            period_doubling: window.period_doubling.map(point),
-            grazing: point(window.grazing),
-        }
+        let window = (self.universal()).window_remembered(self.slope, doubling, lap);
+        window.map(|Located { mu, x, z, .. }| PredictedPoint {
+            parameter: self.parameter(mu),
+            mu,
+            x,
+            z,
+        })
     }
 }
 
@@ -77,12 +59,12 @@ mod tests {
                 (window.period_doubling.unwrap(), -1.0),
             ];
             for (point, multiplier) in points {
-                let z = prediction.next(point.mu, point.z);
+                let x = prediction.slope.mul_add(point.z, point.mu);
+                let (passage, z) = prediction.passage(x, point.z, Vec::new());
                 assert!((z - point.z).abs() <= 1e-12 * point.x, "{lap}");
                 let slope = prediction.slope * prediction.universal().at(point.x).derivative;
                 assert!((slope - multiplier).abs() < 1e-6, "{lap}: {slope}");
-                let passage = prediction.passage(point.mu, point.z);
-                assert_eq!(passage.impacts, Some(u64::from(lap) + 1));
+                assert_eq!(passage.impacts, Some(lap as u64 + 1));
             }
             assert!(window.fold.unwrap().mu < window.period_doubling.unwrap().mu);
             assert!(window.period_doubling.unwrap().mu < window.grazing.mu);

@@ -35,11 +35,8 @@ const DIFFERENCE: f64 = 1e-6;
 impl Here<'_, f64> {
     /// The release point near one that is known; where it has coordinates, the one that its orbit returns to.
     pub(crate) fn returning(&self, near: &Place) -> Result<ReleasePoint<f64>, BorderError> {
-        let point = self.release(near)?;
-        match self.problem.dimensions() {
-            0 => Ok(point),
-            _ => (self.closed(point)).ok_or_else(|| self.lacks(Lack::Release)),
-        }
+        let closed = self.closed(self.release(near)?);
+        closed.ok_or_else(|| self.lacks(Lack::Release))
     }
 
     /// Release points of the orbits that trajectories settle to: from the initial state, and from the release point near it.
@@ -90,8 +87,11 @@ impl Here<'_, f64> {
         Some((free().map(|i| off[i]).collect(), size.fold(0.0, f64::max)))
     }
 
-    /// The release point, near this one, that its orbit returns to.
+    /// The release point, near this one, that its orbit returns to: without coordinates this one.
     fn closed(&self, start: ReleasePoint<f64>) -> Option<ReleasePoint<f64>> {
+        if start.free.is_empty() {
+            return Some(start);
+        }
         let mut here = start;
         let (mut missed, mut size) = self.missed(&here)?;
         let mut best = (size, here.clone());

@@ -6,6 +6,7 @@ use super::super::error::{BorderError, Break};
 use super::super::orbit::{Border, complete};
 use super::super::problem::Problem;
 use super::super::spec::BorderSpec;
+use super::branches::Branch;
 use super::closing_in::HALVINGS_WITHOUT;
 use super::sample::Sample;
 use crate::model::Model;
@@ -26,6 +27,19 @@ pub struct Borders<R> {
     pub without_chatter: usize,
     /// Whether the whole range was searched: the observer did not break off.
     pub is_complete: bool,
+}
+
+impl<R: Real> Borders<R> {
+    /// The border nearest to a parameter value.
+    pub fn nearest(self, value: f64) -> Option<Border<R>> {
+        let borders = self.borders.into_iter();
+        borders.min_by(|a, b| off(a, value).total_cmp(&off(b, value)))
+    }
+}
+
+/// How far a border is from a parameter value.
+fn off<R: Real>(border: &Border<R>, value: f64) -> f64 {
+    (border.value.value.to_f64() - value).abs()
 }
 
 /// How far a search is.
@@ -57,20 +71,38 @@ const SAME_BREAK: f64 = 1e-6;
 /// Around a value stretches follow each other to either side, each twice as long as the one before, to as much as the value itself;
 /// and the parts of each.
 const GRADES: u32 = 8;
-const GRADE_SAMPLES: i32 = 12;
+const GRADE_PARTS: usize = 12;
 
 /// Where the value asked for is zero, the last stretch ends here.
 const UNIT: f64 = 1.0;
-
-/// Place number k of `parts` + 1 from `low` to `high`.
-fn part(low: f64, high: f64, k: usize, parts: usize) -> f64 {
-    low + (high - low) * (k as f64 / parts as f64)
-}
 
 /// Parameter values in order. Borders are looked for within the interval; values beyond show whether a distance is smallest there.
 struct Stretch {
     values: Vec<f64>,
     within: (f64, f64),
+}
+
+impl Stretch {
+    /// So many parts from one place to another, and one more on either side. Values are those of places up to one, from a lowest on.
+    fn new(
+        value: impl Fn(f64) -> f64,
+        (begin, end): (f64, f64),
+        parts: usize,
+        lowest: f64,
+    ) -> Self {
+        let place = |k: usize| begin + (end - begin) * (k as f64 - 1.0) / parts as f64;
+        let mut places: Vec<f64> = (0..=parts + 2).map(place).collect();
+        places[parts + 1] = end;
+        places.retain(|&place| place <= 1.0);
+        let mut values: Vec<f64> = places.into_iter().map(&value).collect();
+        values.retain(|&value| value >= lowest);
+        values.sort_by(f64::total_cmp);
+        let [a, b] = [begin, end].map(value);
+        Self {
+            values,
+            within: (a.min(b), a.max(b)),
+        }
+    }
 }
 
 /// The search in an interval, and what it has found.
@@ -129,32 +161,22 @@ impl<'a, R: Real> Search<'a, R> {
 
     /// The verdicts at parameter values in order, along each branch of release points; values at which that fails have none. The
     /// error is the first failure, if nothing is known at any value. Nothing if the observer breaks off.
-    fn scan(&mut self, values: &[f64]) -> Result<Vec<Vec<Sample>>, BorderError> {
-        let branches = self.problem.branches(values)?;
-        let total = (branches.len() * values.len()) as f64;
+    fn scan(&mut self, values: &[f64]) -> Result<Vec<Branch>, BorderError> {
+        let mut branches: Vec<Branch> = Vec::new();
         let mut failure = None;
-        let mut samples: Vec<Sample> = Vec::new();
-        for (place, point) in branches.into_iter().flatten().enumerate() {
-            if !self.goes_on(VERDICTS * (place as f64 / total)) {
+        for k in 0..values.len() {
+            if !self.goes_on(VERDICTS * (k as f64 / values.len() as f64)) {
                 return Ok(Vec::new());
             }
-            let value = values[place % values.len()];
-            let sample = point.map(|point| self.problem.at(value)?.sample(point));
-            samples.push(match sample {
-                Some(Ok(sample)) => sample,
-                failed => {
-                    failure = failure.or(failed.and_then(Result::err));
-                    Sample::unknown(value)
-                }
-            });
+            let extended = self.problem.extend(&mut branches, (values, k));
+            failure = failure.or(extended.err());
         }
-        match failure {
-            Some(error) if samples.iter().all(|at| at.found.is_none()) => Err(error),
-            _ => Ok(samples
-                .chunks(values.len())
-                .map(<[Sample]>::to_vec)
-                .collect()),
+        let samples = || branches.iter().flatten();
+        if samples().any(|at| at.sequence().is_some()) {
+            return Ok(branches);
         }
+        let failed = samples().find_map(|at| at.sequence.clone()?.err());
+        failed.or(failure).map_or(Ok(branches), Err)
     }
 
     /// Searches a stretch, until the observer breaks off.
@@ -162,8 +184,7 @@ impl<'a, R: Real> Search<'a, R> {
         let samples = self.scan(values)?;
         // Release points of contacts that never chatter are none that orbits come to.
         let alone = self.problem.releases.len() == 1;
-        let chatters =
-            |branch: &&Vec<Sample>| alone || !branch.iter().all(Sample::is_without_chatter);
+        let chatters = |branch: &&Branch| alone || !branch.iter().all(Sample::is_without_chatter);
         // A value that two stretches share counts once, the last one, too.
         let is_last = values.last() == Some(&within.1);
         let own = |value: f64| within.0 <= value && (is_last || value < within.1);
@@ -262,20 +283,17 @@ pub fn search_range<R: Real>(
     observer: &mut SearchObserver<'_>,
 ) -> Result<Borders<R>, BorderError> {
     let parts = spec.samples.max(1);
-    let value = |place| part(low, high, place, parts);
     let stretch = |first: usize| {
         let last = first.saturating_add(STRETCH).min(parts);
-        // A value more on either side.
-        let places = first.saturating_sub(1)..=(last + 1).min(parts);
-        Stretch {
-            values: places.map(value).collect(),
-            within: (value(first), value(last)),
-        }
+        let [begin, end] = [first, last].map(|k| k as f64 / parts as f64);
+        let value = |place: f64| low + (high - low) * place;
+        Stretch::new(value, (begin, end), last - first, low)
     };
     let stretches = (0..parts).step_by(STRETCH).map(stretch);
     let problem = Problem::new(model, spec)?;
     Search::new(&problem, (low, high), observer)?.search(stretches, |_, _| true)
 }
+
 /// The border nearest to a parameter value: of those between half of it and twice as much, around zero of those from -1
 /// to 1.
 ///
@@ -310,22 +328,12 @@ pub fn search_near<R: Real>(
         let edge = if place.is_multiple_of(2) { high } else { low };
         let end = 1.0 / f64::from(1 << (GRADES - place / 2));
         let begin = if place < 2 { 0.0 } else { 0.5 * end };
-        // A value more on either side.
-        let places = (-1..=GRADE_SAMPLES + 1)
-            .map(|k| begin + (end - begin) * k as f64 / GRADE_SAMPLES as f64);
-        let places = places.filter(|&place| place <= 1.0);
-        let mut values: Vec<f64> = places.map(|place| value + (edge - value) * place).collect();
-        values.sort_by(f64::total_cmp);
-        let [a, b] = [begin, end].map(|place| value + (edge - value) * place);
-        Stretch {
-            values,
-            within: (a.min(b), a.max(b)),
-        }
+        let value = |place: f64| value + (edge - value) * place;
+        Stretch::new(value, (begin, end), GRADE_PARTS, low)
     };
-    let off = |border: &Border<R>| (border.value.value.to_f64() - value).abs();
     let is_wanted = |Stretch { within, .. }: &Stretch, found: &[Border<R>]| {
         let begins = (within.0 - value).max(value - within.1);
-        found.iter().all(|border| off(border) > begins)
+        found.iter().all(|border| off(border, value) > begins)
     };
     let problem = Problem::new(model, spec)?;
     let search = Search::new(&problem, (low, high), observer)?;
@@ -333,10 +341,8 @@ pub fn search_near<R: Real>(
     if !found.is_complete {
         return Ok(None);
     }
-    let borders = found.borders.into_iter();
-    let nearest = borders.min_by(|a, b| off(a).total_cmp(&off(b)));
-    let breaks = found.breaks;
-    (nearest.map(Some)).ok_or(BorderError::NoBorder { low, high, breaks })
+    let breaks = found.breaks.clone();
+    (found.nearest(value).map(Some)).ok_or(BorderError::NoBorder { low, high, breaks })
 }
 
 /// The verdicts that [`borders_in`] starts from: at `spec.samples` + 1 parameter values from `low` to `high`, a list for
@@ -354,8 +360,9 @@ pub fn verdicts_in(
     let problem = Problem::new(model, spec)?;
     let mut search: Search<'_, f64> = Search::new(&problem, (low, high), &mut observer)?;
     let parts = spec.samples.max(1);
-    let values: Vec<f64> = (0..=parts).map(|k| part(low, high, k, parts)).collect();
+    let value = |k: usize| low + (high - low) * (k as f64 / parts as f64);
+    let values: Vec<f64> = (0..=parts).map(value).collect();
     let branches = search.scan(&values)?;
-    let verdicts = |samples: &Vec<Sample>| samples.iter().map(|s| (s.value, s.verdict)).collect();
+    let verdicts = |samples: &Branch| samples.iter().map(|s| (s.value, s.verdict)).collect();
     Ok(branches.iter().map(verdicts).collect())
 }

@@ -22,7 +22,7 @@ pub(super) fn break_between(left: &Sample, right: &Sample) -> Break {
     let sequences = || {
         [left, right]
             .into_iter()
-            .filter_map(|sample| Some((sample, &sample.found.as_ref()?.1)))
+            .filter_map(|sample| Some((sample, sample.sequence()?)))
     };
     // Within the sequence rates shrink as they should: a graze stands before it or at its beginning.
     let rates = sequences().flat_map(|(_, sequence)| {

@@ -54,7 +54,7 @@ impl<'a, R: Real> Search<'a, R> {
                 best.value + GOLDEN * above
             };
             let mut other = self.problem.sample_near(value, &[&best]);
-            other.found.as_ref()?;
+            other.sequence()?;
             if other.verdict != middle.verdict {
                 return Some(other);
             }
@@ -118,7 +118,7 @@ impl<'a, R: Real> Search<'a, R> {
 
     /// A root reached from a sample whose sequence comes near u*; `None` if there is none.
     fn root_from(&self, sample: &Sample, within: (f64, f64)) -> Option<Root<'a, f64>> {
-        let (release, _) = sample.found.as_ref().filter(|_| sample.is_near)?;
+        let release = sample.release.as_ref().filter(|_| sample.is_near)?;
         (self.problem).root(sample.value, &release.place(), sample.settles, within)
     }
 }

@@ -12,14 +12,16 @@ const NEAR: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub(crate) struct Sample {
     pub value: f64,
+    /// None where there is none.
+    pub release: Option<ReleasePoint<f64>>,
+    /// What follows it, or why that is not known.
+    pub sequence: Option<Result<Sequence<f64>, BorderError>>,
     pub verdict: Verdict,
     /// |X|, roughly: the distance from the border in the sequence's own coordinate.
     pub distance: f64,
     /// The impact from which on the sequence is near u*, and whether it comes near enough for Newton's method.
     pub settles: usize,
     pub is_near: bool,
-    /// None where there is no release point, or what follows it is not known.
-    pub found: Option<(ReleasePoint<f64>, Sequence<f64>)>,
 }
 
 impl Sample {
@@ -27,17 +29,23 @@ impl Sample {
     pub fn unknown(value: f64) -> Self {
         Self {
             value,
+            release: None,
+            sequence: None,
             verdict: Verdict::NoChatter,
             distance: f64::INFINITY,
             settles: 0,
             is_near: false,
-            found: None,
         }
+    }
+
+    /// What follows the release point, if that is known.
+    pub fn sequence(&self) -> Option<&Sequence<f64>> {
+        self.sequence.as_ref()?.as_ref().ok()
     }
 
     /// Whether there is a release point, and no chatter within what was followed.
     pub fn is_without_chatter(&self) -> bool {
-        self.found.is_some() && self.verdict == Verdict::NoChatter
+        self.sequence().is_some() && self.verdict == Verdict::NoChatter
     }
 
     /// Whether chatter is complete at one of two samples only.
@@ -48,26 +56,24 @@ impl Sample {
 
 impl Here<'_, f64> {
     /// What follows a release point.
-    pub(crate) fn sample(&self, release: ReleasePoint<f64>) -> Result<Sample, BorderError> {
-        let limits = self.limits(&release)?;
-        let sequence = self.sequence(&release)?;
-        let is_elsewhere = sequence.verdict == Verdict::Elsewhere;
-        let nearest = limits.nearest(&sequence);
-        let near = |impact: &Impact<f64>| limits.distance(impact.local.u()) <= NEAR;
-        Ok(Sample {
-            value: self.value,
-            verdict: sequence.verdict,
-            distance: if is_elsewhere {
-                f64::INFINITY
-            } else {
-                limits.rough_distance(&sequence)
-            },
-            settles: limits.settles(&sequence),
-            is_near: !is_elsewhere
-                && nearest > sequence.begins
-                && sequence.impacts.get(nearest).is_some_and(near),
-            found: Some((release, sequence)),
-        })
+    pub(crate) fn sample(&self, release: ReleasePoint<f64>) -> Sample {
+        let mut sample = Sample::unknown(self.value);
+        let limits = self.limits(&release);
+        let followed = limits.and_then(|limits| Ok((limits, self.sequence(&release)?)));
+        if let Ok((limits, sequence)) = &followed {
+            sample.verdict = sequence.verdict;
+            sample.settles = limits.settles(sequence);
+            if sequence.verdict != Verdict::Elsewhere {
+                let nearest = limits.nearest(sequence);
+                let near = |impact: &Impact<f64>| limits.distance(impact.local.u()) <= NEAR;
+                sample.distance = limits.rough_distance(sequence);
+                sample.is_near =
+                    nearest > sequence.begins && sequence.impacts.get(nearest).is_some_and(near);
+            }
+        }
+        sample.release = Some(release);
+        sample.sequence = Some(followed.map(|(_, sequence)| sequence));
+        sample
     }
 }
 
@@ -75,10 +81,9 @@ impl Problem {
     /// The verdict at a value near one of these samples.
     pub(super) fn sample_near(&self, value: f64, near: &[&Sample]) -> Sample {
         let sampled = near.iter().find_map(|near| {
-            let (release, _) = near.found.as_ref()?;
             let here = self.at(value).ok()?;
-            let (release, _) = here.followed(near.value, release)?;
-            here.sample(release).ok()
+            let sample = here.sample(here.followed(near)?.0);
+            sample.sequence().is_some().then_some(sample)
         });
         sampled.unwrap_or_else(|| Sample::unknown(value))
     }

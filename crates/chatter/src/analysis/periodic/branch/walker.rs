@@ -8,7 +8,7 @@ use super::special::{Near, Seed, Special};
 use super::touch::VANISHED;
 use super::unbounded::{Law, unbounded};
 use super::{Point, Saddle, SpecialKind, Unbounded};
-use crate::analysis::border::{Border, BorderSpec, borders_in};
+use crate::analysis::border::{BorderSpec, borders_in};
 use crate::analysis::continuation::{Curve, Problem, Station, StepError};
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
@@ -491,9 +491,7 @@ impl Walker {
             value + LOOKED_AT * value.abs(),
         );
         let found = borders_in::<f64>(&workshop.model, &spec, low, high);
-        let off = |border: &Border<f64>| (border.value.value - value).abs();
-        let borders = found.map_or_else(|_| Vec::new(), |found| found.borders);
-        let nearest = borders.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        let nearest = found.ok().and_then(|found| found.nearest(value));
         if nearest.is_none()
             && let Some(distance) = self.distance_to_border(station)
             && let Some(special) = self.special.last_mut()

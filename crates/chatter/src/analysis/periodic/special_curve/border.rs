@@ -40,9 +40,7 @@ impl Search<'_> {
     fn near(&self, second: f64, (value, width): (f64, f64)) -> Option<Border<f64>> {
         let model = self.at(second).ok()?;
         let found = borders_in::<f64>(&model, &self.spec, value - width, value + width).ok()?;
-        let off = |border: &Border<f64>| (border.value.value - value).abs();
-        let borders = found.borders.into_iter();
-        borders.min_by(|a, b| off(a).total_cmp(&off(b)))
+        found.nearest(value)
     }
 }
 
