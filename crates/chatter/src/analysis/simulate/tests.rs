@@ -531,3 +531,19 @@ fn samples_for_a_picture_cover_their_window() {
             .all(|pair| flights_from(pair[0], pair[1]) >= 3)
     );
 }
+
+/// The start is a time of its own run, however many digits it was written with.
+#[test]
+fn a_sample_may_be_taken_at_any_start() {
+    for k in 0..40 {
+        let start = 5.0 * (f64::from(k) * 0.618_033_988_749_894_9).fract();
+        let text = format!("[flight]\nx = \"cos(t)\"\n[initial]\nx = 0.25\nt = {start:?}\n");
+        let model = Model::from_toml(&text, "test").unwrap_or_else(|errors| panic!("{errors}"));
+        let written: DoubleDouble = format!("{start:?}").parse().expect("a number");
+        let mut spec = Spec::until(start + 1.0);
+        spec.sampling = vec![Sampling::At(vec![written, (start + 0.5).into()])];
+        let run = simulate::<f64>(&model, &spec, &mut |_| ControlFlow::Continue(()));
+        let run = run.unwrap_or_else(|error| panic!("{start}: {error}"));
+        assert_eq!(run.samples[0].times[0], start);
+    }
+}
