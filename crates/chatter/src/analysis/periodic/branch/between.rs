@@ -203,10 +203,9 @@ impl Walker {
         };
         if let Some(condition) = condition
             && let Ok(bordered) = condition.near(&mut self.shooting, &station.at, None)
+            && let Ok(found) = self.shooting.solved(&bordered, &station.at)
         {
-            if let Ok(found) = self.shooting.solved(&bordered, &station.at) {
-                take(found);
-            }
+            take(found);
         }
         if let Passed::Torus(_, off) = passed {
             error = off.max(NOISE * f64::EPSILON * rough.abs());
