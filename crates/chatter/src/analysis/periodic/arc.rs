@@ -1,7 +1,7 @@
 //! An arc: orbits with one number of impacts, from where the last of their chatter grazes on; and where the stable ones of them end.
 
-use super::branch::{NOISE, broken_beside, is_broken};
-use super::condition::{Bordered, Condition};
+use super::branch::{broken_beside, is_broken};
+use super::condition::Condition;
 use super::cycle::itinerary::Step;
 use super::cycle::reread::through_impacts;
 use super::error::PeriodicError;
@@ -9,10 +9,9 @@ use super::multipliers::passes;
 use super::orbit::failed;
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{
-    Condition as Row, Corrected, Curve, NewtonError, Problem, Settings, Singular, Station,
-    approach, newton,
+    Condition as Row, Curve, NewtonError, Problem, Settings, Station, approach, newton,
 };
-use crate::numerics::{DoubleDouble, Estimate, Real, dot};
+use crate::numerics::{Estimate, dot};
 use std::sync::Arc;
 
 /// An orbit where stable ones end.
@@ -37,8 +36,6 @@ const TOWARDS: f64 = 0.3;
 const AWAY: f64 = 10.0;
 const SHORTEST_STEP: f64 = 1e-7;
 const MOST_STEPS: usize = 100;
-/// What an end is corrected by in longer numbers is known to this part: derivatives are those in doubles.
-const CORRECTED: f64 = 1e-2;
 
 /// An orbit of an arc, and what tells of its ends: each vanishes at one.
 struct Looked {
@@ -168,41 +165,14 @@ impl ArcWalk {
             let broken = broken_beside(shooting, &found.at, grazing).ok()?;
             let is_it = broken.is_empty() && (-step..=2.0 * step).contains(&reach);
             let state = shooting.node(&found.at, 0).to_vec();
-            let parameter = refined(shooting, &bordered, &found).filter(|_| is_it)?;
+            let known = is_it.then(|| shooting.refined(&bordered, found))?;
+            let parameter = Estimate {
+                value: *known.told.last()?,
+                error: known.error,
+            };
             Some(ArcEnd { state, parameter })
         })
     }
-}
-
-/// The parameter at a solution, corrected once more by what longer numbers leave of the equations there.
-fn refined(
-    shooting: &Shooting<f64>,
-    bordered: &Bordered,
-    found: &Corrected<f64>,
-) -> Option<Estimate<f64>> {
-    let (steps, counts) = (shooting.steps.clone(), shooting.counts.clone());
-    let mut fine = Shooting::<DoubleDouble>::new(&shooting.workshop, steps, counts).ok()?;
-    let fine_numbers = |numbers: &[f64]| -> Vec<DoubleDouble> {
-        numbers.iter().map(|&x| DoubleDouble::from(x)).collect()
-    };
-    let at = fine_numbers(&found.at);
-    let here = fine.evaluate(&at).ok()?;
-    let condition = match bordered {
-        Bordered::Monitor(index) => fine.monitor(*index, &at).ok()?.0,
-        Bordered::Singular(singular) => {
-            let borders = fine_numbers(&singular.borders());
-            Singular::with_borders(singular.sign(), &borders).defect(&fine.wrap(), &here)?
-        }
-    };
-    let left = here.residual.iter().chain([&condition]);
-    let correction = found
-        .factors
-        .solve(&left.map(|x| x.to_f64()).collect::<Vec<f64>>());
-    let (&value, &by) = (found.at.last()?, correction.last()?);
-    Some(Estimate {
-        value: value - by,
-        error: (NOISE * f64::EPSILON * value.abs()).max(CORRECTED * by.abs()),
-    })
 }
 
 /// The motion from a state is not one of the orbits asked for.

@@ -111,7 +111,7 @@ fn fine_shift(
     sign: f64,
     (along, held): (&[f64], &[Vec<f64>]),
 ) -> Option<f64> {
-    let mut fine = shooting.in_longer_numbers().ok()?;
+    let mut fine = shooting.in_longer_numbers(at).ok()?;
     let start: Vec<DoubleDouble> = at.iter().map(|&x| x.into()).collect();
     let rows = held.iter().map(|row| {
         let row: Vec<DoubleDouble> = of_parameters(row, at.len());

@@ -181,7 +181,20 @@ pub(super) fn leaves_at_border(shooting: &Shooting<f64>, at: &[f64], error: &New
 
 /// Whether an orbit is released as its complete chatter ends, as far as numbers can tell; whether its equations are left there.
 fn is_at_border(shooting: &Shooting<f64>, at: &[f64], is_left: bool) -> bool {
-    let shortest = (0..shooting.steps.len()).flat_map(|index| {
+    // Beside rounding chatter may seem incomplete, and nothing be released after it.
+    let released_at_once = match shortest_contact(shooting, at) {
+        Some(shortest) => shortest <= AT_BORDER * shooting.period(),
+        None => is_left,
+    };
+    released_at_once
+        || borders(shooting, at)
+            .iter()
+            .any(|border| border.value.abs() <= AT_BORDER)
+}
+
+/// The shortest time from the end of complete chatter to the release after it, if anything is released.
+pub(super) fn shortest_contact(shooting: &Shooting<f64>, at: &[f64]) -> Option<f64> {
+    let all = (0..shooting.steps.len()).flat_map(|index| {
         let (_, instants) = shooting.instants_within(index, at);
         let contact_lasts = |(place, instant): (usize, &Instant)| {
             let release = instants[place..].iter().find(|next| next.is_release())?;
@@ -194,14 +207,7 @@ fn is_at_border(shooting: &Shooting<f64>, at: &[f64], is_left: bool) -> bool {
             .collect();
         all
     });
-    let shortest = shortest.fold(f64::INFINITY, f64::min);
-    // Beside rounding chatter may seem incomplete, and nothing be released after it.
-    let released_at_once =
-        (is_left && shortest.is_infinite()) || shortest <= AT_BORDER * shooting.period();
-    released_at_once
-        || borders(shooting, at)
-            .iter()
-            .any(|border| border.value.abs() <= AT_BORDER)
+    all.min_by(f64::total_cmp)
 }
 
 /// The coordinate of the nearest border, if there is one that can be told.

@@ -15,6 +15,7 @@
 //! special_curve  special points in two parameters
 //! crossing     where an orbit crosses the section, which is no part of its equations
 //! condition    what is held at zero at special points and along their curves
+//! solved       solutions with that, and how well they are known
 //! multipliers  functions that change their sign where something happens to an orbit
 //! aside        orbits beside one whose equations are singular: once or twice around
 //! search       all that Newton's method finds from many starts
@@ -42,6 +43,7 @@ mod multipliers;
 mod orbit;
 mod search;
 pub(in crate::analysis) mod shooting;
+mod solved;
 mod special_curve;
 mod survey;
 

@@ -73,9 +73,25 @@ pub(crate) fn settled(
     patience: Patience,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Orbit, PeriodicError> {
+    settled_if(workshop, free, (state, patience), &|_| true, observer)
+}
+
+/// The same, if the cycle is one that is wanted: others are not closed, which for many events is long work.
+pub(crate) fn settled_if(
+    workshop: &Arc<Workshop>,
+    free: &[f64],
+    (state, patience): (&[f64], Patience),
+    is_wanted: &dyn Fn(&Cycle) -> bool,
+    observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
+) -> Result<Orbit, PeriodicError> {
     let mut told_from = |section: Option<usize>| {
-        settle((workshop, section), free, state, patience, observer)
-            .and_then(|cycle| close(workshop, cycle, free))
+        let cycle = settle((workshop, section), free, state, patience, observer)?;
+        if !is_wanted(&cycle) {
+            return Err(PeriodicError::Unfollowed {
+                what: "a cycle that is not asked for".to_owned(),
+            });
+        }
+        close(workshop, cycle, free)
     };
     match told_from(workshop.section) {
         Err(error @ (PeriodicError::NoConvergence { .. } | PeriodicError::AtRest))
@@ -277,7 +293,7 @@ fn part_of_timed(shooting: &Shooting<f64>, at: &[f64]) -> Option<Cycle> {
 pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit, PeriodicError> {
     let workshop = shooting.workshop.clone();
     let free = workshop.free.len();
-    let mut fine = shooting.in_longer_numbers()?;
+    let mut fine = shooting.in_longer_numbers(&at)?;
     let start: Vec<DoubleDouble> = at.iter().map(|&x| x.into()).collect();
     let rows = Condition::held(&start, start.len() - free..start.len());
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;

@@ -3,10 +3,11 @@
 
 use super::aside::Aside;
 use super::branch::{Branch, End, Limits, Near, Point, Seed, Special, SpecialKind, beside, follow};
-use super::cycle::settle::Patience;
+use super::cycle::itinerary::Step;
+use super::cycle::settle::{Cycle, Patience};
 use super::diary::Diary;
 use super::error::PeriodicError;
-use super::orbit::{Orbit, settled};
+use super::orbit::{Orbit, settled_if};
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{Problem, Singular, Station};
 use crate::numerics::Real;
@@ -34,6 +35,8 @@ const FARTHER: [f64; 4] = [0.1, 0.2, 0.4, 0.7];
 const BACK: usize = 60;
 /// Borders that are passed in one survey.
 const MOST_HOPS: usize = 8;
+/// What settles beyond a border may be told as so many times around an orbit.
+const MOST_AROUND: f64 = 4.0;
 /// So many branches are followed to see whether they come to a border.
 const MOST_TRIED: usize = 6;
 /// Where fewer impacts than these come to nothing they do not accumulate at a border, beyond which chatter is complete: a lone one may
@@ -136,7 +139,15 @@ fn beyond<'a>(
     let by_settling = anywhere.filter(is_inside).filter_map(move |ahead| {
         let mut quiet = |_: f64| ControlFlow::Continue(());
         let value = way.value + ahead;
-        let orbit = settled(workshop, &[value], state, patience, &mut quiet).ok()?;
+        // It may turn out to go around more than once.
+        let may_fit = |cycle: &Cycle| {
+            let around = (cycle.duration() / way.period).round();
+            let impacts: Option<u64> = cycle.steps.iter().map(Step::impacts).sum();
+            (1.0..=MOST_AROUND).contains(&around)
+                && impacts.is_none_or(|all| all as f64 <= around * limits.impacts as f64)
+        };
+        let from = (state, patience);
+        let orbit = settled_if(workshop, &[value], from, &may_fit, &mut quiet).ok()?;
         let told = (value, orbit.impacts, orbit.period.to_f64());
         fits(&orbit).then_some((ahead, (orbit.shooting, orbit.at), told))
     });

@@ -1,5 +1,6 @@
 //! Periodic orbits, branches and exponents.
 
+mod any_start;
 mod asked;
 mod border_collisions;
 mod branches;

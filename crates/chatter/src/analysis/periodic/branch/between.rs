@@ -1,13 +1,14 @@
 //! Special points between two stations with the same sequence of events.
 
 use super::special::Seed;
-use super::walker::{NOISE, Walker};
+use super::walker::Walker;
 use super::{End, Point, SpecialKind};
-use crate::analysis::continuation::{Corrected, Held, Problem, Singular, Station, locate, newton};
+use crate::analysis::continuation::{Problem, Singular, Station, locate};
 use crate::analysis::periodic::aside::shift;
-use crate::analysis::periodic::condition::Condition;
-use crate::analysis::periodic::multipliers::{is_near, neutral, passes, passes_together};
+use crate::analysis::periodic::condition::{Bordered, Condition};
+use crate::analysis::periodic::multipliers::{is_near, neutral, pair, passes, passes_together};
 use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::solved::{NOISE, Solved};
 use crate::numerics::Complex;
 
 /// What changed its sign between two stations, and its values there.
@@ -15,7 +16,8 @@ use crate::numerics::Complex;
 enum Passed {
     Fold((f64, f64)),
     Doubling((f64, f64)),
-    Torus((f64, f64)),
+    /// With how far the parameter goes while the modulus of a pair changes by as much as it may be off by.
+    Torus((f64, f64), f64),
     Monitor(usize, (f64, f64)),
 }
 
@@ -24,7 +26,7 @@ impl Passed {
         match self {
             Self::Fold(_) => SpecialKind::Fold,
             Self::Doubling(_) => SpecialKind::PeriodDoubling,
-            Self::Torus(_) => SpecialKind::NeimarkSacker,
+            Self::Torus(..) => SpecialKind::NeimarkSacker,
             Self::Monitor(..) => SpecialKind::Monitor,
         }
     }
@@ -73,7 +75,14 @@ impl Walker {
         let error = here.modulus_error.max(there.modulus_error);
         let is_pair = |ends: &(f64, f64)| ends.0.abs().max(ends.1.abs()) > error;
         let torus = both(passes_together).filter(is_pair);
-        kinds.extend(torus.map(Passed::Torus));
+        let moduli = [here, there].map(|point| pair(&point.multipliers));
+        let off = match moduli {
+            [Some(before), Some(after)] => {
+                (error * (there.parameter() - here.parameter()) / (after - before)).abs()
+            }
+            _ => 0.0,
+        };
+        kinds.extend(torus.map(|ends| Passed::Torus(ends, off)));
         let functions = self.shooting.workshop.monitors.len();
         for index in 0..functions {
             let ends = (here.monitors[index], there.monitors[index]);
@@ -141,7 +150,7 @@ impl Walker {
         let found = match passed {
             Passed::Fold(ends) => of(ends, &|_, station| station.tangent.last().copied()),
             Passed::Doubling(ends) => of(ends, &|reader, _| doubling(&reader.multipliers())),
-            Passed::Torus(ends) => of(ends, &|reader, _| passes_together(&reader.multipliers())),
+            Passed::Torus(ends, _) => of(ends, &|reader, _| passes_together(&reader.multipliers())),
             Passed::Monitor(index, ends) => of(ends, &|reader, station| {
                 reader.monitored(&station.at).get(index).copied()
             }),
@@ -155,13 +164,14 @@ impl Walker {
         let mut residual = f64::NAN;
         let mut above = None;
         let near = 1e-3 * (from.parameter() - far).abs();
-        let mut take = |found: Corrected<f64>, scale: f64| {
+        let scale = self.shooting.scales()[station.at.len() - 1];
+        let mut take = |found: Solved| {
             let moved = (found.at[found.at.len() - 1] - rough).abs();
             // Nearer than where the sign changed, or something else was found.
             let is_it = moved <= near.max(1e-12 * scale);
             if is_it {
-                refined.at = found.at;
-                error = (NOISE * f64::EPSILON * rough.abs()).max(NOISE * found.correction * scale);
+                refined.at = found.told;
+                error = found.error;
                 residual = found.residual;
             }
             is_it
@@ -171,16 +181,14 @@ impl Walker {
         let condition = match passed {
             Passed::Fold(_) => Some(Condition::Singular(1.0)),
             Passed::Doubling(_) => Some(Condition::Singular(-1.0)),
-            Passed::Torus(_) => None,
+            Passed::Torus(..) => None,
             Passed::Monitor(index, _) => {
                 let other = self.shooting.with_section(&station.at).ok().flatten();
                 if let Some((mut longer, guess)) = other {
-                    let function = longer.user_function(index);
-                    let mut held = Held::monitor(&mut longer, function);
-                    let scale = held.scales()[guess.len() - 1];
-                    if let Ok(found) = newton(&mut held, &guess, &[]) {
-                        let at = found.at.clone();
-                        if take(found, scale) {
+                    let function = Bordered::Monitor(longer.user_function(index));
+                    if let Ok(found) = longer.solved(&function, &guess) {
+                        let at = found.told.clone();
+                        if take(found) {
                             at_section = Some(Seed {
                                 shooting: longer,
                                 at,
@@ -195,15 +203,12 @@ impl Walker {
         };
         if let Some(condition) = condition
             && let Ok(bordered) = condition.near(&mut self.shooting, &station.at, None)
+            && let Ok(found) = self.shooting.solved(&bordered, &station.at)
         {
-            let mut held = bordered.of(&mut self.shooting);
-            let scale = held.scales()[station.at.len() - 1];
-            if let Ok(found) = newton(&mut held, &station.at, &[]) {
-                take(found, scale);
-            }
+            take(found);
         }
-        if matches!(passed, Passed::Torus(_)) {
-            error = NOISE * f64::EPSILON * rough.abs();
+        if let Passed::Torus(_, off) = passed {
+            error = off.max(NOISE * f64::EPSILON * rough.abs());
         }
         if let Some(Seed { mut shooting, at }) = at_section {
             refined.at = at;
@@ -224,8 +229,8 @@ impl Walker {
         let neutral = neutral(&here.multipliers);
         if residual.is_nan() {
             residual = match (passed, &neutral) {
-                (Passed::Torus(_), Some((off, ..))) => off.abs(),
-                (Passed::Torus(_), None) => f64::NAN,
+                (Passed::Torus(..), Some((off, ..))) => off.abs(),
+                (Passed::Torus(..), None) => f64::NAN,
                 _ => refined.residual,
             };
         }
@@ -233,7 +238,7 @@ impl Walker {
             Passed::Fold(_) => is_near(&here.multipliers, 1.0),
             Passed::Doubling(_) => is_near(&here.multipliers, -1.0),
             // One of two real multipliers may as well be the inverse of the other.
-            Passed::Torus(_) => neutral.is_some_and(|(_, sum, _)| sum.abs() < 2.0),
+            Passed::Torus(..) => neutral.is_some_and(|(_, sum, _)| sum.abs() < 2.0),
             Passed::Monitor(..) => true,
         };
         if !is_it {

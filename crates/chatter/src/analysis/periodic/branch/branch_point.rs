@@ -1,9 +1,10 @@
 //! Points where branches meet, from stations around them.
 
-use super::walker::{NOISE, Walker};
+use super::walker::Walker;
 use super::{End, Point, SpecialKind};
 use crate::analysis::continuation::{Problem, Station, meeting, other_direction};
 use crate::analysis::periodic::orbit::shorter;
+use crate::analysis::periodic::solved::NOISE;
 
 impl Walker {
     /// A point where branches meet. The equations are singular there, so it is found from stations around it: the
@@ -16,6 +17,11 @@ impl Walker {
         step: f64,
         (before, after): (f64, f64),
     ) -> Option<End> {
+        // Where nothing is left of an orbit its equations are singular by rounding.
+        if self.has_shrunk(from) {
+            return None;
+        }
+        self.settle(from);
         let turns = before * after < 0.0;
         let noise = |station: &Station| NOISE * f64::EPSILON * station.parameter().abs();
         let scale = self.shooting.scales()[from.at.len() - 1];

@@ -4,11 +4,13 @@
 
 use super::graze::{THERE, moved};
 use super::limits::End;
-use super::walker::{NOISE, Stop, Walker};
+use super::walker::{Stop, Walker};
 use super::{Point, SpecialKind};
-use crate::analysis::continuation::{Curve, Held, Problem, Station, newton, tangent};
+use crate::analysis::continuation::{Curve, Problem, Station, tangent};
+use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{BeyondCorner, Shooting};
+use crate::analysis::periodic::solved::Solved;
 use crate::flow::GuardKind;
 use crate::numerics::dot;
 
@@ -19,38 +21,22 @@ const TOGETHER: f64 = 1e-9;
 /// The parameter stands still along a curve that moves it by less than this part of how far it goes.
 const STANDS: f64 = 1e-12;
 
-/// A corner that an event has come to.
-pub(super) struct Met {
-    pub at: Vec<f64>,
-    pub residual: f64,
-    correction: f64,
-    /// Of the parameter.
-    pub error: f64,
-}
-
 impl Shooting<f64> {
     /// Where the event at the end of a step is at a corner.
     pub(super) fn at_corner(
         &mut self,
         start: &[f64],
         (index, guard): (usize, GuardKind),
-    ) -> Result<Met, String> {
+    ) -> Result<Solved, String> {
         let known = self.watch_corner(index, guard);
         known.map_err(|error| error.to_string())?;
         let function = self.corner_function();
-        let mut held = Held::monitor(self, function);
-        let found = newton(&mut held, start, &[]).map_err(|error| error.to_string())?;
-        if moved(&found.at, start, held.scales()) > THERE {
+        let found = self.solved(&Bordered::Monitor(function), start);
+        let found = found.map_err(|error| error.to_string())?;
+        if moved(&found.at, start, self.scales()) > THERE {
             return Err("where an event comes to a corner only another place is found".to_owned());
         }
-        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
-        let parameter = found.at.last().copied().unwrap_or_default();
-        Ok(Met {
-            at: found.at,
-            residual: found.residual,
-            correction: found.correction,
-            error: error.max(NOISE * f64::EPSILON * parameter.abs()),
-        })
+        Ok(found)
     }
 }
 
@@ -95,7 +81,13 @@ impl Walker {
             };
         }
         self.settle(station);
-        self.note(SpecialKind::Touch, there, &met.at, met.error, met.residual);
+        self.note(
+            SpecialKind::Touch,
+            there,
+            &met.told,
+            met.error,
+            met.residual,
+        );
         let ends = |walker: &mut Self, why: &str| {
             let last = there.moved(&mut walker.shooting, &met.at);
             walker.points.push(last);
@@ -136,7 +128,7 @@ impl Walker {
     fn corners_met_together(
         &mut self,
         from: &Station,
-        met: &Met,
+        met: &Solved,
         (index, guard): (usize, GuardKind),
     ) -> Vec<GuardKind> {
         let mut ends = |at: &[f64]| {
@@ -167,7 +159,7 @@ impl Shooting<f64> {
         &mut self,
         at: Vec<f64>,
         (index, guard): (usize, GuardKind),
-        met: &Met,
+        met: &Solved,
     ) -> Result<Station, String> {
         let back = guard.opposite().ok_or("a corner without sides")?;
         let known = self.watch_corner(index, back);

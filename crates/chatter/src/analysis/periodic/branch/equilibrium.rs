@@ -98,17 +98,11 @@ impl Equilibria {
 const SHRUNK: f64 = 1e-4;
 
 impl Shooting<f64> {
-    /// Whether an orbit has shrunk to a point: all its nodes, and where its flights are half over.
+    /// Whether an orbit has shrunk to a point: all its nodes, and where its flights are half over. Phases turn on where friction comes to
+    /// hold all else.
     pub(super) fn has_shrunk(&mut self, at: &[f64]) -> bool {
-        if self.workshop.closure.time.is_some() || self.counts.iter().any(|&count| count != 0) {
-            return false;
-        }
-        let (sizes, origin) = (self.state_sizes(), self.node(at, 0).to_vec());
-        let is_near = |state: &[f64]| {
-            let parts = state.iter().zip(&origin).zip(&sizes).enumerate();
-            let mut parts = parts.filter(|(index, _)| !self.workshop.closure.is_idle(*index));
-            parts.all(|(_, ((x, y), size))| (x - y).abs() <= SHRUNK * size)
-        };
+        let origin = self.node(at, 0).to_vec();
+        let is_near = |state: &[f64]| self.is_one_place(state, &origin);
         let parameters = self.workshop.parameters(self.free(at));
         (0..self.steps.len()).all(|index| {
             let step = &self.steps[index];
@@ -128,6 +122,15 @@ impl Shooting<f64> {
             let landing = leg.fly(&mut leg.flyer(&Settings::default()), &all, node, half);
             is_near(node) && landing.is_ok_and(|landing| is_near(&landing.image))
         })
+    }
+
+    /// Whether states are one, but for phases and what nothing depends on.
+    pub(super) fn is_one_place(&self, one: &[f64], other: &[f64]) -> bool {
+        let (closure, sizes) = (&self.workshop.closure, self.state_sizes());
+        let parts = one.iter().zip(other).zip(&sizes).enumerate();
+        let stays = |index: usize| !(closure.is_idle(index) || closure.is_phase(index));
+        let mut parts = parts.filter(|(index, _)| stays(*index));
+        parts.all(|(_, ((x, y), size))| (x - y).abs() <= SHRUNK * size)
     }
 
     /// Those of the mode of a step in which nothing is held.

@@ -3,9 +3,10 @@
 use super::holds::{Broken, first_break};
 use super::limits::End;
 use super::touch::Touched;
-use super::walker::{NOISE, Stop, Walker};
+use super::walker::{Stop, Walker};
 use super::{Point, SpecialKind};
-use crate::analysis::continuation::{Curve, Held, Problem, Station, newton, tangent};
+use crate::analysis::continuation::{Curve, Problem, Station, tangent};
+use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Shooting, station_after};
 use crate::expressions::Symbol;
@@ -254,7 +255,13 @@ impl Walker {
         let Ok(met) = watching.at_corner(&station.at, (index, guard)) else {
             return false;
         };
-        self.note(SpecialKind::Touch, there, &met.at, met.error, met.residual);
+        self.note(
+            SpecialKind::Touch,
+            there,
+            &met.told,
+            met.error,
+            met.residual,
+        );
         true
     }
 
@@ -402,6 +409,7 @@ impl Walker {
         let Touched {
             shooting: mut longer,
             at,
+            told: known,
             index,
             residual,
             correction,
@@ -418,7 +426,7 @@ impl Walker {
         let takes_off = longer.impact_takes_off(index);
         let before = core::mem::replace(&mut self.shooting, longer);
         let opens = station.tangent.last().is_some_and(|&along| along < 0.0);
-        self.note(graze(opens), there, &at, error, residual);
+        self.note(graze(opens), there, &known, error, residual);
         if has_pole {
             self.tell_no_multipliers();
         }
@@ -443,12 +451,12 @@ impl Walker {
         there: &Point,
     ) -> Result<Station, String> {
         let Some(first) = self.shooting.crossing_that_vanishes(index) else {
-            return self.without(&station.at, (index, None), station, there);
+            return self.without(&station.at, (index, None), there);
         };
         let touching = self.shooting.without_way_back(&station.at, first);
         let (touching, start, index) = touching.map_err(|error| error.to_string())?;
         let before = core::mem::replace(&mut self.shooting, touching);
-        let next = self.without(&start, (index, Some(first)), station, there);
+        let next = self.without(&start, (index, Some(first)), there);
         if next.is_err() {
             self.shooting = before;
         }
@@ -460,24 +468,24 @@ impl Walker {
         &mut self,
         start: &[f64],
         (index, crossing): (usize, Option<usize>),
-        station: &Station,
         there: &Point,
     ) -> Result<Station, String> {
         let told = |error: &dyn core::fmt::Display| error.to_string();
-        let mut held = Held::monitor(&mut self.shooting, index);
-        let found = newton(&mut held, start, &[]).map_err(|error| told(&error))?;
-        if moved(&found.at, start, held.scales()) > THERE {
+        let found = self.shooting.solved(&Bordered::Monitor(index), start);
+        let found = found.map_err(|error| told(&error))?;
+        if moved(&found.at, start, self.shooting.scales()) > THERE {
             return Err("where an event vanishes only another place is found".to_owned());
         }
-        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
         let is_impact = self.shooting.steps[index].impact().is_some();
         let kind = if is_impact {
             graze(true)
         } else {
             SpecialKind::Touch
         };
-        let error = error.max(NOISE * f64::EPSILON * station.parameter().abs());
-        self.note(kind, there, &found.at, error, found.residual);
+        if !is_impact && self.has_told((&self.shooting, &found.told, index), found.error) {
+            self.special.pop();
+        }
+        self.note(kind, there, &found.told, found.error, found.residual);
         if is_impact && let Some(special) = self.special.last_mut() {
             special.point.impacts = special.point.impacts.map(|n| n - 1);
         }

@@ -6,11 +6,12 @@
 
 use super::equilibrium::Equilibrium;
 use super::special::Seed;
-use super::walker::{NOISE, Walker};
+use super::walker::Walker;
 use super::{End, Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Station, locate};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::shooting::Shooting;
+use crate::analysis::periodic::solved::NOISE;
 use crate::flow::GuardKind;
 use crate::numerics::{Complex, eigenvalues};
 use core::f64::consts::TAU;

@@ -1,5 +1,6 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
+use super::graze::THERE;
 use super::holds::is_broken;
 use super::touch::Touched;
 use super::walker::Walker;
@@ -134,7 +135,8 @@ impl Walker {
         if touched.is_none() && ends_on.iter().flatten().any(|&guard| comes(guard)) {
             touched = touch_between(&mut before, &from.at, between, comes);
         }
-        if let Some(touched) = touched.filter(|touched| !self.has_just_told(touched)) {
+        let is_new = |touched: &Touched| !self.has_told(touched.place(), touched.error);
+        if let Some(touched) = touched.filter(is_new) {
             let there = Point::new(&mut self.shooting, &next);
             self.note_passed_touch(&there, touched);
         }
@@ -157,13 +159,31 @@ impl Walker {
         *curve = Curve::new(next, careful);
     }
 
-    /// Whether the latest special point is that touch.
-    fn has_just_told(&self, touched: &Touched) -> bool {
-        let value = touched.at.last().copied().unwrap_or(f64::NAN);
-        self.special.last().is_some_and(|known| {
+    /// Whether the latest special point is the touch at the end of a step of these equations, whose parameter is known to so much: an orbit
+    /// with a symmetry touches in several places at once.
+    pub(super) fn has_told(
+        &self,
+        (shooting, at, index): (&Shooting<f64>, &[f64], usize),
+        error: f64,
+    ) -> bool {
+        let value = at.last().copied().unwrap_or(f64::NAN);
+        let latest = (self.special.last()).filter(|known| {
             let off = (known.point.parameter() - value).abs();
-            known.kind == SpecialKind::Touch && off <= known.error + touched.error
-        })
+            known.kind == SpecialKind::Touch && off <= known.error + error
+        });
+        let Some(seed) = latest.and_then(|known| known.seed.as_ref()) else {
+            return false;
+        };
+        let closure = &shooting.workshop.closure;
+        let parameters = shooting.workshop.parameters(shooting.free(at));
+        let Ok(turns) = closure.turns(&parameters) else {
+            return false;
+        };
+        let place = [shooting.node(at, shooting.after(index)).to_vec()];
+        let nodes = 0..seed.shooting.steps.len();
+        let nodes = nodes.map(|index| seed.shooting.node(&seed.at, index).to_vec());
+        let both = (&place[..], &nodes.collect::<Vec<_>>()[..]);
+        closure.share(&turns, both, &shooting.state_sizes(), THERE)
     }
 
     /// The force of a closed contact touches zero: beyond, the contact opens for a while, and closes again by chatter that begins
@@ -290,7 +310,10 @@ impl Walker {
             let period = lap.map_or_else(|| self.shooting.period(), |lap| lap.time);
             let told = (&start, period);
             let cycle = reread(&workshop, &free, told).ok()?;
-            if cycle.distance > SAME_BEYOND {
+            // An orbit of more impacts than are followed is closed for nothing; one more may come to be none.
+            let impacts: Option<u64> = cycle.steps.iter().map(Step::impacts).sum();
+            let is_over = impacts.is_some_and(|impacts| impacts > self.limits.impacts + 1);
+            if cycle.distance > SAME_BEYOND || is_over {
                 return None;
             }
             let read: Vec<Vec<f64>> = cycle.steps.iter().map(|step| step.start.clone()).collect();

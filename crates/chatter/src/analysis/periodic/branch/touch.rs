@@ -4,12 +4,11 @@
 use super::events::unfollowed;
 use super::graze::{THERE, moved};
 use super::holds::is_broken;
-use super::walker::{NOISE, Walker};
+use super::walker::Walker;
 use super::{Point, SpecialKind};
-use crate::analysis::continuation::{
-    Condition, Held, NewtonError, Problem, Station, newton, tangent,
-};
+use crate::analysis::continuation::{Condition, NewtonError, Problem, Station, newton, tangent};
 use crate::analysis::periodic::closure::Closure;
+use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
@@ -265,6 +264,8 @@ impl Shooting<f64> {
 pub(super) struct Touched {
     pub shooting: Shooting<f64>,
     pub at: Vec<f64>,
+    /// The same as well as it is known.
+    pub told: Vec<f64>,
     /// The step that ends there.
     pub index: usize,
     pub residual: f64,
@@ -274,21 +275,25 @@ pub(super) struct Touched {
 }
 
 impl Touched {
+    /// Its equations, their solution, and the step that ends at the touch.
+    pub(super) fn place(&self) -> (&Shooting<f64>, &[f64], usize) {
+        (&self.shooting, &self.told, self.index)
+    }
+
     /// From a guess of where the event at the end of a step only touches.
     pub(super) fn solve(
         (mut shooting, guess, index): (Shooting<f64>, Vec<f64>, usize),
     ) -> Result<Self, String> {
-        let mut held = Held::monitor(&mut shooting, index);
-        let found = newton(&mut held, &guess, &[]).map_err(|error| error.to_string())?;
-        let error = NOISE * found.correction * held.scales()[found.at.len() - 1];
-        let parameter = found.at.last().copied().unwrap_or_default();
+        let found = shooting.solved(&Bordered::Monitor(index), &guess);
+        let found = found.map_err(|error| error.to_string())?;
         Ok(Self {
             shooting,
             at: found.at,
+            told: found.told,
             index,
             residual: found.residual,
             correction: found.correction,
-            error: error.max(NOISE * f64::EPSILON * parameter.abs()),
+            error: found.error,
         })
     }
 }
@@ -312,14 +317,17 @@ impl Walker {
         }
     }
 
-    /// Notes a touch with its own equations.
+    /// Notes a touch with its own equations: in place of the latest special point, if that is the same touch, which nothing has come of.
     pub(super) fn note_touch(&mut self, there: &Point, touched: Touched) {
+        if self.has_told(touched.place(), touched.error) {
+            self.special.pop();
+        }
         let is_slow = self.shooting.crosses_slowly();
         let own = core::mem::replace(&mut self.shooting, touched.shooting);
         self.note(
             SpecialKind::Touch,
             there,
-            &touched.at,
+            &touched.told,
             touched.error,
             touched.residual,
         );

@@ -12,7 +12,7 @@ use crate::analysis::border::{BorderSpec, borders_in};
 use crate::analysis::continuation::{Curve, Problem, Station, StepError};
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::margins::{border_coordinate, leaves_at_border};
+use crate::analysis::periodic::margins::{border_coordinate, leaves_at_border, shortest_contact};
 use crate::analysis::periodic::shooting::Shooting;
 
 /// One side of a branch.
@@ -38,14 +38,14 @@ impl Side {
 const MOST_GRAZES: usize = 4_000;
 /// So many special points, the same two in turn, are no way on.
 const TURNS: usize = 6;
-/// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
-pub(in crate::analysis::periodic) const NOISE: f64 = 16.0;
 /// A branch comes this near to a border, in parts of the parameter; the border itself is looked for as far away as this.
 const BESIDE_BORDER: f64 = 1e-10;
 const LOOKED_AT: f64 = 1e-7;
 /// Its coordinate is looked at here and so far back, in parts of the longest step, and the distance that this tells is known to a factor.
 const BORDER_STEP: f64 = 1e-3;
 const BORDER_ROOM: f64 = 2.0;
+/// So many orbits come close to it one after the other.
+const LAST_ORBITS: usize = 4;
 /// There is one border in so short a range.
 const BORDER_SAMPLES: usize = 6;
 /// Close to a graze is this part of the next step.
@@ -338,12 +338,17 @@ impl Walker {
     }
 
     /// Whether nothing is left of the orbit at a station.
-    fn has_shrunk(&mut self, station: &Station) -> bool {
+    pub(super) fn has_shrunk(&mut self, station: &Station) -> bool {
         if self.shooting.scales().len() != station.at.len() {
             return false;
         }
         self.settle(station);
-        self.shooting.has_shrunk(&station.at)
+        // What a forcing finds at rest all along has not shrunk.
+        let is_forced = self.shooting.counts.iter().any(|&count| count != 0);
+        let rest = self.shooting.node(&station.at, 0);
+        let was_there = |point: &Point| self.shooting.is_one_place(&point.state, rest);
+        let always = is_forced && self.points.iter().all(was_there);
+        !always && self.shooting.has_shrunk(&station.at)
     }
 
     /// How the branch ends where its orbit has shrunk to a point, or its period grows without bound, to a saddle if the last orbit passes
@@ -508,19 +513,39 @@ impl Walker {
         }
     }
 
-    /// How far the parameter is from a border, by its coordinate, which vanishes linearly, there and a little before.
+    /// How far the parameter is from a border, by its coordinate, which vanishes linearly, there and a little before; where that cannot be
+    /// told, by the time from the end of chatter to release, which vanishes as a power.
     fn distance_to_border(&mut self, station: &Station) -> Option<f64> {
-        self.settle(station);
-        let here = border_coordinate(&self.shooting, &station.at)?;
+        // Where nothing tells, no less than how far its last orbits have come.
+        let back = self.points.len().checked_sub(LAST_ORBITS);
+        let crowded = back.and_then(|place| self.points.get(place));
+        let crowded = crowded.map(|point| (point.parameter() - station.parameter()).abs());
+        self.measured_distance(station).or(crowded)
+    }
+
+    fn measured_distance(&mut self, station: &Station) -> Option<f64> {
         let back = station.clone().reversed();
         let way = BORDER_STEP * self.limits.longest_step;
-        let (before, _) = back.ahead(&mut self.shooting, way).ok()?;
-        self.settle(&before);
-        let there = border_coordinate(&self.shooting, &before.at)?;
+        let mut looked = Vec::new();
+        for part in [0.0, 0.5, 1.0] {
+            let (there, _) = back.ahead(&mut self.shooting, part * way).ok()?;
+            self.settle(&there);
+            let coordinate = border_coordinate(&self.shooting, &there.at);
+            let contact = shortest_contact(&self.shooting, &there.at);
+            looked.push((there.parameter(), coordinate, contact));
+        }
         self.settle(station);
-        let slope = (there - here) / (before.parameter() - station.parameter());
-        let distance = (here / slope).abs();
-        distance.is_finite().then_some(distance)
+        let [here, halfway, before] = looked[..] else {
+            return None;
+        };
+        if let (Some(now), Some(then)) = (here.1, before.1) {
+            let slope = (then - now) / (before.0 - here.0);
+            let distance = (now / slope).abs();
+            return distance.is_finite().then_some(distance);
+        }
+        let gone = [halfway.0, before.0].map(|value| (value - here.0).abs());
+        let lasted = [here.2?, halfway.2?, before.2?];
+        Some(distance_by_power(gone, lasted).unwrap_or(gone[1]))
     }
 
     /// Notes a special point: an orbit near it, with the state and parameter of the solution of its equations, which the trace that finds
@@ -559,5 +584,48 @@ impl Walker {
             place: self.points.len(),
             seed: Some(seed),
         });
+    }
+}
+
+/// How far from here a function vanishes as a power of the distance, from its values here and at two distances from here, the function
+/// growing with both: d with log(f_1/f_0)/log(1 + x_1/d) = log(f_2/f_0)/log(1 + x_2/d). None where no distance up to the farther of them
+/// does.
+fn distance_by_power([near, far]: [f64; 2], [here, next, last]: [f64; 3]) -> Option<f64> {
+    if !(0.0 < here && here < next && next < last) {
+        return None;
+    }
+    let (rise, whole) = (libm::log(next / here), libm::log(last / here));
+    let off =
+        |distance: f64| rise * libm::log1p(far / distance) - whole * libm::log1p(near / distance);
+    // As the distance vanishes both logarithms are one, and `off` has the sign of -1.
+    let (mut low, mut high) = (f64::MIN_POSITIVE.sqrt(), far);
+    if off(low) * off(high) > 0.0 {
+        return None;
+    }
+    for _ in 0..200 {
+        let middle = (low * high).sqrt();
+        if off(middle) * off(low) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distance_by_power;
+
+    #[test]
+    fn a_power_tells_where_it_vanishes() {
+        for (distance, power) in [(1e-7, 0.7), (3e-3, 1.0), (2e-9, 1.9)] {
+            let of = |x: f64| libm::pow(x + distance, power);
+            let ways = [5e-3, 1e-2];
+            let found = distance_by_power(ways, [of(0.0), of(ways[0]), of(ways[1])]).unwrap();
+            assert!((found / distance - 1.0).abs() < 1e-6, "{distance}: {found}");
+        }
+        assert_eq!(distance_by_power([1.0, 2.0], [0.0, 1.0, 2.0]), None);
+        assert_eq!(distance_by_power([1.0, 2.0], [2.0, 1.0, 2.0]), None);
     }
 }

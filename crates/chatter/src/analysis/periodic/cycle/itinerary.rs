@@ -79,6 +79,14 @@ impl Step {
         }
     }
 
+    /// How many impacts it has; none where infinitely many.
+    pub(crate) fn impacts(&self) -> Option<u64> {
+        match self.passage {
+            Passage::Stretch(kind) => (kind.accumulations == 0).then_some(kind.impacts as u64),
+            _ => Some(u64::from(self.impact().is_some())),
+        }
+    }
+
     /// The flight that it is, where its time is its own and nothing at its instant came before.
     pub(crate) fn flight(&self) -> Option<LegKind> {
         match self.passage {

@@ -74,8 +74,13 @@ impl Shooting<f64> {
             let zeros = self.begins_on(index);
             let begins_on = |guard: GuardKind| zeros.contains(&guard);
             let flyer = &mut self.flyers[flyer].1;
-            let seen = leg.least(flyer, &all, (x, duration), &begins_on);
-            found.push(seen.map_err(Left::because)?);
+            let mut seen =
+                (leg.least(flyer, &all, (x, duration), &begins_on)).map_err(Left::because)?;
+            // On a way that no event ends its ends are a place like others: a least value may be just there.
+            if self.steps[index].ends_at().is_none() {
+                seen.iter_mut().for_each(|least| least.at_end = false);
+            }
+            found.push(seen);
         }
         Ok(found)
     }

@@ -16,8 +16,16 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub(super) struct Watched<R: Real> {
     step: usize,
+    guard: GuardKind,
     leg: Arc<Leg>,
     flyer: Flyer<R>,
+}
+
+impl<R: Real> Watched<R> {
+    /// The step at whose end it is watched, and the guard that vanishes there.
+    pub(super) fn place(&self) -> (usize, GuardKind) {
+        (self.step, self.guard)
+    }
 }
 
 /// Corners within corners, as conditions are nested.
@@ -71,7 +79,12 @@ impl<R: Real> Shooting<R> {
         };
         let leg = self.workshop.leg(to_corner).ok_or_else(unknown)?;
         let flyer = leg.flyer(&Settings::default());
-        self.corner = Some(Watched { step, leg, flyer });
+        self.corner = Some(Watched {
+            step,
+            guard,
+            leg,
+            flyer,
+        });
         Ok(())
     }
 
@@ -85,7 +98,9 @@ impl<R: Real> Shooting<R> {
     }
 
     fn flown_to(&self, watched: &mut Watched<R>, at: &[R]) -> Result<(R, Vec<R>), Left> {
-        let Watched { step, leg, flyer } = watched;
+        let Watched {
+            step, leg, flyer, ..
+        } = watched;
         let place = self.duration_place(*step);
         let place = place.ok_or_else(|| Left::because("a corner at the end of no leg"))?;
         let parameters = self.workshop.parameters(self.free(at));

@@ -372,11 +372,7 @@ impl<R: Real> Shooting<R> {
 
     /// Impacts a period; none where infinitely many.
     pub(crate) fn impacts(&self) -> Option<u64> {
-        let impacts = |step: &Step| match step.passage {
-            Passage::Stretch(kind) => (kind.accumulations == 0).then_some(kind.impacts as u64),
-            _ => Some(u64::from(step.impact().is_some())),
-        };
-        self.steps.iter().map(impacts).sum()
+        self.steps.iter().map(Step::impacts).sum()
     }
 
     /// The node that a step starts from.
@@ -532,10 +528,17 @@ impl<R: Real> Shooting<R> {
 }
 
 impl Shooting<f64> {
-    /// The same equations in numbers of thirty digits.
-    pub(crate) fn in_longer_numbers(&self) -> Result<Shooting<DoubleDouble>, PeriodicError> {
-        let (steps, counts) = (self.steps.clone(), self.counts.clone());
+    /// The same equations in numbers of thirty digits, what is held held as it is at a point.
+    pub(crate) fn in_longer_numbers(
+        &self,
+        at: &[f64],
+    ) -> Result<Shooting<DoubleDouble>, PeriodicError> {
+        let (steps, counts) = (self.current_steps(at), self.counts.clone());
         let mut fine = Shooting::<DoubleDouble>::new(&self.workshop, steps, counts)?;
+        fine.told_node = self.told_node;
+        if let Some((step, guard)) = self.corner.as_ref().map(corner::Watched::place) {
+            fine.watch_corner(step, guard)?;
+        }
         // Where the solution is zero but for rounding, its own size is none.
         for (size, before) in fine.scales.iter_mut().zip(&self.scales) {
             *size = size.max(*before);

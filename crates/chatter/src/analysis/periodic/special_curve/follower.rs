@@ -5,8 +5,8 @@ use crate::analysis::continuation::{
     Curve, NewtonError, Problem, Station, StepError, locate, meeting,
 };
 use crate::analysis::periodic::branch::{
-    Broken, End, Kept, Ledger, Limits, NOISE, Of, Point, Side, Special, SpecialKind, Stand,
-    Standing, Then, broken_beside, damaged, first_break, moved, station_at,
+    Broken, End, Kept, Ledger, Limits, Of, Point, Side, Special, SpecialKind, Stand, Standing,
+    Then, broken_beside, damaged, first_break, moved, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::diary::{Diary, Told};
@@ -14,6 +14,7 @@ use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::leaves_at_border;
 use crate::analysis::periodic::multipliers::NEAR_ONE;
 use crate::analysis::periodic::shooting::{Shooting, station_after};
+use crate::analysis::periodic::solved::NOISE;
 use crate::numerics::Complex;
 
 /// One side of a curve.

@@ -1,0 +1,103 @@
+//! Solutions of an orbit's equations with one more condition, and how well their parameter is known.
+
+use super::condition::Bordered;
+use super::shooting::Shooting;
+use crate::analysis::continuation::{Corrected, NewtonError, Problem, Singular, newton};
+use crate::numerics::{DoubleDouble, Real};
+
+/// The last correction of Newton's method is a sample of what rounding does; errors are so many of it.
+pub(super) const NOISE: f64 = 16.0;
+/// No rounding makes a larger correction, against the sizes of the unknowns.
+const ROUNDED: f64 = 1e-7;
+
+/// A solution.
+#[derive(Clone, Debug)]
+pub(crate) struct Solved {
+    /// As doubles solve the equations: what doubles go on from.
+    pub at: Vec<f64>,
+    /// What it is, as well as that is known.
+    pub told: Vec<f64>,
+    pub residual: f64,
+    pub correction: f64,
+    /// Of the parameter.
+    pub error: f64,
+}
+
+impl Shooting<f64> {
+    /// The solution of the equations and a condition near a point.
+    ///
+    /// # Errors
+    /// There is none, or none was found.
+    pub(crate) fn solved(
+        &mut self,
+        bordered: &Bordered,
+        start: &[f64],
+    ) -> Result<Solved, NewtonError> {
+        let found = newton(&mut bordered.of(self), start, &[])?;
+        Ok(self.refined(bordered, found))
+    }
+
+    /// A solution in doubles, corrected twice more by what longer numbers leave of the equations there. Doubles do not tell how far rounding
+    /// has taken it: where flights are short, or there are many of them, the same rounding is made at each correction. The second
+    /// correction, which derivatives in doubles make necessary, tells how far the first one is to be trusted.
+    pub(crate) fn refined(&self, bordered: &Bordered, found: Corrected<f64>) -> Solved {
+        let parameter = found.at.last().copied().unwrap_or_default();
+        let roundoff = NOISE * f64::EPSILON * parameter.abs();
+        let scale = self.scales().last().copied().unwrap_or(1.0);
+        let mut solved = Solved {
+            residual: found.residual,
+            correction: found.correction,
+            error: roundoff.max(NOISE * found.correction * scale),
+            told: found.at.clone(),
+            at: found.at,
+        };
+        let Ok(mut fine) = self.in_longer_numbers(&solved.at) else {
+            return solved;
+        };
+        let mut at = longer(&solved.at);
+        let mut latest = ROUNDED;
+        for _ in 0..2 {
+            let Some(left) = left_of(&mut fine, bordered, &at) else {
+                return solved;
+            };
+            let by = found.factors.solve(&left);
+            let off = by.last().copied().unwrap_or_default().abs();
+            // A parameter whose range is narrow is rounded to what it is itself.
+            let parts = by[..by.len() - 1].iter().zip(self.scales());
+            let most = parts.fold(off / parameter.abs().max(scale), |most, (x, size)| {
+                most.max(x.abs() / size)
+            });
+            if most.is_nan() || most > latest {
+                solved.error = solved.error.max(off);
+                return solved;
+            }
+            (at.iter_mut().zip(&by)).for_each(|(x, &by)| *x -= DoubleDouble::from(by));
+            latest = most;
+            solved.error = roundoff.max(off);
+        }
+        solved.told = at.iter().map(|x| x.to_f64()).collect();
+        solved
+    }
+}
+
+fn longer(numbers: &[f64]) -> Vec<DoubleDouble> {
+    numbers.iter().map(|&x| DoubleDouble::from(x)).collect()
+}
+
+/// What equations and condition leave of zero at a point.
+fn left_of(
+    fine: &mut Shooting<DoubleDouble>,
+    bordered: &Bordered,
+    at: &[DoubleDouble],
+) -> Option<Vec<f64>> {
+    let here = fine.evaluate(at).ok()?;
+    let condition = match bordered {
+        Bordered::Monitor(index) => fine.monitor(*index, at).ok()?.0,
+        Bordered::Singular(singular) => {
+            let borders = longer(&singular.borders());
+            Singular::with_borders(singular.sign(), &borders).defect(&fine.wrap(), &here)?
+        }
+    };
+    let left = here.residual.iter().chain([&condition]);
+    Some(left.map(|x| x.to_f64()).collect())
+}

@@ -1,0 +1,326 @@
+//! What is special on a branch is so whatever the steps, from whichever of its orbits it is followed, at whatever section it is told.
+
+use super::with;
+use chatter::analysis::periodic::{
+    Beside, Branch, BranchSpec, End, Limits, Spec, SpecialKind, branches,
+};
+use chatter::model::Model;
+use core::mem::discriminant;
+use std::fmt::Write;
+use std::ops::ControlFlow;
+
+/// Numbers that are drawn.
+struct Drawn(u64);
+
+impl Drawn {
+    /// One of these bounds, with four digits.
+    fn of(&mut self, low: f64, high: f64) -> String {
+        self.0 = (self.0)
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let part = (self.0 >> 11) as f64 / (1_u64 << 53) as f64;
+        format!("{:.4}", low + (high - low) * part)
+    }
+}
+
+/// Told at either of these.
+const SECTIONS: &str = "[section.strobe]\nsurface = 'sin(w*t)'\ndirection = 'rising'\n\
+                        [section.place]\nsurface = 'x - 0.05'\ndirection = 'rising'\n";
+
+fn stop(drawn: &mut Drawn, side: &str, place: (f64, f64)) -> String {
+    let (sign, push) = if side == "up" { ('-', -1) } else { ('+', 1) };
+    format!(
+        "[[contact]]\nname = '{side}'\ngap = '{} {sign} x'\nimpulse = {{ v = {push} }}\nrestitution = {}\n",
+        drawn.of(place.0, place.1),
+        drawn.of(0.3, 0.8)
+    )
+}
+
+/// A model of a kind with drawn numbers, and the parameter with its range.
+fn draw(kind: usize, d: &mut Drawn) -> (String, &'static str, (f64, f64)) {
+    let forced = |d: &mut Drawn, force: &str| {
+        format!(
+            "[parameters]\nf = 0.6\nw = {}\n[flight]\nx = 'v'\nv = '-{}*v + f*cos(w*t) {force}'\n{SECTIONS}",
+            d.of(0.6, 1.4),
+            d.of(0.05, 0.25)
+        )
+    };
+    let start = "[initial]\nx = 0.2\nv = 0.1\n";
+    let (mut text, name, range) = match kind {
+        // A wall beside a hardening spring.
+        0 => {
+            let force = format!("- x - {}*x^3", d.of(0.0, 0.5));
+            let text = forced(d, &force);
+            (text + &stop(d, "up", (0.4, 1.2)), "f", (0.1, 1.1))
+        }
+        // Two stops.
+        1 => {
+            let force = format!("- {}*x", d.of(0.1, 1.0));
+            let text = forced(d, &force);
+            let stops = stop(d, "up", (0.3, 0.7)) + &stop(d, "down", (0.4, 0.8));
+            (text + &stops, "f", (0.2, 1.0))
+        }
+        // Dry friction, and dry friction with a wall.
+        2 => {
+            let force = format!("- x - {}*sign(v)", d.of(0.1, 0.3));
+            let text = forced(d, &force);
+            (text, "f", (0.5, 1.5))
+        }
+        3 => {
+            let force = format!("- x - {}*sign(v)", d.of(0.05, 0.2));
+            let text = forced(d, &force);
+            (text + &stop(d, "up", (0.4, 1.0)), "f", (0.4, 1.5))
+        }
+        // A spring with preload, and one that begins to push.
+        4 => {
+            let (p, k) = (d.of(0.05, 0.2), d.of(0.5, 2.0));
+            let force = format!("- {p}*sign(x) - {k}*x");
+            let text = forced(d, &force);
+            (text, "f", (0.4, 1.2))
+        }
+        5 => {
+            let force = format!("- x - {}*max(0, x - 0.3)", d.of(2.0, 9.0));
+            let text = forced(d, &force);
+            (text, "f", (0.1, 1.2))
+        }
+        // A belt.
+        6 => {
+            let text = format!(
+                "[parameters]\nV = 0.4\n[flight]\nx = 'v'\nv = '-x - {}*v - {}*sign(v - V)/(1 + {}*abs(v - V))'\n",
+                d.of(0.02, 0.1),
+                d.of(0.4, 1.0),
+                d.of(0.5, 3.0)
+            );
+            (text, "V", (0.1, 1.0))
+        }
+        // A relay of three states.
+        7 => {
+            let text = format!(
+                "[parameters]\nb = 1\n[flight]\nx = 'v'\nv = 'z'\nz = '-{}*z - {}*v - {}*x - b*sign(x - {}*v)'\n",
+                d.of(0.8, 2.0),
+                d.of(1.5, 3.0),
+                d.of(0.3, 1.0),
+                d.of(0.0, 0.3)
+            );
+            (text, "b", (0.3, 3.0))
+        }
+        // Two masses that knock.
+        8 => {
+            let k = d.of(0.2, 0.6);
+            let force = format!("- x - {k}*(x - y)");
+            let mut text = forced(d, &force);
+            let other = format!(
+                "[flight]\ny = 'u'\nu = '{k}*(x - y) - {}*y - 0.1*u'\n",
+                d.of(0.5, 1.5)
+            );
+            text = text.replace("[flight]\n", &other);
+            write!(
+                text,
+                "[[contact]]\nname = 'knock'\ngap = '{} + y - x'\nimpulse = {{ v = -1, u = 1 }}\nrestitution = {}\n",
+                d.of(0.2, 0.6),
+                d.of(0.4, 0.8)
+            )
+            .unwrap();
+            (text, "f", (0.1, 1.2))
+        }
+        // A kick in each period, of a strength that is a state.
+        _ => {
+            let mut text = format!(
+                "[parameters]\nk = 0.5\n[flight]\nx = 'v'\nv = '-x - {}*v'\nu = '{}*x - {}*u'\n",
+                d.of(0.05, 0.3),
+                d.of(0.1, 0.5),
+                d.of(0.2, 0.6)
+            );
+            text += "[[event]]\nname = 'kick'\nsurface = 'x'\ndirection = 'rising'\nreset = { v = 'v + k*(1 - u)' }\n";
+            (text + &stop(d, "up", (0.4, 0.9)), "k", (0.1, 1.2))
+        }
+    };
+    text += start;
+    // What else there is begins at zero.
+    for state in ["y", "z", "u"] {
+        if text.contains(&format!("\n{state} = ")) {
+            writeln!(text, "{state} = 0").unwrap();
+        }
+    }
+    (text, name, range)
+}
+
+/// The branch through the orbit that the motion settles to, or through another.
+fn follow(
+    model: &Model,
+    (name, range): (&str, (f64, f64)),
+    longest_step: f64,
+    spec: &Spec,
+) -> Option<Branch> {
+    let what = BranchSpec {
+        parameter: model.parameter_index(name).unwrap(),
+        limits: Limits {
+            range,
+            other: None,
+            impacts: 6,
+            points: 2000,
+            longest_step,
+        },
+        beside: Beside::default(),
+    };
+    let found = branches(model, spec, &what, Vec::new(), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    Some(found.ok()?.swap_remove(0))
+}
+
+type Told = (SpecialKind, f64, f64, Option<u64>, Option<bool>);
+
+fn told(branch: &Branch) -> Vec<Told> {
+    let of = branch.special.iter();
+    let mut all: Vec<Told> = of
+        .map(|s| {
+            let point = &s.point;
+            (
+                s.kind,
+                point.parameter(),
+                s.error,
+                point.impacts,
+                s.persists,
+            )
+        })
+        .collect();
+    all.sort_by(|a, b| a.1.total_cmp(&b.1));
+    all
+}
+
+/// What is said of a branch twice, in words, where it is not the same.
+fn difference(one: &Branch, other: &Branch) -> Option<String> {
+    let ends = |branch: &Branch| {
+        let mut all: Vec<String> = branch.ends.iter().map(|end| format!("{end:?}")).collect();
+        all.sort();
+        all
+    };
+    let kinds = |branch: &Branch, k: usize| discriminant(&branch.ends[k]);
+    let same_ends = (0..2).all(|k| kinds(one, k) == kinds(other, k))
+        || (0..2).all(|k| kinds(one, k) == kinds(other, 1 - k));
+    if !same_ends {
+        return Some(format!("{:?} and {:?}", ends(one), ends(other)));
+    }
+    let (mut first, second) = (told(one), told(other));
+    let mut only = Vec::new();
+    for special in second {
+        let is_it = |known: &Told| {
+            let off = (known.1 - special.1).abs();
+            (known.0, known.3, known.4) == (special.0, special.3, special.4)
+                && off <= (1e-12 * known.1.abs()).max(known.2 + special.2)
+        };
+        match first.iter().position(is_it) {
+            Some(index) => drop(first.remove(index)),
+            None => only.push(special),
+        }
+    }
+    (!(first.is_empty() && only.is_empty())).then(|| format!("{first:?} and {only:?}"))
+}
+
+/// Follows a branch by other steps, at other sections, and from as many other orbits on it. How many special points it has.
+fn is_the_same_from_everywhere(
+    text: &str,
+    what: (&str, (f64, f64)),
+    orbits: usize,
+) -> Result<usize, String> {
+    let model = with(text, &[]);
+    let first = follow(&model, what, 0.04, &Spec::default()).ok_or("nothing is found")?;
+    let closed = first.ends.contains(&End::Closed);
+    let compare = |how: &str, other: Option<Branch>| {
+        let other = other.ok_or(format!("{how}: nothing is found"))?;
+        match difference(&first, &other) {
+            Some(difference) => Err(format!("{how}: {difference}")),
+            None => Ok(()),
+        }
+    };
+    compare("finer", follow(&model, what, 0.015, &Spec::default()))?;
+    for section in 1..model.sections.len() {
+        let spec = Spec {
+            section: Some(section),
+            ..Spec::default()
+        };
+        compare("another section", follow(&model, what, 0.04, &spec))?;
+    }
+    let count = first.points.len();
+    for place in (1..=orbits).map(|part| part * (count - 1) / (orbits + 1)) {
+        let point = &first.points[place];
+        let mut there = model.clone();
+        (there.set_parameter(what.0, &format!("{:?}", point.parameter()))).unwrap();
+        let spec = Spec {
+            through: Some((point.state.clone(), point.period)),
+            ..Spec::default()
+        };
+        let how = format!(
+            "through {:?} at {:?}, period {:?}",
+            point.state,
+            point.parameter(),
+            point.period
+        );
+        compare(&how, follow(&there, what, 0.03, &spec))?;
+    }
+    assert!(!closed || first.ends[0] == first.ends[1]);
+    Ok(first.special.len())
+}
+
+/// A branch of an oscillator comes down to where its only impact has no rate: from there on orbits are told at the phase of that graze. One of them,
+/// followed up again, touches just where it is told from.
+#[test]
+fn a_graze_at_the_phase_that_an_orbit_is_told_from_is_passed() {
+    const WALL: &str = r#"
+[parameters]
+f = 0.6
+[flight]
+x = "v"
+v = "-0.1558*v - x - 0.2547*x^3 + f*cos(0.989*t)"
+[[contact]]
+name = "wall"
+gap = "0.9446 - x"
+impulse = { v = -1 }
+restitution = 0.7
+[initial]
+x = 0
+v = 0
+"#;
+    let (mut model, what) = (with(WALL, &[]), ("f", (0.1, 1.1)));
+    let found = follow(&model, what, 0.05, &Spec::default()).unwrap();
+    let point = &found.points[1];
+    assert_eq!(point.impacts, Some(0));
+    (model.set_parameter("f", &format!("{:?}", point.parameter()))).unwrap();
+    let spec = Spec {
+        through: Some((point.state.clone(), point.period)),
+        ..Spec::default()
+    };
+    let again = follow(&model, what, 0.03, &spec).unwrap();
+    assert_eq!(difference(&found, &again), None);
+    assert_eq!(found.ends, [End::Range, End::Range]);
+}
+
+const KINDS: usize = 10;
+
+fn all_are_the_same(seed: u64, rounds: usize, orbits: usize) {
+    let mut drawn = Drawn(seed);
+    let (mut points, mut wrong) = (0, Vec::new());
+    for round in 0..rounds * KINDS {
+        let (text, name, range) = draw(round % KINDS, &mut drawn);
+        match is_the_same_from_everywhere(&text, (name, range), orbits) {
+            Ok(found) => points += found,
+            Err(why) => wrong.push(format!("{text}{name} over {range:?}\n{why}\n")),
+        }
+    }
+    assert!(wrong.is_empty(), "{}: {}", wrong.len(), wrong.join("\n"));
+    assert!(points > rounds * KINDS / 2, "{points}");
+}
+
+#[test]
+fn special_points_depend_on_no_step_no_section_and_no_start() {
+    all_are_the_same(1, 1, 2);
+}
+
+/// `CHATTER_SEED=7 cargo test --release -p chatter-dynamics --test analysis any_start -- --ignored`
+#[test]
+#[ignore = "takes minutes"]
+fn those_of_many_models_depend_on_no_step_no_section_and_no_start() {
+    let seed = std::env::var("CHATTER_SEED").map_or(2, |seed| seed.parse().unwrap());
+    all_are_the_same(seed, 10, 6);
+}
