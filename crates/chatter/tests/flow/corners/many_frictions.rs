@@ -257,3 +257,45 @@ fn bodies_that_press_on_each_other_slide_to_rest_together() {
     }
     assert_eq!(stopped, 24);
 }
+
+/// Crates that touch and stand, each by its own friction, are pushed by a force that grows: the first alone holds it, then those behind help, and
+/// all go off at once when it exceeds what all hold.
+#[test]
+fn crates_that_touch_stand_until_the_push_exceeds_the_friction_of_all() {
+    for k in 0..24 {
+        let part = |i: u32| (f64::from(k * 7 + i) * 0.618_033_988_749_894_9).fract();
+        let count = 2 + k as usize % 2;
+        let (mut field, mut contacts, mut initial) = (String::new(), String::new(), String::new());
+        let (mut mass, mut holds) = (0.0, 0.0);
+        let mut before = 0.0;
+        for i in 0..count {
+            let (own, mu) = (1.0 + 2.0 * part(i as u32), 0.1 + 0.3 * part(3 + i as u32));
+            let push = if i == 0 {
+                format!("4*t/{own:?} - ")
+            } else {
+                "-".to_owned()
+            };
+            field += &format!("x{i} = \"v{i}\"\nv{i} = \"{push}9.81*{mu:?}*sign(v{i})\"\n");
+            initial += &format!("x{i} = 0\nv{i} = 0\n");
+            if i > 0 {
+                contacts += &format!(
+                    "[[contact]]\nname = \"touch{i}\"\ngap = \"x{i} - x{}\"\nimpulse = {{ v{} = {:?}, v{i} = {:?} }}\nrestitution = 0\n",
+                    i - 1,
+                    i - 1,
+                    -1.0 / before,
+                    1.0 / own,
+                );
+            }
+            (mass, holds, before) = (mass + own, holds + own * mu * 9.81, own);
+        }
+        let text = format!("[flight]\n{field}{contacts}[initial]\n{initial}");
+        let goes_off = holds / 4.0;
+        let run = run::<f64>(&text, goes_off + 1.5);
+        assert_eq!(run.outcome, Outcome::Horizon, "{k}");
+        let way = 4.0 * 1.5_f64.powi(3) / (6.0 * mass);
+        for i in 0..count {
+            let off = run.state[2 * i] - way;
+            assert!(off.abs() < 1e-11, "{k}: {off:e}");
+        }
+    }
+}

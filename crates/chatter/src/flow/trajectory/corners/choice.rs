@@ -6,6 +6,7 @@ use super::{Candidate, INSTANT_ROUNDOFFS};
 use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
+use crate::flow::program::{Closed, STANDING_ORDERS};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::trajectory::{NoDerivative, Trajectory};
@@ -33,6 +34,8 @@ pub(super) struct Asked<R> {
     /// The largest size of each component of the fields that modes have: what is left of some is rounding of others, though it may be a
     /// constant that does not say so.
     pub(super) largest: Vec<R>,
+    /// Likewise of the function of each corner, and of its derivatives, along these fields.
+    fastest: Vec<(Corner, [R; STANDING_ORDERS])>,
     /// Some would leave a table.
     pub(super) outside: Option<FlowError>,
     /// The equations of some are singular here.
@@ -44,6 +47,28 @@ impl<R: Real> Asked<R> {
     pub(super) fn held(&self, corner: Corner) -> R {
         let of = self.held.iter().find(|(held, _)| *held == corner);
         of.map_or(R::ZERO, |&(_, level)| level)
+    }
+
+    /// What is rounding of the function of a corner, and of its derivatives, beside what they are in other modes.
+    pub(super) fn rounding(&self, corner: Corner) -> [R; STANDING_ORDERS] {
+        let of = self.fastest.iter().find(|(known, _)| *known == corner);
+        of.map_or([R::ZERO; STANDING_ORDERS], |(_, most)| {
+            most.map(|most| WithTerms::exact(most).level())
+        })
+    }
+
+    /// Takes note of the function of a corner, and of its derivatives, in a mode.
+    pub(super) fn note(&mut self, corner: Corner, orders: &[WithTerms<R>; STANDING_ORDERS]) {
+        let known = self.fastest.iter().position(|(known, _)| *known == corner);
+        let place = known.unwrap_or_else(|| {
+            self.fastest.push((corner, [R::ZERO; STANDING_ORDERS]));
+            self.fastest.len() - 1
+        });
+        for (most, order) in self.fastest[place].1.iter_mut().zip(orders) {
+            if order.value.is_finite() {
+                *most = most.max(order.value.abs());
+            }
+        }
     }
 }
 
@@ -63,6 +88,7 @@ impl<R: Real> Trajectory<R> {
             later: self.an_instant_later(system)?,
             held,
             largest: vec![R::ZERO; self.state.len()],
+            fastest: Vec::new(),
             slippery: Surfaces::default(),
             outside: None,
             singular: None,
@@ -78,17 +104,22 @@ impl<R: Real> Trajectory<R> {
             };
             let mut verdicts: Vec<Verdict<R>> = Vec::new();
             let mut more = None;
-            for candidate in candidates {
-                if !self.ask_beside(system, &candidate, (&touched, &mut asked))? {
-                    continue;
+            // Where bodies hold each other forces cancel: what is left of them is told from rounding by what they are in other modes.
+            let rounds = if self.closed == Closed::NONE { 1 } else { 2 };
+            for _ in 0..rounds {
+                verdicts.clear();
+                for candidate in &candidates {
+                    if !self.ask_beside(system, candidate, (&touched, &mut asked))? {
+                        continue;
+                    }
+                    let standings = self.standings(system)?;
+                    more = (standings.iter())
+                        .find(|s| !touched.contains(&s.corner) && self.is_touched(system, s))
+                        .map(|standing| standing.corner)
+                        .or(more);
+                    let candidate = self.standing_sides();
+                    verdicts.extend(self.verdict(system, candidate, (&touched, &mut asked))?);
                 }
-                let standings = self.standings(system)?;
-                more = (standings.iter())
-                    .find(|s| !touched.contains(&s.corner) && self.is_touched(system, s))
-                    .map(|standing| standing.corner)
-                    .or(more);
-                let candidate = self.standing_sides();
-                verdicts.extend(self.verdict(system, candidate, (&touched, &mut asked))?);
             }
             let Some(more) = more else { break verdicts };
             touched.push(more);

@@ -7,6 +7,7 @@ use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
+use crate::flow::program::STANDING_ORDERS;
 use crate::flow::system::System;
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::Trajectory;
@@ -92,6 +93,13 @@ impl<R: Real> Trajectory<R> {
             lies_beside: Vec::new(),
             fields,
         };
+        for standing in standings.iter().filter(|s| touched.contains(&s.corner)) {
+            let is_slid = matches!(standing.corner, Corner::Surface(k)
+                if verdict.candidate.sides.get(k) == Side::Sliding);
+            for (_, orders) in standing.guards.iter().filter(|_| !is_slid) {
+                asked.note(standing.corner, orders);
+            }
+        }
         // What an instant changes says nothing yet.
         let later = self.standings_at(system, (&asked.later.0, &asked.later.1))?;
         for (standing, later) in standings.iter().zip(&later) {
@@ -145,6 +153,10 @@ impl<R: Real> Trajectory<R> {
                     verdict.comes_back = verdict.comes_back.with(index);
                 }
             }
+            let rounding = match is_slid {
+                true => [R::ZERO; STANDING_ORDERS],
+                false => asked.rounding(standing.corner),
+            };
             for ((kind, orders), (_, later)) in standing.guards.iter().zip(&later.guards) {
                 // The surface of a side is touched, whatever rounding says, unless it has jumped at another corner; the ends of sliding
                 // or of a piece may be far.
@@ -158,7 +170,8 @@ impl<R: Real> Trajectory<R> {
                 let is_far = is_clear && orders[0].value > level;
                 // What follows the first that decides may be infinite, as the derivative of a root that begins here.
                 let moving = (orders.iter().enumerate().skip(1)).find(|&(k, order)| {
-                    let level = order.level().max(change(order.value, later[k].value));
+                    let change = change(order.value, later[k].value);
+                    let level = order.level().max(change).max(rounding[k]);
                     !order.value.is_finite() || order.value.abs() > level
                 });
                 // Nor does what is far from its end ask for them, as a share of fields along which a root begins.
