@@ -2,9 +2,9 @@
 //! be wrong whatever the values of the parameters.
 
 mod contacts;
+mod corners;
 mod dependency;
 mod initial;
-mod jumps;
 mod naming;
 mod overrides;
 pub(super) mod scope;
@@ -164,6 +164,7 @@ impl<'a> Assembly<'a> {
         }
         self.check_circles(&model);
         self.label(&mut model, draft);
+        model.take_sizes();
         model.part_jumps();
         model.surfaces = model.surface_names();
         model

@@ -45,7 +45,7 @@ pub struct State {
     pub name: String,
     /// `dx/dt` in free flight.
     pub derivative: Expr,
-    /// The same as it was written: tables of steps that the motion may come to rest on are looked up in it.
+    /// The same as it was written: with roots of squares, and tables of steps that the motion may come to rest on.
     pub written: Expr,
     /// Value where a trajectory starts unless told otherwise; depends on parameters only.
     pub initial: Expr,

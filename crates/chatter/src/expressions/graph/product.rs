@@ -126,8 +126,7 @@ impl Graph {
             };
         }
         if Number::new(weight).as_integer().is_none() {
-            let root = self.root_of_square(base, weight);
-            return root.unwrap_or_else(|| self.intern(plain));
+            return self.intern(plain);
         }
         if let Some(inner) = self.size_of(base)
             && libm::fmod(weight.high(), 2.0) == 0.0
@@ -191,17 +190,20 @@ impl Graph {
     }
 
     /// The square root of an even power, or an odd power of it, as a power of what that is of, or of its size: no root, but a corner at most.
-    fn root_of_square(&mut self, base: Expr, weight: DoubleDouble) -> Option<Expr> {
+    pub(super) fn root_of_square(&mut self, base: Expr, exponent: Expr) -> Option<Expr> {
+        let weight = self.as_number(exponent)?;
+        if Number::new(weight).as_integer().is_some() {
+            return None;
+        }
         let one = self.number(1.0);
         let (coefficient, square) = self.split_coefficient(base, one);
-        let &Node::Power(inner, exponent) = self.node(square) else {
+        let &Node::Power(inner, inner_exponent) = self.node(square) else {
             return None;
         };
-        let inner_weight = self.as_number(exponent)?;
+        let inner_weight = self.as_number(inner_exponent)?;
         let merged = Number::new(folded_product(inner_weight, weight)?).as_integer()?;
         let half = Number::new(folded_product(inner_weight, DoubleDouble::from(0.5))?);
-        let is_even = half.as_integer().is_some();
-        if !is_even || merged < 1 || coefficient.high() < 0.0 {
+        if half.as_integer().is_none() || merged == 0 || coefficient.high() < 0.0 {
             return None;
         }
         let outside = match coefficient == DoubleDouble::ONE {
@@ -209,13 +211,20 @@ impl Graph {
             false => folded_power(coefficient, weight)?,
         };
         let outside = self.number_exact(outside);
-        let whole = self.number((merged - merged % 2) as f64);
-        let even = self.power(inner, whole);
-        let size = match merged % 2 == 0 {
-            true => one,
-            false => self.abs(inner),
+        let power = |graph: &mut Self, of: Expr, exponent: i32| {
+            let exponent = graph.number(f64::from(exponent));
+            graph.power(of, exponent)
         };
-        Some(self.product(&[outside, even, size]))
+        let powers = match (merged % 2 == 0, merged > 0) {
+            (true, _) => [power(self, inner, merged), one],
+            (false, true) => [power(self, inner, merged - 1), self.abs(inner)],
+            (false, false) => {
+                let size = self.abs(inner);
+                [power(self, size, merged), one]
+            }
+        };
+        let [first, second] = powers;
+        Some(self.product(&[outside, first, second]))
     }
 
     fn one_where_defined(&mut self, expr: Expr) -> Expr {

@@ -30,6 +30,22 @@ impl Graph {
         known[expr.index()]
     }
 
+    /// `expr` with the roots of squares in it written as sizes, which have a corner where those have no series.
+    pub(crate) fn with_sizes(&mut self, expr: Expr) -> Expr {
+        let mut known = vec![expr; expr.index() + 1];
+        for old in self.reachable(&[expr]) {
+            let size = match *self.node(old) {
+                Node::Power(base, exponent) => self.root_of_square(known[base.index()], exponent),
+                _ => None,
+            };
+            known[old.index()] = match size {
+                Some(size) => size,
+                None => self.with_parts(old, &known, &|_| None),
+            };
+        }
+        known[expr.index()]
+    }
+
     /// The node `old` with what has become of its parts.
     pub(super) fn with_parts(
         &mut self,

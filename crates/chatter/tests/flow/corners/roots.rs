@@ -570,3 +570,15 @@ fn a_chamber_at_supply_pressure_stays_there_as_its_valve_closes() {
     stays::<f64>();
     stays::<DoubleDouble>();
 }
+
+/// A root of a sum of squares of which one is zero on one side of a corner is a root there, and what it adds has no corner of its own.
+#[test]
+fn a_root_of_squares_may_be_one_of_a_square_on_one_side() {
+    let text = "[flight]\nx = \"v\"\nv = \"-hypot(max(t - 5, 0), x)\"\n[initial]\nx = -1\nv = 1\n";
+    let run = run::<f64>(text, 4.0);
+    assert_eq!(run.outcome, Outcome::Horizon);
+    // v' = x up to zero, where v is zero, too, but for rounding: from (-1, 1) along -e^-t.
+    let falls = (-1.0_f64).exp();
+    let early = super::run::<f64>(text, 1.0);
+    assert!((early.state[0] + falls).abs() < 1e-14 && (early.state[1] - falls).abs() < 1e-14);
+}

@@ -1,4 +1,4 @@
-//! Tables of steps that the motion may come to rest on.
+//! What is a corner though it is not written as one: tables of steps that the motion may come to rest on, and roots of squares.
 
 use crate::expressions::{Curve, CurveId, CurveKind, Edge, Expr, Graph, Node, Outside};
 use crate::model::Model;
@@ -8,6 +8,13 @@ use crate::numerics::{DoubleDouble, Real};
 const MOST_JUMPS: usize = 16;
 
 impl Model {
+    /// Writes roots of squares as sizes.
+    pub(super) fn take_sizes(&mut self) {
+        let mut graph = core::mem::take(&mut self.graph);
+        self.for_each_expression(|expr| *expr = graph.with_sizes(*expr));
+        self.graph = graph;
+    }
+
     /// Writes tables of steps as sums of steps, where what is looked up acts on how its argument changes, at once or by its acceleration:
     /// friction by a table of speeds. Motion may be held at such a jump, which is a matter of surfaces; pieces that only follow each other
     /// are looked up.
