@@ -4,3 +4,4 @@
 mod borders;
 mod exponents;
 mod periodic;
+mod settling;

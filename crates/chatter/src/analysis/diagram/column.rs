@@ -8,7 +8,7 @@ pub(super) mod same_orbit;
 mod tail;
 
 use self::aperiodic::{Evidence, evidence};
-use self::classify::Settled;
+use self::classify::{Repetition, Settled};
 use self::embedding::Embedding;
 use self::exponent::{Companion, Growth, Tangent, Trail, units};
 use self::tail::Tail;
@@ -197,7 +197,7 @@ impl Column {
             .collect();
     }
 
-    fn period(&self, sweep: &Sweep) -> Option<usize> {
+    fn repetition(&self, sweep: &Sweep) -> Repetition {
         let settled = Settled {
             points: &self.tail,
             kinds: &self.kinds,
@@ -205,7 +205,7 @@ impl Column {
             ways: &self.ways,
         };
         let spec = sweep.spec();
-        settled.period(spec.longest_period, spec.period_tolerance)
+        settled.repetition(spec.longest_period, spec.period_tolerance)
     }
 
     fn aperiodic(&self) -> Outcome {
@@ -226,14 +226,16 @@ impl Column {
         if sweep.carries() {
             self.end = arrival.point.to_vec();
         }
-        let period = self.period(sweep);
+        let repetition = self.repetition(sweep);
+        let period = repetition.period();
         let recent = period.unwrap_or(self.ways.len());
         let first = self.ways.len() - recent;
         let chatters = self.accumulations[first..].contains(&true);
-        let settled = match period {
-            Some(_) => Outcome::Periodic,
-            None if chatters && !sweep.compares() => Outcome::CompleteChatter,
-            None => self.aperiodic(),
+        let settled = match repetition {
+            Repetition::Cycle(_) => Outcome::Periodic,
+            _ if chatters && !sweep.compares() => Outcome::CompleteChatter,
+            Repetition::Approach => Outcome::Unsettled,
+            Repetition::None => self.aperiodic(),
         };
         if sweep.compares() && settled != Outcome::Unsettled {
             self.orbit = self.tail.latest(period.unwrap_or(COMPARED), &self.kinds);

@@ -5,7 +5,7 @@
 //!   Sweep         rows and pieces: a piece is a run of rows that have to be computed one after the other
 //!   run           workers of an Executor take pieces; each follows hundreds of orbits at once
 //!     Column      one orbit: transient, samples, exponent
-//!     classify    what it has settled to; aperiodic: chaotic, quasi-periodic, or neither
+//!     classify    what it has settled to, if it has; aperiodic: chaotic, quasi-periodic, or neither
 //!   Row           the result for one orbit, which says itself where it belongs
 //!   Attractors    which rows settled to the same orbit
 //! ```

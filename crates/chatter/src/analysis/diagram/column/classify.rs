@@ -15,26 +15,125 @@ pub(in crate::analysis::diagram) struct Settled<'a> {
     pub ways: &'a [(u64, f64)],
 }
 
+/// What the samples of an orbit show of a period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::analysis::diagram) enum Repetition {
+    /// The orbit repeats after so many samples, and not after fewer.
+    Cycle(usize),
+    /// Samples so far apart as to be the same by now differ from those between by what still dies out.
+    Approach,
+    /// The orbit does not repeat.
+    None,
+}
+
+impl Repetition {
+    /// After how many samples the orbit repeats, if it does.
+    pub fn period(self) -> Option<usize> {
+        match self {
+            Self::Cycle(period) => Some(period),
+            Self::Approach | Self::None => None,
+        }
+    }
+}
+
+/// By what part of its distance from the other points of its cycle a point may still move, both ways together: a cycle is told
+/// where most of what keeps its points apart is there to stay. Just where periods double it dies out like 1/sqrt(n), and from
+/// two halves of some samples a third of it seems to be to come.
+const TO_COME: f64 = 0.25;
+
+/// What is to come is reckoned to be so many times what came at most: two steps whose lengths differ by less than a
+/// ten-thousandth are not told from equal ones.
+const FARTHEST: f64 = 1e4;
+
 /// A coordinate that is zero at all samples but for rounding errors differs by them, which are this small against its size elsewhere.
 const ROUNDING: f64 = 1e-13;
 
 impl Settled<'_> {
     /// The smallest number of samples after which the whole point, the number of impacts and the time repeat, over the
-    /// second half of the samples at least.
-    pub fn period(&self, longest: u64, tolerance: f64) -> Option<usize> {
+    /// second half of the samples at least, if the points between are others and stay so.
+    pub fn repetition(&self, longest: u64, tolerance: f64) -> Repetition {
         let count = self.ways.len();
         let allowed = self.allowed(tolerance);
         let longest_way = self.ways.iter().fold(0.0_f64, |most, way| most.max(way.1));
         let longest = usize::try_from(longest)
             .unwrap_or(usize::MAX)
             .min(count / 2);
-        (1..=longest).find(|&period| {
+        let repeats = |&period: &usize| {
             let first = (count / 2).max(period);
             (first..count).rev().all(|place| {
                 self.same_way(place, place - period, longest_way * tolerance)
                     && self.same_point(place, place - period, &allowed)
             })
+        };
+        match (1..=longest).find(repeats) {
+            None => Repetition::None,
+            Some(period) if self.stays(period, &allowed, longest_way * tolerance) => {
+                Repetition::Cycle(period)
+            }
+            Some(_) => Repetition::Approach,
+        }
+    }
+
+    /// Whether the points of a period keep apart that a shorter one would make the same.
+    ///
+    /// An orbit that settles as c lambda^n about a point repeats after p samples within the tolerance as soon as
+    /// |c (lambda^p - 1)| is below it, which for lambda^p near 1 is long before |c (lambda - 1)| is: what tells it from a cycle is
+    /// where it goes. Every p-th point moves by steps whose lengths fall off like |lambda|^p, so that what is to come after a
+    /// step of length b that followed one of length a is b^2 / (a - b) (Aitken). Twice this, for both points, is as much as the
+    /// distance of two points may still lose, and where both have one limit it is no less than their distance.
+    fn stays(&self, period: usize, allowed: &[f64], allowed_time: f64) -> bool {
+        if period == 1 || self.points.len() < 2 * period {
+            return true;
+        }
+        let count = self.ways.len();
+        let judged = (count - (count / 2).max(period) + period).min(self.points.len());
+        let cycle = count - period..count;
+        // By how much the points of the latest period, or of one so many samples before, differ from those so many before them.
+        let differ = |before: usize, apart: usize| {
+            let places = cycle.clone().map(|place| place - before);
+            let differences =
+                places.map(|place| self.difference(place, place - apart, allowed, allowed_time));
+            differences.fold(0.0_f64, f64::max)
+        };
+        let step = (judged - period) / (2 * period) * period;
+        let moved = differ(0, step.max(period));
+        let before = if step > 0 { differ(step, step) } else { moved };
+        let factor = if before > moved {
+            moved / (before - moved)
+        } else {
+            f64::INFINITY
+        };
+        let to_come = moved * factor.min(FARTHEST);
+        prime_factors(period).all(|factor| {
+            let apart = differ(0, period / factor);
+            apart >= 1.0 && 2.0 * to_come <= TO_COME * apart
         })
+    }
+
+    /// By how much two samples differ, in parts of what is allowed. Both must be known.
+    fn difference(&self, a: usize, b: usize, allowed: &[f64], allowed_time: f64) -> f64 {
+        let parts = |difference: f64, allowed: f64| match difference {
+            0.0 => 0.0,
+            difference => difference / allowed,
+        };
+        let (way, other) = (self.ways[a], self.ways[b]);
+        if way.0 != other.0 {
+            return f64::INFINITY;
+        }
+        let time = if way.1 == other.1 {
+            0.0
+        } else {
+            parts((way.1 - other.1).abs(), allowed_time)
+        };
+        let missing = self.ways.len() - self.points.len();
+        let pairs = (self.points.point(a - missing).iter()).zip(self.points.point(b - missing));
+        let coordinates = pairs.zip(self.kinds).zip(allowed);
+        let differences = coordinates.map(|(((&x, &y), kind), &allowed)| match *kind {
+            CoordinateKind::Phase { period } => parts(between_phases(x, y, period), allowed),
+            CoordinateKind::Plain if x != y => parts((x - y).abs(), allowed),
+            CoordinateKind::Plain | CoordinateKind::Idle { .. } => 0.0,
+        });
+        differences.fold(time, f64::max)
     }
 
     /// By how much coordinates that are the same may differ.
@@ -72,6 +171,12 @@ impl Settled<'_> {
     }
 }
 
+fn prime_factors(number: usize) -> impl Iterator<Item = usize> {
+    let divides = move |factor: &usize| number.is_multiple_of(*factor);
+    let is_prime = |factor: &usize| (2..*factor).all(|other| !factor.is_multiple_of(other));
+    (2..=number).filter(divides).filter(is_prime)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::aperiodic::{Evidence, evidence, grows};
@@ -95,7 +200,7 @@ mod tests {
             ways: &ways,
         };
         (
-            settled.period(16, 1e-8),
+            settled.repetition(16, 1e-8).period(),
             evidence(&Embedding::new(&tail, 4096, (kinds, &sizes))),
         )
     }
@@ -151,6 +256,182 @@ mod tests {
                 assert_eq!(found, (None, Evidence::None), "{factor} {turn}");
             }
         }
+    }
+
+    /// A pseudo-random number from zero to one, for a place in a sequence (Knuth's multiplier for 64 bits).
+    fn random(seed: &mut u64) -> f64 {
+        *seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Points of x'' + 2 z x' + x = cos(w t), once a period of the load: (x, x').
+    fn oscillator((z, w): (f64, f64), transient: usize, count: usize) -> Vec<f64> {
+        let own = (1.0 - z * z).sqrt();
+        let size = (1.0 - w * w).powi(2) + 4.0 * z * z * w * w;
+        let (x, v) = ((1.0 - w * w) / size, 2.0 * z * w * w / size);
+        let point = |k: usize| {
+            let t = core::f64::consts::TAU * k as f64 / w;
+            let (c, s) = (libm::cos(own * t), libm::sin(own * t));
+            let (a, b) = (1.0 - x, (z * (1.0 - x) - v) / own);
+            let left = libm::exp(-z * t);
+            [
+                x + left * (a * c + b * s),
+                v + left * ((own * b - z * a) * c - (own * a + z * b) * s),
+            ]
+        };
+        (transient..transient + count).flat_map(point).collect()
+    }
+
+    const PLANE: [CoordinateKind; 2] = [CoordinateKind::Plain, CoordinateKind::Plain];
+
+    #[test]
+    fn a_linear_oscillator_that_settles_has_no_period_but_one_and_no_chaos() {
+        let mut seed = 1;
+        for (transient, keep) in [(300, 200), (3000, 200), (300, 40), (300, 600)] {
+            let mut settled = 0;
+            for _ in 0..500 {
+                let z = libm::pow(10.0, -1.0 - 3.0 * random(&mut seed));
+                let w = 0.2 + 4.8 * random(&mut seed);
+                let points = oscillator((z, w), transient, keep);
+                let (period, evidence) = judged(&points, &PLANE);
+                settled += usize::from(period == Some(1));
+                assert!(period.is_none_or(|period| period == 1), "{z} {w}");
+                assert!(period.is_some() || evidence == Evidence::None, "{z} {w}");
+                // What has died out to the tolerance has settled.
+                let left = libm::exp(-z * core::f64::consts::TAU / w * transient as f64);
+                assert!(left > 1e-14 || period == Some(1), "{z} {w}");
+            }
+            assert!(settled > 50, "{settled}");
+        }
+        // Three samples are a turn but for a millionth of it.
+        let points = oscillator((0.0257, 3.0), 300, 200);
+        assert_eq!(judged(&points, &PLANE), (None, Evidence::None));
+        assert_eq!(
+            judged(&oscillator((0.0257, 3.0), 500, 200), &PLANE).0,
+            Some(1)
+        );
+    }
+
+    #[test]
+    fn a_cycle_is_told_however_near_its_points_are_if_they_stay_apart() {
+        // Rounding errors; what dies out slowly along a cycle or beside it; a cycle of a cycle.
+        let mut seed = 2;
+        for (split, left, factor) in [
+            (3e-8, 0.0, 1.0),
+            (1e-6, 1e-8, 0.9),
+            (1e-2, 1e-5, 0.9995),
+            (1.0, 1e-3, 0.99999),
+            (1.0, 4e-9, -0.99),
+        ] {
+            for period in [2_usize, 3, 4, 6, 12] {
+                let points: Vec<f64> = (0..200)
+                    .map(|k| {
+                        let place = k % period;
+                        let apart =
+                            split * (1.0 + place as f64) * f64::from(place.is_multiple_of(2));
+                        let cycle = if period == 3 {
+                            split * place as f64
+                        } else {
+                            apart
+                        };
+                        let noise = 1e-15 * random(&mut seed);
+                        let shrunk = libm::pow(factor, f64::from(k as u32 / period as u32));
+                        1.0 + cycle + left * shrunk + noise
+                    })
+                    .collect();
+                assert_eq!(of(&points).0, Some(period), "{split} {left} {factor}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cycle_settles_by_spirals_too() {
+        // Near a third of a turn a cycle's period.
+        for period in [2_usize, 5] {
+            for (left, outcome) in [(1e-5, None), (1e-12, Some(period))] {
+                let points: Vec<f64> = (0..200)
+                    .flat_map(|k| {
+                        let turns = f64::from(k as u32) / (3.0 * period as f64);
+                        let angle = core::f64::consts::TAU * 1.000_01 * turns;
+                        let size = left * libm::pow(0.9999, f64::from(k as u32));
+                        let x = (k % period) as f64;
+                        [
+                            x + size * libm::cos(angle),
+                            2.0 * x * x + size * libm::sin(angle),
+                        ]
+                    })
+                    .collect();
+                assert_eq!(
+                    judged(&points, &PLANE),
+                    (outcome, Evidence::None),
+                    "{period}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_settles_in_several_ways_is_no_chaos() {
+        // Two spirals in coordinates of which each shows both.
+        let mut seed = 3;
+        for _ in 0..200 {
+            let ways: [(f64, f64); 2] = core::array::from_fn(|_| {
+                let factor = 1.0 - libm::pow(10.0, -3.5 + 2.0 * random(&mut seed));
+                (factor, core::f64::consts::TAU * random(&mut seed))
+            });
+            let mixed: [f64; 16] = core::array::from_fn(|_| random(&mut seed) - 0.5);
+            let points: Vec<f64> = (0..200_u32)
+                .flat_map(|k| {
+                    let k = f64::from(k);
+                    let spirals = ways.map(|(factor, turn)| {
+                        let size = libm::pow(factor, k);
+                        [size * libm::cos(turn * k), size * libm::sin(turn * k)]
+                    });
+                    let [[a, b], [c, d]] = spirals;
+                    let of = |row: &[f64]| row[0] * a + row[1] * b + row[2] * c + row[3] * d;
+                    [0, 4, 8, 12].map(|row| of(&mixed[row..row + 4]))
+                })
+                .collect();
+            let found = judged(&points, &[PLANE, PLANE].concat());
+            assert_eq!(found, (None, Evidence::None), "{ways:?}");
+        }
+    }
+
+    #[test]
+    fn chaos_in_the_plane_is_told_in_whatever_coordinates() {
+        // Henon 1976, and coordinates of which one is nearly the other.
+        let (mut x, mut y) = (0.1, 0.1);
+        let mut points = Vec::new();
+        for k in 0..700 {
+            (x, y) = (1.0 - 1.4 * x * x + y, 0.3 * x);
+            if k >= 500 {
+                points.extend([x, y]);
+            }
+        }
+        assert_eq!(judged(&points, &PLANE), (None, Evidence::Chaotic));
+        let tilted = points.chunks(2).flat_map(|p| [p[0], p[0] + 0.03 * p[1]]);
+        let tilted: Vec<f64> = tilted.collect();
+        assert_eq!(judged(&tilted, &PLANE), (None, Evidence::Chaotic));
+    }
+
+    #[test]
+    fn rounding_errors_of_a_phase_far_from_zero_are_no_motion() {
+        // Whole periods but for rounding, while a coordinate settles.
+        let mut seed = 4;
+        let points: Vec<f64> = (0..200_u32)
+            .flat_map(|k| {
+                let time = 0.3 * (30_000.0 + f64::from(k));
+                let x = libm::pow(0.99, f64::from(k));
+                [
+                    x,
+                    time * (1.0 + f64::EPSILON * (random(&mut seed) - 0.5).signum()),
+                ]
+            })
+            .collect();
+        let kinds = [CoordinateKind::Plain, CoordinateKind::Phase { period: 0.3 }];
+        assert_eq!(judged(&points, &kinds), (None, Evidence::None));
     }
 
     #[test]
@@ -213,7 +494,8 @@ mod tests {
                 sizes: &[0.5],
                 ways,
             }
-            .period(4, 1e-8)
+            .repetition(4, 1e-8)
+            .period()
         };
         assert_eq!(settled(&ways), Some(2));
         let mut times = [(3, 1.0); 12];

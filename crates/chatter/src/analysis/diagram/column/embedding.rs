@@ -8,6 +8,10 @@ use core::ops::Range;
 /// A coordinate that varies by less than this, relative to its size, does so by rounding errors.
 const ROUNDING: f64 = 1e-12;
 
+/// What is left of a coordinate without what it has in common with others, where it is less than this part of it, is rounding
+/// error: tolerances of periods are that much larger.
+const IN_COMMON: f64 = 1e-5;
+
 /// Points whose coordinates vary by one: numbers in units of their extent, phases as points of a circle. Coordinates that
 /// do not vary, as across a section, or on which nothing depends are left out.
 #[derive(Clone, Debug)]
@@ -42,10 +46,50 @@ impl Embedding {
                         angles.map(libm::sin).collect(),
                     ];
                     let vary = of_circle.into_iter();
-                    columns.extend(vary.filter_map(|x| within_its_extent(x, ROUNDING)));
+                    // Rounding errors are those of the number, whole periods and all.
+                    let rounding = ROUNDING * (size * turn).max(1.0);
+                    columns.extend(vary.filter_map(|x| within_its_extent(x, rounding)));
                 }
             }
         }
+        Self::of(columns)
+    }
+
+    /// Those from one on, as vectors of which the differences of those so many places apart vary equally and independently by
+    /// component: their lengths are those by the inverse of their second moments, whatever linear combinations the coordinates
+    /// are.
+    pub fn evened(&self, first: usize, apart: usize) -> Self {
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut differences: Vec<Vec<f64>> = Vec::new();
+        for column in &self.columns {
+            let mut column = column[first..].to_vec();
+            let pairs = column.iter().zip(&column[apart..]);
+            let mut difference: Vec<f64> = pairs.map(|(x, y)| x - y).collect();
+            let before = dot(&difference, &difference).sqrt();
+            for (other, its) in columns.iter().zip(&differences) {
+                let common = dot(&difference, its);
+                (difference.iter_mut().zip(its)).for_each(|(x, y)| *x -= common * y);
+                (column.iter_mut().zip(other)).for_each(|(x, y)| *x -= common * y);
+            }
+            let left = dot(&difference, &difference).sqrt();
+            if left > IN_COMMON * before {
+                difference.iter_mut().for_each(|x| *x /= left);
+                column.iter_mut().for_each(|x| *x /= left);
+                differences.push(difference);
+                columns.push(column);
+            }
+        }
+        Self::of(columns)
+    }
+
+    /// The extent of a component from a vector on.
+    pub fn extent(&self, component: usize, first: usize) -> f64 {
+        let values = self.columns[component][first..].iter().copied();
+        let high = values.clone().fold(f64::NEG_INFINITY, f64::max);
+        high - values.fold(f64::INFINITY, f64::min)
+    }
+
+    fn of(columns: Vec<Vec<f64>>) -> Self {
         let count = columns.first().map_or(0, Vec::len);
         Self {
             vectors: (0..count)
@@ -152,6 +196,25 @@ impl Embedding {
         }
         Some(sum / count)
     }
+
+    /// Mean of the logarithms of distances of vectors so many places apart, but for those that are the same.
+    pub fn mean_logarithm(&self, apart: usize) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        // Logarithms of products of squares, as many as no product of which underflows.
+        let mut product = 1.0;
+        for place in apart..self.len() {
+            let square = squared_distance(self.vector(place), self.vector(place - apart));
+            if square > SAME {
+                product *= square;
+                count += 1.0;
+            }
+            if product < SAME {
+                sum += libm::log(product);
+                product = 1.0;
+            }
+        }
+        (sum + libm::log(product)) / (2.0 * count)
+    }
 }
 
 /// Numbers in units of their extent, about the middle of it; none where they vary by no more than this.
@@ -163,6 +226,13 @@ fn within_its_extent(mut column: Vec<f64>, rounding: f64) -> Option<Vec<f64>> {
         *x = (*x - low) / extent - 0.5;
     }
     (extent > rounding && extent.is_finite()).then_some(column)
+}
+
+/// The square of a distance far below rounding errors. It has itself a square.
+const SAME: f64 = 1e-100;
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 struct Nearest<'a> {
