@@ -25,7 +25,10 @@ const LEAST_PAIRS: usize = 16;
 const NEIGHBOURHOOD: usize = 512;
 
 /// … of so many of them.
-const REFERENCES: usize = 64;
+const REFERENCES: usize = 256;
+
+/// Multiples of it, without their whole parts, are spread evenly, however many there are.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// By how much nearest neighbours are nearer, in the mean of the logarithm, than points as many samples apart are: nearly not
 /// at all where a motion is linear, a fifth where it has shrunk to a hundredth meanwhile; where it is chaotic, from 0.6 in eight
@@ -96,9 +99,14 @@ fn spreads(points: &Embedding) -> bool {
     // Those of the second half, where the orbit has settled if it has at all.
     let first = (count / 2).max(count.saturating_sub(NEIGHBOURHOOD));
     let last = count.saturating_sub(1);
-    let stride = ((last - first.min(last)) / REFERENCES).max(1);
+    let among = last - first.min(last);
+    // At no equal intervals: on bands of chaos these could see the same ones each time, and those may be the ones that contract.
+    let reference = |k: usize| match among <= REFERENCES {
+        true => first + k,
+        false => first + ((k as f64 * GOLDEN).fract() * among as f64) as usize,
+    };
     let (mut growth, mut pairs) = (Vec::new(), Vec::new());
-    for a in (first..last).step_by(stride) {
+    for a in (0..among.min(REFERENCES)).map(reference) {
         if let Some((before, b)) = points.nearest(a, first..last) {
             let after = points.distance(a + 1, b + 1);
             if before > 0.0 && after > 0.0 && (before + after).is_finite() {
