@@ -168,7 +168,7 @@ impl Graph {
                         Node::Switch { surface, .. } => !directed[surface.index()],
                         _ => count == 0,
                     };
-                    is_linear.then(|| self.with_parts(old, &known, &|_| None))
+                    is_linear.then(|| self.with_parts(old, &known))
                 }
                 _ => None,
             };

@@ -47,7 +47,7 @@ impl Graph {
             let mut has_changed = false;
             self.for_each_operand(old, |operand| has_changed |= changed[operand.index()]);
             let rebuilt = match has_changed {
-                true => self.with_parts(old, &known, &|_| None),
+                true => self.with_parts(old, &known),
                 false => old,
             };
             let power = match *self.node(rebuilt) {

@@ -10,52 +10,48 @@ impl Graph {
     /// `expr` with every symbol for which `replacement` gives an expression replaced by it, all at once, and simplified
     /// again. Shared subexpressions are rebuilt once.
     pub fn substitute(&mut self, expr: Expr, replacement: &dyn Fn(Symbol) -> Option<Expr>) -> Expr {
+        self.rebuilt(expr, |graph, old, _| match *graph.node(old) {
+            Node::Symbol(symbol) => replacement(symbol),
+            _ => None,
+        })
+    }
+
+    /// `expr` from its parts upwards: each as it is said to become, by what those before it have become, or else with these simplified again.
+    fn rebuilt(
+        &mut self,
+        expr: Expr,
+        mut becomes: impl FnMut(&mut Self, Expr, &[Expr]) -> Option<Expr>,
+    ) -> Expr {
         let mut known = vec![expr; expr.index() + 1];
         for old in self.reachable(&[expr]) {
-            known[old.index()] = self.with_parts(old, &known, replacement);
+            known[old.index()] = match becomes(self, old, &known) {
+                Some(other) => other,
+                None => self.with_parts(old, &known),
+            };
         }
         known[expr.index()]
     }
 
     /// `expr` with parts of it replaced by others, and simplified again.
     pub(crate) fn with_replaced(&mut self, expr: Expr, replaced: &[(Expr, Expr)]) -> Expr {
-        let mut known = vec![expr; expr.index() + 1];
-        for old in self.reachable(&[expr]) {
+        self.rebuilt(expr, |_, old, _| {
             let other = replaced.iter().find(|&&(part, _)| part == old);
-            known[old.index()] = match other {
-                Some(&(_, other)) => other,
-                None => self.with_parts(old, &known, &|_| None),
-            };
-        }
-        known[expr.index()]
+            other.map(|&(_, other)| other)
+        })
     }
 
     /// `expr` with the roots of squares in it written as sizes, which have a corner where those have no series.
     pub(crate) fn with_sizes(&mut self, expr: Expr) -> Expr {
-        let mut known = vec![expr; expr.index() + 1];
-        for old in self.reachable(&[expr]) {
-            let size = match *self.node(old) {
-                Node::Power(base, exponent) => self.root_of_square(known[base.index()], exponent),
-                _ => None,
-            };
-            known[old.index()] = match size {
-                Some(size) => size,
-                None => self.with_parts(old, &known, &|_| None),
-            };
-        }
-        known[expr.index()]
+        self.rebuilt(expr, |graph, old, known| match *graph.node(old) {
+            Node::Power(base, exponent) => graph.root_of_square(known[base.index()], exponent),
+            _ => None,
+        })
     }
 
     /// The node `old` with what has become of its parts.
-    pub(super) fn with_parts(
-        &mut self,
-        old: Expr,
-        known: &[Expr],
-        replacement: &dyn Fn(Symbol) -> Option<Expr>,
-    ) -> Expr {
+    pub(super) fn with_parts(&mut self, old: Expr, known: &[Expr]) -> Expr {
         match self.node(old).clone() {
-            Node::Number(_) | Node::Pi => old,
-            Node::Symbol(symbol) => replacement(symbol).unwrap_or(old),
+            Node::Number(_) | Node::Pi | Node::Symbol(_) => old,
             Node::Sum(terms) => {
                 let terms: Vec<Expr> = terms.iter().map(|term| known[term.index()]).collect();
                 self.sum(&terms)
@@ -86,15 +82,15 @@ impl Graph {
     /// What an expression is where another one is negative: choices by the sign of that one, or of minus it, are made.
     pub fn where_negative(&mut self, expr: Expr, negative: Expr) -> Expr {
         let positive = self.neg(negative);
-        let mut known = vec![expr; expr.index() + 1];
-        for old in self.reachable(&[expr]) {
-            known[old.index()] = match self.node(old).clone() {
-                Node::Switch { surface, below, .. } if surface == negative => known[below.index()],
-                Node::Switch { surface, above, .. } if surface == positive => known[above.index()],
-                _ => self.with_parts(old, &known, &|_| None),
-            };
-        }
-        known[expr.index()]
+        self.rebuilt(expr, |graph, old, known| match *graph.node(old) {
+            Node::Switch { surface, below, .. } if surface == negative => {
+                Some(known[below.index()])
+            }
+            Node::Switch { surface, above, .. } if surface == positive => {
+                Some(known[above.index()])
+            }
+            _ => None,
+        })
     }
 
     /// A smooth expression that depends on all that `expr` does in any of its forms: each choice becomes a sum of what it
@@ -103,10 +99,9 @@ impl Graph {
     /// Of each part p it is p + sin(p)/2 that is summed, which has a slope wherever p has and another one in each place: of parts
     /// that are linear a sum of p alone would stay as it is where all change together, which the expression does not.
     pub fn blended(&mut self, expr: Expr) -> Expr {
-        let mut known = vec![expr; expr.index() + 1];
         let mut count = 0_u32;
-        for old in self.reachable(&[expr]) {
-            let parts: Vec<Expr> = match self.node(old) {
+        self.rebuilt(expr, |graph, old, known| {
+            let parts: Vec<Expr> = match graph.node(old) {
                 Node::Switch {
                     surface,
                     above,
@@ -114,26 +109,22 @@ impl Graph {
                     ..
                 } => vec![*surface, *above, *below],
                 Node::Floor(argument) | Node::Curve(_, argument, _) => vec![*argument],
-                _ => {
-                    known[old.index()] = self.with_parts(old, &known, &|_| None);
-                    continue;
-                }
+                _ => return None,
             };
             let terms: Vec<Expr> = parts
                 .into_iter()
                 .map(|part| {
                     count += 1;
-                    let weight = self.number((f64::from(count) * BLEND).fract() + BLEND);
-                    let (part, half) = (known[part.index()], self.number(0.5));
-                    let sine = self.call(Function::Sin, part);
-                    let ripple = self.mul(half, sine);
-                    let blend = self.add(part, ripple);
-                    self.mul(weight, blend)
+                    let weight = graph.number((f64::from(count) * BLEND).fract() + BLEND);
+                    let (part, half) = (known[part.index()], graph.number(0.5));
+                    let sine = graph.call(Function::Sin, part);
+                    let ripple = graph.mul(half, sine);
+                    let blend = graph.add(part, ripple);
+                    graph.mul(weight, blend)
                 })
                 .collect();
-            known[old.index()] = self.sum(&terms);
-        }
-        known[expr.index()]
+            Some(graph.sum(&terms))
+        })
     }
 
     /// The symbols that `expr` is made of, states before parameters, each in order.

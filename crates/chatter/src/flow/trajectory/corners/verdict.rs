@@ -93,11 +93,14 @@ impl<R: Real> Trajectory<R> {
             lies_beside: Vec::new(),
             fields,
         };
-        for standing in standings.iter().filter(|s| touched.contains(&s.corner)) {
-            let is_slid = matches!(standing.corner, Corner::Surface(k)
-                if verdict.candidate.sides.get(k) == Side::Sliding);
-            for (_, orders) in standing.guards.iter().filter(|_| !is_slid) {
-                asked.note(standing.corner, orders);
+        let sides = verdict.candidate.sides;
+        let is_slid =
+            |corner: Corner| matches!(corner, Corner::Surface(k) if sides.get(k) == Side::Sliding);
+        for standing in &standings {
+            if touched.contains(&standing.corner) && !is_slid(standing.corner) {
+                for (_, orders) in &standing.guards {
+                    asked.note(standing.corner, orders);
+                }
             }
         }
         // What an instant changes says nothing yet.
@@ -106,8 +109,7 @@ impl<R: Real> Trajectory<R> {
             if !touched.contains(&standing.corner) {
                 continue;
             }
-            let is_slid = matches!(standing.corner, Corner::Surface(k)
-                if verdict.candidate.sides.get(k) == Side::Sliding);
+            let is_slid = is_slid(standing.corner);
             let may_slide = matches!(standing.corner, Corner::Surface(k)
                 if asked.slippery.contains(k));
             let is_surface = standing.corner.is_surface();
