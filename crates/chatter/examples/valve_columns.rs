@@ -1,5 +1,5 @@
 //! Times the columns of an orbit diagram of the valve, on one core unless told otherwise, and prints, as one line of JSON, what the
-//! peers' script compares: `cargo run --release -p chatter-dynamics --example valve_columns -- COLUMNS TRANSIENT KEEP [THREADS]`.
+//! peers' script compares: `cargo run --release -p chatter-dynamics --example valve_columns -- COLUMNS TRANSIENT KEEP [THREADS [TOLERANCE]]`.
 
 use chatter::analysis::diagram::{Range, Spec, Threads, diagram};
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};
@@ -12,16 +12,17 @@ const VALVE: &str = include_str!("../../../models/pressure_relief_valve.toml");
 const PRINTED: usize = 10_000;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let numbers: Vec<u64> = std::env::args()
-        .skip(1)
-        .flat_map(|text| text.parse())
-        .collect();
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let numbers: Vec<u64> = arguments.iter().flat_map(|text| text.parse()).collect();
+    let tolerance = arguments.get(4).map_or(Ok(0.0), |text| text.parse())?;
     let (&[columns, transient, keep], more) = numbers
         .split_first_chunk()
         .ok_or("expected three numbers: COLUMNS TRANSIENT KEEP [THREADS]")?;
     let threads = more.first().map_or(1, |&threads| threads as usize);
     let model = Model::from_toml(VALVE, "pressure_relief_valve.toml")?;
-    let map = ReturnMap::new(&model, &ReturnSpec::section("closing"))?;
+    let mut closing = ReturnSpec::section("closing");
+    closing.tolerance = tolerance;
+    let map = ReturnMap::new(&model, &closing)?;
     let spec = Spec::new(
         Range::linear("q", 0.02015, 0.023, columns),
         "y2",

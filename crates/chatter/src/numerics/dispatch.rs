@@ -64,20 +64,24 @@ pub(crate) fn has_wide_registers() -> bool {
     !cfg!(target_arch = "x86_64") || InstructionSet::detected() != InstructionSet::Baseline
 }
 
-/// As [`dispatch`], for kernels that are asked for where [`has_wide_registers`] only: they are the largest, and for narrow registers
-/// would be larger than all others together.
+/// As [`dispatch`], for kernels that are asked for where [`has_wide_registers`] only, and whose numbers are arrays: they are the
+/// largest, and for narrow registers would be larger than all others together. For AVX-512 there are numbers of its own
+/// ([`dispatch_avx512`]).
 #[inline(never)]
 pub(crate) fn dispatch_wide<K: Kernel>(kernel: K) -> Option<K::Output> {
     #[cfg(target_arch = "x86_64")]
-    return match InstructionSet::detected() {
-        // SAFETY: the features that the wrapper enables were detected on this processor.
-        InstructionSet::Avx512 => Some(unsafe { run_avx512(kernel) }),
-        // SAFETY: as above.
-        InstructionSet::Avx2 => Some(unsafe { run_avx2(kernel) }),
-        InstructionSet::Baseline => None,
-    };
+    // SAFETY: the features that the wrapper enables were detected on this processor.
+    return has_avx2().then(|| unsafe { run_avx2(kernel) });
     #[cfg(not(target_arch = "x86_64"))]
     Some(kernel.run())
+}
+
+/// Runs a kernel whose numbers are registers of AVX-512; nothing where the processor has none.
+#[cfg(target_arch = "x86_64")]
+#[inline(never)]
+pub(crate) fn dispatch_avx512<K: Kernel>(kernel: K) -> Option<K::Output> {
+    // SAFETY: the features that the wrapper enables were detected on this processor.
+    has_avx512().then(|| unsafe { run_avx512(kernel) })
 }
 
 /// Runs a kernel whose numbers are single ones, for which wide registers do nothing: with fused multiply-add or without.

@@ -4,6 +4,7 @@
 //! operation is the scalar one lane by lane, so a lane holds exactly the bits a scalar run would.
 
 use super::DoubleDouble;
+use super::dispatch::{Kernel, dispatch_wide};
 use super::scalar::{Mask, Scalar, coarse_exp2, coarse_log2, short};
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
@@ -42,9 +43,36 @@ const TRUE: u64 = u64::MAX;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LaneSet(u64);
 
+/// Numbers that are several side by side.
+pub trait Wide: Scalar<Mask: WideMask> {
+    /// How many.
+    const LANES: usize;
+    /// Each by itself.
+    fn lanes(&self) -> &[f64];
+    /// Each by itself, to be changed.
+    fn lanes_mut(&mut self) -> &mut [f64];
+    /// Runs a kernel with the instructions that such numbers are for; nothing where the processor has none of these.
+    fn run<K: Kernel>(kernel: K) -> Option<K::Output>;
+}
+
+/// Truth values of such numbers.
+pub trait WideMask: Mask {
+    /// Whether a lane is true.
+    fn lane(&self, lane: usize) -> bool;
+    /// The lanes that are true.
+    fn set(&self) -> LaneSet;
+}
+
 impl LaneSet {
     /// No lane.
     pub const NONE: Self = Self(0);
+
+    /// By bit, the lowest for the first lane.
+    #[inline(always)]
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn of_bits(bits: u64) -> Self {
+        Self(bits)
+    }
 
     /// The first so many.
     #[inline(always)]
@@ -114,21 +142,33 @@ impl Iterator for LaneSet {
     }
 }
 
-impl<const L: usize> LaneMask<L> {
-    /// Whether a lane is true.
+impl<const L: usize> WideMask for LaneMask<L> {
     #[inline(always)]
-    pub fn lane(&self, lane: usize) -> bool {
+    fn lane(&self, lane: usize) -> bool {
         self.0[lane] != 0
     }
-
-    /// The lanes that are true.
     #[inline(always)]
-    pub fn set(&self) -> LaneSet {
+    fn set(&self) -> LaneSet {
         let mut bits = 0;
         for (lane, &value) in self.0.iter().enumerate() {
             bits |= (value & 1) << lane;
         }
         LaneSet(bits)
+    }
+}
+
+impl<const L: usize> Wide for Lanes<L> {
+    const LANES: usize = L;
+    #[inline(always)]
+    fn lanes(&self) -> &[f64] {
+        &self.0
+    }
+    #[inline(always)]
+    fn lanes_mut(&mut self) -> &mut [f64] {
+        &mut self.0
+    }
+    fn run<K: Kernel>(kernel: K) -> Option<K::Output> {
+        dispatch_wide(kernel)
     }
 }
 

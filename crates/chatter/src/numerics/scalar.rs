@@ -147,10 +147,10 @@ pub trait Real: Scalar<Mask = bool> + PartialOrd + PartialEq + Display {
 
 /// Twelve bits of a mantissa are dropped so that the rest, an integer below 2^51, turns into a double by gluing it below
 /// the leading bit of 2^52: the processor's integer conversions, missing in AVX2, are never needed.
-const TWO_52: f64 = 4_503_599_627_370_496.0;
-const TWO_52_BITS: u64 = 0x4330_0000_0000_0000;
-const TWO_40: f64 = 1_099_511_627_776.0;
-const BIAS: f64 = 1023.0;
+pub(super) const TWO_52: f64 = 4_503_599_627_370_496.0;
+pub(super) const TWO_52_BITS: u64 = 0x4330_0000_0000_0000;
+pub(super) const TWO_40: f64 = 1_099_511_627_776.0;
+pub(super) const BIAS: f64 = 1023.0;
 
 /// A whole number, not negative and below 2^32, as an index: the processor's conversions come with questions whether it is one.
 #[inline(always)]
@@ -174,9 +174,11 @@ pub(super) fn coarse_exp2(value: f64) -> f64 {
 /// Binary digits of a [`short`](Scalar::short) number.
 const SHORT_DIGITS: u32 = 24;
 
+/// The bit above those that it lacks.
+pub(super) const DROPPED: u64 = 1 << (f64::MANTISSA_DIGITS - SHORT_DIGITS);
+
 #[inline(always)]
 pub(super) fn short(value: f64) -> f64 {
-    const DROPPED: u64 = 1 << (f64::MANTISSA_DIGITS - SHORT_DIGITS);
     f64::from_bits(value.to_bits().wrapping_add(DROPPED / 2) & !(DROPPED - 1))
 }
 

@@ -1,4 +1,4 @@
-//! Machine code in memory, and the call into it. One of two files with `unsafe`; what it rests on stands here and at
+//! Machine code in memory, and the call into it. One of few files with `unsafe`; what it rests on stands here and at
 //! `is_sound` in [`compile`](super::compile).
 //!
 //! Memory is written while it cannot be executed, then made executable and never written again: by `memmap2`, whose
@@ -11,7 +11,7 @@ use crate::expressions::graph::Function;
 use crate::expressions::series::MAX_ORDER;
 use crate::expressions::tape::Tape;
 use crate::numerics::dispatch::InstructionSet;
-use crate::numerics::{Lanes, Scalar};
+use crate::numerics::{Lanes, Registers, Scalar};
 use core::any::TypeId;
 use core::fmt;
 use memmap2::{Mmap, MmapMut};
@@ -141,7 +141,7 @@ pub(super) fn lanes_of<S: 'static>() -> Option<usize> {
         Some(4)
     } else if is(TypeId::of::<Lanes<8>>()) {
         Some(8)
-    } else if is(TypeId::of::<Lanes<16>>()) {
+    } else if is(TypeId::of::<Lanes<16>>()) || is(TypeId::of::<Registers>()) {
         Some(16)
     } else if is(TypeId::of::<Lanes<32>>()) {
         Some(32)
@@ -150,10 +150,10 @@ pub(super) fn lanes_of<S: 'static>() -> Option<usize> {
     }
 }
 
-/// A tape's code for one kind of number.
+/// A tape's code for numbers that are so many doubles.
 pub(crate) struct Executable {
     memory: Mmap,
-    number: TypeId,
+    lanes: usize,
     stride: usize,
     /// Least lengths of what it is called with.
     slots: usize,
@@ -185,7 +185,7 @@ impl Executable {
         memory.copy_from_slice(&code);
         Some(Self {
             memory: memory.make_exec().ok()?,
-            number: TypeId::of::<S>(),
+            lanes,
             stride,
             slots: tape.slots,
             auxiliaries: tape.auxiliaries,
@@ -200,7 +200,7 @@ impl Executable {
     #[inline]
     pub(crate) fn run<S: 'static>(&self, places: Places<'_, S>, order: usize) {
         assert!(
-            TypeId::of::<S>() == self.number
+            lanes_of::<S>() == Some(self.lanes)
                 && order < self.stride
                 && order <= MAX_ORDER
                 && places.values.len() >= self.slots * self.stride

@@ -4,13 +4,14 @@
 //! same order, and then a trajectory stays in its lane, and nobody but the cohort knows what it did there; whoever leaves gets its row
 //! back, and is told of its impacts then.
 
+use super::WIDTH;
 use super::rows::Rows;
 use crate::flow::chatter::REMEMBERED;
 use crate::flow::guard::Transition;
 use crate::flow::program::Program;
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::{Passed, Trajectory};
-use crate::numerics::{LaneMask, LaneSet, Lanes, Scalar};
+use crate::numerics::{LaneSet, Wide};
 
 /// An impact with which a step begins: the guard that vanishes there, and its contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,65 +34,68 @@ impl Start {
     }
 }
 
+/// By lane, who is there: there are no more than so many lanes.
+pub(super) type Members = [usize; WIDTH];
+
 /// The most impacts that a double counts one by one.
 const COUNTED: u64 = 1 << 53;
 
 /// See the [module's documentation](self).
 #[derive(Clone, Debug)]
-pub(super) struct Cohort<const L: usize> {
+pub(super) struct Cohort<W> {
     /// Those who are not aboard yet.
     pub waiting: Vec<usize>,
     /// By lane, who is or was aboard.
-    pub members: [usize; L],
+    pub members: Members,
     aboard: LaneSet,
     /// How many lanes these are: to count them costs more than anything else does that is asked of all cohorts.
     count: usize,
     /// The rows of those aboard, side by side.
-    pub block: Vec<Lanes<L>>,
-    pub impacts: Impacts<L>,
+    pub block: Vec<W>,
+    pub impacts: Impacts<W>,
 }
 
 /// The impacts of those aboard of which their trajectories do not know yet.
 #[derive(Clone, Debug)]
-pub(super) struct Impacts<const L: usize> {
+pub(super) struct Impacts<W> {
     /// How many more may pass untold.
-    allowed: Lanes<L>,
+    allowed: W,
     /// How many a sequence has, and the rate of its latest.
-    sequence: Lanes<L>,
-    rate: Lanes<L>,
+    sequence: W,
+    rate: W,
     /// Of the latest steps, in turn, their ends, and how long the sequences may still go on after them.
-    latest: [(Lanes<L>, Lanes<L>); REMEMBERED],
+    latest: [(W, W); REMEMBERED],
     /// How many steps the cohort has made, and had when each lane was boarded.
     steps: u64,
-    boarded: [u64; L],
+    boarded: [u64; WIDTH],
 }
 
-impl<const L: usize> Impacts<L> {
+impl<W: Wide> Impacts<W> {
     /// Where an impact passes untold.
     #[inline(always)]
-    pub fn may_pass(&self) -> LaneMask<L> {
-        Lanes::splat(1.0).at_most(self.allowed)
+    pub fn may_pass(&self) -> W::Mask {
+        W::splat(1.0).at_most(self.allowed)
     }
 
     /// Takes note of a step, which ended in an impact that passes in some lanes.
     #[inline(always)]
-    pub fn note(&mut self, passed: LaneMask<L>, rate: Lanes<L>, end: (Lanes<L>, Lanes<L>)) {
-        let one = Lanes::splat(1.0);
-        let longer = Lanes::select(self.rate.less(rate), self.sequence + one, one);
-        self.allowed = Lanes::select(passed, self.allowed - one, self.allowed);
-        self.sequence = Lanes::select(passed, longer, self.sequence);
-        self.rate = Lanes::select(passed, rate, self.rate);
+    pub fn note(&mut self, passed: W::Mask, rate: W, end: (W, W)) {
+        let one = W::splat(1.0);
+        let longer = W::select(self.rate.less(rate), self.sequence + one, one);
+        self.allowed = W::select(passed, self.allowed - one, self.allowed);
+        self.sequence = W::select(passed, longer, self.sequence);
+        self.rate = W::select(passed, rate, self.rate);
         self.latest[self.steps as usize % REMEMBERED] = end;
         self.steps += 1;
     }
 }
 
-impl<const L: usize> Cohort<L> {
+impl<W: Wide> Cohort<W> {
     pub fn new() -> Self {
-        let zero = Lanes::splat(0.0);
+        let zero = W::splat(0.0);
         Self {
             waiting: Vec::new(),
-            members: [0; L],
+            members: [0; WIDTH],
             aboard: LaneSet::NONE,
             count: 0,
             block: Vec::new(),
@@ -101,7 +105,7 @@ impl<const L: usize> Cohort<L> {
                 rate: zero,
                 latest: [(zero, zero); REMEMBERED],
                 steps: 0,
-                boarded: [0; L],
+                boarded: [0; WIDTH],
             },
         }
     }
@@ -133,10 +137,10 @@ impl<const L: usize> Cohort<L> {
         width: usize,
     ) -> LaneSet {
         if self.block.len() < width {
-            self.block.resize(width, Lanes::splat(0.0));
+            self.block.resize(width, W::splat(0.0));
         }
         let mut newcomers = LaneSet::NONE;
-        for lane in LaneSet::first(L).without(self.aboard) {
+        for lane in LaneSet::first(W::LANES).without(self.aboard) {
             let Some(index) = self.waiting.pop() else {
                 break;
             };
@@ -146,9 +150,9 @@ impl<const L: usize> Cohort<L> {
             if let Some(Start { contact, .. }) = start {
                 let (allowed, sequence, rate) = trajectories[index].passing(contact);
                 let impacts = &mut self.impacts;
-                impacts.allowed.0[lane] = allowed.min(COUNTED) as f64;
-                impacts.sequence.0[lane] = sequence as f64;
-                impacts.rate.0[lane] = rate.unwrap_or(f64::INFINITY);
+                impacts.allowed.lanes_mut()[lane] = allowed.min(COUNTED) as f64;
+                impacts.sequence.lanes_mut()[lane] = sequence as f64;
+                impacts.rate.lanes_mut()[lane] = rate.unwrap_or(f64::INFINITY);
                 impacts.boarded[lane] = impacts.steps;
             }
         }
@@ -162,9 +166,10 @@ impl<const L: usize> Cohort<L> {
         let Some(first) = self.aboard.into_iter().next() else {
             return;
         };
-        for lane in LaneSet::first(L).without(self.aboard) {
+        for lane in LaneSet::first(W::LANES).without(self.aboard) {
             for wide in &mut self.block {
-                wide.0[lane] = wide.0[first];
+                let lanes = wide.lanes_mut();
+                lanes[lane] = lanes[first];
             }
         }
     }
@@ -178,7 +183,7 @@ impl<const L: usize> Cohort<L> {
         (start, program): (Start, &Program),
         (rows, but_latest): (&mut Rows, bool),
     ) {
-        let lane = lane.min(L - 1);
+        let lane = lane.min(W::LANES - 1);
         let impacts = &self.impacts;
         let began = impacts.boarded[lane];
         let count = (impacts.steps - began).saturating_sub(u64::from(but_latest));
@@ -188,13 +193,13 @@ impl<const L: usize> Cohort<L> {
         rows.note(index, Some(start.guard));
         let passed = Passed {
             count,
-            sequence: impacts.sequence.0[lane] as u64,
-            rate: impacts.rate.0[lane],
+            sequence: impacts.sequence.lanes()[lane] as u64,
+            rate: impacts.rate.lanes()[lane],
         };
         let guard = &program.guards[start.guard];
         trajectory.note_passed(guard, start.contact, passed, |number| {
             let (time, rest) = &impacts.latest[(began + number) as usize % REMEMBERED];
-            (time.0[lane], rest.0[lane])
+            (time.lanes()[lane], rest.lanes()[lane])
         });
     }
 

@@ -16,7 +16,12 @@ use super::step::{ORDER_CLASSES, Workspace};
 use super::system::{Settings, System};
 use super::touching::Touching;
 use super::trajectory::Trajectory;
+#[cfg(target_arch = "x86_64")]
+use crate::numerics::Registers;
+#[cfg(target_arch = "x86_64")]
+use crate::numerics::dispatch::InstructionSet;
 use crate::numerics::dispatch::has_wide_registers;
+use crate::numerics::{Lanes, Wide};
 use cohort::{Cohort, Start};
 use core::sync::atomic::{AtomicBool, Ordering};
 use vector::{Common, Ended, Vector, VectorStep};
@@ -46,7 +51,11 @@ pub fn run_fleet<V>(
 ) where
     V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {
-    Fleet::<WIDTH, V>::new(system, settings, swept, trajectories, visit).run(stop);
+    #[cfg(target_arch = "x86_64")]
+    if InstructionSet::detected() == InstructionSet::Avx512 {
+        return Fleet::<Registers, V>::new(system, settings, swept, trajectories, visit).run(stop);
+    }
+    Fleet::<Lanes<WIDTH>, V>::new(system, settings, swept, trajectories, visit).run(stop);
 }
 
 /// Lanes of a vector of trajectories: four registers with AVX2, two with AVX-512. With AVX2 an expansion costs a lane the same
@@ -58,31 +67,31 @@ const FEW: usize = 4;
 
 /// Trajectories whose next steps run the same program with the same roots divided out.
 #[derive(Debug)]
-struct Queue<const L: usize> {
+struct Queue<W> {
     mode: usize,
     touching: Touching,
     /// The impact that these steps begin with.
     start: Option<Start>,
     /// By order class, those that can share a vector.
-    cohorts: [Cohort<L>; ORDER_CLASSES],
+    cohorts: [Cohort<W>; ORDER_CLASSES],
 }
 
-struct Fleet<'s, 't, const L: usize, V> {
+struct Fleet<'s, 't, W: Wide, V> {
     system: &'s System,
     trajectories: &'t mut [Trajectory<f64>],
     visit: V,
-    vector: Vector<'s, L>,
+    vector: Vector<'s, W>,
     single: Workspace<f64>,
-    queues: Vec<Queue<L>>,
+    queues: Vec<Queue<W>>,
     /// The queue that was joined last: often the next one, too.
     joined: usize,
     /// The queue and class whose vector made the latest step: as long as it is full, the next one, too.
     stepped: (usize, usize),
 }
 
-impl<'s, 't, const L: usize, V> Fleet<'s, 't, L, V>
+impl<'s, 't, W: Wide, V> Fleet<'s, 't, W, V>
 where
-    Vector<'s, L>: VectorStep<L>,
+    Vector<'s, W>: VectorStep<W>,
     V: FnMut(usize, &mut Trajectory<f64>, Result<&Occurrence<f64>, FlowError>) -> Next,
 {
     fn new(
@@ -127,7 +136,7 @@ where
     /// A queue and class that fill a vector, or else those with the most waiting.
     fn fullest(&self) -> Option<(usize, usize)> {
         let (place, class) = self.stepped;
-        if (self.queues.get(place)).is_some_and(|queue| queue.cohorts[class].len() >= L) {
+        if (self.queues.get(place)).is_some_and(|queue| queue.cohorts[class].len() >= W::LANES) {
             return Some((place, class));
         }
         let mut best = None;
@@ -135,7 +144,7 @@ where
         for (place, queue) in self.queues.iter().enumerate() {
             for (class, cohort) in queue.cohorts.iter().enumerate() {
                 let count = cohort.len();
-                if count >= L {
+                if count >= W::LANES {
                     return Some((place, class));
                 }
                 if count > length {
@@ -174,7 +183,7 @@ where
     /// The queue of trajectories in this mode, which has this program, with so many roots to divide out.
     #[inline]
     fn queue(&mut self, mode: usize, touching: Touching, program: &Program) -> usize {
-        let same = |queue: &Queue<L>| queue.mode == mode && queue.touching == touching;
+        let same = |queue: &Queue<W>| queue.mode == mode && queue.touching == touching;
         if !self.queues.get(self.joined).is_some_and(same) {
             self.joined = self.queues.iter().position(same).unwrap_or_else(|| {
                 self.queues.push(Queue {
@@ -353,9 +362,9 @@ mod tests {
         }
     }
 
-    fn in_lanes<'a, const L: usize>(columns: &'a Columns, occurrences: usize) -> Vec<End>
+    fn in_lanes<'a, W: Wide>(columns: &'a Columns, occurrences: usize) -> Vec<End>
     where
-        Vector<'a, L>: VectorStep<L>,
+        Vector<'a, W>: VectorStep<W>,
     {
         let mut trajectories = columns.trajectories.clone();
         let mut told = vec![0; trajectories.len()];
@@ -370,7 +379,7 @@ mod tests {
                 ends[index] = end(trajectory);
                 Next::Retire
             };
-        Fleet::<L, _>::new(
+        Fleet::<W, _>::new(
             &columns.system,
             &columns.settings,
             &[0],
@@ -412,11 +421,11 @@ mod tests {
             let mut columns = columns(text, low, high, 37);
             columns.settings.backend = Backend::Interpreter;
             let expected = alone(&columns, occurrences);
-            assert_eq!(in_lanes::<8>(&columns, occurrences), expected);
-            columns.settings.backend = Backend::CompiledAtOnce;
-            assert_eq!(alone(&columns, occurrences), expected);
-            assert_eq!(in_lanes::<WIDTH>(&columns, occurrences), expected);
-            assert_eq!(in_lanes::<8>(&columns, occurrences), expected);
+            assert_eq!(in_lanes::<Lanes<8>>(&columns, occurrences), expected);
+            #[cfg(target_arch = "x86_64")]
+            if InstructionSet::detected() == InstructionSet::Avx512 {
+                assert_eq!(in_lanes::<Registers>(&columns, occurrences), expected);
+            }
         }
     }
 
@@ -480,7 +489,7 @@ mod tests {
                 Next::Retire
             };
         let (system, settings) = (&columns.system, &columns.settings);
-        Fleet::<8, _>::new(system, settings, &[0], &mut trajectories, visit)
+        Fleet::<Lanes<8>, _>::new(system, settings, &[0], &mut trajectories, visit)
             .run(&AtomicBool::new(false));
         assert_eq!(found, expected);
     }

@@ -5,10 +5,11 @@
 //! touches hardly anything else of a trajectory. Where one step is followed by another of the same kind the row waits, too
 //! ([`cohort`](super::cohort)).
 
+use super::cohort::Members;
 use super::shared::Shared;
 use crate::flow::step::ORDER_CLASSES;
 use crate::flow::trajectory::{Caught, Trajectory};
-use crate::numerics::{LaneSet, Lanes};
+use crate::numerics::{LaneSet, Wide};
 use core::ops::Range;
 
 /// So many rows are read side by side, and so many numbers of each at once.
@@ -145,10 +146,10 @@ impl Rows {
     }
 
     /// Copies a trajectory, whose next step has this unit of time, into its row.
-    pub fn fill<const L: usize>(
+    pub fn fill<W: Wide>(
         &mut self,
         (index, trajectory, unit): (usize, &Trajectory<f64>, f64),
-        shared: &Shared<L>,
+        shared: &Shared<W>,
     ) {
         let places = self.places;
         let row = &mut self.values[index * self.stride..][..self.stride];
@@ -208,22 +209,17 @@ impl Rows {
     ///
     /// Where neighbours are all new a few rows at a time: what is stored is then as wide as what is loaded from there.
     #[inline(always)]
-    pub fn gather<const L: usize>(
-        &self,
-        members: &[usize; L],
-        newcomers: LaneSet,
-        block: &mut [Lanes<L>],
-    ) {
+    pub fn gather<W: Wide>(&self, members: &Members, newcomers: LaneSet, block: &mut [W]) {
         let row = |lane: usize| {
             let start = members[lane] * self.stride;
             &self.values[start..start + self.stride]
         };
-        for first in (0..L).step_by(ABREAST) {
+        for first in (0..W::LANES).step_by(ABREAST) {
             let new = newcomers.among(first, ABREAST);
             if new.count() < ABREAST {
                 for lane in new {
                     for (wide, &value) in block.iter_mut().zip(row(lane)) {
-                        wide.0[lane] = value;
+                        wide.lanes_mut()[lane] = value;
                     }
                 }
                 continue;
@@ -235,7 +231,7 @@ impl Rows {
             let blocks = block.as_chunks_mut::<ABREAST>().0;
             for (wide, ((a, b), (c, d))) in blocks.iter_mut().zip(rows) {
                 for (k, wide) in wide.iter_mut().enumerate() {
-                    let place = &mut wide.0[first..first + ABREAST];
+                    let place = &mut wide.lanes_mut()[first..first + ABREAST];
                     place.copy_from_slice(&[a[k], b[k], c[k], d[k]]);
                 }
             }
@@ -244,23 +240,18 @@ impl Rows {
 
     /// Takes over from rows that are side by side, in these lanes, what steps change.
     #[inline(always)]
-    pub fn scatter<const L: usize>(
-        &mut self,
-        members: &[usize; L],
-        block: &[Lanes<L>],
-        lanes: LaneSet,
-    ) {
+    pub fn scatter<W: Wide>(&mut self, members: &Members, block: &[W], lanes: LaneSet) {
         let changed = self.places.changed();
         let blocks = block[..changed].as_chunks::<ABREAST>().0;
         for lane in lanes {
-            let lane = lane.min(L - 1);
+            let lane = lane.min(W::LANES - 1);
             let row = &mut self.values[members[lane] * self.stride..][..changed];
             for (values, wide) in row.as_chunks_mut::<ABREAST>().0.iter_mut().zip(blocks) {
                 *values = [
-                    wide[0].0[lane],
-                    wide[1].0[lane],
-                    wide[2].0[lane],
-                    wide[3].0[lane],
+                    wide[0].lanes()[lane],
+                    wide[1].lanes()[lane],
+                    wide[2].lanes()[lane],
+                    wide[3].lanes()[lane],
                 ];
             }
         }

@@ -3,18 +3,18 @@
 use crate::expressions::Tape;
 use crate::flow::program::{ImpactTape, Program, ProgramConstants};
 use crate::flow::system::System;
-use crate::numerics::{Lanes, Scalar};
+use crate::numerics::Wide;
 
 /// Constants of the tapes of a mode: which of them differ between the trajectories of a fleet, and the others.
 #[derive(Debug)]
-pub(super) struct Shared<const L: usize> {
+pub(super) struct Shared<W> {
     pub varying_tape: Vec<usize>,
     pub varying_impacts: Vec<Vec<usize>>,
-    pub tape: Vec<Lanes<L>>,
-    pub impacts: Vec<Vec<Lanes<L>>>,
+    pub tape: Vec<W>,
+    pub impacts: Vec<Vec<W>>,
 }
 
-impl<const L: usize> Shared<L> {
+impl<W: Wide> Shared<W> {
     /// Takes what does not differ from any of the trajectories.
     pub fn new(
         system: &System,
@@ -23,7 +23,7 @@ impl<const L: usize> Shared<L> {
         swept: &[usize],
         any: &ProgramConstants<f64>,
     ) -> Self {
-        let splat = |values: &[f64]| values.iter().map(|&value| Lanes::splat(value)).collect();
+        let splat = |values: &[f64]| values.iter().map(|&value| W::splat(value)).collect();
         let depending = |tape: &Tape| system.constants_depending_on(mode, tape, swept);
         let of_impact = |impact: &Option<ImpactTape>| {
             (impact.as_ref()).map_or_else(Vec::new, |impact| depending(&impact.tape))

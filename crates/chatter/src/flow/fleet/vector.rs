@@ -1,6 +1,7 @@
 //! One step of a vector of trajectories: the rows of those who are new are laid beside the others, the step is made, what is ordinary
 //! in it decided for all lanes at once, and who does not stay for another gets its own back.
 
+use super::WIDTH;
 use super::cohort::{Cohort, Start};
 use super::rows::{Places, Rows};
 use super::shared::Shared;
@@ -12,37 +13,39 @@ use crate::flow::step::{NO_EVENT, Workspace};
 use crate::flow::system::{Settings, System};
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::{StepResult, Trajectory};
-use crate::numerics::dispatch::{Kernel, dispatch_wide};
-use crate::numerics::{LaneMask, LaneSet, Lanes, Mask, Scalar, index_of};
+#[cfg(target_arch = "x86_64")]
+use crate::numerics::Registers;
+use crate::numerics::dispatch::Kernel;
+use crate::numerics::{LaneSet, Lanes, Mask, Wide, WideMask, index_of};
 
 /// A vector of trajectories. Those of a fleet take turns in it.
 #[derive(Debug)]
-pub(super) struct Vector<'a, const L: usize> {
+pub(super) struct Vector<'a, W: Wide> {
     system: &'a System,
-    work: Workspace<Lanes<L>>,
+    work: Workspace<W>,
     /// Parameters that differ between the trajectories.
     swept: Vec<usize>,
     /// By number of the mode.
-    shared: Vec<Option<Shared<L>>>,
+    shared: Vec<Option<Shared<W>>>,
     /// All trajectories.
     rows: Rows,
     /// The mode whose constants the workspace holds.
     loaded: Option<usize>,
-    verdict: Verdict<L>,
+    verdict: Verdict<W>,
 }
 
 /// What is known of each lane after a step.
 #[derive(Debug)]
-struct Verdict<const L: usize> {
+struct Verdict<W: Wide> {
     /// Where the step is certain.
-    certain: LaneMask<L>,
+    certain: W::Mask,
     /// Where it is an ordinary one, too.
-    ordinary: LaneMask<L>,
+    ordinary: W::Mask,
     /// Where it ended in the impact that the next step of the same cohort begins with, untold.
-    passed: LaneMask<L>,
+    passed: W::Mask,
     /// Where time is left then, with the order class of the next step.
-    goes_on: LaneMask<L>,
-    class: Lanes<L>,
+    goes_on: W::Mask,
+    class: W,
 }
 
 /// What became of a trajectory in a lane.
@@ -74,64 +77,48 @@ pub(super) struct Common<'a> {
 }
 
 /// The step of a vector. Not generic, so that it is compiled here and not again for every visitor of every user.
-pub(super) trait VectorStep<const L: usize> {
+pub(super) trait VectorStep<W: Wide> {
     /// Makes a step with a cohort, of which some have just boarded, in a mode that was entered. Says which lanes are left.
-    fn step(&mut self, cohort: &mut Cohort<L>, newcomers: LaneSet, common: Common<'_>) -> LaneSet;
+    fn step(&mut self, cohort: &mut Cohort<W>, newcomers: LaneSet, common: Common<'_>) -> LaneSet;
 }
 
 /// Lanes of the widest register; vectors are made of whole ones.
 const REGISTER: usize = 8;
 
 macro_rules! vector_step {
-    ($width:expr) => {
-        impl VectorStep<{ $width }> for Vector<'_, { $width }> {
+    ($wide:ty) => {
+        impl VectorStep<$wide> for Vector<'_, $wide> {
             fn step(
                 &mut self,
-                cohort: &mut Cohort<{ $width }>,
+                cohort: &mut Cohort<$wide>,
                 newcomers: LaneSet,
                 common: Common<'_>,
             ) -> LaneSet {
-                let Some(shared) = self.shared.get(common.mode).and_then(Option::as_ref) else {
-                    self.verdict.certain = LaneMask::splat(false);
-                    return cohort.keep(LaneSet::NONE);
-                };
-                let stay = dispatch_wide(LaneStep {
-                    rows: &mut self.rows,
-                    cohort: &mut *cohort,
-                    newcomers,
-                    shared,
-                    work: &mut self.work,
-                    verdict: &mut self.verdict,
-                    coordinates: self.system.coordinates(),
-                    may_bounce: self.system.corners().is_empty(),
-                    common,
-                });
-                if stay.is_none() {
-                    self.verdict.certain = LaneMask::splat(false);
-                }
-                cohort.keep(stay.unwrap_or(LaneSet::NONE))
+                self.step_wide(cohort, newcomers, common)
             }
         }
     };
 }
 
-vector_step!(16);
+#[cfg(target_arch = "x86_64")]
+vector_step!(Registers);
+vector_step!(Lanes<WIDTH>);
 #[cfg(test)]
-vector_step!(8);
+vector_step!(Lanes<8>);
 
-struct LaneStep<'a, const L: usize> {
+struct LaneStep<'a, W: Wide> {
     rows: &'a mut Rows,
-    cohort: &'a mut Cohort<L>,
+    cohort: &'a mut Cohort<W>,
     newcomers: LaneSet,
-    shared: &'a Shared<L>,
-    work: &'a mut Workspace<Lanes<L>>,
-    verdict: &'a mut Verdict<L>,
+    shared: &'a Shared<W>,
+    work: &'a mut Workspace<W>,
+    verdict: &'a mut Verdict<W>,
     coordinates: usize,
     may_bounce: bool,
     common: Common<'a>,
 }
 
-impl<const L: usize> Kernel for LaneStep<'_, L> {
+impl<W: Wide> Kernel for LaneStep<'_, W> {
     /// Who stays aboard.
     type Output = LaneSet;
 
@@ -150,7 +137,7 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
         let places = rows.places;
         rows.gather(&cohort.members, newcomers, &mut cohort.block);
         let aboard = cohort.aboard();
-        if aboard.count() < L {
+        if aboard.count() < W::LANES {
             cohort.fill_lanes();
         }
         let block = &mut cohort.block[..];
@@ -161,13 +148,13 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
         let certain = work.try_step(program, common.class, common.touching);
         verdict.certain = certain;
         if !program.is_free {
-            verdict.ordinary = LaneMask::splat(false);
-            verdict.passed = LaneMask::splat(false);
+            verdict.ordinary = W::Mask::splat(false);
+            verdict.passed = W::Mask::splat(false);
             return LaneSet::NONE;
         }
-        let nowhere = work.event.less(Lanes::splat(0.0));
-        let mut at_impact = LaneMask::splat(false);
-        let mut at_start = LaneMask::splat(false);
+        let nowhere = work.event.less(W::splat(0.0));
+        let mut at_impact = W::Mask::splat(false);
+        let mut at_start = W::Mask::splat(false);
         for (index, guard) in program.guards.iter().enumerate() {
             if self.may_bounce && matches!(guard.transition, Transition::Impact { .. }) {
                 let here = work.ends_step(index);
@@ -186,8 +173,8 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
             (flight.horizon, flight.horizon_low),
             (course.time, course.time_low),
         );
-        let goes_on = Lanes::splat(0.0).less(remaining(horizon, now));
-        let own = Lanes::splat(common.class as f64);
+        let goes_on = W::splat(0.0).less(remaining(horizon, now));
+        let own = W::splat(common.class as f64);
         let stays = passed & goes_on & class.at_most(own) & own.at_most(class);
         let (stays, are_ordinary) = (stays.set() & aboard, ordinary.set());
         if common.start.is_some() {
@@ -216,11 +203,7 @@ impl<const L: usize> Kernel for LaneStep<'_, L> {
 
 /// Puts rows that stand side by side where a step expects them.
 #[inline(always)]
-fn load<const L: usize>(
-    work: &mut Workspace<Lanes<L>>,
-    shared: &Shared<L>,
-    (places, block): (Places, &[Lanes<L>]),
-) {
+fn load<W: Wide>(work: &mut Workspace<W>, shared: &Shared<W>, (places, block): (Places, &[W])) {
     copy(&mut work.state, &block[places.state()]);
     copy(&mut work.low, &block[places.low()]);
     copy(&mut work.sides, &block[places.sides()]);
@@ -241,27 +224,28 @@ fn load<const L: usize>(
 
 /// Puts back what any step changes.
 #[inline(always)]
-fn store<const L: usize>(work: &Workspace<Lanes<L>>, (places, block): (Places, &mut [Lanes<L>])) {
+fn store<W: Wide>(work: &Workspace<W>, (places, block): (Places, &mut [W])) {
     copy(&mut block[places.state()], &work.state);
     copy(&mut block[places.low()], &work.low);
     copy(&mut block[places.sides()], &work.sides);
     copy(&mut block[places.reach()], &work.reach);
 }
 
-/// Copies a few numbers, some lanes at a time: for so few a call of the library, which is what copying them whole becomes, costs more.
+/// Copies a few numbers, some lanes at a time: for so few a call of the library, which is what copying arrays whole becomes, costs more.
 #[inline(always)]
-fn copy<const L: usize>(to: &mut [Lanes<L>], from: &[Lanes<L>]) {
-    const { assert!(L.is_multiple_of(REGISTER)) };
+fn copy<W: Wide>(to: &mut [W], from: &[W]) {
+    const { assert!(W::LANES.is_multiple_of(REGISTER)) };
     for (to, from) in to.iter_mut().zip(from) {
-        let from = from.0.as_chunks::<REGISTER>().0;
-        for (to, from) in to.0.as_chunks_mut::<REGISTER>().0.iter_mut().zip(from) {
+        let from = from.lanes().as_chunks::<REGISTER>().0;
+        let to = to.lanes_mut().as_chunks_mut::<REGISTER>().0;
+        for (to, from) in to.iter_mut().zip(from) {
             *to = *from;
         }
     }
 }
 
 #[inline(always)]
-fn flight<const L: usize>(places: Places, block: &[Lanes<L>]) -> Flight<Lanes<L>> {
+fn flight<W: Wide>(places: Places, block: &[W]) -> Flight<W> {
     Flight {
         time: block[places.time()],
         time_low: block[places.time_low()],
@@ -274,7 +258,7 @@ fn flight<const L: usize>(places: Places, block: &[Lanes<L>]) -> Flight<Lanes<L>
     }
 }
 
-impl<'a, const L: usize> Vector<'a, L> {
+impl<'a, W: Wide> Vector<'a, W> {
     pub fn new(
         system: &'a System,
         settings: &Settings,
@@ -284,7 +268,7 @@ impl<'a, const L: usize> Vector<'a, L> {
         // Each trajectory is on pieces of its own of what is looked up.
         let corners = system.corners();
         let slots = corners.first_slot..corners.first_slot + corners.slots();
-        let (zero, nowhere) = (Lanes::splat(0.0), LaneMask::splat(false));
+        let (zero, nowhere) = (W::splat(0.0), W::Mask::splat(false));
         let rows = Rows::new((system.dimension(), system.sections()), trajectories);
         Self {
             system,
@@ -303,6 +287,33 @@ impl<'a, const L: usize> Vector<'a, L> {
                 class: zero,
             },
         }
+    }
+
+    fn step_wide(
+        &mut self,
+        cohort: &mut Cohort<W>,
+        newcomers: LaneSet,
+        common: Common<'_>,
+    ) -> LaneSet {
+        let Some(shared) = self.shared.get(common.mode).and_then(Option::as_ref) else {
+            self.verdict.certain = W::Mask::splat(false);
+            return cohort.keep(LaneSet::NONE);
+        };
+        let stay = W::run(LaneStep {
+            rows: &mut self.rows,
+            cohort: &mut *cohort,
+            newcomers,
+            shared,
+            work: &mut self.work,
+            verdict: &mut self.verdict,
+            coordinates: self.system.coordinates(),
+            may_bounce: self.system.corners().is_empty(),
+            common,
+        });
+        if stay.is_none() {
+            self.verdict.certain = W::Mask::splat(false);
+        }
+        cohort.keep(stay.unwrap_or(LaneSet::NONE))
     }
 
     /// Lets a trajectory, by its number, wait in its row for its next step, which has this unit of time.
@@ -335,7 +346,7 @@ impl<'a, const L: usize> Vector<'a, L> {
     /// Lets those of a cohort who wait aboard. Says which lanes are new.
     pub fn board(
         &self,
-        cohort: &mut Cohort<L>,
+        cohort: &mut Cohort<W>,
         start: Option<Start>,
         trajectories: &[Trajectory<f64>],
     ) -> LaneSet {
@@ -345,7 +356,7 @@ impl<'a, const L: usize> Vector<'a, L> {
     /// Lets all who are aboard wait in their rows.
     pub fn disembark(
         &mut self,
-        cohort: &mut Cohort<L>,
+        cohort: &mut Cohort<W>,
         trajectories: &mut [Trajectory<f64>],
         (start, program): (Option<Start>, &Program),
     ) {
@@ -369,7 +380,7 @@ impl<'a, const L: usize> Vector<'a, L> {
     #[inline(always)]
     pub fn give_back(
         &mut self,
-        (cohort, lane): (&Cohort<L>, usize),
+        (cohort, lane): (&Cohort<W>, usize),
         (index, trajectory): (usize, &mut Trajectory<f64>),
         common: Common<'_>,
     ) -> Ended {
@@ -391,30 +402,30 @@ impl<'a, const L: usize> Vector<'a, L> {
             rows.catch_up(index, trajectory);
             return self.give_to_mode_machine(lane, trajectory, common);
         }
-        let lane = lane.min(L - 1);
-        let event = work.event.0[lane];
+        let lane = lane.min(W::LANES - 1);
+        let event = work.event.lanes()[lane];
         let at = (event > NO_EVENT).then(|| index_of(event));
         rows.note(index, at);
         let told = match at {
             None => {
-                trajectory.note_glide(touching, work.step.0[lane]);
+                trajectory.note_glide(touching, work.step.lanes()[lane]);
                 None
             }
             Some(_) if has_passed => None,
             Some(at) => {
                 let guard = &program.guards[at];
                 guard.closing().and_then(|contact| {
-                    let rate = work.impact[0].0[lane];
-                    let time = cohort.block[rows.places.time()].0[lane];
-                    let [.., at_rest] = work.impact.map(|value| value.0[lane]);
-                    let rest = rest_of_sequence(work.flight_time.0[lane], at_rest);
+                    let rate = work.impact[0].lanes()[lane];
+                    let time = cohort.block[rows.places.time()].lanes()[lane];
+                    let [.., at_rest] = work.impact.map(|value| value.lanes()[lane]);
+                    let rest = rest_of_sequence(work.flight_time.lanes()[lane], at_rest);
                     let is_told = trajectory.note_bounce(guard, (contact, rate), (time, rest));
-                    let rates = (rate, work.impact[1].0[lane]);
+                    let rates = (rate, work.impact[1].lanes()[lane]);
                     is_told.then(|| Occurrence::ordinary_impact((contact, rates)))
                 })
             }
         };
-        let class = index_of(verdict.class.0[lane]);
+        let class = index_of(verdict.class.lanes()[lane]);
         Ended::Ordinary {
             at,
             told,
@@ -437,27 +448,27 @@ impl<'a, const L: usize> Vector<'a, L> {
             return Ended::Uncertain;
         }
         for (value, wide) in trajectory.state.iter_mut().zip(&work.state) {
-            *value = wide.0[lane];
+            *value = wide.lanes()[lane];
         }
         for (value, wide) in trajectory.low.iter_mut().zip(&work.low) {
-            *value = wide.0[lane];
+            *value = wide.lanes()[lane];
         }
         for (section, wide) in work.sides.iter().enumerate() {
-            trajectory.sides.set(section, wide.0[lane]);
+            trajectory.sides.set(section, wide.lanes()[lane]);
         }
         for (reach, wide) in trajectory.reach.iter_mut().zip(&work.reach) {
-            *reach = wide.0[lane];
+            *reach = wide.lanes()[lane];
         }
-        let event = work.event.0[lane];
+        let event = work.event.lanes()[lane];
         let event = (event > NO_EVENT).then_some(event as usize);
         let mut outcome = Outcome {
-            step: work.step.0[lane],
-            step_low: work.step_low.0[lane],
+            step: work.step.lanes()[lane],
+            step_low: work.step_low.lanes()[lane],
             impact: [0.0; IMPACT_SCALARS],
-            flight_time: work.flight_time.0[lane],
+            flight_time: work.flight_time.lanes()[lane],
         };
         for (value, wide) in outcome.impact.iter_mut().zip(&work.impact) {
-            *value = wide.0[lane];
+            *value = wide.lanes()[lane];
         }
         let remaining = trajectory.remaining();
         let mut result = StepResult {
@@ -471,7 +482,7 @@ impl<'a, const L: usize> Vector<'a, L> {
         };
         let gap = |slot: usize, roots: u8| {
             let (value, terms) = work.value_at_end(&program.tape, slot, roots);
-            (value.0[lane], terms.0[lane])
+            (value.lanes()[lane], terms.lanes()[lane])
         };
         result.gap = trajectory.gap_at_end((program, touching), &result, gap);
         Ended::Digest(result)
