@@ -36,3 +36,24 @@ fn a_linear_oscillator_has_the_period_of_its_load_or_is_unsettled() {
         }
     }
 }
+
+#[test]
+fn an_orbit_with_complete_chatter_has_a_period_however_many_impacts_are_followed() {
+    let cam = include_str!("../../../../models/dwell_cam.toml");
+    let model = Model::from_toml(cam, "dwell_cam.toml").unwrap_or_else(|error| panic!("{error}"));
+    let sampling = Sampling::Stroboscopic {
+        period: "2*pi/omega".to_owned(),
+    };
+    let map = ReturnMap::new(&model, &ReturnSpec::new(sampling)).expect("a map");
+    // Twelve impacts are followed before an infinite sequence in some periods, and eleven in others.
+    for speed in [2.2, 2.2267, 2.253, 2.467, 2.547] {
+        let spec = Spec::new(Range::linear("omega", speed, speed, 1), "v", 300, 200);
+        let rows = diagram(&map, &spec, &Threads::new(1)).expect("a sweep");
+        let found = (rows[0].outcome, rows[0].period);
+        assert_eq!(found, (Outcome::CompleteChatter, 1), "{speed}");
+        let last = &rows[0].samples[100..];
+        let apart = |&(a, b): &(&f64, &f64)| (a - b).abs() > 1e-10;
+        let mut pairs = last.iter().zip(&last[1..]);
+        assert!(!pairs.any(|pair| apart(&pair)), "{speed}");
+    }
+}

@@ -8,7 +8,7 @@ pub(super) mod same_orbit;
 mod tail;
 
 use self::aperiodic::{Evidence, evidence};
-use self::classify::{Repetition, Settled};
+use self::classify::{Repetition, Settled, Way};
 use self::embedding::Embedding;
 use self::exponent::{Companion, Growth, Tangent, Trail, units};
 use self::tail::Tail;
@@ -30,8 +30,7 @@ pub(super) struct Column {
     /// The way since the latest sample.
     way: Option<Passage>,
     samples: Vec<f64>,
-    ways: Vec<(u64, f64)>,
-    accumulations: Vec<bool>,
+    ways: Vec<Way>,
     tail: Tail,
     kinds: Vec<CoordinateKind>,
     /// The largest size of each coordinate at any return so far.
@@ -68,7 +67,6 @@ impl Column {
             way: None,
             samples: Vec::new(),
             ways: Vec::new(),
-            accumulations: Vec::new(),
             tail: Tail::new(sweep.coordinates().len(), judged(spec)),
             kinds: Vec::new(),
             largest: vec![0.0; sweep.coordinates().len()],
@@ -143,8 +141,11 @@ impl Column {
             self.samples.push(value);
         }
         self.tail.push(arrival.point);
-        self.ways.push((way.impacts, way.return_time));
-        self.accumulations.push(way.accumulations > 0);
+        self.ways.push(Way {
+            impacts: way.impacts,
+            accumulations: way.accumulations,
+            time: way.return_time,
+        });
         if let Some(tangent) = &mut self.tangent {
             tangent.sampled();
         } else if spec.exponent == Exponent::Largest {
@@ -163,7 +164,6 @@ impl Column {
         let keep = spec.keep.min(RESERVED) as usize;
         self.samples.reserve(keep * sweep.observables.len());
         self.ways.reserve(keep);
-        self.accumulations.reserve(keep);
         if spec.exponent == Exponent::Largest
             && map.jacobian(arrival.parameters, arrival.point).is_some()
         {
@@ -178,7 +178,7 @@ impl Column {
         let mut elsewhere = Tail::new(arrival.point.len(), usize::MAX);
         elsewhere.push(&self.origin);
         elsewhere.push(&map.initial_point(arrival.parameters));
-        if let (Ok(passage), Some(&(_, time))) = (&arrival.passage, self.ways.last()) {
+        if let (Ok(passage), Some(&Way { time, .. })) = (&arrival.passage, self.ways.last()) {
             let from = (arrival.point, passage.phase);
             elsewhere.push(&map.on_the_way(arrival.parameters, from, time));
         }
@@ -230,7 +230,7 @@ impl Column {
         let period = repetition.period();
         let recent = period.unwrap_or(self.ways.len());
         let first = self.ways.len() - recent;
-        let chatters = self.accumulations[first..].contains(&true);
+        let chatters = chatters(&self.ways[first..]);
         let settled = match repetition {
             Repetition::Cycle(_) => Outcome::Periodic,
             _ if chatters && !sweep.compares() => Outcome::CompleteChatter,
@@ -250,7 +250,7 @@ impl Column {
         let tangent = self.tangent.take();
         let mut row = self.take(sweep, outcome);
         row.period = period.unwrap_or(0) as u64;
-        row.impacts_per_return = mean_impacts(&self.ways[first..], chatters);
+        row.impacts_per_return = mean_impacts(&self.ways[first..]);
         if let Some(tangent) = &tangent {
             weigh(&mut row, tangent.growth());
             return Need::Done(row);
@@ -299,8 +299,7 @@ impl Column {
 
     /// The orbit has no next point.
     fn fail(&mut self, sweep: &Sweep, reason: &NoReturn) -> Row {
-        let chatters = self.accumulations.contains(&true);
-        let impacts = mean_impacts(&self.ways, chatters);
+        let impacts = mean_impacts(&self.ways);
         let mut row = self.take(sweep, Outcome::from(reason));
         row.impacts_per_return = impacts;
         row
@@ -359,10 +358,14 @@ fn weigh(row: &mut Row, growth: &Growth) {
     };
 }
 
-fn mean_impacts(ways: &[(u64, f64)], chatters: bool) -> f64 {
-    if chatters {
+fn chatters(ways: &[Way]) -> bool {
+    ways.iter().any(|way| way.accumulations > 0)
+}
+
+fn mean_impacts(ways: &[Way]) -> f64 {
+    if chatters(ways) {
         return f64::INFINITY;
     }
-    let sum: u64 = ways.iter().map(|way| way.0).sum();
+    let sum: u64 = ways.iter().map(|way| way.impacts).sum();
     sum as f64 / ways.len() as f64
 }

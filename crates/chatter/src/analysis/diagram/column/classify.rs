@@ -11,8 +11,26 @@ pub(in crate::analysis::diagram) struct Settled<'a> {
     pub kinds: &'a [CoordinateKind],
     /// What size they have, on the way from sample to sample, too.
     pub sizes: &'a [f64],
-    /// Impacts and time since the sample before, one a sample.
-    pub ways: &'a [(u64, f64)],
+    /// How the orbit came to each sample from the one before.
+    pub ways: &'a [Way],
+}
+
+/// How an orbit came from one sample to the next.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::analysis::diagram) struct Way {
+    /// Impacts, and how many infinite sequences of them.
+    pub impacts: u64,
+    pub accumulations: u64,
+    pub time: f64,
+}
+
+impl Way {
+    /// Whether the events of two ways are the same ones. Of an infinite sequence impacts are followed one by one up to somewhere, which
+    /// rounding may decide: their number says nothing.
+    fn has_events_of(self, other: Self) -> bool {
+        let is_finite = self.accumulations == 0;
+        self.accumulations == other.accumulations && !(is_finite && self.impacts != other.impacts)
+    }
 }
 
 /// What the samples of an orbit show of a period.
@@ -54,7 +72,10 @@ impl Settled<'_> {
     pub fn repetition(&self, longest: u64, tolerance: f64) -> Repetition {
         let count = self.ways.len();
         let allowed = self.allowed(tolerance);
-        let longest_way = self.ways.iter().fold(0.0_f64, |most, way| most.max(way.1));
+        let longest_way = self
+            .ways
+            .iter()
+            .fold(0.0_f64, |most, way| most.max(way.time));
         let longest = usize::try_from(longest)
             .unwrap_or(usize::MAX)
             .min(count / 2);
@@ -117,13 +138,13 @@ impl Settled<'_> {
             difference => difference / allowed,
         };
         let (way, other) = (self.ways[a], self.ways[b]);
-        if way.0 != other.0 {
+        if !way.has_events_of(other) {
             return f64::INFINITY;
         }
-        let time = if way.1 == other.1 {
+        let time = if way.time == other.time {
             0.0
         } else {
-            parts((way.1 - other.1).abs(), allowed_time)
+            parts((way.time - other.time).abs(), allowed_time)
         };
         let missing = self.ways.len() - self.points.len();
         let pairs = (self.points.point(a - missing).iter()).zip(self.points.point(b - missing));
@@ -149,7 +170,8 @@ impl Settled<'_> {
 
     fn same_way(&self, a: usize, b: usize, allowed: f64) -> bool {
         let (a, b) = (self.ways[a], self.ways[b]);
-        a.0 == b.0 && (a.1 == b.1 || (a.1 - b.1).abs() <= allowed)
+        let is_as_long = a.time == b.time || (a.time - b.time).abs() <= allowed;
+        is_as_long && a.has_events_of(b)
     }
 
     fn same_point(&self, a: usize, b: usize, allowed: &[f64]) -> bool {
@@ -189,9 +211,17 @@ mod tests {
         tail
     }
 
+    fn way(impacts: u64, time: f64) -> Way {
+        Way {
+            impacts,
+            accumulations: 0,
+            time,
+        }
+    }
+
     fn judged(values: &[f64], kinds: &[CoordinateKind]) -> (Option<usize>, Evidence) {
         let tail = tail(values, kinds.len());
-        let ways = vec![(1, 1.0); tail.len()];
+        let ways = vec![way(1, 1.0); tail.len()];
         let sizes = tail.sizes();
         let settled = Settled {
             points: &tail,
@@ -483,11 +513,11 @@ mod tests {
     #[test]
     fn impacts_and_times_tell_orbits_apart_that_look_the_same() {
         let points = tail(&[0.5; 12], 1);
-        let mut ways = [(3, 1.0); 12];
+        let mut ways = [way(3, 1.0); 12];
         for place in (0..12).step_by(2) {
-            ways[place].0 = 4;
+            ways[place].impacts = 4;
         }
-        let settled = |ways| {
+        let settled = |ways: &[Way]| {
             Settled {
                 points: &points,
                 kinds: &[CoordinateKind::Plain],
@@ -498,9 +528,14 @@ mod tests {
             .period()
         };
         assert_eq!(settled(&ways), Some(2));
-        let mut times = [(3, 1.0); 12];
+        // Of an infinite sequence the number of impacts is none.
+        ways.iter_mut().for_each(|way| way.accumulations = 1);
+        assert_eq!(settled(&ways), Some(1));
+        (ways.iter_mut().step_by(2)).for_each(|way| way.accumulations = 2);
+        assert_eq!(settled(&ways), Some(2));
+        let mut times = [way(3, 1.0); 12];
         for place in (0..12).step_by(3) {
-            times[place].1 = 1.0 + 1e-6;
+            times[place].time = 1.0 + 1e-6;
         }
         assert_eq!(settled(&times), Some(3));
     }
