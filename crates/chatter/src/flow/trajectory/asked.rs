@@ -1,7 +1,7 @@
 //! Corners that only impacts and resets ask for: their side is found at that instant, by the values there, and not followed between.
 
 use super::Trajectory;
-use super::corners::{Candidate, INSTANT_ROUNDOFFS};
+use super::corners::Candidate;
 use crate::expressions::{Asked, LookedUpIn, Side};
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
@@ -106,7 +106,7 @@ impl<R: Real> Trajectory<R> {
         let start = (&self.state[..], &self.low[..]);
         let values = with_terms(&program.asked_values, &constants.asked_values, start);
         let plain = corners.at(graph, &self.state[..self.coordinates], &self.parameters);
-        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
+        let instant = self.instant();
         for (&corner, pair) in program.asked.iter().zip(values.chunks(2)) {
             let &[value, rate] = pair else { continue };
             let level = (rate.value.abs() * instant).max(value.level());

@@ -516,6 +516,13 @@ impl<R: Real> Trajectory<R> {
         flight::negligible(self.time, self.longest_step)
     }
 
+    /// What is met within this time is met at one instant, as knots are of arguments that are functions of each other: so much can
+    /// rounding move a crossing.
+    pub(super) fn instant(&self) -> R {
+        const ROUNDOFFS: f64 = 8.0;
+        self.negligible() * R::splat(ROUNDOFFS)
+    }
+
     /// All contacts at the present state.
     pub(super) fn touch_values(&self, system: &System) -> Result<Touch<R>, FlowError> {
         let (touches, constants) = self.touches(system)?;

@@ -8,7 +8,6 @@
 //! Derivatives of b, other than the first, are those of the root here. What the motion without it does says to which side it goes on.
 
 use super::Trajectory;
-use super::corners::INSTANT_ROUNDOFFS;
 use super::undecided::BALANCE_LEVELS;
 use crate::expressions::{Expansion, Operand, Side, Symbol};
 use crate::flow::error::FlowError;
@@ -139,7 +138,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(None);
         }
         let instant = match self.met {
-            Some(_) => self.negligible() * R::splat(INSTANT_ROUNDOFFS) / unit,
+            Some(_) => self.instant() / unit,
             None => R::ZERO,
         };
         let least = series[0].level() * R::splat(BALANCE_LEVELS);

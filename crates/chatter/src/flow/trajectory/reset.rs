@@ -1,7 +1,6 @@
 //! Events that change the state, and impacts that take it across corners.
 
 use super::Trajectory;
-use super::corners::INSTANT_ROUNDOFFS;
 use super::recurrence::Latest;
 use super::start::is_inside;
 use super::tops::Tops;
@@ -140,7 +139,7 @@ impl<R: Real> Trajectory<R> {
         let now = self.time_parts();
         let latest = self.latest_resets[section].map_or(Latest::first(now), |l| l.then(now));
         self.latest_resets[section] = Some(latest);
-        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
+        let instant = self.instant();
         if latest.is_lost(&before, &after) || latest.has_vanished(instant) {
             return Err(self.switches_without_end());
         }

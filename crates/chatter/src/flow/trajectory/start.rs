@@ -144,8 +144,11 @@ impl<R: Real> Trajectory<R> {
     ) -> Result<(), FlowError> {
         let touch = self.touch_values(system)?;
         let mut touching = Closed::NONE;
+        let instant = self.instant();
         for (contact, gap) in touch.gap.iter().enumerate() {
-            if is_inside(gap) {
+            // An event that has led here was met an instant too early or too late.
+            let moved = R::splat(touch.rate[contact].terms) * instant;
+            if is_inside(gap) && (at_start || gap.value < -moved) {
                 let (time, gap) = (self.time.to_f64(), gap.value.to_f64());
                 return Err(if at_start {
                     FlowError::Penetrates { contact, gap }

@@ -15,6 +15,7 @@ mod roots;
 mod soft_ground;
 mod table_ends;
 mod tables;
+mod tracks;
 
 use chatter::analysis::simulate::{Simulation, Spec, simulate};
 use chatter::model::Model;

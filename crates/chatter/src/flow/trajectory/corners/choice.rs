@@ -1,8 +1,8 @@
 //! Which sides and pieces follow at corners that the state lies on: all that could are asked whether they hold.
 
+use super::Candidate;
 use super::options::Choice;
 use super::verdict::Verdict;
-use super::{Candidate, INSTANT_ROUNDOFFS};
 use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
@@ -410,7 +410,7 @@ impl<R: Real> Trajectory<R> {
         let field = self.field_at(system, (&self.state, &self.low))?;
         Ok(match self.met {
             Some(_) if field.iter().all(|f| f.value.is_finite()) => {
-                self.after(self.negligible() * R::splat(INSTANT_ROUNDOFFS), &field)
+                self.after(self.instant(), &field)
             }
             _ => (self.state.clone(), self.low.clone()),
         })

@@ -1,6 +1,5 @@
 //! What a corner changes that the motion has met: sides, columns of derivatives, contacts that are closed.
 
-use super::INSTANT_ROUNDOFFS;
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
@@ -10,7 +9,7 @@ use crate::flow::system::System;
 use crate::flow::touch::{Touch, with_terms};
 use crate::flow::trajectory::Trajectory;
 use crate::flow::trajectory::start::{is_inside, slack};
-use crate::numerics::{Real, WithTerms};
+use crate::numerics::Real;
 
 /// Switches without a flight longer than rounding between them: more than so many do not come to an end.
 const MOST_SWITCHES: usize = 256;
@@ -44,7 +43,7 @@ impl<R: Real> Trajectory<R> {
         self.shift_columns(system, work, &shifts, R::ONE)?;
         self.met = Some(corner);
         let before = match system.gaps_have_corners() {
-            true => Some(self.touch_values(system)?.gap),
+            true => Some(self.touch_values(system)?),
             false => None,
         };
         self.settle_corners(system, Some(corner))?;
@@ -84,12 +83,19 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// A gap may have jumped: the contact is open then, or the state inside an obstacle.
-    fn follow_gaps(&mut self, system: &System, before: &[WithTerms<R>]) -> Result<(), FlowError> {
+    fn follow_gaps(&mut self, system: &System, before: &Touch<R>) -> Result<(), FlowError> {
         let touch = self.touch_values(system)?;
-        for (contact, (gap, before)) in touch.gap.iter().zip(before).enumerate() {
+        // The corner is met an instant too early or too late, where each side's gap has gone on at its rate.
+        let instant = self.instant();
+        for (contact, (gap, gap_before)) in touch.gap.iter().zip(&before.gap).enumerate() {
+            let rates = touch.rate[contact].terms.max(before.rate[contact].terms);
             // What a gap has left of terms that are gone is no jump.
-            let jump = (gap.value - before.value).abs();
-            if jump <= slack(gap).max(slack(before)) {
+            let jump = (gap.value - gap_before.value).abs();
+            if jump
+                <= slack(gap)
+                    .max(slack(gap_before))
+                    .max(R::splat(rates) * instant)
+            {
                 continue;
             }
             if is_inside(gap) {
@@ -119,7 +125,7 @@ impl<R: Real> Trajectory<R> {
         }
         let touch = self.touch_values(system)?;
         // The corner is met an instant too early or too late: what changes by that is no jump.
-        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
+        let instant = self.instant();
         let level = |contact: usize| {
             (touch.rate[contact].level()).max(R::splat(touch.acceleration[contact].terms) * instant)
         };

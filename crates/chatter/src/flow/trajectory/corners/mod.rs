@@ -23,10 +23,6 @@ use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::numerics::{Real, WithTerms};
 
-/// Knots that are met within so many roundoffs of the time, or of the longest step before, are met at one instant, as those of
-/// arguments that are functions of each other: so much can rounding move a crossing.
-pub(super) const INSTANT_ROUNDOFFS: f64 = 8.0;
-
 /// How the state stands to a corner in a mode.
 struct Standing<R> {
     corner: Corner,
@@ -230,7 +226,7 @@ impl<R: Real> Trajectory<R> {
             let expr = |corner: Corner| system.corner_expr(corner);
             self.met.is_some_and(|met| expr(corner) == expr(met))
         };
-        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
+        let instant = self.instant();
         let standing = |(tapes, constants): (&StandingTapes, &[Vec<R>; STANDING_TAPES])| {
             let values = with_terms(&tapes.values, &constants[0], start);
             let vector = match tapes.components.outputs.is_empty() {

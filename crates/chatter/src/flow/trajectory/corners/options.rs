@@ -1,7 +1,7 @@
 //! What may become of one corner: its sides, the piece on either side, or sliding where the fields of both sides differ.
 
+use super::Candidate;
 use super::choice::{Asked, Fields, vanishes};
-use super::{Candidate, INSTANT_ROUNDOFFS};
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
@@ -191,7 +191,7 @@ impl<R: Real> Trajectory<R> {
         index: usize,
         (base, touched, asked): (&Candidate, &[Corner], &mut Asked<R>),
     ) -> Result<Vec<Beside<R>>, FlowError> {
-        let instant = self.negligible() * R::splat(INSTANT_ROUNDOFFS);
+        let instant = self.instant();
         let mut beside = Vec::with_capacity(2);
         for side in [Side::Above, Side::Below] {
             if self.ask_beside(system, &base.with_side(index, side), (touched, asked))? {
