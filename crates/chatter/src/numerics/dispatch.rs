@@ -1,8 +1,8 @@
 //! Runs a kernel compiled for what the processor offers.
 //!
 //! A kernel is inlined into each of the wrappers below and so compiled once for AVX-512, once for AVX2 and once for the
-//! baseline; the arithmetic is the same to the bit (fused multiply-add is exact everywhere, hardware or library). The
-//! one place with `unsafe`: calling a wrapper is sound because its features were just detected.
+//! baseline; the arithmetic is the same to the bit (fused multiply-add is exact everywhere, hardware or library). With
+//! `unsafe`: calling a wrapper is sound because its features were just detected.
 
 /// A computation to be compiled for several instruction sets. `run` must be `#[inline(always)]`, and so must be what it
 /// calls in its inner loops.

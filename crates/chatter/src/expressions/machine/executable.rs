@@ -1,4 +1,4 @@
-//! Machine code in memory, and the call into it. One of few files with `unsafe`; what it rests on stands here and at
+//! Machine code in memory, and the call into it. One of three files with `unsafe`; what it rests on stands here and at
 //! `is_sound` in [`compile`](super::compile).
 //!
 //! Memory is written while it cannot be executed, then made executable and never written again: by `memmap2`, whose
