@@ -146,6 +146,8 @@ def test_what_is_wrong_with_a_diagram_is_said_before_anything_is_begun(valve, tm
     assert not list(tmp_path.iterdir())
     with pytest.raises(ch.InputError, match=r"expected \(from, to, count\)"):
         valve.diagram(q=(0.0201, 0.0206), **ASKED)
+    with pytest.raises(ch.InputError, match=r"2\.5"):
+        valve.diagram(q=(0.0201, 0.0206, 2.5), **ASKED)
 
 
 def test_shares_come_to_the_file_of_one_process(valve, tmp_path):

@@ -76,7 +76,8 @@ def test_sympy_means_the_same():
     a, b, c = sympy.symbols("a b c")
     expressions = [
         a - (b - c), a / b / c, -(a**2), sympy.sqrt(c) + sympy.exp(b), sympy.Rational(1, 3) * a, sympy.Abs(b) ** a,
-        sympy.Piecewise((a, b > 0), (c, True)), sympy.Max(a, b, c), sympy.sin(sympy.pi * a) + sympy.Float("0.1"),
+        sympy.Piecewise((a, b > 0), (c, True)), sympy.Piecewise((a, (b > 0) & (c < 5)), (b, (a > 9) | (c < b)), (c, True)),
+        sympy.Piecewise((a, sympy.Not((b > 0) & (a > 0))), (c, True)), sympy.Max(a, b, c), sympy.sin(sympy.pi * a) + sympy.Float("0.1"),
         sympy.diff(sympy.sin(a * b) * c**2, a), 1 / (1 + a**2), sympy.E**c,
     ]  # fmt: skip
     for expression in expressions:

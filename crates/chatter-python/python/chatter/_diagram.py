@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import numbers
 import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -226,7 +227,9 @@ def _sweep(name: str, value: Any) -> tuple[str, str]:
         spacing = ["too few"]
     if len(spacing) > 1 or (spacing and spacing[0] != "log"):
         raise InputError(f"{name}={value!r}: expected (from, to, count), or (from, to, count, \"log\")")
-    return "sweep", ":".join([f"{name}={text_of(low)}", text_of(high), str(int(count)), *spacing])
+    # A whole number may come as a double; what is none is refused as it was written.
+    whole = int(count) if isinstance(count, numbers.Real) and float(count).is_integer() else count
+    return "sweep", ":".join([f"{name}={text_of(low)}", text_of(high), text_of(whole), *spacing])
 
 
 def compute(

@@ -88,6 +88,11 @@ def _of_sympy(value: Any) -> str:
         if value.rel_op not in ("<", "<=", ">", ">="):
             raise InputError(f"`{value}` is no condition: expected one with <, <=, > or >=")
         return f"{_of_sympy(value.lhs)} {value.rel_op} {_of_sympy(value.rhs)}"
+    if isinstance(value, (sympy.And, sympy.Or)):
+        joint = " and " if isinstance(value, sympy.And) else " or "
+        return "(" + joint.join(f"({_of_sympy(part)})" for part in value.args) + ")"
+    if isinstance(value, sympy.Not):
+        return f"(not ({_of_sympy(value.args[0])}))"
     name = _SYMPY_CALLS.get(type(value).__name__)
     if name is None:
         raise InputError(f"the model language has no `{type(value).__name__}`, which stands in `{value}`")

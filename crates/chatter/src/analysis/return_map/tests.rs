@@ -554,3 +554,19 @@ fn wrong_looks_are_refused() {
     assert!(text(&|spec| spec.most_impacts = 0).contains("at least one impact"));
     assert!(text(&|spec| spec.tolerance = 2.0).contains("tolerance"));
 }
+
+#[test]
+fn a_parameter_that_is_called_as_a_start_is_not_swept() {
+    let text = "[parameters]\ninitial_v = 0.1\n[flight]\nx = \"v\"\nv = \"-x - initial_v*v + cos(t)\"\n\
+         [initial]\nx = 0\nv = 1\n";
+    let model = Model::from_toml(text, "model.toml").expect("a valid model");
+    let period = "2*pi".to_owned();
+    let map = ReturnMap::new(&model, &ReturnSpec::new(Sampling::Stroboscopic { period })).unwrap();
+    let refused = |range| {
+        let told = diagram(&map, &Spec::new(range, "x", 10, 10), &Threads::new(1));
+        told.err().map(|error| error.to_string())
+    };
+    let told = refused(Range::linear("initial_v", 0.1, 0.3, 3)).expect("a refusal");
+    assert!(told.contains("has a column `initial_v`"), "{told}");
+    assert_eq!(refused(Range::initial("v", 0.1, 0.3, 3)), None);
+}

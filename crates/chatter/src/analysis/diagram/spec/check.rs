@@ -110,13 +110,16 @@ pub(in crate::analysis::diagram) fn observed(
     let coordinates = map.coordinates();
     let mut taken: Vec<String> = Sweep::CLASS_NAMES.map(str::to_owned).to_vec();
     taken.push(Sweep::COLUMN_NAME.to_owned());
-    let swept: Vec<String> = spec.sweeps.iter().map(Range::name).collect();
-    if let Some(name) = swept.iter().find(|name| taken.contains(name)) {
-        let name = name.clone();
-        return Err(DiagramError::SweptNameTaken { name });
+    let starts: Vec<String> = coordinates.iter().map(|name| initial_name(name)).collect();
+    for range in &spec.sweeps {
+        let name = range.name();
+        let is_start = range.swept == Swept::Parameter && starts.contains(&name);
+        if is_start || taken.contains(&name) {
+            return Err(DiagramError::SweptNameTaken { name });
+        }
     }
-    taken.extend(swept);
-    taken.extend(coordinates.iter().map(|name| initial_name(name)));
+    taken.extend(spec.sweeps.iter().map(Range::name));
+    taken.extend(starts);
     let scope = map.scope();
     let mut observables = Vec::new();
     for observed in &spec.observe {
