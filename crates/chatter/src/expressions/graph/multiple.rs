@@ -28,7 +28,7 @@ impl Graph {
 
     /// Expressions with what `new` makes of powers, but whole ones, of multiples of one of these bases: by the factor, what the power
     /// is of and the base, and the exponent.
-    fn with_powers(
+    pub(super) fn with_powers(
         &mut self,
         exprs: &[Expr],
         bases: &[Expr],
@@ -139,6 +139,6 @@ impl Graph {
 
 /// A constant times what depends on the state, or alone.
 pub(super) struct Term {
-    constant: Expr,
+    pub(super) constant: Expr,
     moving: Option<Expr>,
 }
