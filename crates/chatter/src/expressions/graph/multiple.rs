@@ -1,6 +1,6 @@
 //! Roots of multiples: what vanishes with something else is written as that, or as nothing where that stays zero.
 
-use crate::expressions::{Expr, Graph, Node};
+use crate::expressions::{Expr, Folding, Graph, Node};
 use crate::numerics::Scalar;
 
 impl Graph {
@@ -96,7 +96,12 @@ impl Graph {
                 return None;
             }
         }
-        Some(self.div(first.constant, first_of.constant))
+        // Where a constant is zero both are.
+        let folding = self.folding();
+        self.set_folding(Folding::Continued);
+        let factor = self.div(first.constant, first_of.constant);
+        self.set_folding(folding);
+        Some(factor)
     }
 
     /// The terms of a sum, constants multiplied into sums within.

@@ -303,11 +303,11 @@ fn roots_of_squares_are_sizes() {
         ("(x^2)^0.75", "abs(x)^1.5"),
         ("sqrt(abs(4*x*y))", "2*sqrt(abs(x))*sqrt(abs(y))"),
         ("abs(x^2*y)^1.5", "x^2*abs(x)*abs(y)^1.5"),
-        ("abs(q*x*y)^p", "abs(q*x)^p*abs(y)^p"),
-        ("sqrt(abs(q*x))", "sqrt(abs(q*x))"),
+        ("abs(kappa*x*y)^beta", "abs(kappa*x)^beta*abs(y)^beta"),
+        ("sqrt(abs(kappa*x))", "sqrt(abs(kappa*x))"),
         (
             "max(x*y, 0)^1.5",
-            "if(y > 0, if(x > 0, abs(x)^1.5*abs(y)^1.5, 0), if(x > 0, 0, abs(x)^1.5*abs(y)^1.5))",
+            "if(y >= 0, if(x >= 0, abs(x)^1.5*abs(y)^1.5, 0), if(x >= 0, 0, abs(x)^1.5*abs(y)^1.5))",
         ),
     ] {
         let mut graph = Graph::default();
