@@ -190,7 +190,7 @@ impl Ready {
         let swept: Vec<usize> = (diagram.sweeps.iter())
             .filter_map(|range| model.parameter_index(&range.parameter))
             .collect();
-        let amid = amid(&model, &diagram.sweeps).with_whole_exponents(&swept);
+        let amid = amid(&model, &diagram.sweeps).with_telling_numbers(&swept);
         let map = ReturnMap::new(&amid, returns).map_err(|error| look_failure(&error))?;
         let sweep = Sweep::new(&map, diagram).map_err(|error| refused(&error, &model))?;
         check_restitution(&model, &sweep)?;

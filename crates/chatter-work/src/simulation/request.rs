@@ -46,6 +46,8 @@ impl Request {
             Some(tolerance) => tolerance.value(model, "--tolerance")?.high(),
             None => 0.0,
         };
+        // What is told of it is named by what it is at these values.
+        *model = model.with_telling_numbers(&[]);
         Ok(Spec {
             impacts: self.impacts.map_or(Spec::IMPACT_BUDGET, |count| count.0),
             stops,

@@ -70,7 +70,7 @@ pub fn exponents(
             value: spec.interval,
         });
     }
-    let model = &model.with_whole_exponents(&[]);
+    let model = &model.with_telling_numbers(&[]);
     let n = model.states.len();
     let moving: Vec<usize> = (0..n).filter(|&i| Some(i) != model.time).collect();
     let columns = vec![Column::State; moving.len()];

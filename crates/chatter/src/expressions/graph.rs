@@ -10,6 +10,7 @@ pub(super) mod number;
 mod operand;
 pub(super) mod piecewise;
 mod product;
+mod sizes;
 mod substitute;
 mod sum;
 mod weighted;

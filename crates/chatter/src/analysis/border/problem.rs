@@ -55,7 +55,7 @@ impl Problem {
             let count = model.states.len();
             return Err(BorderError::States { count });
         }
-        let mut model = model.with_whole_exponents(&[index]);
+        let mut model = model.with_telling_numbers(&[index]);
         // Sections would only cut the flights, but for those that change the state.
         model.sections.retain(|section| section.reset.is_some());
         let mechanics = Mechanics::new(&model).map_err(SystemError::Model)?;

@@ -91,7 +91,7 @@ pub(in crate::analysis) fn workshop(
     spec: &Spec,
     (free, sizes): (&[usize], &[f64]),
 ) -> Result<Arc<Workshop>, PeriodicError> {
-    let mut model = model.with_whole_exponents(free);
+    let mut model = model.with_telling_numbers(free);
     let given = match &spec.period {
         Some(text) => {
             let expr = (model.parse_expression(text)).map_err(|_| PeriodicError::NoPeriod)?;

@@ -130,7 +130,7 @@ pub fn simulate_into<R: Real>(
     sink: &mut dyn Sink<R>,
 ) -> Result<Simulation<R>, SimulateError> {
     model.check_defined().map_err(SimulateError::Model)?;
-    let model = &model.with_whole_exponents(&[]);
+    let model = &model.with_telling_numbers(&[]);
     let system = System::new(model).map_err(SimulateError::System)?;
     let settings = Settings {
         tolerance: spec.tolerance,

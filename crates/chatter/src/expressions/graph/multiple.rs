@@ -1,6 +1,6 @@
 //! Roots of multiples: what vanishes with something else is written as that, or as nothing where that stays zero.
 
-use crate::expressions::{Expr, Graph, Node};
+use crate::expressions::{Expr, Folding, Graph, Node};
 use crate::numerics::Scalar;
 
 impl Graph {
@@ -28,7 +28,7 @@ impl Graph {
 
     /// Expressions with what `new` makes of powers, but whole ones, of multiples of one of these bases: by the factor, what the power
     /// is of and the base, and the exponent.
-    fn with_powers(
+    pub(super) fn with_powers(
         &mut self,
         exprs: &[Expr],
         bases: &[Expr],
@@ -96,7 +96,12 @@ impl Graph {
                 return None;
             }
         }
-        Some(self.div(first.constant, first_of.constant))
+        // Where a constant is zero both are.
+        let folding = self.folding();
+        self.set_folding(Folding::Continued);
+        let factor = self.div(first.constant, first_of.constant);
+        self.set_folding(folding);
+        Some(factor)
     }
 
     /// The terms of a sum, constants multiplied into sums within.
@@ -139,6 +144,6 @@ impl Graph {
 
 /// A constant times what depends on the state, or alone.
 pub(super) struct Term {
-    constant: Expr,
+    pub(super) constant: Expr,
     moving: Option<Expr>,
 }

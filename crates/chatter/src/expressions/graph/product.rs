@@ -176,7 +176,7 @@ impl Graph {
     }
 
     /// What an expression is the size of.
-    fn size_of(&mut self, expr: Expr) -> Option<Expr> {
+    pub(super) fn size_of(&mut self, expr: Expr) -> Option<Expr> {
         let &Node::Switch {
             surface,
             above,
@@ -187,44 +187,6 @@ impl Graph {
             return None;
         };
         (surface == above && below == self.neg(surface)).then_some(surface)
-    }
-
-    /// The square root of an even power, or an odd power of it, as a power of what that is of, or of its size: no root, but a corner at most.
-    pub(super) fn root_of_square(&mut self, base: Expr, exponent: Expr) -> Option<Expr> {
-        let weight = self.as_number(exponent)?;
-        if Number::new(weight).as_integer().is_some() {
-            return None;
-        }
-        let one = self.number(1.0);
-        let (coefficient, square) = self.split_coefficient(base, one);
-        let &Node::Power(inner, inner_exponent) = self.node(square) else {
-            return None;
-        };
-        let inner_weight = self.as_number(inner_exponent)?;
-        let merged = Number::new(folded_product(inner_weight, weight)?).as_integer()?;
-        let half = Number::new(folded_product(inner_weight, DoubleDouble::from(0.5))?);
-        if half.as_integer().is_none() || merged == 0 || coefficient.high() < 0.0 {
-            return None;
-        }
-        let outside = match coefficient == DoubleDouble::ONE {
-            true => DoubleDouble::ONE,
-            false => folded_power(coefficient, weight)?,
-        };
-        let outside = self.number_exact(outside);
-        let power = |graph: &mut Self, of: Expr, exponent: i32| {
-            let exponent = graph.number(f64::from(exponent));
-            graph.power(of, exponent)
-        };
-        let powers = match (merged % 2 == 0, merged > 0) {
-            (true, _) => [power(self, inner, merged), one],
-            (false, true) => [power(self, inner, merged - 1), self.abs(inner)],
-            (false, false) => {
-                let size = self.abs(inner);
-                [power(self, size, merged), one]
-            }
-        };
-        let [first, second] = powers;
-        Some(self.product(&[outside, first, second]))
     }
 
     fn one_where_defined(&mut self, expr: Expr) -> Expr {
@@ -250,7 +212,7 @@ impl Graph {
     }
 
     /// `base ^ exponent` with a numeric exponent.
-    fn split_exponent(&self, factor: Expr) -> (Expr, DoubleDouble) {
+    pub(super) fn split_exponent(&self, factor: Expr) -> (Expr, DoubleDouble) {
         if let &Node::Power(base, exponent) = self.node(factor)
             && let Some(weight) = self.as_number(exponent)
         {

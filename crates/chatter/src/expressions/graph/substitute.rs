@@ -17,7 +17,7 @@ impl Graph {
     }
 
     /// `expr` from its parts upwards: each as it is said to become, by what those before it have become, or else with these simplified again.
-    fn rebuilt(
+    pub(super) fn rebuilt(
         &mut self,
         expr: Expr,
         mut becomes: impl FnMut(&mut Self, Expr, &[Expr]) -> Option<Expr>,
@@ -37,14 +37,6 @@ impl Graph {
         self.rebuilt(expr, |_, old, _| {
             let other = replaced.iter().find(|&&(part, _)| part == old);
             other.map(|&(_, other)| other)
-        })
-    }
-
-    /// `expr` with the roots of squares in it written as sizes, which have a corner where those have no series.
-    pub(crate) fn with_sizes(&mut self, expr: Expr) -> Expr {
-        self.rebuilt(expr, |graph, old, known| match *graph.node(old) {
-            Node::Power(base, exponent) => graph.root_of_square(known[base.index()], exponent),
-            _ => None,
         })
     }
 

@@ -294,13 +294,24 @@ fn roots_of_squares_are_sizes() {
         ("(x^2)^1.5", "x^2*abs(x)"),
         ("sqrt(x^4)", "x^2"),
         ("y/sqrt(x^2)", "y/abs(x)"),
+        ("3*y*x/sqrt(x^2)", "3*y*sign(x)"),
+        ("x^3/sqrt(x^2)", "x^2*sign(x)"),
         ("sqrt(sqrt(x^4))", "abs(x)"),
         ("sqrt(x^3)", "sqrt(x^3)"),
         ("sqrt(-x^2)", "sqrt(-x^2)"),
         ("sqrt(1 + x^2)", "sqrt(1 + x^2)"),
+        ("(x^2)^0.75", "abs(x)^1.5"),
+        ("sqrt(abs(4*x*y))", "2*sqrt(abs(x))*sqrt(abs(y))"),
+        ("abs(x^2*y)^1.5", "x^2*abs(x)*abs(y)^1.5"),
+        ("abs(kappa*x*y)^beta", "abs(kappa*x)^beta*abs(y)^beta"),
+        ("sqrt(abs(kappa*x))", "sqrt(abs(kappa*x))"),
+        (
+            "max(x*y, 0)^1.5",
+            "if(y >= 0, if(x >= 0, abs(x)^1.5*abs(y)^1.5, 0), if(x >= 0, 0, abs(x)^1.5*abs(y)^1.5))",
+        ),
     ] {
         let mut graph = Graph::default();
         let [found, expected] = [text, size].map(|text| read(&mut graph, text).unwrap());
-        assert_eq!(graph.with_sizes(found), expected, "{text}");
+        assert_eq!(graph.with_sizes(&[found]), [expected], "{text}");
     }
 }

@@ -4,6 +4,7 @@
 //! neither force nor acceleration can be told from zero, the jerk decides, as at release.
 
 use super::Trajectory;
+use super::corners::Candidate;
 use crate::expressions::Operand;
 use crate::flow::error::FlowError;
 use crate::flow::guard::{Guard, GuardKind};
@@ -297,9 +298,20 @@ impl<R: Real> Trajectory<R> {
         all: Closed,
     ) -> Result<(), FlowError> {
         let contacts: Vec<usize> = all.contacts().collect();
+        let mut free: Option<(Candidate, (Forces<R>, Closed, Closed))> = None;
         let (forces, held, undecided) = loop {
             let forces = self.forces_at_rest(system, &contacts)?;
             let (found, level) = (&forces.found, forces.level);
+            let opens = |&contact: &usize| {
+                (contacts.iter().zip(&found.w)).any(|(&other, &w)| other == contact && w > level)
+            };
+            // What would open if friction had to be held stays if friction holds all.
+            if let Some((sides, found)) =
+                free.take_if(|(_, (.., undecided))| undecided.contacts().any(|c| opens(&c)))
+            {
+                self.try_sides(system, &sides)?;
+                break found;
+            }
             let (mut held, mut undecided) = (Closed::NONE, Closed::NONE);
             for (k, &contact) in contacts.iter().enumerate() {
                 if found.p[k] > level {
@@ -309,9 +321,11 @@ impl<R: Real> Trajectory<R> {
                 }
             }
             // What keeps them at rest without a force may be dry friction.
+            let sides = self.standing_sides();
             if undecided == Closed::NONE || !self.hold_by_contacts(system, (all, undecided))? {
                 break (forces, held, undecided);
             }
+            free = Some((sides, (forces, held, undecided)));
         };
         let Forces {
             block,
@@ -485,7 +499,19 @@ impl<R: Real> Trajectory<R> {
                 return Ok(self.pending.pop_front());
             }
         }
+        let before = self.regime;
         self.open(system, contact, 3)?;
+        let released = Closed::NONE.with(contact);
+        // Friction that comes to hold without the contact's force may keep it from opening.
+        if self.regime != before && !self.opens_apart(system, released)? {
+            self.bring_to_rest(system, work, released)?;
+            if self.closed.contains(contact) {
+                (self.pending).retain(
+                    |told| !matches!(told, Occurrence::Capture { contact: c } if *c == contact),
+                );
+                return Ok(self.pending.pop_front());
+            }
+        }
         Ok(Some(Occurrence::Release { contact }))
     }
 

@@ -417,8 +417,12 @@ impl<R: Real> Trajectory<R> {
                     Unsettled::NotFinite => work.vanishing(program),
                     Unsettled::Stuck(_) => None,
                 };
+                // Next to a root what it drives seems to vanish as soon.
+                let other = |nearest: &usize| singular.is_some_and(|which| which != *nearest);
+                let nearest = work.vanishing(program).filter(other);
+                let mut tried = singular.into_iter().chain(nearest);
                 let off =
-                    singular.and_then(|which| self.step_off_root(system, work, (program, which)));
+                    tried.find_map(|which| self.step_off_root(system, work, (program, which)));
                 let off = off.or_else(|| self.come_to_root(system, work, (program, singular)));
                 let start = (self.time, &self.state[..self.coordinates]);
                 off.ok_or_else(|| unsettled.into_error(start, (system, program)))?

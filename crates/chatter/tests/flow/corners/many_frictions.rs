@@ -299,3 +299,56 @@ fn crates_that_touch_stand_until_the_push_exceeds_the_friction_of_all() {
         }
     }
 }
+
+/// Three wagons that touch, each with its own brake, are pushed by a force that rises as a t to a T and falls again. They move as one from
+/// t1 = S/a on, S being all friction and M all mass, for 2 + sqrt(2) times D = T - t1, by a D^3 (1 + 2 sqrt(2)/3)/M. Before and after that
+/// friction holds them, and what force is left between them ends unnoticed.
+#[test]
+fn wagons_that_touch_are_pushed_and_stop_together() {
+    let sets = [
+        ([0.69, 1.25, 1.4], [0.24, 0.39, 1.41], 0.61, 3.9),
+        ([1.92, 1.43, 1.05], [0.86, 1.06, 0.56], 0.71, 5.22),
+        ([1.03, 1.39, 0.85], [1.24, 1.33, 0.37], 1.2, 3.03),
+        ([0.62, 1.84, 1.14], [0.39, 1.08, 0.46], 1.85, 1.26),
+        ([0.55, 0.8, 1.02], [0.81, 1.38, 1.11], 1.01, 3.62),
+        ([1.61, 0.79, 0.59], [0.98, 1.36, 0.24], 1.71, 1.8),
+    ];
+    for unit in [1.0, 0.37, 730.0] {
+        for (mass, brake, rise, top) in sets {
+            let mut text = String::from("[flight]\n");
+            for k in 0..3 {
+                let push = match k {
+                    0 => format!("max(0, min({rise}*t/{unit}, {rise}*(2*{top} - t/{unit})))"),
+                    _ => "0".to_owned(),
+                };
+                let (m, f) = (mass[k], brake[k]);
+                text += &format!(
+                    "x{k} = \"v{k}/{unit}\"\nv{k} = \"({push} - {f}*sign(v{k}))/{m}/{unit}\"\n"
+                );
+            }
+            for k in 0..2 {
+                let (a, b) = (mass[k], mass[k + 1]);
+                text += &format!(
+                    "[[contact]]\nname = \"buffer{k}\"\ngap = \"x{} - x{k}\"\nimpulse = {{ v{k} = \"-1/{a}\", v{} = \"1/{b}\" }}\n\
+                     restitution = 0\n",
+                    k + 1,
+                    k + 1
+                );
+            }
+            text += "[initial]\nx0 = 0\nv0 = 0\nx1 = 0\nv1 = 0\nx2 = 0\nv2 = 0\n";
+            let run = run::<f64>(&text, (2.0 * top + 1.0) * unit);
+            assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+            let (friction, all): (f64, f64) = (brake.iter().sum(), mass.iter().sum());
+            let pushed = top - friction / rise;
+            let moved = rise * pushed.powi(3) * (1.0 + 2.0 * 2.0_f64.sqrt() / 3.0) / all;
+            for k in 0..3 {
+                assert!(
+                    (run.state[2 * k] - moved).abs() < 1e-13,
+                    "{moved} {:?}",
+                    run.state
+                );
+                assert_eq!(run.state[2 * k + 1], 0.0);
+            }
+        }
+    }
+}

@@ -12,6 +12,7 @@ mod plane_friction;
 mod powers;
 mod preloaded;
 mod roots;
+mod sizes;
 mod soft_ground;
 mod table_ends;
 mod tables;
