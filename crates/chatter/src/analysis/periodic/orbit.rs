@@ -290,6 +290,13 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;
     let checked = (fine.evaluate(&found.at)).map_err(|left| failed(&NewtonError::Left(left)))?;
     let residual = (checked.residual.iter()).fold(0.0_f64, |most, x| most.max(x.to_f64().abs()));
+    // What is followed as a whole may lead elsewhere once more.
+    let apart = fine.apart(&checked.residual);
+    if apart.is_nan() || apart > SAME_NODE {
+        return Err(PeriodicError::NoConvergence {
+            how: format!("the orbit does not close: it is off by {apart:.1e} of its size"),
+        });
+    }
     let (multipliers, modulus_error) = fine.multipliers_known();
     if multipliers.iter().any(|m| !m.modulus().is_finite()) {
         return Err(PeriodicError::Boundless);

@@ -1,7 +1,7 @@
 //! Sections that share their instant with a corner of the forcing, or with another event: an orbit is what it is wherever it is told.
 
 use super::{branch_spec, nearest, settles, with};
-use chatter::analysis::periodic::{Beside, Spec, SpecialKind, branches};
+use chatter::analysis::periodic::{Beside, PeriodicError, Spec, SpecialKind, branches};
 use chatter::numerics::Real;
 use core::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -91,5 +91,62 @@ fn a_square_wave_tells_once_around_at_all_frequencies() {
         let told: Vec<f64> = found.start.iter().map(|x| x.to_f64()).collect();
         assert!((told[0] - x).abs() < 1e-10, "{w} {told:?} {x}");
         assert!((told[1] - v).abs() < 1e-10, "{w} {told:?} {v}");
+    }
+}
+
+/// Complete chatter that a square wave and a ramp of half its period end: no orbit is told whose period is not that of the forcing.
+#[test]
+fn an_orbit_that_does_not_close_is_not_told() {
+    for section in [
+        "",
+        "[section.s]\nsurface = 'sin(0.68*t)'\ndirection = 'rising'\n",
+    ] {
+        let text = format!(
+            "[flight]\nx = 'v'\nv = 'mod(0.68*t/pi, 1) + sign(sin(0.68*t)) - x^3 - 0.2*x - 0.23*v - 0.2*sign(v)'\n\
+             [[contact]]\nname = 'a'\ngap = '0.63 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.45\n\
+             [[contact]]\nname = 'b'\ngap = '0.89 + x'\nimpulse = {{ v = 1 }}\nrestitution = 0.61\n\
+             {section}[initial]\nx = 0.1\nv = 0\n"
+        );
+        match settles(&with(&text, &[])) {
+            Ok(found) => {
+                let turns = found.period.to_f64() * 0.68 / TAU;
+                assert!((turns - 1.0).abs() < 1e-12, "{section} {turns}");
+                assert!(found.residual < 1e-20, "{}", found.residual);
+            }
+            Err(error) => assert!(
+                !section.is_empty() && matches!(error, PeriodicError::NoConvergence { .. }),
+                "{section} {error}"
+            ),
+        }
+    }
+}
+
+/// A ramp, a square wave and a step of one clock change at one instant, in whichever order rounding has them: the period is one turn, with and
+/// without a section there.
+#[test]
+fn corners_of_one_clock_are_told_once_around() {
+    for force in [
+        "sign(sin(W*t)) + 0.5*step(mod(W*t/(2*pi), 1) - 0.5)",
+        "mod(W*t/pi, 1) + sign(sin(W*t))",
+        "sign(sin(W*t)) + 0.4*sign(sin(3*W*t))",
+    ] {
+        for w in ["0.525", "0.648", "1.099", "1.136"] {
+            for section in [
+                "",
+                "[section.s]\nsurface = 'sin(W*t)'\ndirection = 'rising'\n",
+            ] {
+                let text = format!(
+                    "[flight]\nx = 'v'\nv = '{force} - x - 0.2*v'\n{section}[initial]\nx = 0.1\nv = 0\n"
+                );
+                let found = settles(&with(&text.replace('W', w), &[])).unwrap();
+                let w: f64 = w.parse().unwrap();
+                let turns = found.period.to_f64() * w / TAU;
+                assert!((turns - 1.0).abs() < 1e-12, "{force} {w} {section} {turns}");
+                let shrinks = (-0.1 * TAU / w).exp();
+                for m in &found.multipliers {
+                    assert!((m.modulus() - shrinks).abs() < 1e-9, "{force} {w} {m:?}");
+                }
+            }
+        }
     }
 }

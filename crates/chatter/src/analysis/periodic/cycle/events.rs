@@ -214,6 +214,15 @@ impl Events {
         found.filter(|_| flights <= MOST_TOGETHER)
     }
 
+    /// Whether nothing happens but that a surface is crossed, or the end of a piece.
+    pub(super) fn is_corner(&self) -> bool {
+        let ends = matches!(
+            self.first.ends_at,
+            Some(GuardKind::Switch(_) | GuardKind::Piece(..))
+        );
+        ends && self.first.jump == Jump::None && self.then.is_empty()
+    }
+
     /// What is told of the first of them.
     pub(super) fn told<'i>(&self, instant: &'i Instant) -> &'i [Occurrence<f64>] {
         let count = if self.then.is_empty() {

@@ -169,7 +169,11 @@ pub(crate) fn read(
             from = index;
             continue;
         }
-        if let Some(events) = events {
+        if let Some(mut events) = events {
+            if let (Some(own), true) = (events.first.ends_at, events.is_corner()) {
+                let ends = piece_at_once((system, parameters), (instants, index), own, span);
+                events.first.ends_at = ends.or(Some(own));
+            }
             let kind = events.first;
             let before = &instants[from];
             let duration = instant.time - before.time;
@@ -261,6 +265,36 @@ pub(crate) fn read(
     }
     sort(system, &mut steps);
     Ok(steps)
+}
+
+/// The end of a piece that always comes with a surface which is crossed at an instant, as of a ramp and a square wave of one clock: of the two it is the
+/// one that the instant is known by.
+fn piece_at_once(
+    (system, parameters): (&System, &[f64]),
+    (instants, index): (&[Instant], usize),
+    own: GuardKind,
+    span: f64,
+) -> Option<GuardKind> {
+    let instant = &instants[index];
+    // After the last instant they change as after the first, a turn before.
+    let [before, after] = match instants.get(index + 1) {
+        Some(next) => [&instant.pieces, &next.pieces],
+        None => [&instants.first()?.pieces, &instants.get(1)?.pieces],
+    };
+    let changes = before.iter().zip(after).enumerate();
+    let mut ends = changes.filter_map(|(lookup, (before, after))| match after - before {
+        1 => Some(GuardKind::Piece(lookup, Side::Above)),
+        -1 => Some(GuardKind::Piece(lookup, Side::Below)),
+        _ => None,
+    });
+    let before = Before {
+        system,
+        mode: instant.mode,
+        parameters: system.with_pieces(parameters, &instant.pieces),
+        state: &instant.state,
+        time: instant.time.abs().max(span),
+    };
+    ends.find(|&end| rank(end) < rank(own) && before.shared(own, end) == Shared::Always)
 }
 
 /// How two surfaces that are crossed at one instant share it.
