@@ -4,7 +4,31 @@ use super::is_wrong;
 use crate::refusal::Refusal;
 use crate::simulation::sentence;
 use chatter::analysis::periodic::PeriodicError;
-use chatter::model::Model;
+use chatter::model::{Model, State};
+use chatter::numerics::Real;
+
+/// Where energy is conserved no multiplier is smaller.
+const CONSERVED: f64 = 0.999;
+
+/// What may be done where some displacements of a periodic motion die out, and others neither die out nor grow.
+fn one_of_many_that_die_out(model: &Model) -> String {
+    let rate = |state: &State| model.graph.as_number(state.derivative);
+    let is_reset = model.sections.iter().any(|section| section.reset.is_some())
+        || model.contacts.iter().any(|contact| contact.reset.is_some());
+    let stands = |state: &&State| !is_reset && rate(state).is_some_and(|rate| rate.to_f64() == 0.0);
+    let standing: Vec<String> = (model.states.iter().filter(stands))
+        .map(|state| format!("`{}`", state.name))
+        .collect();
+    match &standing[..] {
+        [] => "some of what is displaced dies out and some stays as it is: the energy of an undamped part may be conserved, or the parameters \
+               be those of a fold or of a branch point, beside which there are orbits"
+            .to_owned(),
+        _ => format!(
+            "{} stands still, and the rest follows: make it a parameter",
+            standing.join(", ")
+        ),
+    }
+}
 
 /// A question that does not fit the model is wrong input; one without answer is an answer of its own kind.
 pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
@@ -21,9 +45,10 @@ pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
         PeriodicError::OutOfRange { .. } => {
             Some("give --sweep a range with the point in it, or begin at another point with --from".to_owned())
         }
-        PeriodicError::OneOfMany => {
+        PeriodicError::OneOfMany { least } if *least >= CONSERVED => {
             Some("energy may be conserved: add damping or forcing, or follow the motion with simulate".to_owned())
         }
+        PeriodicError::OneOfMany { .. } => Some(one_of_many_that_die_out(model)),
         PeriodicError::Eventless { .. } => {
             Some("give the model a [section.NAME] that the motion crosses".to_owned())
         }

@@ -5,12 +5,9 @@ use super::cycle::itinerary::{Passage, Step};
 use super::cycle::rotate::rotate;
 use super::cycle::settle::from_first_turn;
 use super::error::PeriodicError;
-use super::shooting::Shooting;
+use super::shooting::{AT_ENDS, Shooting};
 use crate::flow::leg::{Jump, Least, LegKind};
 use crate::flow::{GuardKind, Settings};
-
-/// A crossing this near to an end of the way, in parts of it, is that at the end.
-const AT_ENDS: f64 = 1e-9;
 
 impl Shooting<f64> {
     /// The step that ends with a crossing of the section, if one does.
@@ -144,6 +141,26 @@ impl Shooting<f64> {
         self.like(steps, at).ok()
     }
 
+    /// The node of an event at whose instant the section is crossed: on which leg, if on any, is rounding.
+    fn node_at_section(&self, at: &[f64], index: usize) -> Option<Least> {
+        let goes_on = |step: &Step| matches!(step.passage, Passage::Leg(_));
+        if !goes_on(&self.steps[index]) {
+            return None;
+        }
+        let section = GuardKind::Section(self.workshop.section?);
+        let parameters = self.workshop.parameters(self.free(at));
+        let (state, time) = (self.node(at, index), at[self.duration_place(index)?]);
+        let is_on = self.workshop.is_on_section(state, &parameters, time);
+        is_on.then(|| Least {
+            guard: section,
+            time: 0.0,
+            value: 0.0,
+            size: 0.0,
+            state: state.to_vec(),
+            at_end: false,
+        })
+    }
+
     /// The crossing of the section nearest to the state that was told last, and the step that it is on.
     fn crossing(&mut self, at: &[f64]) -> Option<(usize, Least)> {
         let section = GuardKind::Section(self.workshop.section?);
@@ -152,8 +169,11 @@ impl Shooting<f64> {
             let here = all.into_iter().filter(|least| least.guard == section);
             here.map(move |least| (index, least))
         });
+        let at_events = (0..self.steps.len())
+            .filter_map(|index| Some((index, self.node_at_section(at, index)?)));
+        let mut crossings = crossings.chain(at_events);
         let Some(told) = &self.told else {
-            return crossings.into_iter().next();
+            return crossings.next();
         };
         let parameters = self.workshop.parameters(self.free(at));
         let turns = self.workshop.closure.turns(&parameters).ok()?;
@@ -261,6 +281,15 @@ impl Shooting<f64> {
                 }];
                 0
             }
+            // The event at whose instant it is crossed stands for it.
+            _ if crossing.time <= AT_ENDS * whole.duration => index,
+            _ if crossing.time >= (1.0 - AT_ENDS) * whole.duration => {
+                let mut next = self.after(index);
+                while steps[next].is_at_once() {
+                    next = self.after(next);
+                }
+                next
+            }
             _ => {
                 let first = Step {
                     passage: crosses,
@@ -285,6 +314,8 @@ impl Shooting<f64> {
             (&mut steps, &self.counts),
             begin,
         )?;
+        let turns = self.workshop.closure.turns(&parameters)?;
+        from_first_turn(&mut steps, &turns, &self.counts);
         self.like(steps, at).map(Some)
     }
 }

@@ -77,7 +77,10 @@ pub enum PeriodicError {
         time: f64,
     },
     /// Periodic orbits lie beside each other, of one period or of different ones.
-    OneOfMany,
+    OneOfMany {
+        /// The least modulus of the multipliers: where it is one nothing dies out.
+        least: f64,
+    },
     /// The equations of a periodic orbit are solved by an equilibrium.
     AtRest,
     /// The trajectory has not come near to where it was.
@@ -104,6 +107,12 @@ pub enum PeriodicError {
     OrderMatters {
         /// One of them.
         contact: String,
+    },
+    /// Surfaces at which formulas change their form are crossed at one instant, which of them goes first is a matter of how motion beside the
+    /// orbit is displaced, and derivatives depend on it.
+    OrderOfCorners {
+        /// One of them.
+        corner: String,
     },
     /// The observer broke off.
     Interrupted,
@@ -169,7 +178,7 @@ impl fmt::Display for PeriodicError {
                 out,
                 "nothing happens after time {time:.6}, and the motion goes on: nothing is met that a return could be told by"
             ),
-            Self::OneOfMany => write!(
+            Self::OneOfMany { .. } => write!(
                 out,
                 "the motion is periodic, and so is all motion beside it: nothing tells one orbit from the others"
             ),
@@ -196,6 +205,11 @@ impl fmt::Display for PeriodicError {
             Self::OrderMatters { contact } => write!(
                 out,
                 "several contacts close at one instant, `{contact}` among them, and beside the orbit which of them goes first depends on the \
+                 direction of the displacement: there is no one derivative"
+            ),
+            Self::OrderOfCorners { corner } => write!(
+                out,
+                "several surfaces are crossed at one instant, {corner} among them, and beside the orbit which of them goes first depends on the \
                  direction of the displacement: there is no one derivative"
             ),
             Self::Interrupted => write!(out, "broken off"),

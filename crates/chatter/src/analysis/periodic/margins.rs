@@ -220,7 +220,7 @@ pub(super) fn border_coordinate(shooting: &Shooting<f64>, at: &[f64]) -> Option<
 fn followed(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<Vec<Instant>> {
     let workshop = &shooting.workshop;
     let start = shooting.node(at, 0);
-    let tracer = Tracer::new(&workshop.system, parameters, start, workshop.section);
+    let tracer = Tracer::new(&workshop.system, parameters, start, None);
     let mut tracer = tracer.ok()?;
     let mut instants = vec![tracer.start(start)];
     let mut quiet = |_: f64| ControlFlow::Continue(());

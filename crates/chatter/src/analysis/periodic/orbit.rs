@@ -1,13 +1,13 @@
 //! One periodic orbit, closed by Newton's method.
 
-use super::cycle::itinerary::Passage;
+use super::cycle::itinerary::{Passage, Step};
 use super::cycle::settle::{Cycle, Patience, settle};
 use super::error::PeriodicError;
 use super::margins::{Margin, margins};
 use super::multipliers::{is_neutral, is_stable};
 use super::shooting::{Shooting, Workshop, struck};
 use crate::analysis::continuation::{Condition, NewtonError, Problem, approach, newton};
-use crate::flow::leg::{Jump, LegKind, onto_gaps};
+use crate::flow::leg::onto_gaps;
 use crate::flow::{Closed, GuardKind};
 use crate::model::greatest_common_divisor;
 use crate::numerics::{Complex, DoubleDouble, Real, Scalar};
@@ -64,8 +64,7 @@ pub(super) fn failed(error: &NewtonError) -> PeriodicError {
     }
 }
 
-/// The orbit that the trajectory from a state settles to at these free parameters. Where a crossing of the section shares its instant
-/// with several other events, whose order is rounding, the orbit is closed without it.
+/// The orbit that the trajectory from a state settles to at these free parameters.
 pub(crate) fn settled(
     workshop: &Arc<Workshop>,
     free: &[f64],
@@ -84,23 +83,13 @@ pub(crate) fn settled_if(
     is_wanted: &dyn Fn(&Cycle) -> bool,
     observer: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Orbit, PeriodicError> {
-    let mut told_from = |section: Option<usize>| {
-        let cycle = settle((workshop, section), free, state, patience, observer)?;
-        if !is_wanted(&cycle) {
-            return Err(PeriodicError::Unfollowed {
-                what: "a cycle that is not asked for".to_owned(),
-            });
-        }
-        close(workshop, cycle, free)
-    };
-    match told_from(workshop.section) {
-        Err(error @ (PeriodicError::NoConvergence { .. } | PeriodicError::AtRest))
-            if workshop.section.is_some() =>
-        {
-            told_from(None).map_err(|_| error)
-        }
-        found => found,
+    let cycle = settle(workshop, free, state, patience, observer)?;
+    if !is_wanted(&cycle) {
+        return Err(PeriodicError::Unfollowed {
+            what: "a cycle that is not asked for".to_owned(),
+        });
     }
+    close(workshop, cycle, free)
 }
 
 /// A cycle is closed but for so much where Newton's method needs no care.
@@ -150,7 +139,9 @@ pub(crate) fn close(
         }
     };
     if cycle.distance <= NEAR && is_singular(&mut shooting, &near) {
-        return Err(PeriodicError::OneOfMany);
+        let moduli = shooting.multipliers().into_iter().map(|m| m.modulus());
+        let least = moduli.fold(1.0, f64::min);
+        return Err(PeriodicError::OneOfMany { least });
     }
     Err(failed)
 }
@@ -299,6 +290,13 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
     let found = newton(&mut fine, &start, &rows).map_err(|error| failed(&error))?;
     let checked = (fine.evaluate(&found.at)).map_err(|left| failed(&NewtonError::Left(left)))?;
     let residual = (checked.residual.iter()).fold(0.0_f64, |most, x| most.max(x.to_f64().abs()));
+    // What is followed as a whole may lead elsewhere once more.
+    let apart = fine.apart(&checked.residual);
+    if apart.is_nan() || apart > SAME_NODE {
+        return Err(PeriodicError::NoConvergence {
+            how: format!("the orbit does not close: it is off by {apart:.1e} of its size"),
+        });
+    }
     let (multipliers, modulus_error) = fine.multipliers_known();
     if multipliers.iter().any(|m| !m.modulus().is_finite()) {
         return Err(PeriodicError::Boundless);
@@ -308,24 +306,33 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
         .map_err(|left| failed(&NewtonError::Left(left)))?;
     let order =
         (shooting.depends_on_order(&at)).map_err(|left| failed(&NewtonError::Left(left)))?;
-    if let Some(contact) = shooting.tie().or(order) {
-        let contact = workshop.model.contacts[contact].name.clone();
-        return Err(PeriodicError::OrderMatters { contact });
+    if let Some(index) = shooting.tie().or(order) {
+        let step = &shooting.steps[index];
+        return Err(match (step.impact(), step.ends_at()) {
+            (Some(contact), _) => PeriodicError::OrderMatters {
+                contact: workshop.model.contacts[contact].name.clone(),
+            },
+            (None, guard) => PeriodicError::OrderOfCorners {
+                corner: guard.map_or_else(String::new, |guard| workshop.named(guard)),
+            },
+        });
     }
     let margins = margins(&mut shooting, &at)?;
     let parameters = workshop.parameters(&at[at.len() - free..]);
     let turns = workshop.closure.turns::<f64>(&parameters)?;
+    let ends_with = |section: &usize| {
+        let last = shooting.steps.last().and_then(Step::ends_at);
+        last == Some(GuardKind::Section(*section))
+    };
+    let period = fine.period();
+    let lies_on =
+        |_: &usize| workshop.is_on_section(shooting.node(&at, 0), &parameters, period.to_f64());
+    let section = workshop.section;
+    let section = section.filter(|section| ends_with(section) || lies_on(section));
     Ok(Orbit {
-        period: fine.period(),
+        period,
         start: cleaned(&told_start(&fine, &found.at), &shooting.state_sizes()),
-        section: match shooting.steps.last().map(|step| step.passage) {
-            Some(Passage::Leg(LegKind {
-                ends_at: Some(GuardKind::Section(section)),
-                jump: Jump::None,
-                ..
-            })) => Some(section),
-            _ => None,
-        },
+        section,
         parameters,
         impacts: shooting.impacts(),
         turns: (turns.iter().zip(&shooting.counts))

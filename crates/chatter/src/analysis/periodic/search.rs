@@ -153,7 +153,12 @@ pub(crate) fn simplest(
         let Ok(loops) = loops(workshop, free, &start, (passed, most)) else {
             break;
         };
-        for (index, cycle) in loops.cycles.into_iter().enumerate() {
+        // What nothing happens to need not settle, as where no force damps it.
+        let quiet = match loops.nothing_happens {
+            true => loops.quiet(workshop, free, most),
+            false => Vec::new(),
+        };
+        for (index, cycle) in loops.cycles.into_iter().chain(quiet).enumerate() {
             if cycle.duration() >= TWICE * longest {
                 continue;
             }

@@ -8,6 +8,7 @@ use crate::flow::program::{ModeExprs, guard_functions};
 use crate::flow::system::System;
 use crate::flow::touch::stop;
 use crate::model::{Model, Section, State};
+use crate::numerics::dot;
 
 /// The equations of a leg.
 pub(super) struct Ending {
@@ -94,7 +95,46 @@ pub(super) fn bare(model: &Model, graph: &Graph, field: &[Expr], sections: Vec<S
     }
 }
 
+/// When a guard vanishes, seen from a state in a mode.
+pub(crate) struct Due {
+    /// After this time, by its value and rate there.
+    pub after: f64,
+    /// How much later where the state is displaced.
+    pub slopes: Vec<f64>,
+}
+
 impl System {
+    /// When a guard of a mode vanishes, to first order; none where the mode has no such guard, or nothing changes it.
+    pub(crate) fn due(
+        &self,
+        (mode, guard): (usize, GuardKind),
+        parameters: &[f64],
+        state: &[f64],
+    ) -> Option<Due> {
+        let kind = LegKind {
+            mode,
+            ends_at: Some(guard),
+            jump: Jump::None,
+        };
+        let Ending {
+            mut graph,
+            field,
+            surface,
+            ..
+        } = self.ending(kind)?;
+        let surface = surface?;
+        let slopes = (0..field.len()).map(|i| graph.derivative(surface, Symbol::State(i)));
+        let slopes: Vec<Expr> = slopes.collect();
+        let at = |&expr: &Expr| graph.evaluate(expr, state, parameters);
+        let slopes: Vec<f64> = slopes.iter().map(at).collect();
+        let field: Vec<f64> = field.iter().map(at).collect();
+        let rate = dot(&slopes, &field);
+        (rate != 0.0 && rate.is_finite()).then(|| Due {
+            after: -at(&surface) / rate,
+            slopes: slopes.iter().map(|slope| -slope / rate).collect(),
+        })
+    }
+
     pub(super) fn ending(&self, kind: LegKind) -> Option<Ending> {
         let (grip, sides, on_sides) = self.origin_of(kind.mode)?;
         let mut mechanics = on_sides.mechanics.clone();

@@ -30,6 +30,7 @@ use serde::{Deserialize, Serialize};
 use watch::Watch;
 
 pub(crate) use edge::Landing;
+pub(crate) use equations::Due;
 pub(crate) use stretch::{Astray, Follower, Stretch, StretchKind, onto_gaps};
 pub(crate) use watch::Least;
 

@@ -2,9 +2,11 @@
 
 mod any_start;
 mod asked;
+mod at_one_instant;
 mod border_collisions;
 mod branches;
 mod caused;
+mod corners_at_sections;
 mod differences;
 mod drift;
 mod held;

@@ -169,6 +169,25 @@ w = 0.5
     }
 }
 
+/// Gears with backlash under a mean load: by shooting with SciPy their branch folds at w = 0.70299451. A range that ends just before is left
+/// there, and not passed from one station to the next by way of the fold.
+#[test]
+fn a_fold_beyond_the_range_is_not_gone_around() {
+    let text = "[parameters]\nw = 0.5\n[flight]\nx = 'v'\n\
+                v = '0.1 + 0.12*w^2*cos(w*t) - 0.08*v - if(x > 1, x - 1, if(x < -1, x + 1, 0))'\n[initial]\nx = 1.1\nv = 0\n";
+    for (end, step) in [(0.702_994, 0.09), (0.702_994_5, 0.06), (0.702_994_5, 0.05)] {
+        let found = over(&with(text, &[]), "w", (0.45, end), (40, step));
+        assert_eq!(found[0].ends, [End::Range, End::Range], "{end} {step}");
+        let mut special = found[0].special.iter();
+        assert!(special.all(|special| special.kind == SpecialKind::Touch));
+        assert!(found[0].points.iter().all(|point| point.is_stable()));
+    }
+    // Beyond the fold it is told.
+    let found = over(&with(text, &[]), "w", (0.45, 0.702_995), (40, 0.09));
+    let fold = nearest(&found, &[SpecialKind::Fold], 0.702_994_51);
+    assert!((value(&fold) - 0.702_994_51).abs() < 1e-8);
+}
+
 /// A graze beyond the range, before which the last step ends or not.
 #[test]
 fn nothing_is_told_beyond_the_range() {

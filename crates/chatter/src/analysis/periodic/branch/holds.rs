@@ -49,6 +49,9 @@ impl Broken {
             Self::Carried(index) => format!(
                 "the jump before event {index} of the orbit would no longer cross its surface"
             ),
+            Self::Order(index) if shooting.steps[index].impact().is_none() => format!(
+                "surfaces that are crossed at one instant, that of event {index} of the orbit among them, no longer are"
+            ),
             Self::Order(index) => format!(
                 "collisions that share an instant come in another order: that of event {index} of the orbit is no longer the fastest"
             ),

@@ -9,7 +9,7 @@ use super::touch::VANISHED;
 use super::unbounded::{Law, unbounded};
 use super::{Point, Saddle, SpecialKind, Unbounded};
 use crate::analysis::border::{BorderSpec, borders_in};
-use crate::analysis::continuation::{Curve, Problem, Station, StepError};
+use crate::analysis::continuation::{Curve, Problem, Station, StepError, locate};
 use crate::analysis::periodic::diary::{Diary, Told};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::margins::{border_coordinate, leaves_at_border, shortest_contact};
@@ -272,6 +272,11 @@ impl Walker {
             {
                 break end;
             }
+            if edge.is_none()
+                && let Some(end) = self.turns_beyond_edge((&curve.station, &next), step, &here)
+            {
+                break end;
+            }
             let ends = (&curve.station, &next);
             let passed = match leaves_graze {
                 true => self.between_beside_graze(ends, step, (&here, &there), true),
@@ -429,6 +434,30 @@ impl Walker {
         }
         self.points.push(last);
         Some(End::Range)
+    }
+
+    /// The same where both are in the range, and the curve turns back between them beyond its edge.
+    fn turns_beyond_edge(
+        &mut self,
+        (from, to): (&Station, &Station),
+        step: f64,
+        here: &Point,
+    ) -> Option<End> {
+        let ends = (from.parameter_slope(), to.parameter_slope());
+        if ends.0 * ends.1 >= 0.0 {
+            return None;
+        }
+        let slope =
+            &mut |_: &mut dyn Problem<f64>, station: &Station| Some(station.parameter_slope());
+        let turn = locate(&mut self.shooting, from, step, ends, slope);
+        let end = turn.and_then(|(turn, ahead)| {
+            let edge = self.limits.beyond(turn.parameter())?;
+            self.ends_at_edge((from, &turn), (ahead, edge), here)
+        });
+        if end.is_none() {
+            self.settle(to);
+        }
+        end
     }
 
     pub(super) fn side(mut self, end: End) -> Side {

@@ -144,7 +144,11 @@ const MOST_TOGETHER: usize = 3;
 
 impl Events {
     /// None where the instant is more than can be told apart.
-    pub(super) fn of((system, parameters): (&System, &[f64]), instant: &Instant) -> Option<Self> {
+    pub(super) fn of(
+        (system, parameters): (&System, &[f64]),
+        instant: &Instant,
+        span: f64,
+    ) -> Option<Self> {
         let alone = single(instant);
         if let Some(Jump::Impact(contact)) = alone.map(|first| first.jump)
             && slides_back((system, parameters), instant, contact)
@@ -162,7 +166,9 @@ impl Events {
                 then: Vec::new(),
             }
         });
-        alone.or_else(|| Self::collisions(system, instant))
+        alone
+            .or_else(|| Self::corners((system, parameters), instant, span))
+            .or_else(|| Self::collisions(system, instant))
     }
 
     /// Collisions as they came. None where the law of those that share an instant is not one of two bodies at a time.
@@ -208,6 +214,15 @@ impl Events {
         found.filter(|_| flights <= MOST_TOGETHER)
     }
 
+    /// Whether nothing happens but that a surface is crossed, or the end of a piece.
+    pub(super) fn is_corner(&self) -> bool {
+        let ends = matches!(
+            self.first.ends_at,
+            Some(GuardKind::Switch(_) | GuardKind::Piece(..))
+        );
+        ends && self.first.jump == Jump::None && self.then.is_empty()
+    }
+
     /// What is told of the first of them.
     pub(super) fn told<'i>(&self, instant: &'i Instant) -> &'i [Occurrence<f64>] {
         let count = if self.then.is_empty() {
@@ -224,6 +239,19 @@ impl Events {
         (system, parameters): (&System, &[f64]),
         (way, instant): (Step, &Instant),
     ) -> Vec<Step> {
+        if self.first.jump == Jump::None {
+            // Corners leave the state as it is.
+            let others = self.then.iter().zip(instant.told.iter().skip(1));
+            let others = others.map(|(&passage, &told)| Step {
+                passage,
+                told: vec![told],
+                start: instant.state.clone(),
+                duration: 0.0,
+                ..way.clone()
+            });
+            let others: Vec<Step> = others.collect();
+            return core::iter::once(way).chain(others).collect();
+        }
         let known = system.with_pieces(parameters, &instant.pieces);
         let mut state = instant.state.clone();
         let mut closed = way.closed;

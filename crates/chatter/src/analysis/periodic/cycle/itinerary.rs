@@ -1,5 +1,6 @@
 //! An orbit as a sequence of legs, read off a trajectory.
 
+use super::corners::{Before, Shared, rank, sort};
 use super::events::Events;
 use super::trace::Instant;
 use crate::analysis::periodic::error::PeriodicError;
@@ -153,7 +154,7 @@ pub(crate) fn read(
         if instant.only_touches() {
             continue;
         }
-        let events = Events::of((system, parameters), instant);
+        let events = Events::of((system, parameters), instant, span);
         if let Some((begin, accumulations, mut told)) = open.take() {
             let Some(events) = events.filter(|_| !instant.is_caused) else {
                 told.extend(&instant.told);
@@ -168,18 +169,44 @@ pub(crate) fn read(
             from = index;
             continue;
         }
-        if let Some(events) = events {
+        if let Some(mut events) = events {
+            if let (Some(own), true) = (events.first.ends_at, events.is_corner()) {
+                let ends = piece_at_once((system, parameters), (instants, index), own, span);
+                events.first.ends_at = ends.or(Some(own));
+            }
             let kind = events.first;
             let before = &instants[from];
             let duration = instant.time - before.time;
             let at_once = duration <= SAME_INSTANT * instant.time.abs().max(span);
-            let is_alone = events.then.is_empty();
+            let is_alone = events.then.is_empty() && !instant.is_caused;
+            let plain = |steps: &[Step]| match steps.last().map(|step| step.passage) {
+                Some(Passage::Leg(kind) | Passage::Together(kind)) => kind.ends_at,
+                _ => None,
+            };
+            let corners = (plain(&steps), kind.ends_at);
+            let shared = match corners {
+                (Some(own), Some(other)) if at_once && is_alone && kind.jump == Jump::None => {
+                    let instants = (before, instant);
+                    shared((system, parameters), instants, (own, other), span)
+                }
+                _ => Shared::No,
+            };
+            // Beside the orbit one of two corners may come first.
+            let crosses = |guard: Option<GuardKind>| matches!(guard, Some(GuardKind::Switch(_)));
+            let crosses_too = shared == Shared::Here && crosses(corners.0) && crosses(corners.1);
             if at_once
                 && is_alone
-                && !instant.is_caused
+                && !crosses_too
                 && (kind.jump == Jump::None || gives_jump(&mut steps, kind.jump))
             {
                 // Two names for one event, as where a surface is met and held: no motion lies between them.
+                if let ((Some(own), Some(other)), Shared::Always) = (corners, shared)
+                    && rank(other) < rank(own)
+                    && let Some(Passage::Leg(known)) =
+                        steps.last_mut().map(|step| &mut step.passage)
+                {
+                    known.ends_at = Some(other);
+                }
                 from = index;
                 continue;
             }
@@ -188,7 +215,7 @@ pub(crate) fn read(
                 && matches!((kind.jump.impact(), steps.last().and_then(Step::impact)),
                     (Some(contact), Some(before)) if contact != before);
             let leg = Step {
-                passage: match (instant.is_caused, with_another) {
+                passage: match (instant.is_caused, with_another || crosses_too) {
                     (true, _) => Passage::AtOnce(kind),
                     (false, true) => Passage::Together(kind),
                     (false, false) => Passage::Leg(kind),
@@ -236,7 +263,59 @@ pub(crate) fn read(
             what: what.to_owned(),
         });
     }
+    sort(system, &mut steps);
     Ok(steps)
+}
+
+/// The end of a piece that always comes with a surface which is crossed at an instant, as of a ramp and a square wave of one clock: of the two it is the
+/// one that the instant is known by.
+fn piece_at_once(
+    (system, parameters): (&System, &[f64]),
+    (instants, index): (&[Instant], usize),
+    own: GuardKind,
+    span: f64,
+) -> Option<GuardKind> {
+    let instant = &instants[index];
+    // After the last instant they change as after the first, a turn before.
+    let [before, after] = match instants.get(index + 1) {
+        Some(next) => [&instant.pieces, &next.pieces],
+        None => [&instants.first()?.pieces, &instants.get(1)?.pieces],
+    };
+    let changes = before.iter().zip(after).enumerate();
+    let mut ends = changes.filter_map(|(lookup, (before, after))| match after - before {
+        1 => Some(GuardKind::Piece(lookup, Side::Above)),
+        -1 => Some(GuardKind::Piece(lookup, Side::Below)),
+        _ => None,
+    });
+    let before = Before {
+        system,
+        mode: instant.mode,
+        parameters: system.with_pieces(parameters, &instant.pieces),
+        state: &instant.state,
+        time: instant.time.abs().max(span),
+    };
+    ends.find(|&end| rank(end) < rank(own) && before.shared(own, end) == Shared::Always)
+}
+
+/// How two surfaces that are crossed at one instant share it.
+fn shared(
+    (system, parameters): (&System, &[f64]),
+    (first, second): (&Instant, &Instant),
+    (own, other): (GuardKind, GuardKind),
+    span: f64,
+) -> Shared {
+    let crosses = |guard: GuardKind| matches!(guard, GuardKind::Switch(_) | GuardKind::Piece(..));
+    if own == other || !crosses(own) || !crosses(other) {
+        return Shared::No;
+    }
+    let before = Before {
+        system,
+        mode: first.mode,
+        parameters: system.with_pieces(parameters, &first.pieces),
+        state: &second.state,
+        time: second.time.abs().max(span),
+    };
+    before.shared(own, other)
 }
 
 /// Lets the event before, which changes nothing by itself, make a jump; whether it can.

@@ -1,5 +1,6 @@
 //! An orbit as it is read off the motion, nearly closed: its instants, the return at which it closes, and its legs.
 
+pub(in crate::analysis::periodic) mod corners;
 mod events;
 pub mod itinerary;
 pub mod reread;

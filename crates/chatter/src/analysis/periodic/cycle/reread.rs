@@ -3,7 +3,7 @@
 use super::itinerary::{Passage, Step, read};
 use super::rotate::past_instant;
 use super::settle::{Cycle, from_first_turn, sizes, states};
-use super::trace::{Instant, Tracer};
+use super::trace::{Instant, Tracer, leave_out_crossings};
 use crate::analysis::periodic::closure::Turn;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Workshop;
@@ -20,11 +20,13 @@ pub(crate) fn reread(
 ) -> Result<Cycle, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
-    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let section = workshop.section_as_event(&parameters);
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, section)?;
     let mut instants = vec![tracer.start(state)];
     let mut quiet = |_: f64| ControlFlow::Continue(());
     let until = instants[0].time + period * (1.0 + LATE);
     tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
+    leave_out_crossings(&mut instants, section);
     let last = match instants.last() {
         Some(last) if instants.len() > 1 => last.state.clone(),
         _ => tracer.trajectory.state().to_vec(),
@@ -48,7 +50,15 @@ pub(crate) fn reread(
     }
     if !closes(&instants) {
         // Nothing happens where it begins: from the first event on that comes again.
+        let (there, known) = (tracer.trajectory.state().to_vec(), instants.len());
         tracer.follow((until + period, usize::MAX / 2), &mut instants, &mut quiet)?;
+        leave_out_crossings(&mut instants, section);
+        if instants.len() == known && workshop.closure.forcing(&parameters).is_some() {
+            // What happened was on the way to where nothing does, as onto the surface that a mass sticks to.
+            let steps = vec![Step::timed(&tracer.trajectory, there.clone(), period)];
+            let ends = (&*there, tracer.trajectory.state());
+            return from_to((workshop, &parameters), (&turns, sizes), steps, ends);
+        }
         let again = (1..instants.len()).find_map(|from| {
             let comes_again = |to: &usize| {
                 instants[*to].guard == instants[from].guard
@@ -103,7 +113,7 @@ pub(crate) fn through_impacts(
 ) -> Result<Cycle, PeriodicError> {
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
-    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, None)?;
     let mut instants = vec![tracer.start(state)];
     let mut quiet = |_: f64| ControlFlow::Continue(());
     loop {

@@ -4,7 +4,7 @@ use super::events::single;
 use super::itinerary::{Step, around, read};
 use super::reread::from_early_on;
 use super::rotate::{past_instant, rotate};
-use super::trace::{Instant, ONE_INSTANT, Tracer};
+use super::trace::{Instant, Tracer, leave_out_crossings};
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::{Shooting, Workshop, take_in_moves, without_zeros};
@@ -140,6 +140,9 @@ pub(super) fn states(instants: &[Instant]) -> impl Iterator<Item = &Vec<f64>> {
     instants.iter().map(|instant| &instant.state)
 }
 
+/// Events whose times differ by so many roundoffs may share an instant.
+const ONE_INSTANT: f64 = 8.0;
+
 /// The instants that may tell returns, the best first: the latest crossing of the section, the latest release, the fastest impact of
 /// late, and, without any of the latter two, the latest of all others that shares its time with none.
 fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
@@ -166,22 +169,35 @@ fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
     found.dedup();
     if released.or(fastest).is_none() {
         let crosses = |index: usize| section.is_some_and(|s| instants[index].crosses(s));
-        let times = |index: usize| instants.get(index).map(|instant| instant.time);
+        let shares = |(a, b): (usize, usize)| match (instants.get(a), instants.get(b)) {
+            (Some(a), Some(b)) => {
+                (a.time - b.time).abs() <= ONE_INSTANT * f64::EPSILON * b.time.abs()
+            }
+            _ => false,
+        };
+        let is_last = |index: &usize| !shares((index + 1, *index));
         let is_alone = |index: &usize| {
-            let neighbours = [index.checked_sub(1).and_then(times), times(index + 1)];
-            let here = instants[*index].time;
-            let shares = |time: f64| (time - here).abs() <= ONE_INSTANT * f64::EPSILON * here.abs();
-            !crosses(*index) && !neighbours.into_iter().flatten().any(shares)
+            !crosses(*index)
+                && is_last(index)
+                && !index
+                    .checked_sub(1)
+                    .is_some_and(|before| shares((before, *index)))
         };
         let latest = instants.len().checked_sub(1);
-        let alone = (0..instants.len()).rev().find(is_alone).or(latest);
+        // Of those that share an instant the last, which what comes after it tells.
+        let whole = (0..latest.unwrap_or(0)).rev().find(is_last);
+        let alone = (0..instants.len())
+            .rev()
+            .find(is_alone)
+            .or(whole)
+            .or(latest);
         found.extend(alone.filter(|alone| !found.contains(alone)));
     }
     found
 }
 
-/// What one landmark tells as a return is none where another tells one in less than this part of the time: where a crossing of the
-/// section shares its instant with something else, which of them comes first is rounding, and differs from turn to turn.
+/// What one landmark tells as a return is none where another tells one in less than this part of the time: where events share an instant, which
+/// of them comes first is rounding, and differs from turn to turn.
 const SOONER: f64 = 0.75;
 /// The others may be so many times as far apart.
 const LOOSER: f64 = 10.0;
@@ -377,9 +393,10 @@ fn alone(
     cycle((workshop, parameters), turns, instants, &sizes)
 }
 
-/// What the trajectory from a state settles to; crossings of a section count as events.
+/// What the trajectory from a state settles to. Crossings of the section count as events where nothing else happens and nothing else says how
+/// long a period is.
 pub(crate) fn settle(
-    (workshop, section): (&Workshop, Option<usize>),
+    workshop: &Workshop,
     free: &[f64],
     state: &[f64],
     patience: Patience,
@@ -388,6 +405,7 @@ pub(crate) fn settle(
     let parameters = workshop.parameters(free);
     let turns = workshop.closure.turns(&parameters)?;
     let forcing = workshop.closure.forcing(&parameters);
+    let section = workshop.section_as_event(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
     let mut tracer = Tracer::new(&workshop.system, &parameters, state, section)?;
     let returned = |instants: &[Instant], (first, last): (usize, usize), sizes: &[f64]| {
@@ -455,6 +473,7 @@ pub(crate) fn settle(
                 chunk = (2 * chunk).min(CHUNK);
             }
         }
+        leave_out_crossings(&mut instants, section);
         let keep = instants.len().saturating_sub(4 * CHUNK);
         instants.drain(..keep);
         // What happened before motion came to rest, or left all contacts, is of the past.
@@ -545,7 +564,8 @@ pub(crate) fn loops(
     let turns = workshop.closure.turns(&parameters)?;
     let forcing = workshop.closure.forcing(&parameters);
     let start = workshop.model.time.map_or(0.0, |index| state[index]);
-    let mut tracer = Tracer::new(&workshop.system, &parameters, state, workshop.section)?;
+    let section = workshop.section_as_event(&parameters);
+    let mut tracer = Tracer::new(&workshop.system, &parameters, state, section)?;
     let mut instants = Vec::new();
     let mut quiet = |_: f64| ControlFlow::Continue(());
     let mut found = Vec::new();
@@ -553,14 +573,14 @@ pub(crate) fn loops(
         Step::timed(&tracer.trajectory, tracer.trajectory.state().to_vec(), 0.0)
     };
     let begins = standing(&tracer);
-    match (forcing, workshop.section) {
+    match (forcing, section) {
         (Some(period), _) => {
             let until = start + period * (passed + 2 * periods + 1) as f64;
             tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)?;
             let begin = start + period * passed as f64;
             for count in 1..=periods {
                 let ends = (begin, begin + period * count as f64, period);
-                if let Some((first, last)) = lap(&instants, workshop.section, ends) {
+                if let Some((first, last)) = lap(&instants, ends) {
                     let mut cycle =
                         alone((workshop, &parameters), &turns, &instants[first..=last])?;
                     for (turns, turn) in cycle.counts.iter_mut().zip(&turns) {
@@ -582,11 +602,12 @@ pub(crate) fn loops(
                 if let (Some(&first), Some(&last)) =
                     (crossings.get(passed), crossings.get(passed + count))
                 {
-                    found.push(alone(
-                        (workshop, &parameters),
-                        &turns,
-                        &instants[first..=last],
-                    )?);
+                    let is_end = |index: &usize| [first, last].contains(index);
+                    let happens =
+                        |index: &usize| is_end(index) || !instants[*index].only_crosses(section);
+                    let way = (first..=last).filter(happens);
+                    let way: Vec<Instant> = way.map(|index| instants[index].clone()).collect();
+                    found.push(alone((workshop, &parameters), &turns, &way)?);
                 }
             }
         }
@@ -622,6 +643,7 @@ pub(crate) fn loops(
     }
     Ok(Loops {
         cycles: found,
+        nothing_happens: instants.is_empty(),
         ends: [begins, standing(&tracer)],
     })
 }
@@ -630,6 +652,8 @@ pub(crate) fn loops(
 pub(crate) struct Loops {
     /// Those that it would go through if they closed.
     pub cycles: Vec<Cycle>,
+    /// Whether nothing happens on it.
+    pub nothing_happens: bool,
     /// Where it begins and ends, as steps on which nothing happens.
     ends: [Step; 2],
 }
@@ -720,17 +744,10 @@ fn near_returns(
 }
 
 /// The fastest impact between two times, or else the first other event, and the one that would be it a lap later.
-fn lap(
-    instants: &[Instant],
-    section: Option<usize>,
-    (begin, end, period): (f64, f64, f64),
-) -> Option<(usize, usize)> {
-    let happens = |instant: &Instant| {
-        instant.guard.is_some() && !section.is_some_and(|section| instant.crosses(section))
-    };
+fn lap(instants: &[Instant], (begin, end, period): (f64, f64, f64)) -> Option<(usize, usize)> {
     let events = |from: f64, to: f64| {
         (instants.iter().enumerate())
-            .filter(move |(_, i)| i.time >= from && i.time < to && happens(i))
+            .filter(move |(_, i)| i.time >= from && i.time < to && i.guard.is_some())
     };
     let rate = |instant: &Instant| instant.impact().map_or(0.0, |(_, rate)| rate);
     let first = events(begin, end)

@@ -1,7 +1,6 @@
 //! A trajectory as the instants at which something happens, with the modes between them.
 
 use crate::analysis::periodic::error::PeriodicError;
-use crate::expressions::LookedUpIn;
 use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory, Workspace};
 use core::ops::ControlFlow;
 
@@ -23,6 +22,8 @@ pub(crate) struct Instant {
     pub in_one_mode: bool,
     /// Whether it is an event that the jump of the instant before has brought about, at the same time.
     pub is_caused: bool,
+    /// The section that is crossed at the instant of another event.
+    pub with_section: Option<usize>,
 }
 
 impl Instant {
@@ -54,9 +55,20 @@ impl Instant {
         !self.told.is_empty() && self.told.iter().all(touches)
     }
 
-    /// Whether this is a crossing of a section.
+    /// Whether a section is crossed here, be it with another event.
     pub(crate) fn crosses(&self, section: usize) -> bool {
+        self.is_at(section) || self.with_section == Some(section)
+    }
+
+    /// Whether this is a crossing of a section.
+    fn is_at(&self, section: usize) -> bool {
         self.guard == Some(GuardKind::Section(section))
+    }
+
+    /// Whether nothing happens here but that a section is crossed.
+    pub(super) fn only_crosses(&self, section: usize) -> bool {
+        let crosses = |told: &Occurrence<f64>| matches!(told, Occurrence::Section { .. });
+        self.is_at(section) && self.mode_after == self.mode && self.told.iter().all(crosses)
     }
 
     pub(crate) fn is_release(&self) -> bool {
@@ -72,6 +84,16 @@ impl Instant {
     }
 }
 
+/// Leaves crossings of the section out where anything else happens. They change nothing; and where one shares its instant with an event, which of
+/// them comes first, if they are told apart at all, is rounding, and differs from turn to turn.
+pub(super) fn leave_out_crossings(instants: &mut Vec<Instant>, section: Option<usize>) {
+    let Some(section) = section else { return };
+    let happens = |instant: &Instant| instant.guard.is_some() && !instant.only_crosses(section);
+    if instants.iter().any(happens) {
+        instants.retain(|instant| !instant.only_crosses(section));
+    }
+}
+
 /// A trajectory that is being followed.
 pub(crate) struct Tracer<'s> {
     system: &'s System,
@@ -80,9 +102,6 @@ pub(crate) struct Tracer<'s> {
     /// Crossings of this section count, too.
     section: Option<usize>,
 }
-
-/// Of a knot of a table, where functions go on smoothly, and a section times that differ by so many roundoffs are one instant.
-pub(super) const ONE_INSTANT: f64 = 8.0;
 
 /// Whether a motion goes on is looked at for so many units of its time.
 const STEPS_MORE: f64 = 16.0;
@@ -120,14 +139,8 @@ impl<'s> Tracer<'s> {
             mode_after: self.trajectory.mode,
             in_one_mode: true,
             is_caused: false,
+            with_section: None,
         }
-    }
-
-    /// Whether this is a knot of a table.
-    fn is_knot(&self, guard: Option<GuardKind>) -> bool {
-        let lookups = &self.system.corners().lookups;
-        matches!(guard, Some(GuardKind::Piece(lookup, _))
-            if lookups.get(lookup).is_some_and(|lookup| matches!(lookup.within, LookedUpIn::Curve(_))))
     }
 
     /// Whether some of the states change on a few steps more, by such a part of the size of all.
@@ -186,30 +199,26 @@ impl<'s> Tracer<'s> {
                 )
             );
             let time = self.trajectory.time();
-            let looks = |guard: Option<GuardKind>| match guard {
-                Some(GuardKind::Section(index)) => !self.system.is_event(index),
-                _ => false,
-            };
-            // A section that is crossed with an event is no event of its own: which comes first is chance.
-            let in_this = |last: &Instant, event: Option<GuardKind>| {
-                let roundoffs = if self.is_knot(event) {
-                    ONE_INSTANT
-                } else {
-                    0.0
-                };
-                (last.time - time).abs() <= roundoffs * f64::EPSILON * time.abs()
-            };
-            let with_event =
-                looks(guard) && (instants.last()).is_some_and(|last| in_this(last, last.guard));
-            if with_event {
+            let section = self.section.filter(|&index| !self.system.is_event(index));
+            let looks = section.map(GuardKind::Section);
+            let is_here = |last: &&mut Instant| last.time == time;
+            let before = instants.last_mut().filter(is_here);
+            if looks.is_some() && guard == looks {
                 steps = 0;
-            } else if counts(guard) || matches!(told, Some(Occurrence::Accumulation { .. })) {
-                if instants
-                    .last()
-                    .is_some_and(|last| in_this(last, guard) && looks(last.guard))
-                {
-                    instants.pop();
+            }
+            // A section that is crossed with an event is no event of its own.
+            if looks.is_some()
+                && guard == looks
+                && let Some(event) = before
+            {
+                if event.guard != looks {
+                    event.with_section = section;
                 }
+            } else if counts(guard) || matches!(told, Some(Occurrence::Accumulation { .. })) {
+                let is_section = |last: &mut Instant| {
+                    last.time == time && looks.is_some() && last.guard == looks
+                };
+                let with_section = instants.pop_if(is_section).and(section);
                 instants.push(Instant {
                     time: self.trajectory.time(),
                     mode,
@@ -225,6 +234,7 @@ impl<'s> Tracer<'s> {
                     in_one_mode: true,
                     is_caused: matches!(told, Some(Occurrence::Reset { .. }))
                         && self.trajectory.came_by_jump(),
+                    with_section,
                 });
                 steps = 0;
             } else if happens && let (Some(last), Some(told)) = (instants.last_mut(), told) {

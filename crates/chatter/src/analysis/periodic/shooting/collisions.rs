@@ -1,12 +1,14 @@
 //! Collisions that share an instant: of the contacts that touch the one that closes fastest goes first, and while that does not change
 //! their map is smooth. Where flights of several contacts end at one instant it is if all orders have one derivative.
 
-use super::Shooting;
 use super::monodromy::transfer;
+use super::{Flown, Shooting};
 use crate::analysis::continuation::{Left, Problem};
+use crate::analysis::periodic::cycle::corners::in_order;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::flow::leg::{LegKind, StretchKind};
-use crate::flow::{Closed, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
+use crate::flow::{Closed, GuardKind, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
+use crate::model::State;
 use crate::numerics::Matrix;
 use core::ops::Range;
 
@@ -27,8 +29,13 @@ impl Shooting<f64> {
     /// another outcome: how much faster it closes; and how fast it does. None of other steps.
     pub(crate) fn precedence(&self, index: usize) -> Option<(f64, f64)> {
         let step = self.steps.get(index).filter(|step| step.is_at_once())?;
-        let contact = step.impact()?;
         let at = self.watching.as_ref()?;
+        // What is to share its instant with the event before does so but for rounding.
+        let place = self.duration_place(index);
+        let apart = place.map_or(0.0, |place| at[place].abs() / self.scales[place]);
+        let Some(contact) = step.impact() else {
+            return place.map(|_| (1.0 - apart / APART, 1.0));
+        };
         let parameters = self.workshop.parameters(self.free(at));
         let known = self.parameters_of(&parameters, step);
         let system = &self.workshop.system;
@@ -46,9 +53,6 @@ impl Shooting<f64> {
             .filter(|&other| other != contact)
             .filter(|&other| (after[other] - before[other]).abs() > UNFELT * own.abs());
         let first = others.fold(own, |least, other| least.min(own + before[other].min(0.0)));
-        // What is to share its instant with the event before does so but for rounding.
-        let place = self.duration_place(index);
-        let apart = place.map_or(0.0, |place| at[place].abs() / self.scales[place]);
         Some((first.min(own * (1.0 - apart / APART)), own))
     }
 
@@ -69,18 +73,31 @@ impl Shooting<f64> {
         Some(all.fold(grip.closed, |all, contact| all.with(contact)))
     }
 
-    /// The collision that another one could precede as well, if there is one, with another derivative: after an evaluation.
+    /// The step of the collision that another one could precede as well, if there is one, with another derivative: after an evaluation.
     pub(crate) fn tie(&self) -> Option<usize> {
         let ties = |&index: &usize| {
             (self.precedence(index)).is_some_and(|(first, own)| first <= SAME_RATE * own)
         };
-        let found = (0..self.steps.len()).find(ties)?;
-        self.steps[found].impact()
+        (0..self.steps.len()).find(ties)
     }
 }
 
 impl Shooting<f64> {
-    /// A contact whose flight ends at the instant of another's, where the derivative depends on which of them is met first: at a point.
+    /// The field at a state where the step after another one begins.
+    fn field_after(&mut self, index: usize, at: &[f64], state: &[f64]) -> Vec<f64> {
+        let parameters = self.workshop.parameters(self.free(at));
+        let next = self.after(index);
+        if let Flown::Leg(leg, flyer) = &self.flown[next] {
+            let all = self.parameters_of(&parameters, &self.steps[next]);
+            return leg.field(&mut self.flyers[*flyer].1, &all, state);
+        }
+        let model = &self.workshop.model;
+        let rate = |of: &State| model.graph.evaluate(of.derivative, state, &parameters);
+        model.states.iter().map(rate).collect()
+    }
+
+    /// The step that ends with an event which comes at the instant of another, where the derivative depends on which of them is met first: at
+    /// a point.
     pub(crate) fn depends_on_order(&mut self, at: &[f64]) -> Result<Option<usize>, Left> {
         let count = self.steps.len();
         let mut first = 0;
@@ -93,7 +110,7 @@ impl Shooting<f64> {
             if let Some(index) = chain.clone().find(|&index| is_together(index))
                 && self.order_matters(at, chain)?
             {
-                return Ok(self.steps[index].impact());
+                return Ok(Some(index));
             }
         }
         Ok(None)
@@ -121,6 +138,7 @@ impl Shooting<f64> {
             }
             seen = Closed(seen.0 | own.0);
         }
+        let own_mode = steps[chain.start].mode();
         let own = self.derivative(at, chain.clone())?;
         let largest = (0..own.rows())
             .flat_map(|row| own.row(row))
@@ -150,6 +168,9 @@ impl Shooting<f64> {
             });
             let mut all = steps.clone();
             all.splice(chain.clone(), chosen);
+            if !self.take_modes(own_mode, &mut all[chain.clone()]) {
+                return Ok(true);
+            }
             let mut other =
                 Self::new(&self.workshop, all, self.counts.clone()).map_err(Left::because)?;
             let found = other.derivative(at, chain.clone())?;
@@ -162,6 +183,29 @@ impl Shooting<f64> {
             }
         }
         Ok(false)
+    }
+
+    /// Corners of one instant, met in this mode, lead through other modes in another order. Whether they can, if they are corners.
+    fn take_modes(&self, mode: usize, chain: &mut [Step]) -> bool {
+        if chain.iter().any(|step| step.impact().is_some()) {
+            return true;
+        }
+        let crossings: Option<Vec<GuardKind>> = chain.iter().map(Step::ends_at).collect();
+        let kinds = crossings.and_then(|all| in_order(&self.workshop.system, mode, all));
+        let Some(kinds) = kinds else {
+            return false;
+        };
+        for (step, kind) in chain.iter_mut().zip(kinds) {
+            step.passage = match step.passage {
+                Passage::Stretch(whole) => Passage::Stretch(StretchKind {
+                    last: kind,
+                    ..whole
+                }),
+                Passage::Together(_) => Passage::Together(kind),
+                _ => Passage::Leg(kind),
+            };
+        }
+        true
     }
 
     /// The derivative of a chain of collisions, the way to it included, from where that begins at a point: of the state after it at
@@ -189,11 +233,9 @@ impl Shooting<f64> {
             }
             product = transfer(landing, n).times(&product);
         }
-        let parameters = self.workshop.parameters(self.free(at));
-        let model = &self.workshop.model;
-        let image = &self.latest[chain.end - 1].image;
-        for (i, state) in model.states.iter().enumerate() {
-            let rate = model.graph.evaluate(state.derivative, image, &parameters);
+        let image = self.latest[chain.end - 1].image.clone();
+        let rates = self.field_after(chain.end - 1, &here, &image);
+        for (i, rate) in rates.into_iter().enumerate() {
             for (entry, late) in product.row_mut(i).iter_mut().zip(&late) {
                 *entry -= rate * late;
             }
@@ -202,7 +244,7 @@ impl Shooting<f64> {
     }
 }
 
-/// The event of a step that is an impact.
+/// The event at the end of a step.
 fn event(passage: Passage) -> Option<LegKind> {
     match passage {
         Passage::Leg(kind) | Passage::AtOnce(kind) | Passage::Together(kind) => Some(kind),

@@ -13,6 +13,23 @@ impl<R: Real> Shooting<R> {
         self.steps.len()
     }
 
+    /// How far the nodes are from where the steps before them lead, against the sizes of the states.
+    pub(crate) fn apart(&self, residual: &[R]) -> f64 {
+        let sizes = self.state_sizes();
+        let mut rows = residual.iter();
+        let mut most = 0.0_f64;
+        for step in &self.steps {
+            if step.has_own_time() {
+                rows.next();
+            }
+            for (size, row) in sizes.iter().zip(rows.by_ref()) {
+                let part = row.abs().to_f64() / size;
+                most = if part.is_nan() { part } else { most.max(part) };
+            }
+        }
+        most
+    }
+
     /// The number of one of the user's functions.
     pub(crate) fn user_function(&self, index: usize) -> usize {
         self.steps.len() + 1 + index

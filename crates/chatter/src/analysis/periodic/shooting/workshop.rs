@@ -5,9 +5,12 @@ use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::flow::leg::{Leg, LegKind, Stretch, StretchKind};
 use crate::flow::{Corner, GuardKind, System};
-use crate::model::Model;
+use crate::model::{Direction, Model};
 use crate::numerics::Real;
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// A crossing of the section this near to an event, in parts of the time around it, is at its instant.
+pub(in crate::analysis::periodic) const AT_ENDS: f64 = 1e-9;
 
 /// A model with its compiled legs, shared by all orbits that are looked at.
 #[derive(Debug)]
@@ -23,6 +26,8 @@ pub(crate) struct Workshop {
     pub monitors: Vec<Monitor>,
     /// The section at which states are told.
     pub section: Option<usize>,
+    /// Its function.
+    surface: Option<Monitor>,
     /// Contacts whose restitution is a matter of parameters alone, the free ones among them.
     pub restitution_follows: Vec<usize>,
     /// Whether what happens depends on a state, be it through others: not on the angle of a wheel that is only kicked, nor on its rate.
@@ -84,6 +89,10 @@ impl Workshop {
         let monitors = (monitors.iter())
             .map(|&value| Monitor::new(&mut model, value, free))
             .collect();
+        let surface = section.map(|index| {
+            let surface = model.sections[index].surface;
+            Monitor::new(&mut model, surface, free)
+        });
         let follows = |index: &usize| {
             let restitution = model.contacts[*index].restitution;
             !model.graph.depends_on_state(restitution) && depends_on(&model, restitution, free)
@@ -98,9 +107,33 @@ impl Workshop {
             free: free.to_vec(),
             sizes: sizes.to_vec(),
             section,
+            surface,
             legs: Mutex::default(),
             stretches: Mutex::default(),
         })
+    }
+
+    /// The section if its crossings are events where nothing else happens: where nothing else says how long a period is.
+    pub(crate) fn section_as_event(&self, parameters: &[f64]) -> Option<usize> {
+        self.section
+            .filter(|_| self.closure.forcing(parameters).is_none())
+    }
+
+    /// Whether a state lies on the section and moves through it in its direction, in a system in which times are as long as this one.
+    pub(crate) fn is_on_section(&self, state: &[f64], parameters: &[f64], time: f64) -> bool {
+        let (Some(section), Some(surface)) = (self.section, &self.surface) else {
+            return false;
+        };
+        let graph = &self.model.graph;
+        let at = |expr: Expr| graph.evaluate(expr, state, parameters);
+        let rates = self.model.states.iter().zip(&surface.by_state);
+        let rate: f64 = rates.map(|(of, &by)| at(by) * at(of.derivative)).sum();
+        let is_its_way = match self.model.sections[section].direction {
+            Direction::Rising => rate > 0.0,
+            Direction::Falling => rate < 0.0,
+            Direction::Either => rate != 0.0,
+        };
+        is_its_way && at(surface.value).abs() <= AT_ENDS * (rate * time).abs()
     }
 
     pub(in crate::analysis::periodic) fn leg(&self, kind: LegKind) -> Option<Arc<Leg>> {

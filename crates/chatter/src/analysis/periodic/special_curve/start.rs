@@ -64,6 +64,12 @@ fn begin_at(workshop: &Arc<Workshop>, free: &[f64], known: &Known) -> Result<Beg
     let mut at = shooting.guess(free);
     if known.kind != SpecialKind::Monitor {
         (shooting, at) = shooting.without_section(at);
+    } else if !shooting.begins_at_section() {
+        // A function of the user's is one of the state at the section.
+        shooting.told = Some(known.state.clone());
+        if let Some(longer) = shooting.with_section(&at)? {
+            (shooting, at) = longer;
+        }
     }
     let mut grazing = None;
     let condition = match known.kind {

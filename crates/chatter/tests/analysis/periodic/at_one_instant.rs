@@ -1,0 +1,105 @@
+//! Corners that a motion comes to at one instant: one event where they always come together, several where they do so by symmetry.
+
+use super::{orbit, settles, with};
+use chatter::analysis::periodic::{MarginKind, Orbit, PeriodicError};
+use chatter::numerics::Real;
+use core::f64::consts::TAU;
+
+fn assert_multipliers(found: &Orbit, expected: &[(f64, f64)]) {
+    assert_eq!(found.multipliers.len(), expected.len());
+    for (re, im) in expected {
+        let mut all = found.multipliers.iter();
+        let is_near = |m: &chatter::numerics::Complex| (m.re - re).hypot(m.im - im) < 1e-9;
+        assert!(all.any(is_near), "{re} {im}: {:?}", found.multipliers);
+    }
+}
+
+/// Two square waves whose periods are as 3 to 1, in several units of time: both change their sign at one instant, and the motion beside
+/// an orbit shrinks as it does without them.
+#[test]
+fn corners_of_two_clocks_are_one_event() {
+    for unit in [1e-3_f64, 1.0, 1e3] {
+        let w = 0.9 / unit;
+        let text = format!(
+            "[flight]\nx = 'v/{unit:?}'\nv = '(-x - 0.2*v + sign(sin({w:?}*t)) + 0.5*sign(sin(3*{w:?}*t)))/{unit:?}'\n\
+             [initial]\nx = 0.4\nv = 0\n"
+        );
+        let found = orbit(&with(&text, &[]));
+        assert!((found.period.to_f64() * w / TAU - 1.0).abs() < 1e-12);
+        let (shrinks, turned) = ((-0.1 * TAU / 0.9).exp(), 0.99_f64.sqrt() * TAU / 0.9);
+        let (re, im) = (shrinks * turned.cos(), shrinks * turned.sin());
+        assert_multipliers(&found, &[(re, im), (re, -im)]);
+    }
+}
+
+/// A spring that is written as two, which begin to push at one place, is one spring.
+#[test]
+fn two_names_of_one_place_are_one_event() {
+    let of = |force: &str| {
+        let text = format!(
+            "[flight]\nx = 'v'\nv = '-x - 0.2*v - {force} + 2*cos(0.9*t)'\n[initial]\nx = 0.1\nv = 0\n"
+        );
+        orbit(&with(&text, &[]))
+    };
+    let two = of("3*max(x - 0.5, 0) - 2*max(0, min(2*x - 1, 30))");
+    let one = of("7*max(x - 0.5, 0)");
+    assert!((two.period - one.period).to_f64().abs() < 1e-14);
+    let expected: Vec<(f64, f64)> = one.multipliers.iter().map(|m| (m.re, m.im)).collect();
+    assert_multipliers(&two, &expected);
+}
+
+/// The force that holds a mass on its floor changes its sign at once: at that instant the floor lets go. The mass flies for half a period,
+/// and falls; when and how fast it lands first is known by the flows in closed form.
+#[test]
+fn a_force_that_jumps_opens_a_contact() {
+    let text = "[flight]\nx = 'v'\nv = '-1 - 0.1*v + 1.5*sign(sin(0.9*t)) - 0.5*x'\n[[contact]]\nname = 'floor'\ngap = 'x'\n\
+                impulse = { v = 1 }\nrestitution = 0.4\n[initial]\nx = 0.1\nv = 0\n";
+    let found = orbit(&with(text, &[]));
+    assert!((found.period.to_f64() - TAU / 0.9).abs() < 1e-12);
+    assert_eq!(found.impacts, None);
+    assert!(found.start.iter().take(2).all(|x| x.to_f64() == 0.0));
+    let mut margins = found.margins.iter();
+    let first = margins.find(|margin| margin.kind == MarginKind::ImpactRate);
+    let first = first.unwrap();
+    assert!((first.time - 4.635_877_997_452_521).abs() < 1e-10);
+    assert!((first.value - 2.974_877_162_491_91).abs() < 1e-10);
+    assert_multipliers(&found, &[(0.0, 0.0), (0.0, 0.0)]);
+}
+
+/// Two masses on springs, with friction each, driven in phase: both turn at one instant.
+fn in_phase(friction: &str) -> String {
+    let mass = |x: &str, v: &str, other: &str, w: &str| {
+        let friction = friction.replace("OTHER", &format!("sign({w})"));
+        format!(
+            "{x} = '{v}'\n{v} = '-{x} - 0.1*{v} - 0.35*({x} - {other}) + 2*cos(0.9*t) - {friction}*sign({v})'\n"
+        )
+    };
+    let (one, two) = (mass("x", "u", "y", "v"), mass("y", "v", "x", "u"));
+    format!("[flight]\n{one}{two}[initial]\nx = 0.1\nu = 0\ny = 0.1\nv = 0\n")
+}
+
+/// Friction of each is its own: motion in phase and out of phase shrinks by itself, the latter on a stiffer spring. By SciPy: the orbit of
+/// one mass by shooting, multipliers by exponentials of both flows with the jump of rates where they turn.
+#[test]
+fn masses_that_turn_at_one_instant_have_multipliers_of_their_own() {
+    let found = orbit(&with(&in_phase("0.3"), &[]));
+    assert!(
+        (found.period.to_f64() - TAU / 0.9).abs() < 1e-12,
+        "{:?}",
+        found.period
+    );
+    let of_one = (0.503_222_840_981_955, 0.406_806_841_791_574);
+    let apart = (-0.611_633_750_621_197, 0.211_256_217_223_1);
+    let both = [of_one, apart].map(|(re, im)| [(re, im), (re, -im)]);
+    assert_multipliers(&found, &both.concat());
+}
+
+/// Where the friction of one depends on which way the other goes, the order in which they turn matters.
+#[test]
+fn corners_whose_order_matters_are_refused() {
+    let found = settles(&with(&in_phase("(0.3 + 0.1*OTHER)"), &[]));
+    assert!(
+        matches!(found, Err(PeriodicError::OrderOfCorners { .. })),
+        "{found:?}"
+    );
+}
