@@ -39,6 +39,9 @@ struct Forces<R> {
     level: R,
 }
 
+/// The forces of contacts at rest on some sides, those that are held by them, and those that are undecided.
+type Trial<R> = (Forces<R>, Closed, Closed);
+
 impl<R: Real> Trajectory<R> {
     /// Brings contacts to rest, beside those that are closed already, and decides which of all these stay closed.
     pub(super) fn bring_to_rest(
@@ -298,7 +301,7 @@ impl<R: Real> Trajectory<R> {
         all: Closed,
     ) -> Result<(), FlowError> {
         let contacts: Vec<usize> = all.contacts().collect();
-        let mut free: Option<(Candidate, (Forces<R>, Closed, Closed))> = None;
+        let mut free: Option<(Candidate, Trial<R>)> = None;
         let (forces, held, undecided) = loop {
             let forces = self.forces_at_rest(system, &contacts)?;
             let (found, level) = (&forces.found, forces.level);

@@ -103,3 +103,15 @@ fn corners_whose_order_matters_are_refused() {
         "{found:?}"
     );
 }
+
+/// A block on a shaken floor, which an event slows down where its corner changes: volumes shrink by r^2 at each, in flight not at all.
+#[test]
+fn a_jump_at_a_corner_is_kept() {
+    let text = include_str!("../../../../../models/rocking_block.toml");
+    let found = orbit(&with(text, &[("r", "0.9")]));
+    let product = found.multipliers.iter().fold((1.0, 0.0), |(re, im), m| {
+        (re * m.re - im * m.im, re * m.im + im * m.re)
+    });
+    assert!((product.0 - 0.9_f64.powi(4)).abs() < 1e-12, "{product:?}");
+    assert!(product.1.abs() < 1e-12, "{product:?}");
+}

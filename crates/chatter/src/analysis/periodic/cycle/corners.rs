@@ -118,6 +118,14 @@ pub(super) fn sort(system: &System, steps: &mut [Step]) {
         let (Some(mut guards), Passage::Leg(_)) = (guards, chain[0].passage) else {
             continue;
         };
+        // What jumps has its place.
+        let jumps = |step: &Step| match step.passage {
+            Passage::Leg(kind) | Passage::Together(kind) => kind.jump != Jump::None,
+            _ => true,
+        };
+        if chain.len() == 1 || chain.iter().any(jumps) {
+            continue;
+        }
         guards.sort_by_key(|guard| rank(*guard));
         let Some(kinds) = in_order(system, chain[0].mode(), guards) else {
             continue;
