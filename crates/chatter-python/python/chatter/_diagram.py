@@ -228,7 +228,7 @@ def _sweep(name: str, value: Any) -> tuple[str, str]:
     if len(spacing) > 1 or (spacing and spacing[0] != "log"):
         raise InputError(f"{name}={value!r}: expected (from, to, count), or (from, to, count, \"log\")")
     # A whole number may come as a double; what is none is refused as it was written.
-    whole = int(count) if isinstance(count, numbers.Real) and float(count).is_integer() else count
+    whole = int(float(count)) if isinstance(count, numbers.Real) and float(count).is_integer() else count
     return "sweep", ":".join([f"{name}={text_of(low)}", text_of(high), text_of(whole), *spacing])
 
 
