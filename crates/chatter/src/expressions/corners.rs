@@ -187,8 +187,6 @@ pub struct Corners {
     edges: Vec<Edge>,
     /// The numbers of those that are the squared length of a vector whose direction is asked for. Nothing is below them.
     discs: Surfaces,
-    /// The numbers of those that are crossed without an event.
-    unseen: Surfaces,
     /// What is looked up.
     pub lookups: Vec<Lookup>,
     /// The number of the first parameter of the first lookup.
@@ -265,20 +263,6 @@ impl Corners {
     /// what any direction does, and else is positive.
     pub fn is_disc(&self, surface: usize) -> bool {
         self.discs.contains(surface)
-    }
-
-    /// That these surfaces are crossed without an event.
-    pub fn cross_unseen(&mut self, surfaces: &[Expr]) {
-        for index in 0..self.surfaces.len() {
-            if surfaces.contains(&self.surfaces[index]) {
-                self.unseen = self.unseen.with(index);
-            }
-        }
-    }
-
-    /// Whether a surface is crossed without an event.
-    pub fn is_unseen(&self, surface: usize) -> bool {
-        self.unseen.contains(surface)
     }
 
     /// Whether a surface has corners itself, where it may jump.

@@ -157,7 +157,6 @@ impl<'a> Assembly<'a> {
             sections,
             definitions,
             surfaces: Vec::new(),
-            jumps_of_floor: Vec::new(),
             drawing,
         };
         for (definition, &used) in model.definitions.iter_mut().zip(&self.used) {

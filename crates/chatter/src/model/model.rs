@@ -34,8 +34,6 @@ pub struct Model {
     pub definitions: Vec<Definition>,
     /// Surfaces where an expression changes its form, as formulas: what events of sliding and switching are told with.
     pub surfaces: Vec<String>,
-    /// Surfaces that are jumps of whole parts: crossing one is no event.
-    pub jumps_of_floor: Vec<Expr>,
     /// What the mechanism looks like, part by part in the order of the file.
     pub drawing: Vec<Shape>,
 }
@@ -185,7 +183,6 @@ impl Model {
             show(&mut section.surface);
             section.reset.iter_mut().flatten().for_each(&mut show);
         }
-        self.jumps_of_floor.iter_mut().for_each(show);
     }
 
     /// The vector field of free flight, one component a state.

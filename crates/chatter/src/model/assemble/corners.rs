@@ -20,35 +20,26 @@ impl Model {
         self.graph = graph;
     }
 
-    /// Writes tables of steps as sums of steps, and whole parts as one beside the jump that is nearest, where what is looked up acts on
-    /// how its argument changes, at once or by its acceleration: friction by a table of speeds, control by what is measured in whole
-    /// numbers. Motion may be held at such a jump, which is a matter of surfaces; pieces that only follow each other are looked up.
+    /// Writes tables of steps as sums of steps, where what is looked up acts on how its argument changes, at once or by its acceleration:
+    /// friction by a table of speeds. Motion may be held at such a jump, which is a matter of surfaces; pieces that only follow each other
+    /// are looked up.
     pub(super) fn part_jumps(&mut self) {
         let field = self.field();
         let mut graph = core::mem::take(&mut self.graph);
-        let looked_up: Vec<(Expr, Option<CurveId>, Expr)> = (graph.reachable(&field).into_iter())
+        let tables: Vec<(Expr, CurveId, Expr)> = (graph.reachable(&field).into_iter())
             .filter_map(|part| match *graph.node(part) {
                 Node::Curve(id, argument, 0) if jumps(graph.curve(id)).is_some() => {
-                    Some((part, Some(id), argument))
+                    Some((part, id, argument))
                 }
-                Node::Floor(argument) => Some((part, None, argument)),
                 _ => None,
             })
             .collect();
         let mut parted = Vec::new();
-        for (part, within, argument) in looked_up {
-            if !acts_on(&mut graph, part, (argument, &field)) {
-                continue;
+        for (part, id, argument) in tables {
+            if acts_on(&mut graph, part, (argument, &field)) {
+                let steps = in_steps(&mut graph, id, argument);
+                parted.extend(steps.map(|steps| (part, steps)));
             }
-            let steps = match within {
-                Some(id) => in_steps(&mut graph, id, argument),
-                None => {
-                    let (steps, surface) = with_nearest_jump(&mut graph, argument);
-                    self.jumps_of_floor.extend(surface);
-                    Some(steps)
-                }
-            };
-            parted.extend(steps.map(|steps| (part, steps)));
         }
         if !parted.is_empty() {
             self.for_each_expression(|expr| {
@@ -57,21 +48,6 @@ impl Model {
         }
         self.graph = graph;
     }
-}
-
-/// The whole part of u as the whole part k of u - 1/2, and one more from u = k + 1 on; with the surface of that jump.
-fn with_nearest_jump(graph: &mut Graph, argument: Expr) -> (Expr, Option<Expr>) {
-    let [half, one, zero] = [0.5, 1.0, 0.0].map(|number| graph.number(number));
-    let before = graph.sub(argument, half);
-    let whole = graph.floor(before);
-    let next = graph.add(whole, one);
-    let surface = graph.sub(argument, next);
-    let step = graph.switch(surface, one, zero, Edge::Above);
-    let surface = match *graph.node(step) {
-        Node::Switch { surface, .. } => Some(surface),
-        _ => None,
-    };
-    (graph.add(whole, step), surface)
 }
 
 /// Whether the rate of an argument, or its acceleration, depends on what is looked up by it.

@@ -8,7 +8,6 @@ impl Model {
     /// The corners of all expressions, and the surfaces among them that are rates of sliding in contacts.
     pub(crate) fn corners(&self) -> (Corners, Vec<Rubbing>) {
         let mut corners = Corners::of(&self.graph, &self.expressions(), self.parameters.len());
-        corners.cross_unseen(&self.jumps_of_floor);
         let rubbing = (self.contacts.iter().enumerate())
             .filter_map(|(contact, of)| Some((contact, of.friction.as_ref()?.rate)))
             .map(|(contact, rate)| Rubbing {

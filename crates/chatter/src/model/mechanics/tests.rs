@@ -30,7 +30,6 @@ fn blank(states: usize, parameters: usize) -> Model {
         sections: Vec::new(),
         definitions: Vec::new(),
         surfaces: Vec::new(),
-        jumps_of_floor: Vec::new(),
         drawing: Vec::new(),
     }
 }

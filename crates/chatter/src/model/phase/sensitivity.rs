@@ -71,7 +71,6 @@ mod tests {
             sections: Vec::new(),
             definitions: Vec::new(),
             surfaces: Vec::new(),
-            jumps_of_floor: Vec::new(),
             drawing: Vec::new(),
             graph: graph.clone(),
         };

@@ -454,39 +454,3 @@ fn a_brake_that_is_put_on_holds_what_stands() {
     assert_eq!(run.outcome, Outcome::Horizon);
     assert!((run.state[0] - 2.0).abs() < 1e-13, "{:?}", run.state);
 }
-
-/// What is measured in whole numbers drives x back to the nearest jump that the drive d lies between the two sides of, and holds it there:
-/// x' = d - k floor(x/q + 1/2) at x = (n - 1/2) q, n being d/k rounded up, and from the jump before it by pieces on each of which x moves
-/// evenly. Jumps that are only crossed are no events.
-#[test]
-fn motion_is_held_at_a_jump_of_a_whole_part() {
-    for (length, time) in [(1.0, 1.0), (3e-4, 80.0), (2e3, 0.011)] {
-        for (drive, gain, step, start) in [
-            (0.3_f64, 0.225, 0.25, 1.1),
-            (-0.7, 0.31, 0.4, 0.03),
-            (0.05, 0.6, 0.7, -2.9),
-            (1.9, 0.43, 0.13, -0.4),
-        ] {
-            let text = format!(
-                "[flight]\nx = \"({drive} - {gain}*floor(x/({step}*{length}) + 0.5))*{length}/{time}\"\n\
-                 [initial]\nx = \"{start}*{length}\"\n"
-            );
-            let held = ((drive / gain).ceil() - 0.5_f64) * step;
-            let (mut x, mut arrives): (f64, f64) = (start, 0.0);
-            while (x - held).abs() > 1e-9 {
-                let up = held > x;
-                let cell = x / step + if up { 0.5 + 1e-9 } else { 0.5 - 1e-9 };
-                let end = (cell.floor() + if up { 0.5 } else { -0.5 }) * step;
-                arrives += (end - x) / (drive - gain * cell.floor());
-                x = end;
-            }
-            let run = run::<f64>(&text, (arrives + 1.0) * time);
-            assert_eq!(run.outcome, Outcome::Horizon, "{text}");
-            assert_eq!(run.events.len(), 1, "{text}: {:?}", run.events);
-            assert!(matches!(run.events[0].detail, Occurrence::Slide { .. }));
-            let error = (run.events[0].time / time - arrives).abs();
-            assert!(error < 1e-12 * arrives, "{error} {text}");
-            assert!((run.state[0] / length - held).abs() < 1e-14, "{text}");
-        }
-    }
-}

@@ -464,7 +464,6 @@ impl<R: Real> Trajectory<R> {
                 (Some(_), ..) => continue,
                 (None, _, Side::Sliding) => Occurrence::Slide { surface },
                 (None, Side::Sliding, side) => Occurrence::Leave { surface, side },
-                _ if system.corners().is_unseen(surface) => continue,
                 (None, _, side) => Occurrence::Switch { surface, side },
             };
             // What was crossed and is crossed back at one instant is told neither time.
