@@ -2,8 +2,10 @@
 
 use super::{orbit, settles, with};
 use chatter::analysis::periodic::{MarginKind, Orbit, PeriodicError};
+use chatter::analysis::simulate;
 use chatter::numerics::Real;
 use core::f64::consts::TAU;
+use core::ops::ControlFlow;
 
 fn assert_multipliers(found: &Orbit, expected: &[(f64, f64)]) {
     assert_eq!(found.multipliers.len(), expected.len());
@@ -114,4 +116,47 @@ fn a_jump_at_a_corner_is_kept() {
     });
     assert!((product.0 - 0.9_f64.powi(4)).abs() < 1e-12, "{product:?}");
     assert!(product.1.abs() < 1e-12, "{product:?}");
+}
+
+/// A pendulum that an event kicks where its dry friction changes sides, told from a section that is that very surface, or from elsewhere.
+#[test]
+fn a_section_at_the_corner_of_an_event_tells_the_same_orbit() {
+    let of = |section: &str| {
+        let text = format!(
+            "[flight]\nx = 'v'\nv = '-x - 0.05*v - 0.1*sign(x)'\n[[event]]\nsurface = 'x'\ndirection = 'rising'\n\
+             reset = {{ v = 'v + 0.1' }}\n[initial]\nx = 1\nv = 0\n[section.s]\nsurface = '{section}'\ndirection = 'rising'\n"
+        );
+        let found = orbit(&with(&text, &[]));
+        let [only] = found.multipliers[..] else {
+            panic!("{:?}", found.multipliers)
+        };
+        (found.period.to_f64(), only.re)
+    };
+    let (period, multiplier) = of("v");
+    for section in ["x", "2*x", "-v"] {
+        let (other, same) = of(section);
+        assert!((other / period - 1.0).abs() < 1e-12, "{section}: {other}");
+        assert!((same - multiplier).abs() < 1e-11, "{section}: {same}");
+    }
+}
+
+/// What a clock resets while a ramp ends and a square wave turns round: the orbit is told from a state that comes back.
+#[test]
+fn an_orbit_is_told_from_after_all_that_happens_at_an_instant() {
+    for damping in ["0.0283124", "0.03", "0.0371", "0.041"] {
+        let from = |x: f64, v: f64, t: f64| {
+            format!(
+                "[flight]\nx = 'v'\nv = '0.4*sign(sin(t)) + 0.2*mod(t/(2*pi), 1) - x - {damping}*v'\n[[event]]\nsurface = 'sin(t)'\n\
+                 direction = 'rising'\nreset = {{ v = '-0.8*v' }}\n[initial]\nx = {x:?}\nv = {v:?}\nt = {t:?}\n"
+            )
+        };
+        let found = orbit(&with(&from(0.1, 0.2, 0.0), &[]));
+        let [x, v, t] = [0, 1, 2].map(|k| found.start[k].to_f64());
+        let again = with(&from(x, v, t), &[]);
+        let spec = simulate::Spec::until(t + found.period.to_f64());
+        let run = simulate::simulate::<f64>(&again, &spec, &mut |_| ControlFlow::Continue(()));
+        let state = run.expect("a motion").state;
+        let off = (state[0] - x).abs().max((state[1] - v).abs());
+        assert!(off < 1e-10, "{damping}: {off:e}");
+    }
 }

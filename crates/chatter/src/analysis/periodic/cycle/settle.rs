@@ -186,7 +186,8 @@ fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
         let latest = instants.len().checked_sub(1);
         // Of those that share an instant the last, which what comes after it tells.
         let whole = (0..latest.unwrap_or(0)).rev().find(is_last);
-        let alone = (0..instants.len())
+        // The latest of all may have more to tell, at the same instant.
+        let alone = (0..latest.unwrap_or(0))
             .rev()
             .find(is_alone)
             .or(whole)

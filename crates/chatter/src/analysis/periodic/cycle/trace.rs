@@ -218,7 +218,14 @@ impl<'s> Tracer<'s> {
                 let is_section = |last: &mut Instant| {
                     last.time == time && looks.is_some() && last.guard == looks
                 };
-                let with_section = instants.pop_if(is_section).and(section);
+                let with_section = match instants.pop_if(is_section) {
+                    Some(_) => section,
+                    // The latest event of an instant stands for it.
+                    None => {
+                        let before = instants.last_mut().filter(|last| last.time == time);
+                        before.and_then(|before| before.with_section.take())
+                    }
+                };
                 instants.push(Instant {
                     time: self.trajectory.time(),
                     mode,
