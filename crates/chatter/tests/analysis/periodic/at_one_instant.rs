@@ -160,3 +160,22 @@ fn an_orbit_is_told_from_after_all_that_happens_at_an_instant() {
         assert!(off < 1e-10, "{damping}: {off:e}");
     }
 }
+
+/// A clock that pushes to the other side and resets at one instant, twice a period, with a section there: which of them is told first is rounding.
+#[test]
+fn what_is_reset_at_a_corner_of_the_clock_goes_round_once() {
+    for damping in ["0.05", "0.0457985", "0.031", "0.043", "0.062"] {
+        for section in ["sin(t)", "cos(t)"] {
+            let text = format!(
+                "[flight]\nx = 'v'\nv = '0.3*sign(sin(t)) - x - {damping}*v'\n[[event]]\nsurface = 'sin(t)'\ndirection = 'either'\n\
+                 reset = {{ v = '0.8*v - 0.2*x' }}\n[section.s]\nsurface = '{section}'\ndirection = 'either'\n[initial]\nx = 0\nv = 0\n"
+            );
+            let found = orbit(&with(&text, &[]));
+            let period = found.period.to_f64();
+            assert!(
+                (period / TAU - 1.0).abs() < 1e-12,
+                "{damping} {section}: {period}"
+            );
+        }
+    }
+}

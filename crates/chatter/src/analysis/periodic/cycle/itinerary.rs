@@ -323,6 +323,10 @@ fn gives_jump(steps: &mut [Step], jump: Jump) -> bool {
     match steps.last_mut().map(|step| &mut step.passage) {
         Some(Passage::Leg(kind)) if kind.jump == Jump::None => {
             kind.jump = jump;
+            // As where the reset comes before the corner that it comes with: which is first is rounding.
+            if let Jump::Reset(section) = jump {
+                kind.ends_at = Some(GuardKind::Section(section));
+            }
             true
         }
         _ => false,

@@ -186,8 +186,7 @@ fn landmarks(instants: &[Instant], section: Option<usize>) -> Vec<usize> {
         let latest = instants.len().checked_sub(1);
         // Of those that share an instant the last, which what comes after it tells.
         let whole = (0..latest.unwrap_or(0)).rev().find(is_last);
-        // The latest of all may have more to tell, at the same instant.
-        let alone = (0..latest.unwrap_or(0))
+        let alone = (0..instants.len())
             .rev()
             .find(is_alone)
             .or(whole)
@@ -486,7 +485,14 @@ pub(crate) fn settle(
             }
         } else if !instants.is_empty() {
             let sizes = most.sizes_at((workshop, &parameters), &instants, &turns);
-            match latest_return(workshop, &turns, (&instants, section), (&sizes, NEAR[0])) {
+            // What happens just where a look ends may have more to tell.
+            let now = tracer.trajectory.time();
+            let is_over = |i: &Instant| now - i.time > ONE_INSTANT * f64::EPSILON * now.abs();
+            let complete = match instants.iter().rposition(is_over) {
+                Some(latest) if forcing.is_some() => &instants[..=latest],
+                _ => &instants[..],
+            };
+            match latest_return(workshop, &turns, (complete, section), (&sizes, NEAR[0])) {
                 Ok(ends) => return returned(&instants, ends, &sizes),
                 Err(distance) => nearest = nearest.min(distance),
             }
