@@ -38,16 +38,31 @@ pub(super) const fn rank(guard: GuardKind) -> (u8, usize) {
 
 /// When guards vanish in a mode.
 pub(super) struct Before<'s> {
-    pub system: &'s System,
-    pub mode: usize,
+    system: &'s System,
+    mode: usize,
     /// With those of the pieces.
-    pub parameters: Vec<f64>,
-    pub state: &'s [f64],
+    parameters: Vec<f64>,
+    state: &'s [f64],
     /// The time that its roundings are compared with.
-    pub time: f64,
+    time: f64,
 }
 
-impl Before<'_> {
+impl<'s> Before<'s> {
+    /// In the mode that one instant ends, where another one ends the motion: mostly the same.
+    pub(super) fn new(
+        (system, parameters): (&'s System, &[f64]),
+        (in_mode, end): (&Instant, &'s Instant),
+        span: f64,
+    ) -> Self {
+        Self {
+            system,
+            mode: in_mode.mode,
+            parameters: system.with_pieces(parameters, &in_mode.pieces),
+            state: &end.state,
+            time: end.time.abs().max(span),
+        }
+    }
+
     fn due(&self, guard: GuardKind) -> Option<Due> {
         (self.system).due((self.mode, guard), &self.parameters, self.state)
     }
@@ -156,13 +171,7 @@ impl Events {
         if !is_corner || instant.is_caused || instant.told.is_empty() {
             return None;
         }
-        let before = Before {
-            system,
-            mode: instant.mode,
-            parameters: system.with_pieces(parameters, &instant.pieces),
-            state: &instant.state,
-            time: instant.time.abs().max(span),
-        };
+        let before = Before::new((system, parameters), (instant, instant), span);
         let (mut own, mut crossings) = (guard, Vec::new());
         for told in &instant.told {
             match *told {

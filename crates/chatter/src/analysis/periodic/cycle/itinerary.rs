@@ -270,7 +270,7 @@ pub(crate) fn read(
 /// The end of a piece that always comes with a surface which is crossed at an instant, as of a ramp and a square wave of one clock: of the two it is the
 /// one that the instant is known by.
 fn piece_at_once(
-    (system, parameters): (&System, &[f64]),
+    known: (&System, &[f64]),
     (instants, index): (&[Instant], usize),
     own: GuardKind,
     span: f64,
@@ -287,20 +287,14 @@ fn piece_at_once(
         -1 => Some(GuardKind::Piece(lookup, Side::Below)),
         _ => None,
     });
-    let before = Before {
-        system,
-        mode: instant.mode,
-        parameters: system.with_pieces(parameters, &instant.pieces),
-        state: &instant.state,
-        time: instant.time.abs().max(span),
-    };
+    let before = Before::new(known, (instant, instant), span);
     ends.find(|&end| rank(end) < rank(own) && before.shared(own, end) == Shared::Always)
 }
 
 /// How two surfaces that are crossed at one instant share it.
 fn shared(
-    (system, parameters): (&System, &[f64]),
-    (first, second): (&Instant, &Instant),
+    known: (&System, &[f64]),
+    instants: (&Instant, &Instant),
     (own, other): (GuardKind, GuardKind),
     span: f64,
 ) -> Shared {
@@ -308,14 +302,7 @@ fn shared(
     if own == other || !crosses(own) || !crosses(other) {
         return Shared::No;
     }
-    let before = Before {
-        system,
-        mode: first.mode,
-        parameters: system.with_pieces(parameters, &first.pieces),
-        state: &second.state,
-        time: second.time.abs().max(span),
-    };
-    before.shared(own, other)
+    Before::new(known, instants, span).shared(own, other)
 }
 
 /// Lets the event before, which changes nothing by itself, make a jump; whether it can.
