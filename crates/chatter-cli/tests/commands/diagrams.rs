@@ -172,8 +172,8 @@ fn pictures_are_drawn_at_once_and_later() {
     plot.extend(zoom);
     assert!(succeeds(&plot).contains("--shear auto"));
     let text = String::from_utf8(folder.bytes("a.svg")).unwrap();
-    // Vector axes, and the density as an embedded picture.
-    assert!(text.contains("data:image/png;base64") && text.contains("<path"));
+    // Few samples are vectors, too.
+    assert!(!text.contains("data:image/png;base64") && text.contains("<path"));
     plot[3] = &pdf;
     succeeds(&plot);
     assert!(folder.bytes("a.pdf").starts_with(b"%PDF"));
@@ -187,6 +187,49 @@ fn pictures_are_drawn_at_once_and_later() {
     assert!(wrong(&["--zoom", "p=0:1"]).contains("there is `q`, `y2`, `impacts`"));
     assert!(wrong(&["--observe", "y3"]).contains("is not observed"));
     assert!(fails(&["plot", &png, "--out", &pdf]).contains("is not a readable NPZ file"));
+}
+
+/// Few samples are discs, many an embedded density; the first and last of few values are seen whole.
+#[test]
+fn many_samples_are_a_density_and_few_are_discs() {
+    let folder = Folder::new("discs");
+    let drawn = |count: &str, keep: &str| {
+        let (npz, svg) = (folder.file("a.npz"), folder.file("a.svg"));
+        let sweep = [
+            "--sweep",
+            count,
+            "--observe",
+            "x",
+            "--transient",
+            "0",
+            "--keep",
+            keep,
+        ];
+        let mut diagram = vec!["diagram", "impact_oscillator", "--period", "2*pi/omega"];
+        diagram.extend(sweep);
+        diagram.extend(["--out", &npz, "--plot", &svg]);
+        succeeds(&diagram);
+        String::from_utf8(folder.bytes("a.svg")).unwrap()
+    };
+    let image = "data:image/png;base64";
+    let few = drawn("omega=2.7:2.8:20", "50");
+    assert!(!few.contains(image));
+    assert!(drawn("omega=2.8:2.9:20", "400").contains(image));
+    assert!(drawn("omega=2.7:2.8:600", "2").contains(image));
+    // From the middle of the first of twenty cells to that of the last.
+    let places: Vec<f64> = (few.split("<use ").skip(1))
+        .map(|disc| disc.split_once("x=\"").unwrap().1)
+        .map(|x| x.split('"').next().unwrap().parse().unwrap())
+        .collect();
+    let least = places.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = places.iter().copied().fold(0.0, f64::max);
+    let width = (most - least) / 19.0;
+    assert!(
+        places
+            .iter()
+            .all(|x| ((x - least) / width + 0.01).fract() < 0.02)
+    );
+    assert!(least > width && most + width / 2.0 < 504.6);
 }
 
 #[test]

@@ -1,8 +1,9 @@
-//! Samples over one parameter, as densities.
+//! Samples over one parameter, as densities; as discs where there are few.
 
+use super::discs::Discs;
 use super::layers::Layers;
 use super::line_fit::LineFit;
-use super::window::{Abscissa, Window};
+use super::window::{Abscissa, SPARSE, Window};
 use super::{Shear, View};
 use crate::diagram::Source;
 use crate::diagram::tally::Tally;
@@ -19,9 +20,9 @@ const ROWS: usize = 1200;
 /// Fewer values than these are few for a part of a diagram.
 pub const FEW: u64 = 150;
 
-/// The samples of fewer values than these are shown as dots, of which so many would stand side by side and above each other: as
-/// wide as they are high. As cells they would be dashes.
-const DOTS: (u64, usize) = (500, 300);
+/// The samples of few values are shown as dots, of which so many would stand side by side and above each other: as wide as they
+/// are high. As cells they would be dashes.
+const DOTS: (u64, usize) = (SPARSE, 300);
 
 /// Room above and below the samples, as a part of their extent.
 const ROOM: f64 = 0.03;
@@ -97,7 +98,7 @@ pub fn densities(
     })?;
     let (columns, rows, grain) = match window.count {
         // An odd number of cells for each value: the dot is in the middle.
-        few if few < DOTS.0 => (few * ((DOTS.0 / few.max(1)) | 1), DOTS.1, Grain::Points),
+        few if window.is_sparse() => (few * ((DOTS.0 / few.max(1)) | 1), DOTS.1, Grain::Points),
         count => (count.min(COLUMNS), ROWS, Grain::Smooth),
     };
     let mut drawn = Vec::new();
@@ -113,24 +114,31 @@ pub fn densities(
                 .scales(window.scale, Scale::Linear)
         });
         let densities: Vec<Density> = densities.collect();
-        drawn.push((one, densities));
+        let discs = Discs::new(window.is_sparse(), layers.layers.len(), extent);
+        drawn.push((one, densities, discs));
     }
     visible(source, &mut |row, x, sample| {
-        for (one, densities) in &mut drawn {
-            densities[layers.of(row)].add(x, one.level(x - window.low, sample));
+        for (one, densities, discs) in &mut drawn {
+            let (layer, y) = (layers.of(row), one.level(x - window.low, sample));
+            densities[layer].add(x, y);
+            discs.add(layer, (row, x, y));
         }
     })?;
     let level = view.shear.is_some();
-    let slanted = !level && drawn.iter().any(|(one, _)| one.fit.quality() > NARROW);
-    let panel = |(place, (one, densities)): (usize, (Shown, Vec<Density>))| {
-        let y = one.axis(axis, range, window.low).tight();
+    let slanted = !level && drawn.iter().any(|(one, ..)| one.fit.quality() > NARROW);
+    let panel = |(place, (one, densities, discs)): (usize, (Shown, Vec<Density>, Discs))| {
+        let (low, high) = discs.extent;
+        let y = one.axis(axis, range, window.low).range(low, high);
         let panel = Panel::new(window.on(axis(&range.name())), y);
         // One legend for all panels.
         let legend = match (densities.len(), place) {
             (2.., 0) => Legend::Above,
             _ => Legend::Hidden,
         };
-        let layered = densities.into_iter().fold(panel, Panel::with);
+        let layered = match discs.markers(&layers) {
+            Some(markers) => markers.into_iter().fold(panel, Panel::with),
+            None => densities.into_iter().fold(panel, Panel::with),
+        };
         layered.legend(legend)
     };
     Ok(Densities {

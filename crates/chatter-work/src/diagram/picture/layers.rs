@@ -104,6 +104,11 @@ impl Layers {
         }
     }
 
+    /// Whether they show one thing in two ways, so that much of one lies upon the other.
+    pub fn coincide(&self) -> bool {
+        matches!(self.of, Of::Direction)
+    }
+
     /// On which layer a row is drawn.
     pub fn of(&self, row: u64) -> usize {
         match &self.of {

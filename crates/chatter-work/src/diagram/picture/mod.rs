@@ -2,6 +2,7 @@
 
 mod cells;
 mod densities;
+mod discs;
 mod layers;
 mod line_fit;
 mod window;

@@ -64,10 +64,21 @@ impl Window {
         (self.low..=self.high).contains(&x)
     }
 
-    /// The axis over just these values.
+    /// Whether each value is seen by itself.
+    pub fn is_sparse(&self) -> bool {
+        self.count < SPARSE
+    }
+
+    /// The axis over just these values; over their cells where half of the first and of the last one would be missed.
     pub fn on(&self, axis: Axis) -> Axis {
-        let mut axis = if self.low < self.high {
-            axis.range(self.low, self.high)
+        let (low, high) = if self.is_sparse() {
+            let (first, last) = self.cells;
+            (first.min(self.low), last.max(self.high))
+        } else {
+            (self.low, self.high)
+        };
+        let mut axis = if low < high {
+            axis.range(low, high)
         } else {
             axis.tight()
         };
@@ -75,6 +86,9 @@ impl Window {
         axis
     }
 }
+
+/// Fewer values than these are seen one by one.
+pub const SPARSE: u64 = 500;
 
 /// Room beside a single value.
 fn beside(value: f64) -> (f64, f64) {
