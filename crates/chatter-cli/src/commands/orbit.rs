@@ -25,7 +25,8 @@ coordinate X of a chatter border that is near (negative where chatter is complet
 JSON
   orbit: period, start and section (states by name), section_name, events (as in `simulate`, times from the start),
   impacts (null where infinitely many), multipliers (re and im, by size), trivial_multiplier (null where there is none),
-  residual, error, stable, margins (kind, where, time, value). With --all: orbits, a list of these.";
+  residual, error, stable, neutral (none outside the unit circle, and some on it as far as they are known), margins
+  (kind, where, time, value). With --all: orbits, a list of these.";
 
 /// Find periodic orbits, stable or not, with their multipliers
 #[derive(Args, Debug)]

@@ -43,6 +43,8 @@ class PeriodicOrbit(Frozen):
     """Those of the return map, by size."""
     stable: bool
     """Whether all of them are within the unit circle."""
+    neutral: bool
+    """Whether the largest of them are on the unit circle, as far as they are known: then it is neither stable nor unstable by them."""
 
     _how: Mapping[str, Any]
 
@@ -67,7 +69,8 @@ class PeriodicOrbit(Frozen):
 
     def __repr__(self) -> str:
         impacts = "complete chatter" if self.impacts is None else f"{self.impacts} impacts"
-        return f"<PeriodicOrbit of period {self.period!r}, {impacts}, {'stable' if self.stable else 'unstable'}>"
+        stability = "stable" if self.stable else "neutral" if self.neutral else "unstable"
+        return f"<PeriodicOrbit of period {self.period!r}, {impacts}, {stability}>"
 
 
 class Special(Mapping[str, Any]):

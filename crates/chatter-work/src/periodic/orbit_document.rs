@@ -89,6 +89,7 @@ fn object(subject: &Subject, orbit: &Orbit) -> Result<Object, Refusal> {
         .with("residual", orbit.residual)
         .with("error", orbit.correction)
         .with("stable", Json::Bool(orbit.is_stable()))
+        .with("neutral", Json::Bool(orbit.is_neutral()))
         .with("margins", margins.collect::<Vec<Json>>()))
 }
 
