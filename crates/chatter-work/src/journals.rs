@@ -24,6 +24,33 @@ pub fn shard_journal(output: &Path, share: Share) -> PathBuf {
     output.with_file_name(name)
 }
 
+/// The journals of shares that lie beside `output`, of whatever number.
+pub fn shards_beside(output: &Path) -> Vec<PathBuf> {
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let is_whole = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_share = |name: &str| {
+        let share = (name.strip_prefix(&*stem))
+            .and_then(|rest| rest.strip_prefix('.')?.strip_suffix(".journal"));
+        share
+            .and_then(|share| share.split_once("-of-"))
+            .is_some_and(|(number, of)| is_whole(number) && is_whole(of))
+    };
+    let folder = match output.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let names = entries.flatten().map(|entry| entry.file_name());
+    let mut shards: Vec<PathBuf> = names
+        .filter(|name| is_share(&name.to_string_lossy()))
+        .map(|name| output.with_file_name(name))
+        .collect();
+    shards.sort();
+    shards
+}
+
 /// Opens the journals that are to be merged into `own`.
 ///
 /// # Errors

@@ -22,6 +22,14 @@ const WRONG: &[(&str, &str)] = &[
         "[flight]\ny = 0\n[initial]\ny = 0\n[solver]\norder = 4\n",
     ),
     (
+        "tables in double brackets",
+        "[[parameters]]\ng = 1\n[[flight]]\ny = \"v\"\nv = \"-g\"\n[[initial]]\ny = 1\nv = 0\n",
+    ),
+    (
+        "a flight that is no table",
+        "flight = 3\n[initial]\ny = 1\n",
+    ),
+    (
         "a misspelt key of a contact",
         "[flight]\ny = \"v\"\nv = -1\n[initial]\ny = 1\nv = 0\n\n[[contact]]\ngap = \"y\"\nimpulse = { v = 1 }\nrestitition = 0.5\n",
     ),

@@ -192,6 +192,11 @@ fn foreign_journals_and_wrong_shares_are_refused() {
         folder.file("a.01-of-30.journal"),
         folder.file("b.02-of-30.journal"),
     );
+    let said = fails(&["diagram", "--resume", &a]);
+    assert!(
+        said.contains(&one) && said.contains("chatter merge"),
+        "{said}"
+    );
     let said = fails(&["merge", &one, &other, "--out", &a]);
     assert!(
         said.contains("another diagram") && said.contains("another sweep"),

@@ -135,9 +135,10 @@ impl ModelErrorKind {
             Self::ReservedName { meaning, .. } => format!("means {meaning} in expressions"),
             Self::InvalidName { .. } => "expected a letter, then letters, digits or _".to_owned(),
             Self::ImpulseOnUnknownState { states, .. }
-            | Self::InitialOfUnknownState { states, .. } => {
-                format!("expected {}", alternatives(states))
-            }
+            | Self::InitialOfUnknownState { states, .. } => match &states[..] {
+                [] => "there is no state".to_owned(),
+                states => format!("expected {}", alternatives(states)),
+            },
             Self::ImpulseOnTime => "an impact takes no time".to_owned(),
             Self::ResetBesideImpulse { .. } => {
                 "expected either `reset`, or `impulse` and `restitution`".to_owned()

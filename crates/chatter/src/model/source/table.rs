@@ -106,12 +106,15 @@ impl<'i> TableReader<'i> {
         expected: &'static str,
         value: &'t Spanned<DeValue<'i>>,
     ) -> Option<Vec<Item<'t, 'i>>> {
-        match value.get_ref().as_table() {
-            Some(table) => Some(self.items(table)),
-            None => {
-                self.wrong_type(what.to_owned(), expected, value);
-                None
-            }
+        if let Some(table) = value.get_ref().as_table() {
+            return Some(self.items(table));
+        }
+        self.wrong_type(what.to_owned(), expected, value);
+        // In brackets too many: it is read on, so that nothing further is missed for it.
+        let mut all = value.get_ref().as_array()?.iter();
+        match (all.next(), all.next()) {
+            (Some(only), None) => only.get_ref().as_table().map(|table| self.items(table)),
+            _ => None,
         }
     }
 
