@@ -83,6 +83,11 @@ def test_a_periodic_orbit_returns_to_where_it_started():
     eigenvalues = np.linalg.eigvals(np.array([[0, 1], [-1, -0.2]]))
     expected = np.sort_complex(np.exp(eigenvalues * np.pi))
     np.testing.assert_allclose(np.sort_complex(orbit.multipliers), expected, rtol=1e-9)
+    assert orbit.stable and not orbit.neutral
+    # Without damping it is neither.
+    free = ch.Model('[flight]\nx = "v"\nv = "cos(2*t) - x"\n[initial]\nx = 0\nv = 0\n')
+    (orbit,) = free.orbits(1, starts=5, period="pi")
+    assert orbit.neutral and not orbit.stable and "neutral" in repr(orbit)
 
 
 def test_a_branch_holds_the_orbits_of_its_parameter():

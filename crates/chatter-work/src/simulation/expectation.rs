@@ -2,7 +2,8 @@
 
 use super::Subject;
 use crate::numbers::{Digits, full};
-use chatter::analysis::simulate::{FastestRate, Progress, Sampling};
+use crate::refusal::Refusal;
+use chatter::analysis::simulate::{FastestRate, Progress, Sampling, Spec};
 use chatter::model::Model;
 use chatter::numerics::Real;
 use chatter_files::atomic_file::free_space;
@@ -34,23 +35,69 @@ pub struct Expectation {
     pub free: Option<u64>,
 }
 
+/// So many numbers are kept in memory at most: eight gigabytes, and as many again where they are handed on.
+const MOST_KEPT: f64 = (1_u64 << 30) as f64;
+
+/// Refuses more rows than memory is to keep.
+///
+/// # Errors
+/// There are more.
+pub fn kept_in_memory(subject: &Subject, rows: f64) -> Result<(), Refusal> {
+    let most = MOST_KEPT / columns(subject) as f64;
+    if rows <= most {
+        return Ok(());
+    }
+    let (rows, bytes) = (
+        format!("{rows:.1e}"),
+        size(rows * columns(subject) as f64 * NUMBER),
+    );
+    Err(Refusal::input(format!(
+        "{rows} samples, about {bytes}, are more than is kept in memory: {most:.1e} are"
+    ))
+    .help("a longer interval, or `chatter simulate --sample INTERVAL --out FILE.npz`, which keeps them in a file"))
+}
+
+/// The numbers in a row: time, states, and what each contact does.
+fn columns(subject: &Subject) -> usize {
+    1 + subject.states().count() + subject.model.contacts.len()
+}
+
 impl Expectation {
     /// Of the table at `path`.
     pub fn of_table(subject: &Subject, path: &Path) -> Self {
+        let rows = Self::rows(subject);
+        Self {
+            rows,
+            bytes: rows.map(|rows| rows * columns(subject) as f64 * NUMBER),
+            free: free_space(path),
+        }
+    }
+
+    /// Rows of a run that lasts as long as it may.
+    fn rows(subject: &Subject) -> Option<f64> {
         let parameters = subject.model.parameter_values::<f64>(&[]);
         let initial = subject.model.initial_state(&parameters);
         let start = subject.model.time.map_or(0.0, |time| initial[time]);
-        let columns = 1 + subject.states().count() + subject.model.contacts.len();
-        let rows = match subject.spec.sampling.first() {
+        match subject.spec.sampling.first() {
             Some(Sampling::Every(interval)) if interval.to_f64() > 0.0 => {
                 Some((subject.spec.until.to_f64() - start) / interval.to_f64())
             }
             _ => None,
-        };
-        Self {
-            rows,
-            bytes: rows.map(|rows| rows * columns as f64 * NUMBER),
-            free: free_space(path),
+        }
+    }
+
+    /// Refuses a run whose samples memory is not to keep, where nothing but its time is to end it.
+    ///
+    /// # Errors
+    /// There will be too many.
+    pub fn in_memory(subject: &Subject) -> Result<(), Refusal> {
+        let spec = subject.spec;
+        let ends_by_time = subject.time_was_given && spec.stops.is_empty();
+        match Self::rows(subject) {
+            Some(rows) if ends_by_time && spec.impacts == Spec::IMPACT_BUDGET => {
+                kept_in_memory(subject, rows)
+            }
+            _ => Ok(()),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Follows one trajectory: its events are noted, its samples written as they come.
 
-use super::expectation::StepWatch;
+use super::expectation::{StepWatch, kept_in_memory};
 use super::table::SampleTable;
 use super::{Expectation, Record, Subject, event_table, sentence};
 use crate::observer::Observer;
@@ -76,7 +76,11 @@ pub fn follow<'a, R: Real>(
             }
             Some(SampleTable::create(subject, path)?)
         }
-        Rows::None | Rows::Memory => None,
+        Rows::Memory => {
+            Expectation::in_memory(subject)?;
+            None
+        }
+        Rows::None => None,
     };
     let path = match *rows {
         Rows::Events(path) | Rows::Table(path) => Some(path),
@@ -100,6 +104,7 @@ pub fn follow<'a, R: Real>(
     let folder = folder(path);
     let (dimension, contacts) = (subject.model.states.len(), subject.model.contacts.len());
     let mut listener = Listener {
+        subject,
         table,
         samples: matches!(rows, Rows::Memory).then(|| Samples {
             times: Vec::new(),
@@ -149,6 +154,7 @@ pub fn follow<'a, R: Real>(
 
 /// What a run hands over while it goes on.
 struct Listener<'a, 'b, R> {
+    subject: &'b Subject<'b>,
     table: Option<SampleTable<'a>>,
     samples: Option<Samples<R>>,
     record: Record<R>,
@@ -182,7 +188,7 @@ impl<R: Real> Sink<R> for Listener<'_, '_, R> {
                 for (values, next) in kept.states.iter_mut().zip(&samples.states) {
                     values.extend_from_slice(next);
                 }
-                Ok(())
+                kept_in_memory(self.subject, kept.times.len() as f64)
             }
             (None, None) => return ControlFlow::Continue(()),
         };
