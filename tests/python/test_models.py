@@ -116,8 +116,8 @@ def test_what_is_wrong_is_told_with_its_place():
 def test_more_samples_than_memory_is_to_keep_are_refused():
     ball = ch.Model.shipped("bouncing_ball")
     with pytest.raises(ch.InputError, match=r"5\.0e12 samples, about .* are more than is kept in memory"):
-        ball.simulate(until=5, sample=1e-12)
-    assert len(ball.simulate(until=0.5, sample=1e-3).t) >= 500
+        ball.simulate(5, sample=1e-12)
+    assert len(ball.simulate(0.5, sample=1e-3).t) >= 500
 
 
 def test_a_run_that_cannot_go_on_has_what_was_computed():

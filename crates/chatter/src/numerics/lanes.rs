@@ -27,6 +27,36 @@ macro_rules! mask {
     };
 }
 
+/// In the implementation of [`Scalar`] by [`Wide`] numbers, the functions that no instruction computes: of each number by itself.
+macro_rules! number_by_number {
+    () => {
+        $crate::numerics::lanes::number_by_number!(exp ln tan asin acos atan sinh cosh tanh);
+
+        fn sin_cos(self) -> (Self, Self) {
+            let mut both = (self, self);
+            for (sine, cosine) in (both.0.lanes_mut().iter_mut()).zip(both.1.lanes_mut()) {
+                (*sine, *cosine) = Scalar::sin_cos(*sine);
+            }
+            both
+        }
+        fn powf(mut self, exponent: Self) -> Self {
+            for (value, &exponent) in self.lanes_mut().iter_mut().zip(exponent.lanes()) {
+                *value = Scalar::powf(*value, exponent);
+            }
+            self
+        }
+    };
+    ($($function:ident)+) => {
+        $(fn $function(mut self) -> Self {
+            for value in self.lanes_mut() {
+                *value = Scalar::$function(*value);
+            }
+            self
+        })+
+    };
+}
+pub(super) use number_by_number;
+
 /// `L` doubles that go through the same operations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
@@ -295,44 +325,7 @@ impl<const L: usize> Scalar for Lanes<L> {
     fn sqrt(self) -> Self {
         self.each(f64::sqrt)
     }
-    fn exp(self) -> Self {
-        self.each(Scalar::exp)
-    }
-    fn ln(self) -> Self {
-        self.each(Scalar::ln)
-    }
-    fn sin_cos(self) -> (Self, Self) {
-        let mut sine = self;
-        let mut cosine = self;
-        for i in 0..L {
-            (sine.0[i], cosine.0[i]) = Scalar::sin_cos(self.0[i]);
-        }
-        (sine, cosine)
-    }
-    fn tan(self) -> Self {
-        self.each(Scalar::tan)
-    }
-    fn asin(self) -> Self {
-        self.each(Scalar::asin)
-    }
-    fn acos(self) -> Self {
-        self.each(Scalar::acos)
-    }
-    fn atan(self) -> Self {
-        self.each(Scalar::atan)
-    }
-    fn sinh(self) -> Self {
-        self.each(Scalar::sinh)
-    }
-    fn cosh(self) -> Self {
-        self.each(Scalar::cosh)
-    }
-    fn tanh(self) -> Self {
-        self.each(Scalar::tanh)
-    }
-    fn powf(self, exponent: Self) -> Self {
-        self.zip(exponent, Scalar::powf)
-    }
+    number_by_number!();
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
         mask!(|i| self.0[i] < other.0[i])

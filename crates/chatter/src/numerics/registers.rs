@@ -16,7 +16,7 @@ mod tests;
 
 use super::DoubleDouble;
 use super::dispatch::{InstructionSet, Kernel, dispatch_avx512};
-use super::lanes::{LaneSet, Wide, WideMask};
+use super::lanes::{LaneSet, Wide, WideMask, number_by_number};
 use super::scalar::{BIAS, DROPPED, Mask, Scalar, TWO_40, TWO_52, TWO_52_BITS};
 use core::arch::x86_64::*;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
@@ -82,17 +82,6 @@ impl Neg for Registers {
     }
 }
 
-impl Registers {
-    /// What a function makes of each number.
-    #[inline(always)]
-    fn map(mut self, function: impl Fn(f64) -> f64) -> Self {
-        for value in self.lanes_mut() {
-            *value = function(*value);
-        }
-        self
-    }
-}
-
 impl Scalar for Registers {
     type Mask = RegisterMask;
     const ROUNDOFF: f64 = f64::ROUNDOFF;
@@ -123,46 +112,7 @@ impl Scalar for Registers {
     fn sqrt(self) -> Self {
         each!(Self, |k| _mm512_sqrt_pd(self.0[k]))
     }
-    fn exp(self) -> Self {
-        self.map(Scalar::exp)
-    }
-    fn ln(self) -> Self {
-        self.map(Scalar::ln)
-    }
-    fn sin_cos(self) -> (Self, Self) {
-        let mut both = (self, self);
-        for (sine, cosine) in (both.0.lanes_mut().iter_mut()).zip(both.1.lanes_mut()) {
-            (*sine, *cosine) = Scalar::sin_cos(*sine);
-        }
-        both
-    }
-    fn tan(self) -> Self {
-        self.map(Scalar::tan)
-    }
-    fn asin(self) -> Self {
-        self.map(Scalar::asin)
-    }
-    fn acos(self) -> Self {
-        self.map(Scalar::acos)
-    }
-    fn atan(self) -> Self {
-        self.map(Scalar::atan)
-    }
-    fn sinh(self) -> Self {
-        self.map(Scalar::sinh)
-    }
-    fn cosh(self) -> Self {
-        self.map(Scalar::cosh)
-    }
-    fn tanh(self) -> Self {
-        self.map(Scalar::tanh)
-    }
-    fn powf(mut self, exponent: Self) -> Self {
-        for (value, &exponent) in self.lanes_mut().iter_mut().zip(exponent.lanes()) {
-            *value = Scalar::powf(*value, exponent);
-        }
-        self
-    }
+    number_by_number!();
     #[inline(always)]
     fn less(self, other: Self) -> RegisterMask {
         each!(RegisterMask, |k| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(
