@@ -8,6 +8,7 @@ use crate::periodic::refused;
 use crate::refusal::Refusal;
 use chatter::analysis::exponents::{Exponents, Spec, exponents};
 use chatter::analysis::periodic::forcing;
+use chatter::analysis::simulate::FastestRate;
 use chatter::model::Model;
 use chatter::numerics::Real as _;
 use std::time::Instant;
@@ -15,7 +16,8 @@ use std::time::Instant;
 /// What is asked. What is none is as usual.
 #[derive(Clone, Debug, Default)]
 pub struct Request {
-    /// Time from one orthogonalisation to the next; the period of the forcing, or 1.
+    /// Time from one orthogonalisation to the next; the period of the forcing, or one unit of time, or a power of ten of that for
+    /// faster models.
     pub interval: Option<Quantity>,
     /// Intervals passed over.
     pub transient: Option<Count>,
@@ -35,7 +37,7 @@ impl Request {
     pub fn spec(&self, model: &mut Model) -> Result<Spec, Refusal> {
         let interval = match &self.interval {
             Some(interval) => interval.value(model, "--interval")?.to_f64(),
-            None => forcing(model).unwrap_or(1.0),
+            None => forcing(model).unwrap_or_else(|| usual_interval(model)),
         };
         if !(interval > 0.0 && interval.is_finite()) {
             return Err(Refusal::input(format!(
@@ -60,6 +62,14 @@ impl Request {
         }
         Ok(spec)
     }
+}
+
+/// One unit of time; for a model in which much happens in one, the power of ten nearest to ten of the times that its equations
+/// answer in.
+fn usual_interval(model: &Model) -> f64 {
+    let rate = FastestRate::at_start(model).map_or(1.0, |fastest| fastest.rate);
+    let power = (1.0 - libm::log10(rate)).round().min(0.0);
+    format!("1e{power}").parse().unwrap_or(1.0)
 }
 
 /// The exponents; once the observer stops, over the intervals that are done.

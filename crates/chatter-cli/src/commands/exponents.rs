@@ -33,7 +33,7 @@ pub struct Arguments {
     #[command(flatten)]
     initial: Initial,
 
-    /// Time between orthogonalisations [default: the period of the forcing; without one, 1]
+    /// Time between orthogonalisations [default: the period of the forcing; without one, 1, or less for models that answer in less than a tenth of it]
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     interval: Option<Quantity>,
 

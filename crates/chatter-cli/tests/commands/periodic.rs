@@ -7,6 +7,12 @@ use serde_json::Value;
 
 const VALVE: &str = "pressure_relief_valve";
 
+/// A capacitor that a relay charges and discharges.
+const FAST_RELAY: &str = "[flight]\nx = '(1 - 2*s - x)/1e-4'\ns = 0\n\
+    [[event]]\nname = 'up'\nsurface = 'x - 0.5'\ndirection = 'rising'\nreset = { s = 1 }\n\
+    [[event]]\nname = 'down'\nsurface = 'x + 0.5'\ndirection = 'falling'\nreset = { s = 0 }\n\
+    [initial]\nx = 0\ns = 0\n";
+
 fn close(value: &Value, expected: f64, tolerance: f64) {
     let value = number(value);
     assert!((value - expected).abs() <= tolerance, "{value} {expected}");
@@ -223,6 +229,13 @@ fn exponents_sum_to_what_volumes_shrink_by() {
         .sum();
     assert!((sum + 0.1).abs() < 1e-8, "{sum}");
     assert!(succeeds(&["exponents", VALVE, "--intervals", "20"]).contains("dimension"));
+    // What takes a tenth of a millisecond, in seconds: its own time is zero's, to its rate of 1e4.
+    let folder = Folder::new("fast");
+    let file = folder.file("relay.toml");
+    std::fs::write(&file, FAST_RELAY).unwrap();
+    let told = document(&["exponents", &file, "--json"]);
+    assert_eq!(told["interval"], 1e-3);
+    assert!(number(&told["exponents"][0]).abs() < 30.0);
 }
 
 #[test]
