@@ -317,6 +317,12 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
             },
         });
     }
+    let corner = (shooting.corner_at_jump(&at)).map_err(|left| failed(&NewtonError::Left(left)))?;
+    if let Some(corner) = corner {
+        return Err(PeriodicError::OrderOfCorners {
+            corner: workshop.at_corner(corner),
+        });
+    }
     let margins = margins(&mut shooting, &at)?;
     let parameters = workshop.parameters(&at[at.len() - free..]);
     let turns = workshop.closure.turns::<f64>(&parameters)?;
