@@ -317,10 +317,10 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
             },
         });
     }
-    let corner = (shooting.corner_at_jump(&at)).map_err(|left| failed(&NewtonError::Left(left)))?;
-    if let Some(corner) = corner {
+    let guard = shooting.order_at_jumps(&at);
+    if let Some(guard) = guard.map_err(|left| failed(&NewtonError::Left(left)))? {
         return Err(PeriodicError::OrderOfCorners {
-            corner: workshop.at_corner(corner),
+            corner: workshop.named(guard),
         });
     }
     let margins = margins(&mut shooting, &at)?;

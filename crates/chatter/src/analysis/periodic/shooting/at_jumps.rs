@@ -6,7 +6,7 @@ use crate::analysis::continuation::Left;
 use crate::analysis::periodic::cycle::rotate::a_turn_later;
 use crate::expressions::{Expr, Graph, Side, Symbol};
 use crate::flow::leg::{Jump, LegKind};
-use crate::flow::{Corner, SAME_DERIVATIVE, Settings};
+use crate::flow::{Corner, GuardKind, SAME_DERIVATIVE, Settings};
 use crate::numerics::{Matrix, dot};
 
 /// What is no farther apart than so many roundoffs of the time comes at one instant: which is first is rounding.
@@ -43,6 +43,12 @@ struct Met {
     function: usize,
 }
 
+/// What happens at an instant: a jump, or a corner whose function has these derivatives.
+enum Happening<'f> {
+    Jump(LegKind),
+    Corner(&'f Graph, &'f [Expr]),
+}
+
 fn is_one(a: &[f64], b: &[f64]) -> bool {
     let mut pairs = a.iter().zip(b);
     pairs.all(|(a, b)| (a - b).abs() <= SAME_SLOPES * a.abs().max(b.abs()))
@@ -65,14 +71,10 @@ fn shifted(of: &Matrix<f64>, by: &[f64], late: &[f64]) -> Matrix<f64> {
     shifted
 }
 
-fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
-}
-
 impl Shooting<f64> {
-    /// The corner that comes at the instant of a jump, where the derivative depends on which of both is met first: at a point that was
-    /// evaluated last.
-    pub(crate) fn corner_at_jump(&self, at: &[f64]) -> Result<Option<Corner>, Left> {
+    /// What comes at the instant of a jump, a corner or another jump, where the derivative depends on which of both is met first: at a point
+    /// that was evaluated last.
+    pub(crate) fn order_at_jumps(&self, at: &[f64]) -> Result<Option<GuardKind>, Left> {
         let jumps = |step: &Step| match step.passage {
             Passage::Leg(kind) if kind.jump != Jump::None => Some(kind),
             _ => None,
@@ -80,20 +82,120 @@ impl Shooting<f64> {
         let all: Vec<(usize, LegKind)> = (self.steps.iter().enumerate())
             .filter_map(|(index, step)| Some((index, jumps(step)?)))
             .collect();
-        if all.is_empty() || self.workshop.system.corners().is_empty() {
+        let steps = self.current_steps(at);
+        let parameters = self.workshop.parameters(self.free(at));
+        for &(index, kind) in &all {
+            let next = self.after(index);
+            if let Some(&(_, other)) = all.iter().find(|(jump, _)| *jump == next)
+                && next != index
+                && steps[next].duration.abs() <= ONE_INSTANT * self.time_at(&steps[next].start)
+                && self.order_of_jumps(&steps, (index, kind), other, &parameters)?
+            {
+                return Ok(other.ends_at);
+            }
+        }
+        if self.workshop.system.corners().is_empty() {
             return Ok(None);
         }
         let functions = self.functions();
-        let steps = self.current_steps(at);
-        let parameters = self.workshop.parameters(self.free(at));
         for (index, kind) in all {
-            if let Some(met) =
-                self.order_at_jump((&steps, &functions), (index, kind), &parameters)?
-            {
-                return Ok(Some(met));
+            let met = self.corner_at_jump((&steps, &functions), (index, kind), &parameters)?;
+            if let Some(met) = met {
+                return Ok(Some(match met {
+                    Corner::Surface(index) => GuardKind::Switch(index),
+                    Corner::Lookup(index) => GuardKind::Piece(index, Side::Above),
+                }));
             }
         }
         Ok(None)
+    }
+
+    /// The time that what shares an instant at a state is told apart by.
+    fn time_at(&self, state: &[f64]) -> f64 {
+        let clock = self.workshop.model.time;
+        self.period()
+            .max(clock.map_or(0.0, |place| state[place].abs()))
+    }
+
+    /// The regime that a step is followed by.
+    fn regime_after(
+        &self,
+        steps: &[Step],
+        index: usize,
+        parameters: &[f64],
+    ) -> Result<Regime, Left> {
+        let next = self.after(index);
+        let pieces = match next <= index && !steps[next].pieces.is_empty() {
+            true => {
+                let later = a_turn_later(&self.workshop, parameters, (steps, &self.counts));
+                later.map_err(Left::because)?[next].pieces.clone()
+            }
+            false => steps[next].pieces.clone(),
+        };
+        Ok(Regime {
+            mode: steps[next].mode(),
+            pieces,
+        })
+    }
+
+    /// Whether a jump and the one after it, at the same instant, could come in another order with another derivative. What the one brings about
+    /// comes after it, and two names of one surface are one.
+    fn order_of_jumps(
+        &self,
+        steps: &[Step],
+        (index, kind): (usize, LegKind),
+        other: LegKind,
+        parameters: &[f64],
+    ) -> Result<bool, Left> {
+        let system = &self.workshop.system;
+        let next = self.after(index);
+        let Some(state) = self.before_jump(&steps[index], kind, parameters) else {
+            return Ok(false);
+        };
+        let a = Regime {
+            mode: kind.mode,
+            pieces: steps[index].pieces.clone(),
+        };
+        let due = |guard: Option<GuardKind>| {
+            let known = system.with_pieces(parameters, &a.pieces);
+            guard.and_then(|guard| system.due((a.mode, guard), &known, &state))
+        };
+        let (Some(own), Some(others)) = (due(kind.ends_at), due(other.ends_at)) else {
+            return Ok(false);
+        };
+        let comes_with = others.after.abs() > ONE_INSTANT * self.time_at(&state);
+        if comes_with || is_one(&own.slopes, &others.slopes) {
+            return Ok(false);
+        }
+        let b = self.regime_after(steps, index, parameters)?;
+        let d = self.regime_after(steps, next, parameters)?;
+        // What the second changes, without the first.
+        let origins = [&a, &b, &d].map(|regime| system.origin_of(regime.mode));
+        let [
+            Some((grip, mut sides, _)),
+            Some((from_grip, from, _)),
+            Some((to_grip, to, _)),
+        ] = origins
+        else {
+            return Ok(true);
+        };
+        if grip != from_grip || grip != to_grip || b.pieces != d.pieces {
+            return Ok(true);
+        }
+        for surface in 0..system.corners().surfaces.len() {
+            if from.get(surface) != to.get(surface) {
+                sides = sides.with(surface, to.get(surface));
+            }
+        }
+        let mode = system.meet(grip, sides);
+        let c = Regime {
+            mode,
+            pieces: a.pieces.clone(),
+        };
+        let both = [&Happening::Jump(kind), &Happening::Jump(other)];
+        let matters = system.program(mode).is_none()
+            || self.order_matters_at(both, &state, [&a, &b, &c, &d], parameters) != Some(false);
+        Ok(matters)
     }
 
     /// The functions of surfaces, and the arguments of lookups.
@@ -118,13 +220,13 @@ impl Shooting<f64> {
     }
 
     /// The corner that shares the instant of a jump and gives another derivative where it comes before that.
-    fn order_at_jump(
+    fn corner_at_jump(
         &self,
         (steps, functions): (&[Step], &Functions),
         (index, kind): (usize, LegKind),
         parameters: &[f64],
     ) -> Result<Option<Corner>, Left> {
-        let (step, next) = (&steps[index], self.after(index));
+        let step = &steps[index];
         let image = &self.latest[index].image;
         let before = Regime {
             mode: kind.mode,
@@ -152,23 +254,18 @@ impl Shooting<f64> {
         if met.is_empty() {
             return Ok(None);
         }
-        let pieces = match next <= index && !step.pieces.is_empty() {
-            true => {
-                let later = a_turn_later(&self.workshop, parameters, (steps, &self.counts));
-                later.map_err(Left::because)?[next].pieces.clone()
-            }
-            false => steps[next].pieces.clone(),
-        };
-        let after = Regime {
-            mode: steps[next].mode(),
-            pieces,
-        };
+        let after = self.regime_after(steps, index, parameters)?;
         while let Some(first) = met.pop() {
             let (mut together, others): (Vec<Met>, Vec<Met>) =
                 (met.into_iter()).partition(|other| is_one(&other.slopes, &first.slopes));
             met = others;
             let corner = first.corner;
-            let slopes = (&functions.graph, &*functions.all[first.function].slopes);
+            let slopes = &functions.all[first.function].slopes;
+            let by_corner = Happening::Corner(&functions.graph, slopes);
+            let mut all = here.iter();
+            if all.any(|here| here.corner == corner && here.rises != first.rises) {
+                return Ok(Some(corner));
+            }
             together.push(first);
             let [before, after] = [&before, &after]
                 .map(|regime| [false, true].map(|crossed| self.across(regime, &together, crossed)));
@@ -176,7 +273,8 @@ impl Shooting<f64> {
                 return Ok(Some(corner));
             };
             let regimes = [&a, &b, &c, &d];
-            if self.order_matters_at(kind, (&state, slopes), regimes, parameters) != Some(false) {
+            let both = [&Happening::Jump(kind), &by_corner];
+            if self.order_matters_at(both, &state, regimes, parameters) != Some(false) {
                 return Ok(Some(corner));
             }
         }
@@ -193,12 +291,7 @@ impl Shooting<f64> {
         let system = &self.workshop.system;
         let graph = &functions.graph;
         let known = system.with_pieces(parameters, &regime.pieces);
-        let clock = self
-            .workshop
-            .model
-            .time
-            .map_or(0.0, |place| state[place].abs());
-        let time = self.period().max(clock);
+        let time = self.time_at(state);
         let Some(field) = system.field_of(regime.mode, &known, state) else {
             return Vec::new();
         };
@@ -265,100 +358,79 @@ impl Shooting<f64> {
         system.program(mode).map(|_| Regime { mode, pieces })
     }
 
-    /// Whether a jump and a corner of these slopes, met at a state, lead elsewhere or have another derivative in the other order: between
-    /// both regimes (before both, after the jump, after the corner, after both). None where that cannot be told.
+    /// Whether two happenings of one instant, met at a state, lead elsewhere or have another derivative in the other order: in the regimes before
+    /// both, after the first, after the second and after both. None where that cannot be told.
     fn order_matters_at(
         &self,
-        kind: LegKind,
-        (state, (graph, slopes)): (&[f64], (&Graph, &[Expr])),
+        [first, second]: [&Happening<'_>; 2],
+        state: &[f64],
         [a, b, c, d]: [&Regime; 4],
         parameters: &[f64],
     ) -> Option<bool> {
-        let system = &self.workshop.system;
-        let n = state.len();
-        let field = |regime: &Regime, at: &[f64]| {
-            let known = system.with_pieces(parameters, &regime.pieces);
-            system.field_of(regime.mode, &known, at)
-        };
-        // The jump by itself, and how much later it comes where the state is displaced.
-        let jump = |regime: &Regime| {
-            let known = system.with_pieces(parameters, &regime.pieces);
-            let leg = self.workshop.leg(LegKind {
-                mode: regime.mode,
-                ..kind
-            })?;
-            let landing = leg.at_once(&mut leg.flyer(&Settings::default()), &known, state);
-            let mut derivative = Matrix::identity(n);
-            for i in 0..n {
-                let row = &landing.image_slopes.row(i)[..n];
-                derivative.row_mut(i).copy_from_slice(row);
-            }
-            let late = system
-                .due((regime.mode, kind.ends_at?), &known, state)?
-                .slopes;
-            Some((landing.image, derivative, late))
-        };
-        let by_corner = |regime: &Regime, at: &[f64]| -> Vec<f64> {
-            let known = system.with_pieces(parameters, &regime.pieces);
-            slopes
-                .iter()
-                .map(|&slope| graph.evaluate(slope, at, &known))
-                .collect()
-        };
-        let identity = Matrix::identity(n);
-        let (image, first, late) = jump(a)?;
-        let (fa, fb, fc, fd) = (
-            field(a, state)?,
-            field(b, &image)?,
-            field(c, state)?,
-            field(d, &image)?,
-        );
-        let own = by_corner(b, &image);
-        if dot(&own, &fb) * dot(&by_corner(a, state), &fa) <= 0.0 {
-            return Some(true);
-        }
-        // The jump, then the corner.
-        let jumped = shifted(
-            &first.times(&shifted(&identity, &fa, &late)),
-            &fb,
-            &negative(&late),
-        );
-        let corner_late = jumped.apply_transposed(&later(&own, &fb));
-        let one = shifted(&jumped, &less(&fb, &fd), &corner_late);
-        // The corner, then the jump.
-        let corner_late = later(&by_corner(a, state), &fa);
-        let crossed = shifted(&identity, &less(&fa, &fc), &corner_late);
-        let (other_image, second, late) = jump(c)?;
-        let late = crossed.apply_transposed(&late);
-        let other = shifted(
-            &second.times(&shifted(&crossed, &fc, &late)),
-            &fd,
-            &negative(&late),
-        );
-        let entries =
-            |of: &Matrix<f64>| -> Vec<f64> { (0..n).flat_map(|i| of.row(i).to_vec()).collect() };
-        let (one, other) = (entries(&one), entries(&other));
+        let one = self.one_after_the_other([(first, a), (second, b)], d, (state, parameters))?;
+        let other = self.one_after_the_other([(second, a), (first, c)], d, (state, parameters))?;
         let sizes = self.state_sizes();
-        let scaled = |(place, entry): (usize, &f64)| entry * sizes[place % n] / sizes[place / n];
-        let largest = one
-            .iter()
-            .enumerate()
-            .map(scaled)
-            .fold(0.0_f64, |most, x| most.max(x.abs()));
-        let off = less(&one, &other);
-        let off = off
-            .iter()
-            .enumerate()
-            .map(scaled)
-            .fold(0.0_f64, |most, x| most.max(x.abs()));
-        let mut apart = less(&image, &other_image).into_iter().zip(&sizes);
+        let n = sizes.len();
+        let scaled = |of: &Matrix<f64>, i: usize, j: usize| of.row(i)[j] * sizes[j] / sizes[i];
+        let places = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let largest = places().fold(0.0_f64, |most, (i, j)| most.max(scaled(&one.1, i, j).abs()));
+        let off = |(i, j): (usize, usize)| (scaled(&one.1, i, j) - scaled(&other.1, i, j)).abs();
+        let mut apart = one.0.iter().zip(&other.0).zip(&sizes);
         Some(
-            off > SAME_DERIVATIVE * largest
-                || apart.any(|(apart, size)| apart.abs() > SAME_DERIVATIVE * size),
+            places().any(|place| off(place) > SAME_DERIVATIVE * largest)
+                || apart.any(|((a, b), size)| (a - b).abs() > SAME_DERIVATIVE * size),
         )
     }
-}
 
-fn negative(of: &[f64]) -> Vec<f64> {
-    of.iter().map(|x| -x).collect()
+    /// Where happenings of one instant lead, each in its regime, and the derivative of the state at a given time after both.
+    fn one_after_the_other(
+        &self,
+        order: [(&Happening<'_>, &Regime); 2],
+        last: &Regime,
+        (state, parameters): (&[f64], &[f64]),
+    ) -> Option<(Vec<f64>, Matrix<f64>)> {
+        let system = &self.workshop.system;
+        let known = |regime: &Regime| system.with_pieces(parameters, &regime.pieces);
+        let field = |regime: &Regime, at: &[f64]| system.field_of(regime.mode, &known(regime), at);
+        let mut derivative = Matrix::identity(state.len());
+        let mut state = state.to_vec();
+        for (place, (happening, regime)) in order.into_iter().enumerate() {
+            let next = order.get(place + 1).map_or(last, |(_, next)| next);
+            let before = field(regime, &state)?;
+            let (image, map, late) = match *happening {
+                Happening::Jump(kind) => {
+                    let kind = LegKind {
+                        mode: regime.mode,
+                        ..kind
+                    };
+                    let leg = self.workshop.leg(kind)?;
+                    let flyer = &mut leg.flyer(&Settings::default());
+                    let landing = leg.at_once(flyer, &known(regime), &state);
+                    let mut map = Matrix::identity(state.len());
+                    for i in 0..state.len() {
+                        let row = &landing.image_slopes.row(i)[..state.len()];
+                        map.row_mut(i).copy_from_slice(row);
+                    }
+                    let due = system.due((kind.mode, kind.ends_at?), &known(regime), &state)?;
+                    (landing.image, map, due.slopes)
+                }
+                Happening::Corner(graph, slopes) => {
+                    let known = known(regime);
+                    let at = |&slope: &Expr| graph.evaluate(slope, &state, &known);
+                    let slopes: Vec<f64> = slopes.iter().map(at).collect();
+                    let map = Matrix::identity(state.len());
+                    (state.clone(), map, later(&slopes, &before))
+                }
+            };
+            let late = derivative.apply_transposed(&late);
+            let after: Vec<f64> = field(next, &image)?.iter().map(|f| -f).collect();
+            derivative = shifted(
+                &map.times(&shifted(&derivative, &before, &late)),
+                &after,
+                &late,
+            );
+            state = image;
+        }
+        Some((state, derivative))
+    }
 }

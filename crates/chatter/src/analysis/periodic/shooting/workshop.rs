@@ -2,7 +2,7 @@
 
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::expressions::{Expr, Graph, Side, Symbol};
+use crate::expressions::{Expr, Graph, Symbol};
 use crate::flow::leg::{Leg, LegKind, Stretch, StretchKind};
 use crate::flow::{Corner, GuardKind, System};
 use crate::model::{Direction, Model};
@@ -181,14 +181,6 @@ impl Workshop {
                 format!("the end of a piece at {}", corner(Corner::Lookup(index)))
             }
         }
-    }
-
-    /// The crossing of a corner.
-    pub(crate) fn at_corner(&self, corner: Corner) -> String {
-        self.named(match corner {
-            Corner::Surface(index) => GuardKind::Switch(index),
-            Corner::Lookup(index) => GuardKind::Piece(index, Side::Above),
-        })
     }
 
     /// All parameters, with the free ones at these values.
