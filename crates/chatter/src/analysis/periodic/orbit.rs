@@ -317,6 +317,12 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
             },
         });
     }
+    let guard = shooting.order_at_jumps(&at);
+    if let Some(guard) = guard.map_err(|left| failed(&NewtonError::Left(left)))? {
+        return Err(PeriodicError::OrderOfCorners {
+            corner: workshop.named(guard),
+        });
+    }
     let margins = margins(&mut shooting, &at)?;
     let parameters = workshop.parameters(&at[at.len() - free..]);
     let turns = workshop.closure.turns::<f64>(&parameters)?;

@@ -135,6 +135,23 @@ impl System {
         })
     }
 
+    /// The field of a mode at a state.
+    pub(crate) fn field_of(
+        &self,
+        mode: usize,
+        parameters: &[f64],
+        state: &[f64],
+    ) -> Option<Vec<f64>> {
+        let kind = LegKind {
+            mode,
+            ends_at: None,
+            jump: Jump::None,
+        };
+        let Ending { graph, field, .. } = self.ending(kind)?;
+        let at = |&expr: &Expr| graph.evaluate(expr, state, parameters);
+        Some(field.iter().map(at).collect())
+    }
+
     pub(super) fn ending(&self, kind: LegKind) -> Option<Ending> {
         let (grip, sides, on_sides) = self.origin_of(kind.mode)?;
         let mut mechanics = on_sides.mechanics.clone();

@@ -40,7 +40,7 @@ use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
 use super::touch::{TouchConstants, with_terms};
 use super::touching::{Left, Touching};
-use crate::expressions::Sides as SurfaceSides;
+use crate::expressions::{Sides as SurfaceSides, Surfaces};
 use crate::model::Simultaneous;
 use crate::numerics::dispatch::dispatch_narrow;
 use crate::numerics::{Real, index_of};
@@ -99,6 +99,8 @@ pub struct Trajectory<R> {
     tracker: ChatterTracker<R>,
     /// The corner that ended the latest step.
     met: Option<Corner>,
+    /// Surfaces that the motion has come to with it, while it is found what follows an event.
+    lies_on: Surfaces,
     /// Surfaces that are crossed at the top of each flight of a sequence of impacts.
     tops: Tops,
     /// The gap of a contact at the present state, where rounding would take its digits.

@@ -4,6 +4,7 @@ use super::Trajectory;
 use super::recurrence::Latest;
 use super::start::is_inside;
 use super::tops::Tops;
+use crate::expressions::Surfaces;
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
@@ -20,6 +21,28 @@ const MOST_RESETS: usize = 1000;
 /// A way back to the surface of an event that takes less than this part of the longest step takes no time.
 const NO_TIME: f64 = 1e-13;
 
+/// The functions of surfaces that a state lies on.
+struct Here<R> {
+    corners: Vec<(usize, WithTerms<R>)>,
+    events: Vec<(usize, WithTerms<R>)>,
+}
+
+impl<R> Default for Here<R> {
+    fn default() -> Self {
+        Self {
+            corners: Vec::new(),
+            events: Vec::new(),
+        }
+    }
+}
+
+/// Surfaces that a reset has left the state on.
+#[derive(Default)]
+struct Kept {
+    surfaces: Surfaces,
+    events: Vec<usize>,
+}
+
 impl<R: Real> Trajectory<R> {
     /// Changes the state as the event of a section says, on whose surface it lies or across which it has just jumped.
     pub(super) fn reset(
@@ -33,18 +56,27 @@ impl<R: Real> Trajectory<R> {
             return Err(self.switches_without_end());
         }
         let before = self.surface(system, section)?;
+        let here = match jumped {
+            true => Here::default(),
+            false => self.surfaces_here(system)?,
+        };
         let shifts = self.apply_reset(system, work, (section, jumped))?;
         // Where the event's surface is a corner's, too, the motion says on which side it goes on, and not a rounding error.
         let surface = system.model().sections[section].surface;
         let met = (system.corners().surface(surface)).filter(|_| !jumped);
-        self.begin_anew(system, work, met.map(Corner::Surface))?;
+        let kept = self.kept_of(system, here)?;
+        self.lies_on = kept.surfaces;
+        let met = met.or(kept.surfaces.members().next());
+        let begun = self.begin_anew(system, work, met.map(Corner::Surface));
+        self.lies_on = Surfaces::default();
+        begun?;
         self.shift_columns(system, work, &shifts, -R::ONE)?;
         // On which side of its own surface it has put the state is found anew: that is no crossing.
         self.sides.set(section, R::ZERO);
         if !jumped {
             self.follow_itself(system, section, before)?;
         }
-        self.touch_latest(system, section)?;
+        self.touch_latest(system, (section, &kept.events))?;
         self.may_have_crossed = true;
         Ok(Occurrence::Reset { section })
     }
@@ -157,25 +189,76 @@ impl<R: Real> Trajectory<R> {
         self.touch_event(system, section, if moves { 1 } else { 2 })
     }
 
-    /// Where other events came at this very instant, and the state still lies on their surfaces, the flight begins with zeros of
-    /// these, too.
-    fn touch_latest(&mut self, system: &System, section: usize) -> Result<(), FlowError> {
+    /// Where other events came at this very instant, or would have, had it been their direction, and the state still lies on their
+    /// surfaces, the flight begins with zeros of these, too.
+    fn touch_latest(
+        &mut self,
+        system: &System,
+        (section, kept): (usize, &[usize]),
+    ) -> Result<(), FlowError> {
         let now = self.time_parts();
-        let latest = self.latest_resets.iter().enumerate();
-        let others: Vec<usize> = latest
-            .filter(|&(other, latest)| other != section && latest.is_some_and(|l| l.is_at(now)))
-            .map(|(other, _)| other)
-            .collect();
-        for other in others {
+        for other in (0..system.model().sections.len()).filter(|&other| other != section) {
+            let came =
+                (self.latest_resets.get(other)).is_some_and(|l| l.is_some_and(|l| l.is_at(now)));
+            let is_kept = kept.contains(&other);
+            if !came && !is_kept {
+                continue;
+            }
             let Some([value, rate, _]) = self.surface(system, other)? else {
                 continue;
             };
-            let rests = value.value.abs() <= value.level();
+            let rests = is_kept || value.value.abs() <= value.level();
             if rests && rate.value.abs() > rate.level() {
                 self.touch_event(system, other, 1)?;
             }
         }
         Ok(())
+    }
+
+    /// The surfaces of corners and events that the state lies on, as far as an instant of the motion tells.
+    fn surfaces_here(&self, system: &System) -> Result<Here<R>, FlowError> {
+        let instant = self.instant();
+        let is_here = |value: &WithTerms<R>, rate: R| {
+            value.value.abs() <= (rate.abs() * instant).max(value.level())
+        };
+        let corners = self.corner_values(system)?.into_iter();
+        let corners = corners.filter(|(_, value, rate)| is_here(value, *rate));
+        let mut here = Here {
+            corners: corners.map(|(corner, value, _)| (corner, value)).collect(),
+            events: Vec::new(),
+        };
+        for section in 0..system.model().sections.len() {
+            if let Some([value, rate, _]) = self.surface(system, section)?
+                && is_here(&value, rate.value)
+            {
+                here.events.push((section, value));
+            }
+        }
+        Ok(here)
+    }
+
+    /// Those of them that a reset has left the state on: what is not moved is where it was, and no nearer known for being written anew.
+    fn kept_of(&self, system: &System, here: Here<R>) -> Result<Kept, FlowError> {
+        let stays = |before: &WithTerms<R>, after: &WithTerms<R>| {
+            (after.value - before.value).abs() <= before.level().max(after.level())
+        };
+        let mut kept = Kept::default();
+        if !here.corners.is_empty() {
+            for (surface, after, _) in self.corner_values(system)? {
+                let mut before = here.corners.iter().filter(|(known, _)| *known == surface);
+                if before.any(|(_, before)| stays(before, &after)) {
+                    kept.surfaces = kept.surfaces.with(surface);
+                }
+            }
+        }
+        for (section, before) in here.events {
+            if let Some([after, ..]) = self.surface(system, section)?
+                && stays(&before, &after)
+            {
+                kept.events.push(section);
+            }
+        }
+        Ok(kept)
     }
 
     /// Lets the flight begin with so many zeros of the surface of an event.

@@ -4,6 +4,7 @@ use super::ordinary::Untold;
 use super::stall::Stall;
 use super::tops::Tops;
 use super::{ORDER_CLASSES, Trajectory};
+use crate::expressions::Surfaces;
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
@@ -89,6 +90,7 @@ impl<R: Real> Trajectory<R> {
             horizon_low: R::ZERO,
             tracker: ChatterTracker::new(work.tail),
             met: None,
+            lies_on: Surfaces::default(),
             tops: Tops::NONE,
             known_gap: None,
             sequence: 0,

@@ -340,3 +340,34 @@ fn what_an_event_puts_at_a_distance_is_there_wherever_it_is() {
         }
     }
 }
+
+/// Friction and a section jump where events come that are written as multiples of their surface, which their resets leave the state on: each comes
+/// once a crossing, and the motion is that of events of the very surface.
+#[test]
+fn an_event_keeps_the_state_on_surfaces_that_it_does_not_move_it_off() {
+    for (unit, length) in [(1.0, 1.0), (1e-3, 1e3), (1e3, 1e-3)] {
+        for (w, r) in [(1.05666, 0.53546), (1.2826, 0.606834)] {
+            let of = |up: &str, down: (&str, &str)| {
+                let text = format!(
+                    "[flight]\nx = 'v/{unit:?}'\nv = '({length:?}*cos({w}*t/{unit:?}) - x - 0.3*{length:?}*sign(x) - 0.04*v)/{unit:?}'\n\
+                     [[event]]\nname = 'up'\nsurface = '{up}'\ndirection = 'rising'\nreset = {{ v = '{r}*v' }}\n\
+                     [[event]]\nname = 'down'\nsurface = '{}'\ndirection = '{}'\nreset = {{ v = '{r}*v' }}\n\
+                     [section.s]\nsurface = '-3*x'\ndirection = 'either'\n[initial]\nx = {:?}\nv = 0\n",
+                    down.0,
+                    down.1,
+                    0.3 * length
+                );
+                run(&text, 1500.0 * unit)
+            };
+            let (multiples, itself) = (of("2*x", ("-x", "rising")), of("x", ("x", "falling")));
+            for run in [&multiples, &itself] {
+                let resets = (0..2).map(|of| resets(run, of).len()).sum::<usize>();
+                assert_eq!(run.counts.sections as usize, resets, "{unit} {w}");
+            }
+            let states = multiples.state.iter().zip(&itself.state);
+            for (a, b) in states.take(2) {
+                assert!((a - b).abs() < 1e-10 * length, "{unit} {w}: {a} {b}");
+            }
+        }
+    }
+}

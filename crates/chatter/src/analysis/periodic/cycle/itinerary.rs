@@ -310,9 +310,13 @@ fn gives_jump(steps: &mut [Step], jump: Jump) -> bool {
     match steps.last_mut().map(|step| &mut step.passage) {
         Some(Passage::Leg(kind)) if kind.jump == Jump::None => {
             kind.jump = jump;
-            // As where the reset comes before the corner that it comes with: which is first is rounding.
-            if let Jump::Reset(section) = jump {
-                kind.ends_at = Some(GuardKind::Section(section));
+            // As where the jump comes before the corner that it comes with: which is first is rounding.
+            match jump {
+                Jump::Reset(section) => kind.ends_at = Some(GuardKind::Section(section)),
+                Jump::Impact(contact) | Jump::Stop(contact) => {
+                    kind.ends_at = Some(GuardKind::Gap(contact));
+                }
+                Jump::None => {}
             }
             true
         }

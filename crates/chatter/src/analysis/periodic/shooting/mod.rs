@@ -16,11 +16,13 @@
 //! corner      corners that an event asks for: how far it is from them
 //! collisions  whether those of one instant could come in another order
 //! exchange    events that change places with the knot of a table
+//! at_jumps    corners that share the instant of an impact or a reset
 //! around      orbits on which nothing happens, told from a plane across the flow
 //! ```
 
 mod along;
 mod around;
+mod at_jumps;
 mod collisions;
 mod corner;
 mod equations;

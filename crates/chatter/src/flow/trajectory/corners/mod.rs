@@ -208,6 +208,22 @@ impl<R: Real> Trajectory<R> {
         Ok(true)
     }
 
+    /// The functions of the surfaces of the present mode, and their rates.
+    pub(super) fn corner_values(
+        &self,
+        system: &System,
+    ) -> Result<Vec<(usize, WithTerms<R>, R)>, FlowError> {
+        let of = |standing: Standing<R>| match standing.corner {
+            Corner::Surface(index) if standing.vector.is_none() => {
+                let rate = (standing.guards.first()).map_or(R::ZERO, |(_, orders)| orders[1].value);
+                Some((index, standing.surface, rate))
+            }
+            _ => None,
+        };
+        let standings = self.standings(system)?;
+        Ok(standings.into_iter().filter_map(of).collect())
+    }
+
     fn standings(&self, system: &System) -> Result<Vec<Standing<R>>, FlowError> {
         self.standings_at(system, (&self.state, &self.low))
     }
@@ -225,6 +241,7 @@ impl<R: Real> Trajectory<R> {
         let is_met = |corner: Corner| {
             let expr = |corner: Corner| system.corner_expr(corner);
             self.met.is_some_and(|met| expr(corner) == expr(met))
+                || matches!(corner, Corner::Surface(index) if self.lies_on.contains(index))
         };
         let instant = self.instant();
         let standing = |(tapes, constants): (&StandingTapes, &[Vec<R>; STANDING_TAPES])| {
