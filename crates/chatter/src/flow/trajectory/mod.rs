@@ -40,7 +40,7 @@ use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
 use super::touch::{TouchConstants, with_terms};
 use super::touching::{Left, Touching};
-use crate::expressions::Sides as SurfaceSides;
+use crate::expressions::{Sides as SurfaceSides, Surfaces};
 use crate::model::Simultaneous;
 use crate::numerics::dispatch::dispatch_narrow;
 use crate::numerics::{Real, index_of};
@@ -99,6 +99,8 @@ pub struct Trajectory<R> {
     tracker: ChatterTracker<R>,
     /// The corner that ended the latest step.
     met: Option<Corner>,
+    /// The surfaces that vanish with it, as closed contacts keep their rates the same.
+    met_with: Surfaces,
     /// Surfaces that are crossed at the top of each flight of a sequence of impacts.
     tops: Tops,
     /// The gap of a contact at the present state, where rounding would take its digits.
@@ -605,7 +607,7 @@ impl<R: Real> Trajectory<R> {
             flight_time,
         } = result.outcome;
         self.advance_time((step, step_low));
-        self.met = None;
+        (self.met, self.met_with) = (None, Surfaces::default());
         let undisturbed =
             (result.event).is_none_or(|index| program.guards[index].section().is_some());
         self.may_have_crossed = !undisturbed || result.touched.is_some();

@@ -4,6 +4,7 @@ use super::ordinary::Untold;
 use super::stall::Stall;
 use super::tops::Tops;
 use super::{ORDER_CLASSES, Trajectory};
+use crate::expressions::Surfaces;
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
@@ -89,6 +90,7 @@ impl<R: Real> Trajectory<R> {
             horizon_low: R::ZERO,
             tracker: ChatterTracker::new(work.tail),
             met: None,
+            met_with: Surfaces::default(),
             tops: Tops::NONE,
             known_gap: None,
             sequence: 0,
@@ -244,7 +246,7 @@ impl<R: Real> Trajectory<R> {
         self.flight_time = R::splat(FOREVER);
         self.set_horizon(R::splat(FOREVER));
         self.tracker.restart();
-        self.met = None;
+        (self.met, self.met_with) = (None, Surfaces::default());
         self.tops = Tops::NONE;
         self.known_gap = None;
         self.sequence = 0;
