@@ -174,11 +174,7 @@ impl<R: Real> Trajectory<R> {
                 let mut plain = (0..verdicts.len()).filter(|&place| verdicts[place].is_plain);
                 match (current, plain.next(), plain.next()) {
                     (Some(place), ..) if agree || verdicts[place].is_balanced => place,
-                    // Of sides that differ in nothing else those are left that need not change.
-                    _ if agree => {
-                        let changes = |&place: &usize| verdicts[place].candidate.changes(now);
-                        (0..verdicts.len()).min_by_key(changes).unwrap_or(0)
-                    }
+                    _ if agree => 0,
                     (_, Some(place), None) => place,
                     _ => {
                         self.try_sides(system, now)?;

@@ -92,13 +92,6 @@ impl Candidate {
         }
     }
 
-    /// On how many surfaces it is on another side than others are.
-    fn changes(&self, from: &Self) -> usize {
-        (0..Sides::MOST)
-            .filter(|&k| self.side(k) != from.side(k))
-            .count()
-    }
-
     /// The same, above whatever it slides along.
     pub(super) fn sliding_nowhere(&self) -> Self {
         let slid = (0..Sides::MOST).filter(|&k| self.side(k) == Side::Sliding);
