@@ -285,7 +285,11 @@ impl<S: Scalar> Workspace<S> {
             let Operand::Series(slot) = guard.series else {
                 continue;
             };
-            let p = &self.expansion.series(slot)[usize::from(touching.get(index))..];
+            let roots = touching.get(index);
+            if guard.is_balanced(roots) {
+                continue;
+            }
+            let p = &self.expansion.series(slot)[usize::from(roots)..];
             let end = self.scaled_step;
             let start = p[0];
             let sizes = sizes(&p[1..], end);
@@ -319,7 +323,7 @@ impl<S: Scalar> Workspace<S> {
             // A section is hardly ever crossed, and a gap closes where its leading terms say so.
             let mut guess = None;
             let mut is_expected = false;
-            if touching.get(index) == 1 && guard.closing().is_some() {
+            if roots == 1 && guard.closing().is_some() {
                 // The unit of time of a flight that has just begun is its predicted length.
                 guess = Some(S::splat(1.0).min(end));
                 is_expected = leading_quadratic(p, end).less(S::splat(0.0)).any();

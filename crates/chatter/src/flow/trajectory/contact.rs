@@ -20,6 +20,9 @@ use crate::numerics::{Real, WithTerms, dot};
 /// Captures of columns one contact after the other converge at least as fast as plastic collisions do, by halves.
 const COLUMN_SWEEPS: usize = 60;
 
+/// So often contacts that are balanced are asked whether they are so on the sides that follow, too.
+const MOST_BALANCES: usize = 4;
+
 /// By how much a contact that carries pushes.
 #[derive(Clone, Copy, Debug)]
 struct Push<R> {
@@ -58,15 +61,22 @@ impl<R: Real> Trajectory<R> {
         let resting = Closed(resting.0 | self.just_left(system).0);
         let all = Closed(self.closed.0 | resting.0);
         let (before, sides) = (self.closed, self.standing_now(system));
-        let mut members = all.contacts();
-        if let (Some(contact), None) = (members.next(), members.next()) {
-            self.settle_one(system, work, contact)?;
-        } else {
-            self.settle_all(system, work, all)?;
+        for _ in 0..MOST_BALANCES {
+            let mut members = all.contacts();
+            if let (Some(contact), None) = (members.next(), members.next()) {
+                self.settle_one(system, work, contact)?;
+            } else {
+                self.settle_all(system, work, all)?;
+            }
+            // A balance holds in one mode: it is asked for anew on the sides that contacts open to.
+            let balanced_in = (!self.balanced_contacts(system)?.is_empty()).then_some(self.mode);
+            self.put_right(system, None)?;
+            if balanced_in.is_none_or(|mode| mode == self.mode) {
+                break;
+            }
         }
         let captured = self.closed.contacts().filter(|&c| !before.contains(c));
         (self.pending).extend(captured.map(|contact| Occurrence::Capture { contact }));
-        self.put_right(system, None)?;
         self.tell_changes_since(system, &sides);
         Ok(())
     }

@@ -99,8 +99,9 @@ pub struct Trajectory<R> {
     tracker: ChatterTracker<R>,
     /// The corner that ended the latest step.
     met: Option<Corner>,
-    /// Surfaces that the motion has come to with it, while it is found what follows an event.
-    lies_on: Surfaces,
+    /// Surfaces that the motion has come to with it, whatever rounding says: closed contacts keep their rates the same, or an event has
+    /// left the state on them.
+    met_with: Surfaces,
     /// Surfaces that are crossed at the top of each flight of a sequence of impacts.
     tops: Tops,
     /// The gap of a contact at the present state, where rounding would take its digits.
@@ -607,7 +608,7 @@ impl<R: Real> Trajectory<R> {
             flight_time,
         } = result.outcome;
         self.advance_time((step, step_low));
-        self.met = None;
+        (self.met, self.met_with) = (None, Surfaces::default());
         let undisturbed =
             (result.event).is_none_or(|index| program.guards[index].section().is_some());
         self.may_have_crossed = !undisturbed || result.touched.is_some();

@@ -1,6 +1,7 @@
 //! What an ordinary step changes of a trajectory, be it alone or in a lane.
 
 use super::{StepResult, Trajectory};
+use crate::expressions::Surfaces;
 use crate::flow::chatter::REMEMBERED;
 use crate::flow::flight::{Course, Flight, Outcome, largest, rest_of_sequence};
 use crate::flow::guard::{Guard, Transition};
@@ -145,7 +146,7 @@ impl<R: Real> Trajectory<R> {
         self.time_low = course.time_low;
         self.flight_time = course.flight_time;
         self.longest_step = course.longest_step;
-        self.met = None;
+        (self.met, self.met_with) = (None, Surfaces::default());
         self.rates_of_instant.clear();
     }
 
@@ -256,7 +257,7 @@ impl<R: Real> Trajectory<R> {
         (self.time, self.time_low) = caught.time;
         self.flight_time = caught.flight_time;
         self.longest_step = caught.longest_step;
-        self.met = None;
+        (self.met, self.met_with) = (None, Surfaces::default());
         self.rates_of_instant.clear();
         if caught.has_bounced {
             self.left = Left::NONE;

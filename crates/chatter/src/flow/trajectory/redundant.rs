@@ -133,13 +133,23 @@ impl<R: Real> Trajectory<R> {
             idle,
         };
         self.enter_grip(system, without(Closed::NONE))?;
-        // What depends on those that still carry stays with them; what depends on the one that opens opens with it.
+        // What depends on those that still carry stays with them, and what surfaces hold; what depends on the one that opens opens
+        // with it.
         let others: Vec<usize> = before.idle.contacts().collect();
         let contacts: Vec<usize> = rest.contacts().chain(others.iter().copied()).collect();
         let block = self.touch_values(system)?.block(&contacts);
-        let stays = (others.iter())
-            .filter(|&&other| self.idle_beside(&block, &contacts, (rest, &[other])) != Closed::NONE)
-            .fold(Closed::NONE, |stays, &other| stays.with(other));
+        let mut stays = Closed::NONE;
+        for &other in &others {
+            let beside = Grip {
+                closed: rest.with(other),
+                idle: Closed::NONE,
+            };
+            if self.idle_beside(&block, &contacts, (rest, &[other])) != Closed::NONE
+                || self.idle_on_surfaces(system, beside)?.contains(other)
+            {
+                stays = stays.with(other);
+            }
+        }
         let mut opens = vec![(contact, 3)];
         for other in others.into_iter().filter(|&other| !stays.contains(other)) {
             let [_, _, acceleration, jerk] = self.local(system, other)?;

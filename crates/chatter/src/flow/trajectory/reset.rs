@@ -65,10 +65,10 @@ impl<R: Real> Trajectory<R> {
         let surface = system.model().sections[section].surface;
         let met = (system.corners().surface(surface)).filter(|_| !jumped);
         let kept = self.kept_of(system, here)?;
-        self.lies_on = kept.surfaces;
+        self.met_with = kept.surfaces;
         let met = met.or(kept.surfaces.members().next());
         let begun = self.begin_anew(system, work, met.map(Corner::Surface));
-        self.lies_on = Surfaces::default();
+        self.met_with = Surfaces::default();
         begun?;
         self.shift_columns(system, work, &shifts, -R::ONE)?;
         // On which side of its own surface it has put the state is found anew: that is no crossing.

@@ -90,7 +90,7 @@ impl<R: Real> Trajectory<R> {
             horizon_low: R::ZERO,
             tracker: ChatterTracker::new(work.tail),
             met: None,
-            lies_on: Surfaces::default(),
+            met_with: Surfaces::default(),
             tops: Tops::NONE,
             known_gap: None,
             sequence: 0,
@@ -246,7 +246,7 @@ impl<R: Real> Trajectory<R> {
         self.flight_time = R::splat(FOREVER);
         self.set_horizon(R::splat(FOREVER));
         self.tracker.restart();
-        self.met = None;
+        (self.met, self.met_with) = (None, Surfaces::default());
         self.tops = Tops::NONE;
         self.known_gap = None;
         self.sequence = 0;

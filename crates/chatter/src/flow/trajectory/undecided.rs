@@ -4,7 +4,7 @@
 use super::Trajectory;
 use crate::expressions::Operand;
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
+use crate::flow::guard::{Guard, GuardKind};
 use crate::flow::program::Closed;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;
@@ -120,7 +120,8 @@ impl<R: Real> Trajectory<R> {
         }
         let mut roots = 1;
         if jerk.value >= -jerk.level() {
-            match self.first_order(system, contact)? {
+            let gap = (GuardKind::Gap(contact), ORDERS_AT_REST);
+            match self.first_order(system, gap)? {
                 Some((order, rises)) => {
                     let most = usize::from(Touching::BALANCED);
                     if rises {
@@ -144,18 +145,20 @@ impl<R: Real> Trajectory<R> {
         Ok(true)
     }
 
-    /// The first order in which the field moves the gap of a contact at rest that neither acceleration nor jerk do, and whether it
-    /// rises; none that is computed can be told from zero by what is left of a balance of its terms.
-    fn first_order(
+    /// The first order, of those from one on, in which the field moves a guard that no lower one moves, as the gap of a contact at rest,
+    /// and whether it rises; none that is computed can be told from zero by what is left of a balance of its terms.
+    pub(super) fn first_order(
         &self,
         system: &System,
-        contact: usize,
+        (kind, from): (GuardKind, usize),
     ) -> Result<Option<(usize, bool)>, FlowError> {
-        let Some(GapSeries { series, .. }) = self.gap_series(system, contact)? else {
+        let Some(GapSeries { series, .. }) =
+            self.series_here(system, |guard| guard.kind == kind)?
+        else {
             return Ok(None);
         };
         let moves = |c: &WithTerms<R>| c.value.abs() > c.level() * R::splat(BALANCE_LEVELS);
-        let found = (series.iter().enumerate().skip(ORDERS_AT_REST)).find(|(_, c)| moves(c));
+        let found = (series.iter().enumerate().skip(from)).find(|(_, c)| moves(c));
         let is_finite = (series.iter()).all(|c| c.value.is_finite());
         Ok(found
             .filter(|_| is_finite)
@@ -180,11 +183,20 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         contact: usize,
     ) -> Result<Option<GapSeries<R>>, FlowError> {
+        self.series_here(system, |guard| guard.closing() == Some(contact))
+    }
+
+    /// What a guard does from here; none of a constant.
+    fn series_here(
+        &self,
+        system: &System,
+        is_asked: impl Fn(&Guard) -> bool,
+    ) -> Result<Option<GapSeries<R>>, FlowError> {
         /// What rested until now may move far faster than the latest expansion says.
         const SHORTER: f64 = 1.0 / 1024.0;
         const TRIES: usize = 100;
         let program = self.program(system)?;
-        let guard = (program.guards.iter()).find(|guard| guard.closing() == Some(contact));
+        let guard = (program.guards.iter()).find(|guard| is_asked(guard));
         let (Some(constants), Some(Operand::Series(slot))) =
             (&self.constants[self.mode], guard.map(|guard| guard.series))
         else {
@@ -204,6 +216,17 @@ impl<R: Real> Trajectory<R> {
         Ok(Some(GapSeries { unit, series }))
     }
 
+    /// The guards of closed contacts whose forces vanish for good in the present mode.
+    pub(super) fn balanced_contacts(&self, system: &System) -> Result<Vec<usize>, FlowError> {
+        let guards = self.program(system)?.guards.iter().enumerate();
+        Ok(guards
+            .filter(|(place, guard)| {
+                guard.opening().is_some() && guard.is_balanced(self.touching.get(*place))
+            })
+            .map(|(place, _)| place)
+            .collect())
+    }
+
     /// Whether the gap of a contact at rest stays zero by itself: the field does not move it to any order that is
     /// computed, as in an equilibrium without contact force.
     fn is_balanced(
@@ -212,6 +235,8 @@ impl<R: Real> Trajectory<R> {
         work: &mut Workspace<R>,
         contact: usize,
     ) -> Result<bool, FlowError> {
+        const SHORTER: f64 = 0.125;
+        const TRIES: usize = 40;
         let program = self.program(system)?;
         let guard = program
             .guards
@@ -222,19 +247,35 @@ impl<R: Real> Trajectory<R> {
         else {
             return Ok(false);
         };
-        let Some(GapSeries { unit, .. }) = self.gap_series(system, contact)? else {
+        let Some(GapSeries { mut unit, series }) = self.gap_series(system, contact)? else {
             return Ok(false);
         };
-        work.expand_at(
-            &program.tape,
-            &constants.tape,
-            (&self.state, &self.low),
-            unit,
-        );
-        let motion = (0..self.coordinates)
-            .map(|i| magnitude(work.point.series(i), R::ONE))
-            .fold(R::ZERO, R::max);
-        let level = motion * R::splat(BALANCE_ROUNDOFFS * R::ROUNDOFF);
-        Ok(work.point.series(slot).iter().all(|c| c.abs() <= level))
+        let mut levels: Vec<R> = series.iter().map(|c| c.level()).collect();
+        for _ in 0..TRIES {
+            work.expand_at(
+                &program.tape,
+                &constants.tape,
+                (&self.state, &self.low),
+                unit,
+            );
+            let motion = (0..self.coordinates)
+                .map(|i| magnitude(work.point.series(i), R::ONE))
+                .fold(R::ZERO, R::max);
+            let level = motion * R::splat(BALANCE_ROUNDOFFS * R::ROUNDOFF);
+            if (work.point.series(slot).iter()).all(|c| c.abs() <= level) {
+                return Ok(true);
+            }
+            // Where rounding alone may be more than that, as of a stiff spring at its corner, the unit is too long to say so.
+            if levels.iter().all(|&rounding| rounding <= level) {
+                return Ok(false);
+            }
+            unit *= R::splat(SHORTER);
+            let mut share = R::ONE;
+            for rounding in &mut levels {
+                *rounding *= share;
+                share *= R::splat(SHORTER);
+            }
+        }
+        Ok(false)
     }
 }

@@ -313,7 +313,7 @@ fn wagons_that_touch_are_pushed_and_stop_together() {
         ([0.55, 0.8, 1.02], [0.81, 1.38, 1.11], 1.01, 3.62),
         ([1.61, 0.79, 0.59], [0.98, 1.36, 0.24], 1.71, 1.8),
     ];
-    for unit in [1.0, 0.37, 730.0] {
+    for unit in [1.0, 0.37, 730.0, 1e-3, 25.4] {
         for (mass, brake, rise, top) in sets {
             let mut text = String::from("[flight]\n");
             for k in 0..3 {
@@ -350,5 +350,75 @@ fn wagons_that_touch_are_pushed_and_stop_together() {
                 assert_eq!(run.state[2 * k + 1], 0.0);
             }
         }
+    }
+}
+
+/// Three wagons that touch are pushed by A sin(w t) at the first of them: as one, until they stop; then the first is pulled off, and the
+/// others stay where they are. What lies between two wagons that both stand by their brakes has no force, and goes on to touch when the
+/// wagon before it leaves.
+#[test]
+fn wagons_that_stand_touch_on_when_the_one_before_them_is_pulled_off() {
+    let (mass, brake) = ([0.85, 1.36, 1.29], [4.28, 0.68, 5.86]);
+    let (all, friction): (f64, f64) = (mass.iter().sum(), brake.iter().sum());
+    let (push, rate) = (13.9_f64, 5.5_f64);
+    // Speed and way of a mass under the push and a steady force since a time.
+    let speed = |m: f64, f: f64, from: f64, t: f64| {
+        (push / rate * ((rate * from).cos() - (rate * t).cos()) - f * (t - from)) / m
+    };
+    let way = |m: f64, f: f64, from: f64, t: f64| {
+        let swing =
+            (rate * from).cos() * (t - from) - ((rate * t).sin() - (rate * from).sin()) / rate;
+        (push / rate * swing - f * (t - from).powi(2) / 2.0) / m
+    };
+    let starts = (friction / push).asin() / rate;
+    let (mut before, mut after) = (starts + 0.2, 0.6);
+    for _ in 0..100 {
+        let middle = (before + after) / 2.0;
+        match speed(all, friction, starts, middle) > 0.0 {
+            true => before = middle,
+            false => after = middle,
+        }
+    }
+    let stand = way(all, friction, starts, before);
+    let leaves = (std::f64::consts::PI + (brake[0] / push).asin()) / rate;
+    let end = 1.2;
+    assert!(speed(mass[0], -brake[0], leaves, end) < 0.0);
+    let pulled = stand + way(mass[0], -brake[0], leaves, end);
+    for unit in [1.0, 1e-3, 25.4, 730.0] {
+        let mut text = String::from("[flight]\n");
+        for k in 0..3 {
+            let (m, f) = (mass[k], brake[k]);
+            let push = if k == 0 {
+                format!("{push}*sin({rate}*t/{unit})")
+            } else {
+                "0".to_owned()
+            };
+            text += &format!(
+                "x{k} = \"v{k}/{unit}\"\nv{k} = \"({push} - {f}*sign(v{k}))/{m}/{unit}\"\n"
+            );
+        }
+        for k in 0..2 {
+            let (a, b, next) = (mass[k], mass[k + 1], k + 1);
+            text += &format!(
+                "[[contact]]\nname = \"buffer{k}\"\ngap = \"x{next} - x{k}\"\nimpulse = {{ v{k} = \"-1/{a}\", v{next} = \"1/{b}\" }}\n\
+                 restitution = 0\n"
+            );
+        }
+        text += "[initial]\nx0 = 0\nv0 = 0\nx1 = 0\nv1 = 0\nx2 = 0\nv2 = 0\n";
+        let run = run::<f64>(&text, end * unit);
+        assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+        for (k, expected) in [pulled, stand, stand].into_iter().enumerate() {
+            let off = run.state[2 * k] - expected;
+            assert!(off.abs() < 1e-13, "{unit} {k}: {off:e}");
+        }
+        let released: Vec<(usize, f64)> = (run.events.iter())
+            .filter_map(|event| match event.detail {
+                Occurrence::Release { contact } => Some((contact, event.time)),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(released.len(), 1, "{released:?}");
+        assert_eq!(released[0].0, 0);
+        assert!((released[0].1 / unit - leaves).abs() < 1e-12);
     }
 }

@@ -5,6 +5,7 @@ mod cut_flights;
 mod held_on_one_side;
 mod jumps;
 mod kept;
+mod leg_with_stop;
 mod many_frictions;
 mod nested;
 mod piecewise;

@@ -1,5 +1,7 @@
 //! What a corner changes that the motion has met: sides, columns of derivatives, contacts that are closed.
 
+use super::Standing;
+use crate::expressions::Surfaces;
 use crate::flow::error::FlowError;
 use crate::flow::limits::Corner;
 use crate::flow::occurrence::Occurrence;
@@ -9,7 +11,7 @@ use crate::flow::system::System;
 use crate::flow::touch::{Touch, with_terms};
 use crate::flow::trajectory::Trajectory;
 use crate::flow::trajectory::start::{is_inside, slack};
-use crate::numerics::Real;
+use crate::numerics::{Real, WithTerms};
 
 /// Switches without a flight longer than rounding between them: more than so many do not come to an end.
 const MOST_SWITCHES: usize = 256;
@@ -42,6 +44,7 @@ impl<R: Real> Trajectory<R> {
         };
         self.shift_columns(system, work, &shifts, R::ONE)?;
         self.met = Some(corner);
+        self.met_with = self.vanishes_with(system, corner)?;
         let before = match system.gaps_have_corners() {
             true => Some(self.touch_values(system)?),
             false => None,
@@ -53,6 +56,35 @@ impl<R: Real> Trajectory<R> {
         }
         self.keep_contacts(system, work)?;
         Ok(self.pending.pop_front())
+    }
+
+    /// The surfaces that vanish with the one that is met, as closed contacts keep their rates the same: what rounding has left of each
+    /// is the same part of how fast it moves.
+    fn vanishes_with(&self, system: &System, corner: Corner) -> Result<Surfaces, FlowError> {
+        let mut found = Surfaces::default();
+        if self.closed == Closed::NONE {
+            return Ok(found);
+        }
+        let standings = self.standings(system)?;
+        let motion = |standing: &Standing<R>| match (standing.corner, &standing.guards[..]) {
+            (Corner::Surface(index), [(_, [value, rate, ..])]) => {
+                Some((index, value.value, rate.value))
+            }
+            _ => None,
+        };
+        let met = standings.iter().find(|standing| standing.corner == corner);
+        let Some((own, value, rate)) = met.and_then(motion) else {
+            return Ok(found);
+        };
+        for (index, other, its_rate) in standings.iter().filter_map(motion) {
+            let (here, there) = (other * rate, value * its_rate);
+            let least = R::splat(f64::MIN_POSITIVE) * (rate.abs() + its_rate.abs());
+            let level = WithTerms::exact(here.abs() + there.abs()).level();
+            if index != own && its_rate != R::ZERO && (here - there).abs() <= level.max(least) {
+                found = found.with(index);
+            }
+        }
+        Ok(found)
     }
 
     /// The shifts of the time of a crossing, one a column of derivatives.
@@ -164,6 +196,10 @@ impl<R: Real> Trajectory<R> {
             let free = &touch.acceleration[contact];
             free.value < -free.level()
         };
+        // What surfaces hold on both sides of it no contact does, whatever has jumped.
+        if self.grip().carrying() == Closed::NONE {
+            return Ok(());
+        }
         let mut members = self.closed.contacts();
         match (members.next(), members.next()) {
             (None, _) => Ok(()),

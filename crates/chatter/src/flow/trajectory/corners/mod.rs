@@ -21,6 +21,7 @@ use crate::flow::occurrence::Occurrence;
 use crate::flow::program::{Grip, Held, Program, STANDING_ORDERS, STANDING_TAPES};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
+use crate::flow::touching::Touching;
 use crate::numerics::{Real, WithTerms};
 
 /// How the state stands to a corner in a mode.
@@ -240,8 +241,8 @@ impl<R: Real> Trajectory<R> {
         };
         let is_met = |corner: Corner| {
             let expr = |corner: Corner| system.corner_expr(corner);
-            self.met.is_some_and(|met| expr(corner) == expr(met))
-                || matches!(corner, Corner::Surface(index) if self.lies_on.contains(index))
+            let with = matches!(corner, Corner::Surface(k) if self.met_with.contains(k));
+            with || self.met.is_some_and(|met| expr(corner) == expr(met))
         };
         let instant = self.instant();
         let standing = |(tapes, constants): (&StandingTapes, &[Vec<R>; STANDING_TAPES])| {
@@ -321,6 +322,7 @@ impl<R: Real> Trajectory<R> {
         if system.corners().is_empty() {
             return Ok(());
         }
+        let (mode, balanced) = (self.mode, self.balanced_contacts(system)?);
         self.follow_counters(system)?;
         let count = system.corners().surfaces.len() + system.corners().lookups.len();
         let mut chosen: Vec<Corner> = Vec::new();
@@ -369,6 +371,10 @@ impl<R: Real> Trajectory<R> {
             let touched = [touched, slid].concat();
             self.choose_sides(system, (&touched, met))?;
             chosen.extend(touched);
+        }
+        // The balance of a contact holds in one mode: in the same one still, whatever others were asked.
+        for &guard in balanced.iter().filter(|_| self.mode == mode) {
+            self.touching.set(guard, Touching::BALANCED);
         }
         match self.jam(system) {
             Some(contact) => Err(self.jammed(contact)),

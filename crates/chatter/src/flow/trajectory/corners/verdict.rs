@@ -217,6 +217,16 @@ impl<R: Real> Trajectory<R> {
                         }
                     }
                 };
+                // What four derivatives leave open the next may say; of what lies beside a surface by rounding they are rounding, too.
+                let is_open = !is_end && decided && is_known && !standing.is_kept;
+                let leaves = match leaves {
+                    None if is_open && standing.surface.value == R::ZERO => {
+                        let further = self.first_order(system, (*kind, STANDING_ORDERS))?;
+                        let most = usize::from(Touching::BALANCED) - 1;
+                        further.map(|(order, rises)| (rises, order.min(most) as u8))
+                    }
+                    leaves => leaves,
+                };
                 match leaves {
                     Some((false, _)) => return Ok(None),
                     Some((true, roots)) => verdict.roots.push((*kind, roots)),
