@@ -448,8 +448,8 @@ fn curves_of_grazes_and_doublings_end_where_both_halves_graze() {
     let end = doublings.special.iter();
     let end = end.filter(|special| special.kind == SpecialKind::GrazeDoubling);
     let expected = end.last().unwrap().point.parameters.clone();
-    for step in [0.02, 0.004] {
-        let curve = curve(&model, ["r", "c"], &graze, ((0.25, 0.5), step));
+    for step in [0.01, 0.03] {
+        let curve = curve(&model, ["r", "c"], &graze, ((0.0, 0.5), step));
         let double = curve.special.iter();
         let mut double = double.filter(|special| special.kind == SpecialKind::DoubleGraze);
         let (Some(double), None) = (double.next(), double.next()) else {
