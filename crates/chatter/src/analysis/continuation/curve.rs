@@ -261,4 +261,11 @@ impl<R: Real> Curve<R> {
     pub fn moves(&mut self, station: Station<R>) {
         self.station = station;
     }
+
+    /// The direction anew, where the same solution is told by other equations: however short a step is, it would not go on in the old one.
+    pub fn turns(&mut self, problem: &mut dyn Problem<R>) {
+        if let Ok((turned, _)) = self.station.ahead(problem, 0.0) {
+            self.station = turned;
+        }
+    }
 }

@@ -7,9 +7,11 @@ pub(crate) fn is_stable(multipliers: &[Complex], error: f64) -> bool {
     multipliers.iter().all(|m| m.modulus() < 1.0 - error)
 }
 
-/// Whether none lies outside the unit circle, and some are on it as far as they are known, as where energy is conserved.
+/// Whether none lies outside the unit circle, and some are on it as far as they are known, as where energy is conserved. What is known is a
+/// product of two, and so a modulus far from the circle the better: the error is that of the square, from the circle on.
 pub(crate) fn is_neutral(multipliers: &[Complex], error: f64) -> bool {
-    let none_outside = multipliers.iter().all(|m| m.modulus() <= 1.0 + error);
+    let is_within = |m: &Complex| (m.modulus() - 1.0) * m.modulus() <= error;
+    let none_outside = multipliers.iter().all(is_within);
     none_outside && !is_stable(multipliers, error)
 }
 
@@ -170,6 +172,12 @@ mod tests {
         let inside = of(&[(0.6, 0.7), (0.6, -0.7)]);
         assert!(is_stable(&inside, 1e-14) && !is_neutral(&inside, 1e-14));
         assert!(!is_neutral(&of(&[(1.1, 0.0), (1.0, 0.0)]), 1e-14));
+        // Rounding of the largest hides what is about the circle, and never the largest itself.
+        for largest in [1e8_f64, 1e12, 1e19] {
+            let error = 64.0 * f64::EPSILON * largest * largest;
+            assert!(!is_neutral(&of(&[(-largest, 0.0), (0.5, 0.0)]), error));
+            assert!(is_neutral(&of(&[(1.1, 0.0), (0.5, 0.0)]), error));
+        }
     }
 
     #[test]

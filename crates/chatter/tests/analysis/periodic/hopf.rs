@@ -184,3 +184,74 @@ fn a_canard_is_no_period_without_bound() {
     let unbounded = |end: &End| matches!(end, End::Unbounded(_) | End::Saddle(_));
     assert!(!ends.iter().any(unbounded), "{ends:?}");
 }
+
+/// A drill bit whose torque weakens with its rate: at rest against the table that turns it, w = Om, its slope is that of the torque, and a pair
+/// is imaginary at c = W (1 - b) vf exp(-vf Om). The orbit leaves its section on the way there, and no fold is left of it.
+#[test]
+fn no_fold_is_told_where_nothing_is_left_of_an_orbit() {
+    for ((om, vf, b, c), start, steps) in [
+        (
+            (2.486, 0.2527, 0.5432, 0.07564),
+            "1.038",
+            [0.01, 0.02, 0.05],
+        ),
+        (
+            (2.264, 0.4766, 0.6374, 0.02482),
+            "1.154",
+            [0.003, 0.01, 0.02],
+        ),
+    ] {
+        let expected = c / ((1.0 - b) * vf * f64::exp(-vf * om));
+        let parameters = format!("W = {start}");
+        let rate = format!(
+            "ph + {c}*({om} - w) - W*({b} + {}*exp(-{vf}*abs(w)))*sign(w)",
+            1.0 - b
+        );
+        let field = format!("{om} - y");
+        let rate = rate.replace("ph", "x").replace('w', "y");
+        let text = system(&parameters, (&field, &rate), "y - 1", (0.5, 0.5));
+        let model = with(&text, &[]);
+        for step in steps {
+            let branch = &over(&model, "W", (0.3, 2.5), (8, step))[0];
+            assert_eq!(branch.ends, [End::Equilibrium, End::Range], "{step}");
+            assert_eq!(of(branch, SpecialKind::Fold), [0.0; 0], "{om} {step}");
+            let [hopf] = of(branch, SpecialKind::Hopf)[..] else {
+                panic!("{om} {step}")
+            };
+            assert!((hopf - expected).abs() < 1e-13, "{om} {step}: {hopf}");
+        }
+    }
+}
+
+/// Prey, and a predator that is caught above a threshold: over it x = (h K - 1)/(2 h) at the Hopf point, and the catch is what is left of growth
+/// there. Long steps turn the plane that the orbit is told from by much.
+#[test]
+fn a_limit_cycle_is_followed_to_where_it_is_born_by_long_steps() {
+    let (k, h, e, m) = (3.994, 0.5831, 0.7, 0.3084);
+    let x = (h * k - 1.0) / (2.0 * h);
+    let expected = e * x / (1.0 + h * x) - m;
+    for size in [1e-3, 1.0, 1e3] {
+        let parameters = "q = 0.5236";
+        let prey = format!("x*(1 - x/{k}) - x*y/(1 + {h}*x)");
+        let predator = format!("{e}*x*y/(1 + {h}*x) - {m}*y - q*step(y - 0.6573)*y");
+        // The same with predators in other units.
+        let scaled = |rate: &str| rate.replace('y', &format!("(y/{size:?})"));
+        let field = (scaled(&prey), format!("{size:?}*({})", scaled(&predator)));
+        let text = system(
+            parameters,
+            (&field.0, &field.1),
+            "x - 0.9",
+            (1.0, 0.6 * size),
+        );
+        let text = text.replace("falling", "rising");
+        for step in [0.01, 0.05, 0.1] {
+            let found = over(&with(&text, &[]), "q", (0.1, 0.8), (8, step));
+            let branch = &found[0];
+            assert_eq!(branch.ends, [End::Range, End::Equilibrium], "{size} {step}");
+            let [hopf] = of(branch, SpecialKind::Hopf)[..] else {
+                panic!("{size} {step}")
+            };
+            assert!((hopf - expected).abs() < 1e-13, "{size} {step}: {hopf}");
+        }
+    }
+}

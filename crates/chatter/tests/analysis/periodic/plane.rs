@@ -429,6 +429,42 @@ fn a_curve_of_grazes_of_doubled_orbits_ends_where_both_halves_graze() {
     }
 }
 
+/// Of a pair with play the curve of grazes of doubled orbits ends on that of the simple ones, and so does the curve of their doublings: at one
+/// place. Near there rounding tells the flight that goes through the wall for the impact that loses its rate.
+#[test]
+fn curves_of_grazes_and_doublings_end_where_both_halves_graze() {
+    let model = with(
+        "[parameters]\nd = 1.567\nr = 0.5237\nc = 0.2612\n[flight]\nx = 'v'\nv = '-c*v'\n[[contact]]\nname = 'right'\n\
+         gap = 'd/2 + sin(t) - x'\nimpulse = { v = -1 }\nrestitution = 'r'\n[[contact]]\nname = 'left'\n\
+         gap = 'x - sin(t) + d/2'\nimpulse = { v = 1 }\nrestitution = 'r'\n[section.strobe]\nsurface = 'sin(t)'\n\
+         direction = 'rising'\n[initial]\nx = 0\nv = 1.3\n",
+        &[],
+    );
+    let found = over(&model, "r", (0.45, 0.65), (12, 0.05));
+    let graze = nearest(&found, &GRAZES, 0.6325);
+    let doubling = nearest(&found, &[SpecialKind::PeriodDoubling], 0.4924);
+    let limits = ((0.25, 0.4), 0.02);
+    let doublings = curve(&model, ["r", "c"], &doubling, limits);
+    let end = doublings.special.iter();
+    let end = end.filter(|special| special.kind == SpecialKind::GrazeDoubling);
+    let expected = end.last().unwrap().point.parameters.clone();
+    for step in [0.01, 0.03] {
+        let curve = curve(&model, ["r", "c"], &graze, ((0.0, 0.5), step));
+        let double = curve.special.iter();
+        let mut double = double.filter(|special| special.kind == SpecialKind::DoubleGraze);
+        let (Some(double), None) = (double.next(), double.next()) else {
+            panic!("{step}: {:?}", curve.special)
+        };
+        let found = &double.point.parameters;
+        let off = (0..2).map(|k| (found[k] - expected[k]).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(
+            off < 1e-12 && double.error < 1e-12,
+            "{step}: {off} {double:?}"
+        );
+    }
+}
+
 /// A branch of doubled orbits ends where both halves of its orbit graze, and what is followed from there are the simple orbits that graze.
 #[test]
 fn grazes_of_both_halves_are_those_of_the_simple_orbit() {
@@ -448,6 +484,46 @@ fn grazes_of_both_halves_are_those_of_the_simple_orbit() {
             .zip(ends(&two))
             .map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f64::max) < 1e-11);
+    }
+}
+
+/// x' = y, y' = a - b x - y^2 + R x y + S y^3 with R = 0 = S keeps areas where b = 1: at a = 0 its multipliers are i and -i, and a curve of tori that
+/// begins there begins on a point of codimension two.
+#[test]
+fn a_curve_that_begins_on_a_point_of_codimension_two_tells_it() {
+    let (r, s) = (0.3_f64, -0.2_f64);
+    let text = format!(
+        "[parameters]\na = 0\nb = 0.9\n[flight]\nx = '0'\ny = '0'\nc = '1'\n[[event]]\nname = 'tick'\nsurface = 'c - 1'\n\
+         direction = 'rising'\nreset = {{ x = 'y', y = 'a - b*x - y^2 + {r}*x*y + {s}*y^3', c = '0' }}\n[initial]\nx = 0\ny = 0\nc = 0\n"
+    );
+    let model = with(&text, &[]);
+    let found = over(&model, "b", (0.5, 1.5), (4, 0.05));
+    let torus = nearest(&found, &[SpecialKind::NeimarkSacker], 1.0);
+    // The trace vanishes at x = y = 0, and at the other root of (R - 2) x + 3 S x^2.
+    let x = (2.0 - r) / (3.0 * s);
+    let b = 1.0 + r * x;
+    let other = [b, x + b * x + x * x - r * x * x - s * x * x * x];
+    for step in [0.02, 0.005] {
+        let curve = curve(&model, ["b", "a"], &torus, ((-6.0, 12.0), step));
+        let both = [
+            End::At(SpecialKind::Resonance12),
+            End::At(SpecialKind::Resonance12),
+        ];
+        assert_eq!(curve.ends, both);
+        let found = of(&curve, SpecialKind::Resonance14);
+        assert_eq!(found.len(), 2, "{found:?}");
+        for (found, expected) in found.iter().zip([other, [1.0, 0.0]]) {
+            let off = (0..2).map(|k| (found[k] - expected[k]).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-12, "{found:?}");
+        }
+        let all = curve.special.iter();
+        assert!(all.clone().all(|special| special.error > 0.0));
+        // Each once, and in order.
+        let values: Vec<f64> = all.map(|special| special.point.parameters[1]).collect();
+        assert!(
+            values.windows(2).all(|pair| pair[0] < pair[1]),
+            "{values:?}"
+        );
     }
 }
 

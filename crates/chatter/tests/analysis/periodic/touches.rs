@@ -270,3 +270,34 @@ fn a_surface_that_is_touched_by_a_corner_of_the_field_is_told() {
         assert_near(&found, &[19.172_557_924_786_36], "by the corner");
     }
 }
+
+/// A capsule that moves itself by a mass inside: where its stick is left for an instant, and comes back at once. Its touches are the same from
+/// everywhere and at all steps, and no branches meet there.
+#[test]
+fn a_stick_that_is_left_for_an_instant_is_one_touch_at_all_steps() {
+    let text = "[parameters]\nom = 1.081\nal = 1.759\n[flight]\nx = 'y'\np = 'q'\n\
+                y = 'al*cos(om*t) - x + p - 2*0.04298*(y - q) - 10.24*max(x - p - 0.05, 0)'\n\
+                q = '(x - p + 2*0.04298*(y - q) + 10.24*max(x - p - 0.05, 0) - 0.9503*sign(q))/3.56'\n\
+                [section.strobe]\nsurface = 'sin(om*t)'\ndirection = 'rising'\n[initial]\nx = 0\ny = 0.1\np = 0\nq = 0\n";
+    let expected = [
+        1.100_299_640_258_281,
+        1.166_271_099_105_743,
+        1.425_999_412_261_856,
+        1.797_287_768_820_052,
+    ];
+    for (start, high, step) in [
+        ("1.15", 2.5, 0.02),
+        ("1.759", 2.5, 0.02),
+        ("1.759", 1.9, 0.04),
+    ] {
+        let context = format!("from {start} to {high} by {step}");
+        let found = over(
+            &with(text, &[("al", start)]),
+            "al",
+            (1.098, high),
+            (4, step),
+        );
+        assert_eq!(found[0].ends, [End::Range, End::Range], "{context}");
+        assert_near(&touches(&found[0], &context), &expected, &context);
+    }
+}

@@ -58,13 +58,18 @@ impl Walker {
         let size = from.at.len();
         let (before, after) = (from.tangent[size - 1], to.tangent[size - 1]);
         let mut kinds = Vec::new();
-        if from.orientation * to.orientation < 0.0 {
-            // Where branches meet, one of them may turn.
-            if let Some(end) = self.branch_point(from, step, (before, after)) {
+        let (meets, turns) = (
+            from.orientation * to.orientation < 0.0,
+            before * after < 0.0,
+        );
+        // Where nothing is left of an orbit its equations are singular by rounding.
+        if (meets || turns) && !(self.has_shrunk(from) || self.has_shrunk(to)) {
+            if !meets {
+                kinds.push(Passed::Fold((before, after)));
+            } else if let Some(end) = self.branch_point(from, step, (before, after)) {
+                // Where branches meet, one of them may turn.
                 return Some(end);
             }
-        } else if before * after < 0.0 {
-            kinds.push(Passed::Fold((before, after)));
         }
         let both = |value: fn(&[Complex]) -> Option<f64>| {
             let ends = (value(&here.multipliers)?, value(&there.multipliers)?);

@@ -3,6 +3,7 @@
 use super::walker::Walker;
 use super::{End, Point, SpecialKind};
 use crate::analysis::continuation::{Problem, Station, meeting, other_direction};
+use crate::analysis::periodic::multipliers::is_near;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::solved::NOISE;
 
@@ -17,10 +18,6 @@ impl Walker {
         step: f64,
         (before, after): (f64, f64),
     ) -> Option<End> {
-        // Where nothing is left of an orbit its equations are singular by rounding.
-        if self.has_shrunk(from) {
-            return None;
-        }
         self.settle(from);
         let turns = before * after < 0.0;
         let noise = |station: &Station| NOISE * f64::EPSILON * station.parameter().abs();
@@ -69,6 +66,9 @@ impl Walker {
         let leaves = other_direction(&mut self.shooting, &station.at, &station.tangent);
         self.settle(&station);
         let here = Point::new(&mut self.shooting, &station);
+        if !(is_near(&here.multipliers, 1.0) || self.shooting.grazes()) {
+            return None;
+        }
         let doubles = shorter(&self.shooting, &station.at).is_ok_and(|half| half.is_some());
         self.note(
             SpecialKind::BranchPoint,

@@ -18,8 +18,8 @@ use core::f64::consts::TAU;
 
 /// Where the section is touched an orbit that moves slower than this part of what it did a step before has shrunk to nothing.
 const SHRUNK: f64 = 1e-2;
-/// Special points are looked for up to this part of the way to there.
-const NEARLY: f64 = 0.999;
+/// Special points are looked for up to the first of these parts of the way to there.
+const NEARLY: [f64; 4] = [0.999, 0.99, 0.9, 0.5];
 /// The first two values of the parameter for the secant, apart by this part of its size; and so many more are never needed.
 const APART: f64 = 1e-4;
 const MOST: usize = 50;
@@ -130,11 +130,16 @@ impl Walker {
         {
             return Some(end);
         }
-        if let Ok((nearly, _)) = from.ahead(&mut self.shooting, NEARLY * touch.1) {
+        // What is left of an orbit that is nearer to nothing does not tell which way the parameter goes.
+        let nearly = NEARLY.into_iter().find_map(|part| {
+            let (nearly, _) = from.ahead(&mut self.shooting, part * touch.1).ok()?;
+            (!self.has_shrunk(&nearly)).then_some((nearly, part * touch.1))
+        });
+        if let Some((nearly, ahead)) = nearly {
             self.settle(&nearly);
             let near = Point::new(&mut self.shooting, &nearly);
             let ends = (&*here, &near);
-            if let Some(end) = self.between(from, &nearly, NEARLY * touch.1, ends) {
+            if let Some(end) = self.between(from, &nearly, ahead, ends) {
                 return Some(end);
             }
             self.points.push(near);

@@ -41,8 +41,11 @@ impl Shooting<f64> {
             .find(|&index| self.comes_back(index))
     }
 
-    /// Whether a guard ends a stay that a step leads to: back where that comes from.
+    /// Whether a guard ends a stay that a step leads to: back where that comes from, onto the surface if that is left.
     fn ends_stay(&self, step: &Step, guard: Option<GuardKind>) -> bool {
+        if let Some(GuardKind::Leave(surface, _)) = step.ends_at() {
+            return guard == Some(GuardKind::Switch(surface));
+        }
         let back = step.ends_at().and_then(GuardKind::opposite);
         let origin = self.workshop.system.origin_of(step.mode());
         let leaves = match (guard, origin) {
@@ -345,7 +348,13 @@ impl Walker {
         there: &Point,
     ) -> Result<Station, String> {
         let told = |error: &dyn core::fmt::Display| error.to_string();
-        let touched = self.touched(&station.at, (index, touching))?;
+        let longer = self.shooting.with_event(&station.at, index, touching);
+        let longer = longer.map_err(|error| told(&error))?;
+        let (guess, scales) = (longer.1.clone(), longer.0.scales().to_vec());
+        let touched = Touched::solve(longer)?;
+        if moved(&touched.at, &guess, &scales) > THERE {
+            return Err("where a surface is touched only another place is found".to_owned());
+        }
         let (mut touch, at, index) = (touched.shooting.clone(), touched.at.clone(), touched.index);
         self.note_touch(there, touched);
         let there = self.special.last().map(|special| special.point.clone());

@@ -291,6 +291,9 @@ impl Walker {
             self.settle(&next);
             curve.moves(next);
             self.shooting.adopt(&curve.station.at);
+            if self.shooting.has_planes() {
+                curve.turns(&mut self.shooting);
+            }
             here = there;
             walked.since_kept += step;
             if step > OF_NOTE * self.limits.longest_step {

@@ -333,9 +333,14 @@ impl<R: Real> Shooting<R> {
     /// Takes a solution as what later guesses and sizes start from.
     pub(crate) fn adopt(&mut self, at: &[R]) {
         self.steps = self.current_steps(at);
-        if !self.planes.is_empty() {
+        if self.has_planes() {
             self.set_planes(at);
         }
+    }
+
+    /// Whether it is told from planes, which are others wherever it has come to: so is the direction of a curve there.
+    pub(crate) fn has_planes(&self) -> bool {
+        !self.planes.is_empty()
     }
 
     /// The steps with their nodes and times as they are at a point.

@@ -15,6 +15,7 @@ use crate::analysis::periodic::margins::leaves_at_border;
 use crate::analysis::periodic::multipliers::NEAR_ONE;
 use crate::analysis::periodic::shooting::{Shooting, station_after};
 use crate::analysis::periodic::solved::NOISE;
+use crate::flow::GuardKind;
 use crate::numerics::Complex;
 
 /// One side of a curve.
@@ -37,6 +38,8 @@ const RENEWED: usize = 8;
 const ROUNDOFFS: f64 = 64.0;
 /// Where another curve is met what is solved for is singular: not so near, in parts of the way there.
 const NOT_QUITE: f64 = 1e-5;
+/// Where a curve begins on such a point what vanishes there does so nearer than so many roundoffs of the solution's size.
+const BEGINS: f64 = 64.0;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
 
@@ -236,6 +239,9 @@ impl Follower {
         }
         curve.moves(next);
         self.shooting.adopt(&curve.station.at);
+        if self.shooting.has_planes() {
+            curve.turns(&mut bordered.of(&mut self.shooting));
+        }
         Stop::On
     }
 
@@ -300,6 +306,11 @@ impl Follower {
         let is_side = |test: &&Test| test.kind == SpecialKind::GeneralisedDoubling;
         let side = after.iter().find(is_side);
         self.sided = side.map(|side| (to.at.clone(), side.value));
+        let begins = self.points.is_empty();
+        let begun = match begins && self.shooting.evaluate(&from.at).is_ok() {
+            true => multipliers(&self.shooting, &from.at, grazing).0,
+            false => Vec::new(),
+        };
         let mut found = Vec::new();
         for (index, (test, after_test)) in before.iter().zip(&after).enumerate() {
             let (Some(before), Some(after)) = (test.value, after_test.value) else {
@@ -307,7 +318,22 @@ impl Follower {
             };
             let error = from_error.max(to_error);
             let is_nothing = test.is_rounding(error) && after_test.is_rounding(error);
-            if before * after >= 0.0 || is_nothing {
+            if is_nothing {
+                continue;
+            }
+            let slope = (after - before) / step;
+            if begins && (before / slope).abs() <= BEGINS * f64::EPSILON {
+                // Both sides begin with what rounding leaves of zero. It is told of one, where the curve ends of that which does not go on.
+                let is_own = match ends(self.kind, test.kind) {
+                    true => after < 0.0,
+                    false => from.parameter_slope() > 0.0,
+                };
+                if is_own && (!test.of_multipliers || has_multipliers(test.kind, &begun)) {
+                    found.push((test.kind, from.clone(), 0.0, (before, slope)));
+                }
+                continue;
+            }
+            if before * after >= 0.0 {
                 continue;
             }
             let mut held = bordered.of(&mut self.shooting);
@@ -335,7 +361,6 @@ impl Follower {
                 _ => !test.of_multipliers || has_multipliers(test.kind, &there),
             };
             if is_there {
-                let slope = (after - before) / step;
                 found.push((test.kind, station, ahead, (here, slope)));
             }
         }
@@ -357,6 +382,7 @@ impl Follower {
         let point = self.told(station);
         let scale = self.shooting.scales()[station.at.len() - 1];
         let off = (NOISE * station.correction).max((value / slope).abs());
+        let off = off.max(f64::EPSILON);
         self.special.push(Special {
             kind,
             error: (ROUNDOFFS * f64::EPSILON * station.parameter().abs()).max(off * scale),
@@ -422,9 +448,22 @@ impl Follower {
         bordered: &Bordered,
     ) -> End {
         // Where both halves of a doubled orbit graze at once its curve meets that of the simple one: the equations are singular there.
+        // Near there the equations tell little, and their solutions what is no meeting. Rounding may tell the flight after the impact that
+        // loses its rate there for that impact.
+        let starts = meets.map(|within| [(station, within), (from, 2.0 * within)]);
+        let lost = self.loses(broken).map(Broken::Event);
+        let all = lost.into_iter().chain([broken.clone()]);
+        let met = starts.into_iter().flatten().find_map(|start| {
+            let met = self.met(start, bordered)?;
+            let vanishes = |one: &Broken| {
+                let before = self.left_of(one, from);
+                self.left_of(one, &met).abs() <= VANISHES * before.abs()
+            };
+            Some((all.clone().find(vanishes)?, met))
+        });
+        let (lost, met) = met.unzip();
+        let broken = lost.as_ref().unwrap_or(broken);
         let before = self.left_of(broken, from);
-        let met = meets.and_then(|within| self.met((station, within), bordered));
-        let met = met.filter(|met| self.left_of(broken, met).abs() <= VANISHES * before.abs());
         let short = met.as_ref().map(|met| {
             let reach = from.reach(&met.at, self.shooting.scales());
             reach * (1.0 - NOT_QUITE)
@@ -444,7 +483,7 @@ impl Follower {
         let lost = || End::Lost(broken.told(&self.shooting));
         let is_graze = match *broken {
             Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
-            Broken::Inner(_, guard) => matches!(guard, crate::flow::GuardKind::Gap(_)),
+            Broken::Inner(_, guard) => matches!(guard, GuardKind::Gap(_)),
             Broken::Early(..)
             | Broken::Beyond(..)
             | Broken::Passed(_)
@@ -475,6 +514,20 @@ impl Follower {
             special.point.multipliers.clear();
         }
         End::At(kind)
+    }
+
+    /// The impact that loses its rate where this breaks, if it is one that the flight beyond goes through the wall after.
+    fn loses(&self, broken: &Broken) -> Option<usize> {
+        let steps = &self.shooting.steps;
+        let index = match *broken {
+            Broken::Event(index) => index,
+            Broken::Inner(step, GuardKind::Gap(contact)) => {
+                let before = self.shooting.before(step);
+                (steps[before].impact() == Some(contact)).then_some(before)?
+            }
+            _ => return None,
+        };
+        (steps[index].impact().is_some() && self.grazing != Some(index)).then_some(index)
     }
 
     /// What is left at a station of what breaks.
