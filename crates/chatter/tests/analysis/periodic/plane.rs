@@ -446,8 +446,8 @@ fn curves_of_grazes_and_doublings_end_where_both_halves_graze() {
     let limits = ((0.25, 0.4), 0.02);
     let doublings = curve(&model, ["r", "c"], &doubling, limits);
     let end = doublings.special.iter();
-    let end = end.filter(|special| special.kind == SpecialKind::GrazeDoubling);
-    let expected = end.last().unwrap().point.parameters.clone();
+    let mut end = end.filter(|special| special.kind == SpecialKind::GrazeDoubling);
+    let expected = end.next_back().unwrap().point.parameters.clone();
     for step in [0.01, 0.03] {
         let curve = curve(&model, ["r", "c"], &graze, ((0.0, 0.5), step));
         let double = curve.special.iter();
