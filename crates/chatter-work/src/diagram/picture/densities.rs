@@ -201,7 +201,7 @@ fn padded(low: f64, high: f64) -> (f64, f64) {
     if low > high {
         return (0.0, 1.0);
     }
-    let (low, high) = (low.max(-LARGEST), high.min(LARGEST));
+    let (low, high) = (low.clamp(-LARGEST, LARGEST), high.clamp(-LARGEST, LARGEST));
     let extent = high - low;
     let room = if extent > 0.0 {
         extent * ROOM
