@@ -292,7 +292,7 @@ fn bare(error: io::Error) -> io::Error {
 }
 
 /// The folder that holds `path`; the current one for a bare name.
-pub(crate) fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

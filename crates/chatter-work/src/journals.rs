@@ -2,6 +2,7 @@
 
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::Share;
+use chatter_files::atomic_file::folder_of;
 use chatter_files::journal::Unread;
 use std::path::{Path, PathBuf};
 
@@ -35,11 +36,7 @@ pub fn shards_beside(output: &Path) -> Vec<PathBuf> {
             .and_then(|share| share.split_once("-of-"))
             .is_some_and(|(number, of)| is_whole(number) && is_whole(of))
     };
-    let folder = match output.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let Ok(entries) = std::fs::read_dir(folder) else {
+    let Ok(entries) = std::fs::read_dir(folder_of(output)) else {
         return Vec::new();
     };
     let names = entries.flatten().map(|entry| entry.file_name());

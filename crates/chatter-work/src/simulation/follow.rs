@@ -11,6 +11,7 @@ use chatter::analysis::simulate::{
 };
 use chatter::model::Model;
 use chatter::numerics::Real;
+use chatter_files::atomic_file::folder_of;
 use core::cell::Cell;
 use core::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -213,11 +214,7 @@ impl<R: Real> Sink<R> for Listener<'_, '_, R> {
 
 /// Where what does not fit memory is kept while it is needed: on the disk that the table will be on, if there is one.
 fn folder(path: Option<&Path>) -> PathBuf {
-    match path.and_then(Path::parent) {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
-        Some(_) => PathBuf::from("."),
-        None => std::env::temp_dir(),
-    }
+    path.map_or_else(std::env::temp_dir, |path| folder_of(path).to_path_buf())
 }
 
 /// By time or by impacts, whichever is nearer to its end.

@@ -27,15 +27,6 @@ struct Here<R> {
     events: Vec<(usize, WithTerms<R>)>,
 }
 
-impl<R> Default for Here<R> {
-    fn default() -> Self {
-        Self {
-            corners: Vec::new(),
-            events: Vec::new(),
-        }
-    }
-}
-
 /// Surfaces that a reset has left the state on.
 #[derive(Default)]
 struct Kept {
@@ -57,14 +48,17 @@ impl<R: Real> Trajectory<R> {
         }
         let before = self.surface(system, section)?;
         let here = match jumped {
-            true => Here::default(),
-            false => self.surfaces_here(system)?,
+            true => None,
+            false => Some(self.surfaces_here(system, section)?),
         };
         let shifts = self.apply_reset(system, work, (section, jumped))?;
         // Where the event's surface is a corner's, too, the motion says on which side it goes on, and not a rounding error.
         let surface = system.model().sections[section].surface;
         let met = (system.corners().surface(surface)).filter(|_| !jumped);
-        let kept = self.kept_of(system, here)?;
+        let kept = match here {
+            Some(here) => self.kept_of(system, here)?,
+            None => Kept::default(),
+        };
         self.met_with = kept.surfaces;
         let met = met.or(kept.surfaces.members().next());
         let begun = self.begin_anew(system, work, met.map(Corner::Surface));
@@ -215,8 +209,8 @@ impl<R: Real> Trajectory<R> {
         Ok(())
     }
 
-    /// The surfaces of corners and events that the state lies on, as far as an instant of the motion tells.
-    fn surfaces_here(&self, system: &System) -> Result<Here<R>, FlowError> {
+    /// The surfaces of corners and of events other than this one that the state lies on, as far as an instant of the motion tells.
+    fn surfaces_here(&self, system: &System, section: usize) -> Result<Here<R>, FlowError> {
         let instant = self.instant();
         let is_here = |value: &WithTerms<R>, rate: R| {
             value.value.abs() <= (rate.abs() * instant).max(value.level())
@@ -227,11 +221,11 @@ impl<R: Real> Trajectory<R> {
             corners: corners.map(|(corner, value, _)| (corner, value)).collect(),
             events: Vec::new(),
         };
-        for section in 0..system.model().sections.len() {
-            if let Some([value, rate, _]) = self.surface(system, section)?
+        for other in (0..system.model().sections.len()).filter(|&other| other != section) {
+            if let Some([value, rate, _]) = self.surface(system, other)?
                 && is_here(&value, rate.value)
             {
-                here.events.push((section, value));
+                here.events.push((other, value));
             }
         }
         Ok(here)
