@@ -5,9 +5,8 @@ use crate::border::{Answer, NAMES, Subject, ends, known, prediction};
 use crate::numbers::{Digits, concise, full};
 use crate::terminal::Style;
 use crate::universal::window_sheet;
-use chatter::analysis::border::{
-    Border, BorderError, Borders, Estimate, LeadingOrder, WindowComparison,
-};
+use chatter::analysis::border::{Border, BorderError, Estimate, LeadingOrder, WindowComparison};
+use chatter::analysis::border_search::Borders;
 use chatter::analysis::universal::Argument;
 use chatter::numerics::Real;
 

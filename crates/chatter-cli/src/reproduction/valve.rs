@@ -5,9 +5,8 @@ use crate::border::refused;
 use crate::failure::Failure;
 use crate::parallel;
 use crate::shipped;
-use chatter::analysis::border::{
-    AffineStates, Border, BorderSpec, LeadingOrder, border_near, leading_order_at, section_states,
-};
+use chatter::analysis::border::{AffineStates, Border, BorderSpec, LeadingOrder, section_states};
+use chatter::analysis::border_search::{border_near, leading_order_at};
 use chatter::analysis::diagram::{Range, Row, Spec, Start, Sweep};
 use chatter::analysis::map::Map;
 use chatter::analysis::return_map::{ReturnMap, ReturnSpec};

@@ -3,7 +3,8 @@
 use super::Answering;
 use super::file::{Extension, stem};
 use crate::question::{self, BorderQuestion};
-use chatter::analysis::border::{BorderSpec, search_range};
+use chatter::analysis::border::BorderSpec;
+use chatter::analysis::border_search::search_range;
 use chatter::model::Model;
 use chatter_work::border::{
     Answer, Place, Question, Subject, document, find, overlay, picture, refused,

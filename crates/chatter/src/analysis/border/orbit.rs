@@ -6,7 +6,6 @@ use super::normal_form::exact::{Exact, exact};
 use super::normal_form::leading_order::{LeadingOrder, ReleaseSection, leading_order};
 use super::release::equations::ReleasePoint;
 use super::release::forcing::Turn;
-use super::search::breaks::grazing_start;
 use crate::analysis::universal::Constants;
 use crate::numerics::{DoubleDouble, Estimate, Real, Rounded, with_rounding};
 use serde::{Deserialize, Serialize};
@@ -59,7 +58,7 @@ with_rounding! {
 
 /// The normal form at a root found in `f64`, or why that is no border; in double-double: its limits keep half the digits of the number that they
 /// are computed with, and cost little.
-pub(super) fn complete<R: Real>(
+pub(crate) fn complete<R: Real>(
     rough: &Root<'_, f64>,
 ) -> Result<Result<Border<R>, BreakCause>, BorderError> {
     let problem = rough.point.here.problem;
@@ -73,7 +72,7 @@ pub(super) fn complete<R: Real>(
     let Some(Root { point, error }) = root else {
         return Ok(Err(BreakCause::Jump));
     };
-    if let Some(rate) = grazing_start(&point) {
+    if let Some(rate) = point.sequence.grazing_start() {
         return Ok(Err(BreakCause::Graze { impact: 0, rate }));
     }
     if !point.closes() {

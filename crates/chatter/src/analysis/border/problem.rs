@@ -1,18 +1,14 @@
-//! A model and one of its parameters, compiled for the search of border orbits; and the same at a value of the parameter.
+//! A model and one of its parameters, compiled for border orbits; and the same at a value of the parameter.
 
 use super::coordinate::local::LocalTape;
-use super::coordinate::sequence::{Follower, Impact, Sequence, Until, Verdict};
+use super::coordinate::sequence::{Follower, Sequence, Until};
 use super::error::{BorderError, Lack, Named};
-use super::release::equations::{CONDITIONS, ReleaseEquations, ReleasePoint};
+use super::release::equations::{CONDITIONS, ReleaseEquations};
 use super::spec::BorderSpec;
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::flow::{Column, System, SystemError, columns, with_identity};
 use crate::model::{Mechanics, Model};
 use crate::numerics::Real;
-
-/// Contact ends at a release point if it ends this near to it, relative to the size of the states: event location and
-/// Newton's method agree to rounding.
-const SAME_RELEASE: f64 = 1e-6;
 
 /// A model and the parameter that is varied. Derivatives have a column for each state, in order, and one for the parameter.
 #[derive(Clone, Debug)]
@@ -143,65 +139,5 @@ impl Here<'_, f64> {
     ) -> Result<Sequence<f64>, BorderError> {
         let sequence = self.problem.plain.follow(&self.parameters, start, until);
         sequence.map_err(|error| self.lacks(Lack::Motion(error)))
-    }
-
-    /// All release points: at least one.
-    pub(crate) fn release_points(&self) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
-        let mut found = Vec::new();
-        for contact in 0..self.problem.releases.len() {
-            found.extend(match self.problem.dimensions() {
-                0 => self.all(contact),
-                _ => self.settled(contact)?,
-            });
-        }
-        if found.is_empty() {
-            return Err(self.lacks(Lack::Release));
-        }
-        Ok(found)
-    }
-
-    /// The impacts after release up to the end of the first chatter sequence. One that belongs to another release point and ends
-    /// in flight is a part of the way, complete chatter there the end of it.
-    pub(crate) fn sequence(
-        &self,
-        release: &ReleasePoint<f64>,
-    ) -> Result<Sequence<f64>, BorderError> {
-        let mut after = 0;
-        loop {
-            let until = Until {
-                excursions: self.problem.spec.excursions,
-                after,
-                ..Until::NEVER
-            };
-            let mut sequence = self.follow((release.contact, &release.state), until)?;
-            // To a release point belongs the chatter that ends there, in contact or in flight.
-            let leads_back = || {
-                (self.released(&sequence, release.contact))
-                    .is_none_or(|state| self.apart(&state, &release.state).1 <= SAME_RELEASE)
-            };
-            if self.problem.dimensions() > 0 || leads_back() {
-                return Ok(sequence);
-            }
-            match sequence.verdict {
-                Verdict::Incomplete => after = sequence.impacts.len(),
-                Verdict::Complete => {
-                    sequence.verdict = Verdict::Elsewhere;
-                    return Ok(sequence);
-                }
-                _ => return Ok(sequence),
-            }
-        }
-    }
-
-    /// Where the contact is released that chatter ends in, or would if it lasted from the last impact on that presses; `None`
-    /// if there is none.
-    pub(crate) fn released(&self, sequence: &Sequence<f64>, contact: usize) -> Option<Vec<f64>> {
-        if sequence.verdict == Verdict::Complete {
-            return sequence.released.clone();
-        }
-        let presses = |impact: &&Impact<f64>| impact.local.acceleration < 0.0;
-        let last = sequence.impacts.iter().rev().find(presses)?;
-        let rest = self.problem.releases[contact].brought_to_rest(&last.state, &self.parameters);
-        (self.problem.plain).contact_until_release(&self.parameters, (contact, &rest))
     }
 }

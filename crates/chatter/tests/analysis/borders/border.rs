@@ -2,6 +2,7 @@
 
 use super::{Settled, approach_the_prediction, predicted, simulated};
 use chatter::analysis::border::*;
+use chatter::analysis::border_search::*;
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real, Scalar};
 

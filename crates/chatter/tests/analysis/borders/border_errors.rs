@@ -1,6 +1,7 @@
 //! Error estimates of border orbits: no choice that should not matter changes a number by more than they say.
 
 use chatter::analysis::border::*;
+use chatter::analysis::border_search::*;
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real, Scalar};
 

@@ -1,6 +1,7 @@
 //! Finding border orbits: forced systems and their phase, several borders, places that are none, many parameter sets.
 
 use chatter::analysis::border::*;
+use chatter::analysis::border_search::*;
 use chatter::model::Model;
 use std::ops::ControlFlow;
 

@@ -2,6 +2,7 @@
 
 use super::approach_the_prediction;
 use chatter::analysis::border::*;
+use chatter::analysis::border_search::*;
 use chatter::flow::{Occurrence, Settings, System, Trajectory};
 use chatter::model::Model;
 use chatter::numerics::{DoubleDouble, Real, Scalar};

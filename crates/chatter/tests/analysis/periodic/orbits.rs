@@ -1,7 +1,8 @@
 //! Orbits against reference values in quadruple precision, and against laws.
 
 use super::{model, nearest, orbit, orbits_from, over, settles, value, with};
-use chatter::analysis::border::{BorderSpec, border_near};
+use chatter::analysis::border::BorderSpec;
+use chatter::analysis::border_search::border_near;
 use chatter::analysis::periodic::{MarginKind, PeriodicError, Spec, SpecialKind, settled};
 use chatter::analysis::universal::Universal;
 use chatter::numerics::Real;

@@ -1,6 +1,7 @@
 //! Models with several release points in a period, and border orbits that a graze takes away.
 
 use chatter::analysis::border::*;
+use chatter::analysis::border_search::*;
 use chatter::model::Model;
 
 const TWO_HARMONICS: &str = r#"

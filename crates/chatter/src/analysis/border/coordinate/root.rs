@@ -26,9 +26,6 @@ const SETTLED_POWER: f64 = 0.4;
 const VAGUE: f64 = 0.1;
 const APART: f64 = 0.05;
 
-/// Roots this near to each other, relative to the parameter, are one found twice.
-const SAME_ROOT: f64 = 8.0 * f64::EPSILON;
-
 /// Chatter ends at the release point where the orbit began if the distance is this small against the way there. Release
 /// points lie apart: there is nothing in between.
 const CLOSED: f64 = 1e-7;
@@ -128,11 +125,6 @@ pub(crate) struct Root<'p, R> {
     pub point: Point<'p, R>,
     /// Estimated error of the parameter value.
     pub error: f64,
-}
-
-/// Whether two searches came to the same root.
-pub(crate) fn is_same(a: &Estimate<f64>, b: &Estimate<f64>) -> bool {
-    (a.value - b.value).abs() <= SAME_ROOT * a.value.abs() + a.error + b.error
 }
 
 impl<'p, R: Real> Here<'p, R> {

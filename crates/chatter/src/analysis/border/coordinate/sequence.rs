@@ -22,6 +22,10 @@ const STEPS_WITHOUT_IMPACT: usize = 2_000;
 /// More impacts than this are not followed: a sequence at restitution 0.99 has some two thousand.
 const MOST_IMPACTS: usize = 5_000;
 
+/// An impact counts as a graze if its rate is this small against the largest rate of the sequence: rates go
+/// with the root of the distance, which is halved to rounding.
+pub(crate) const GRAZE: f64 = 1e-4;
+
 /// A horizon that no flight reaches.
 pub(crate) const NO_HORIZON: f64 = 1e12;
 
@@ -233,6 +237,12 @@ impl<R: Real> Sequence<R> {
     pub(crate) fn largest_rate(&self) -> f64 {
         let rates = self.impacts.iter().map(|impact| impact.rate_before);
         rates.fold(0.0_f64, |most, rate| most.max(rate.abs().to_f64()))
+    }
+
+    /// The rate of the first impact if it is a graze: then the normal form of a border has no finite slope.
+    pub(crate) fn grazing_start(&self) -> Option<f64> {
+        let rate = self.impacts.first()?.rate_before.to_f64();
+        (rate.abs() <= GRAZE * self.largest_rate()).then_some(rate)
     }
 
     /// How many long flights there are.

@@ -6,14 +6,12 @@
 
 use super::super::coordinate::local::{LocalCoordinate, LocalTape};
 use super::super::coordinate::root::Point;
-use super::super::error::{BorderError, Lack, Named};
-use super::super::problem::Problem;
+use super::super::error::{BorderError, Named};
 use super::super::release::equations::{FIELD, JERK};
-use super::super::spec::BorderSpec;
 use super::exact::SectionChart;
 use super::section::crossing;
 use crate::flow::{columns, with_identity};
-use crate::model::{Direction, Model, Section};
+use crate::model::{Direction, Section};
 use crate::numerics::{Matrix, Real, dot, unchanged, unit, with_rounding};
 use serde::{Deserialize, Serialize};
 
@@ -204,24 +202,4 @@ pub(crate) fn leading_order<R: Real>(
         e,
         f,
     }))
-}
-
-/// The leading-order coefficients at a parameter value near a border, as the paper has them at q = 0.020056: for the
-/// release point whose chatter is nearest to one.
-///
-/// # Errors
-/// As for [`borders_in`](super::super::borders_in), and [`BorderError::NotCrossed`] if the section is not crossed.
-pub fn leading_order_at<R: Real>(
-    model: &Model,
-    spec: &BorderSpec,
-    value: R,
-) -> Result<LeadingOrder<R>, BorderError> {
-    let problem = Problem::new(model, spec)?;
-    let at = problem.at(value.to_f64())?;
-    let releases = at.release_points()?.into_iter();
-    let samples = releases.map(|release| (at.sample(release.clone()), release));
-    let nearest = samples.min_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance));
-    let (sample, release) = nearest.ok_or_else(|| at.lacks(Lack::Release))?;
-    let point = problem.at(value)?.point(&release.place(), sample.settles)?;
-    Ok(leading_order(&point, &point.chart())??)
 }

@@ -41,7 +41,7 @@ impl Simulator {
     /// For the system that a border was found in.
     ///
     /// # Errors
-    /// As for [`borders_in`](super::super::borders_in).
+    /// As for [`borders_in`](crate::analysis::border_search::borders_in).
     pub fn new<R: Real>(
         model: &Model,
         spec: &BorderSpec,

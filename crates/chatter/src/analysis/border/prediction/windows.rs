@@ -39,9 +39,9 @@ impl Prediction {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::border_near;
     use super::super::super::spec::BorderSpec;
     use super::*;
+    use crate::analysis::border_search::border_near;
     use crate::model::Model;
 
     const VALVE: &str = include_str!("../../../../../../models/pressure_relief_valve.toml");

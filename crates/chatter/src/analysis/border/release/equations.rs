@@ -144,7 +144,7 @@ impl ReleaseEquations {
 
     /// The state with the values of some states that a guess has, at which as many of gap, rate and acceleration as that leaves are
     /// zero, by Newton's method. The parameter, which is last, is held, too.
-    pub(super) fn converge<R: Real>(
+    pub(crate) fn converge<R: Real>(
         &self,
         parameters: &[R],
         guess: &[R],
@@ -164,7 +164,7 @@ impl ReleaseEquations {
     }
 
     /// The acceleration.
-    pub(super) fn acceleration(&self, state: &[f64], parameters: &[f64]) -> f64 {
+    pub(crate) fn acceleration(&self, state: &[f64], parameters: &[f64]) -> f64 {
         self.graph
             .evaluate(self.functions[ACCELERATION], state, parameters)
     }

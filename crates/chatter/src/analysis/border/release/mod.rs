@@ -1,6 +1,4 @@
 //! Where contact ends, h = v = a = 0 and j > 0: at a parameter value, and up to turns of the forcing.
 
-pub(super) mod all;
 pub(super) mod equations;
 pub(super) mod forcing;
-pub(super) mod orbits;

@@ -8,7 +8,8 @@ use super::super::diary::{Diary, Told};
 use super::super::error::PeriodicError;
 use super::SpecialCurve;
 use super::start::failed;
-use crate::analysis::border::{Border, BorderSpec, border_near, borders_in};
+use crate::analysis::border::{Border, BorderSpec};
+use crate::analysis::border_search::{border_near, borders_in};
 use crate::model::Model;
 
 /// Parts of the interval that a border is looked for in.

@@ -4,11 +4,7 @@
 //! complete. Where it ends in flight, contact from its last impact on that presses leads to a point that is as near to
 //! the orbit's as nu^3 there, and continues the complete side smoothly to the border.
 
-use super::super::coordinate::root::regular;
-use super::super::coordinate::sequence::Until;
-use super::super::error::{BorderError, Lack};
-use super::super::problem::Here;
-use super::equations::{Place, ReleasePoint};
+use crate::analysis::border::{BorderError, Here, Lack, Place, ReleasePoint, Until, regular};
 use crate::numerics::{Matrix, moved};
 
 /// A trajectory passes so many chatter sequences before its release points are looked at, and then so many.

@@ -1,10 +1,9 @@
 //! From samples of different verdict to the root of X between them, or to what else ends chatter there.
 
-use super::super::coordinate::root::Root;
-use super::super::error::BorderError;
 use super::borders::Search;
 use super::breaks::break_between;
 use super::sample::Sample;
+use crate::analysis::border::{BorderError, Root};
 use crate::numerics::Real;
 
 /// A bracket is halved so often at most: to rounding, whatever its ends.

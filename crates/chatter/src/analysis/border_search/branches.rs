@@ -1,9 +1,7 @@
 //! Samples over the parameter: each release point follows its own branch as far as it exists.
 
-use super::super::error::BorderError;
-use super::super::problem::{Here, Problem};
-use super::super::release::equations::ReleasePoint;
 use super::sample::Sample;
+use crate::analysis::border::{BorderError, Here, Problem, ReleasePoint};
 use crate::numerics::Rounded;
 
 /// All release points are looked for at every so manieth value; in between they are followed.

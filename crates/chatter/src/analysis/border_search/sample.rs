@@ -1,9 +1,8 @@
 //! What the impact sequence at one parameter value does.
 
-use super::super::coordinate::sequence::{Impact, Sequence, Verdict};
-use super::super::error::BorderError;
-use super::super::problem::{Here, Problem};
-use super::super::release::equations::ReleasePoint;
+use crate::analysis::border::{
+    BorderError, Here, Impact, Problem, ReleasePoint, Sequence, Verdict,
+};
 
 /// Newton's method starts once the sequence comes this near to u*, relative to u*.
 const NEAR: f64 = 0.1;

@@ -1,8 +1,6 @@
 //! All release points at one parameter value.
 
-use super::super::coordinate::sequence::NO_HORIZON;
-use super::super::problem::Here;
-use super::equations::ReleasePoint;
+use crate::analysis::border::{BorderError, Here, Lack, NO_HORIZON, ReleasePoint};
 use crate::analysis::periodic::closure::Turn;
 use crate::flow::Occurrence;
 
@@ -21,9 +19,24 @@ const SAME: f64 = 1e-7;
 const SAME_ORBIT: f64 = 1e-3;
 
 impl Here<'_, f64> {
+    /// All release points: at least one.
+    pub(super) fn release_points(&self) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
+        let mut found = Vec::new();
+        for contact in 0..self.problem.releases.len() {
+            found.extend(match self.problem.dimensions() {
+                0 => self.all(contact),
+                _ => self.settled(contact)?,
+            });
+        }
+        if found.is_empty() {
+            return Err(self.lacks(Lack::Release));
+        }
+        Ok(found)
+    }
+
     /// The release points of a contact in a period of the forcing, from the initial phase on; without forcing those that are
     /// found from the initial state and along a trajectory, in this order.
-    pub(crate) fn all(&self, contact: usize) -> Vec<ReleasePoint<f64>> {
+    fn all(&self, contact: usize) -> Vec<ReleasePoint<f64>> {
         let initial = self.problem.model.initial_state(&self.parameters);
         let forcing = self.phases.first();
         let held = forcing.map(|phase| self.along_contact(contact, &initial, phase));
@@ -42,7 +55,7 @@ impl Here<'_, f64> {
     }
 
     /// Whether a release point is none of these.
-    pub(crate) fn is_new<'k>(
+    pub(super) fn is_new<'k>(
         &self,
         point: &ReleasePoint<f64>,
         known: impl IntoIterator<Item = &'k ReleasePoint<f64>>,

@@ -1,14 +1,11 @@
 //! Borders stretch by stretch: all of a range, or from a value of the parameter outwards until the nearest is known.
 
-use super::super::coordinate::root::{Root, is_same};
-use super::super::coordinate::sequence::Verdict;
-use super::super::error::{BorderError, Break};
-use super::super::orbit::{Border, complete};
-use super::super::problem::Problem;
-use super::super::spec::BorderSpec;
 use super::branches::Branch;
 use super::closing_in::HALVINGS_WITHOUT;
 use super::sample::Sample;
+use crate::analysis::border::{
+    Border, BorderError, BorderSpec, Break, Problem, Root, Verdict, complete,
+};
 use crate::model::Model;
 use crate::numerics::{Estimate, Real};
 use core::ops::ControlFlow;
@@ -42,6 +39,11 @@ fn off<R: Real>(border: &Border<R>, value: f64) -> f64 {
     (border.value.value.to_f64() - value).abs()
 }
 
+/// Whether two searches came to the same root.
+fn is_same(a: &Estimate<f64>, b: &Estimate<f64>) -> bool {
+    (a.value - b.value).abs() <= SAME_ROOT * a.value.abs() + a.error + b.error
+}
+
 /// How far a search is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchProgress {
@@ -64,6 +66,9 @@ const VERDICTS: f64 = 0.5;
 /// so many further sequences are followed, or so many in each part if that is more.
 const MOST_SAMPLES: usize = 10_000;
 const LEAST_SHARE: usize = 200;
+
+/// Roots this near to each other, relative to the parameter, are one found twice.
+const SAME_ROOT: f64 = 8.0 * f64::EPSILON;
 
 /// Breaks this near to each other, relative to the parameter, are told as one.
 const SAME_BREAK: f64 = 1e-6;

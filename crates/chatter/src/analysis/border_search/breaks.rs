@@ -1,21 +1,7 @@
 //! What ends complete chatter where no border is.
 
-use super::super::coordinate::root::Point;
-use super::super::coordinate::sequence::{SHORTEST, Verdict};
-use super::super::error::{Break, BreakCause};
 use super::sample::Sample;
-use crate::numerics::Real;
-
-/// At a break an impact counts as a graze if its rate is this small against the largest rate of the sequence: rates go
-/// with the root of the distance, which is halved to rounding.
-const GRAZE: f64 = 1e-4;
-
-/// The rate of the first impact of a border orbit if it is a graze: then the normal form has no finite slope.
-pub(crate) fn grazing_start<R: Real>(point: &Point<'_, R>) -> Option<f64> {
-    let sequence = &point.sequence;
-    let rate = sequence.impacts.first()?.rate_before.to_f64();
-    (rate.abs() <= GRAZE * sequence.largest_rate()).then_some(rate)
-}
+use crate::analysis::border::{Break, BreakCause, GRAZE, SHORTEST, Verdict};
 
 /// What makes the verdict change where no root is.
 pub(super) fn break_between(left: &Sample, right: &Sample) -> Break {
