@@ -313,8 +313,15 @@ impl<R: Real> ChatterTracker<R> {
         }
         // Rounding in a column grows as its impacts' rates fall: what another sample does not improve is as certain as
         // it can be.
-        let worst = (limits.events.iter().zip(&latest.events))
-            .map(|(limit, &now)| uncertain(limit, now))
+        let count = map.coordinates();
+        // Where an impact leaves a coordinate no choice, as friction that stops, its derivative at the point is what rounding leaves
+        // of the one at a fixed time.
+        let fixed = |place: usize| match place % (count + 1) {
+            0 => R::ZERO,
+            i => state[(place / (count + 1) + 1) * count + i - 1],
+        };
+        let worst = (limits.events.iter().zip(&latest.events).enumerate())
+            .map(|(place, (limit, &now))| uncertain(limit, now.abs().max(fixed(place).abs())))
             .fold(R::ZERO, |worst, error| worst.max(error));
         let improves = worst < self.unsettled * R::splat(0.5);
         self.unsettled = worst;
@@ -323,7 +330,6 @@ impl<R: Real> ChatterTracker<R> {
         }
         let time = limits.time;
         let mut change: Vec<R> = limits.state.iter().map(|limit| limit.distance).collect();
-        let count = map.coordinates();
         let mut times = Vec::with_capacity(map.columns());
         let columns = limits.events.chunks(count + 1);
         for (index, (column, now)) in columns.zip(latest.events.chunks(count + 1)).enumerate() {

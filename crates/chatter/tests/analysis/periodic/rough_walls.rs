@@ -102,6 +102,41 @@ fn friction_in_chatter_does_not_remember_the_rate_of_sliding() {
     );
 }
 
+/// What a rough table stops at each impact has no derivative there: what rounding leaves of one must not keep chatter from its end. The
+/// multiplier that is not lost is that of differences by a program of its own, with flights by a Runge-Kutta method of order 8.
+#[test]
+fn chatter_ends_where_each_impact_stops_the_sliding() {
+    let text = r#"
+    [parameters]
+    r = 0.15
+    [flight]
+    y = "v"
+    v = "-10"
+    x = "u"
+    u = "-2*x - 0.3*u + 0.5*cos(4.8*t)"
+    [[contact]]
+    name = "table"
+    gap = "y - 2.9/4.8*sin(4.8*t)"
+    impulse = { v = 1 }
+    restitution = "r"
+    friction = { coefficient = 0.5, along = { u = 1 } }
+    [initial]
+    y = 0.3
+    v = 0
+    x = 0.1
+    u = 0
+    "#;
+    for (r, multiplier) in [("0.1", 0.586_667_229_157), ("0.15", 0.586_112_074_27)] {
+        let found = orbit(&with(text, &[("r", r)]));
+        let m = &found.multipliers;
+        assert!(
+            (m[0].re - multiplier).abs() < 1e-9 && m[0].im == 0.0,
+            "{m:?}"
+        );
+        assert!(m[1..].iter().all(|lost| lost.modulus() == 0.0), "{m:?}");
+    }
+}
+
 /// A parcel on a conveyor: each of its impacts stops its sliding, so that it sticks from the end of chatter on. How it bounces has
 /// nothing to do with how it slides, and the branch of what bounces alone ends at the same border.
 #[test]

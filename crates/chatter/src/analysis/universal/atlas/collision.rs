@@ -2,7 +2,7 @@
 
 use super::super::argument::Argument;
 use super::super::windows::Located;
-use super::orbit::{Branch, Place};
+use super::orbit::{Branch, COMPLETE, Place};
 use super::periodic::Atlas;
 use super::window::{Edge, EdgeKind, PeriodicWindow, in_order};
 use crate::numerics::Real;
@@ -49,7 +49,9 @@ impl<R: Real + Argument<Real = R>> Atlas<'_, R> {
             return None;
         }
         let word = self.family.word(&points);
-        if word[1..] != end.word[1..] {
+        // With complete chatter on its way an orbit has the multiplier zero wherever it exists: that is no window.
+        let completes = |branch: &Branch| branch.lap == COMPLETE;
+        if word[1..] != end.word[1..] || word.iter().any(completes) {
             return None;
         }
         let followed = self.family.follow(place, 1.0, period)?;

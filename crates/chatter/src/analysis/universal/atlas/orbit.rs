@@ -11,6 +11,9 @@ pub(super) struct Branch {
     pub rising: bool,
 }
 
+/// In place of a lap: complete chatter, which is infinitely many laps away.
+pub(super) const COMPLETE: i64 = i64::MAX;
+
 /// F with slope K.
 #[derive(Clone, Copy)]
 pub(super) struct Family<'a, R> {
@@ -49,11 +52,10 @@ impl<R: Real + Argument<Real = R>> Family<'_, R> {
             let at = self.universal.at(x);
             let lap = at.lap.to_f64();
             Branch {
-                // Complete chatter has no lap.
                 lap: if lap.is_finite() {
                     lap as i64
                 } else {
-                    i64::MAX
+                    COMPLETE
                 },
                 rising: at.derivative >= R::ZERO,
             }

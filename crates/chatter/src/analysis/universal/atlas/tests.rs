@@ -112,6 +112,21 @@ fn windows_satisfy_their_equations() {
 }
 
 /// Whatever orbits settle to, the atlas has it.
+/// With K = 2.3 the end of lap 1 returns to itself by way of complete chatter, too.
+#[test]
+fn orbits_with_complete_chatter_are_no_windows() {
+    for (r, slope) in [(0.13, 2.3), (0.4, 2.3)] {
+        let (_, atlas) = atlas(r, slope, (2, 3), 2);
+        assert!(atlas.windows.iter().any(|window| window.period() == 2));
+        for window in &atlas.windows {
+            let near = |lap: &i64| (lap - window.lap).abs() < 100;
+            assert!(window.laps.iter().all(near), "{window:?}");
+            let [low, high] = [0, 1].map(|end| window.edges[end].at.mu);
+            assert!(low < high, "{window:?}");
+        }
+    }
+}
+
 #[test]
 fn no_window_is_missed() {
     const MUS: usize = 150;
