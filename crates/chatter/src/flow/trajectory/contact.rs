@@ -109,7 +109,11 @@ impl<R: Real> Trajectory<R> {
             }
         }
         let mut acceleration = self.acceleration(system, contact)?;
+        // What slides along holds nothing that moves with it a moment later.
+        let [.., jerk] = self.local_values(system, contact)?;
+        let moves_on = jerk.value.is_finite() && jerk.value.abs() > jerk.level();
         if acceleration.value.abs() <= acceleration.level()
+            && !moves_on
             && self.hold_by_contacts(
                 system,
                 (Closed::NONE.with(contact), Closed::NONE.with(contact)),

@@ -72,3 +72,35 @@ fn an_event_on_its_own_corner_tells_one_switch() {
         assert_eq!(switches, resets, "{size}");
     }
 }
+
+/// A carriage leaves its stop just as the motion starts, with a mass on it that its friction takes along: both are one mass of 1.5
+/// then, which does not hold the carriage back.
+#[test]
+fn what_is_taken_along_leaves_a_stop_at_the_start() {
+    let starts = (0.05_f64).acos() / 0.4;
+    for (unit, off) in [
+        (1.0, 0.0),
+        (1.0, 4e-16),
+        (1e-3, 0.0),
+        (1e3, -4e-16),
+        (0.7, 4e-16),
+    ] {
+        let from = format!("t = {:?}\nx = {:?}\nv = 0\n", starts + off, 0.05 * unit);
+        let two = format!(
+            "[flight]\nx = \"v\"\nv = \"{unit}*cos(0.4*t) - 0.1*{unit}*sign(v - u) - 0.05*v - x\"\nu = \"0.2*{unit}*sign(v - u)\"\n\
+             [[contact]]\nname = \"stop\"\ngap = \"0.05*{unit} - x\"\nimpulse = {{ v = -1 }}\nrestitution = 0\n[initial]\n{from}u = 0\n"
+        );
+        let one = format!(
+            "[flight]\nx = \"v\"\nv = \"({unit}*cos(0.4*t) - 0.05*v - x)/1.5\"\n[initial]\n{from}"
+        );
+        let [two, one] = [two, one].map(|text| run::<f64>(&text, 4.5));
+        assert_eq!(two.outcome, Outcome::Horizon, "{unit} {off:e}");
+        let [x, v, u] = [0, 1, 2].map(|i| two.state[i]);
+        for (ours, right) in [(x, one.state[0]), (v, one.state[1]), (u, one.state[1])] {
+            assert!(
+                (ours - right).abs() < 1e-13 * unit,
+                "{unit}: {ours} {right}"
+            );
+        }
+    }
+}
