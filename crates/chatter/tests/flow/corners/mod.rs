@@ -1,6 +1,7 @@
 //! Equations that change their form: surfaces, sliding, tables.
 
 mod asked;
+mod beside_gaps;
 mod cut_flights;
 mod held_on_one_side;
 mod jumps;

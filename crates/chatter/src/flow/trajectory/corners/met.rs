@@ -36,6 +36,7 @@ impl<R: Real> Trajectory<R> {
                 count: self.burst,
             });
         }
+        self.note_kink(system, corner)?;
         // Sliding ends where its field is that of the side it ends to: columns go on as they are.
         let shifts = if jumps {
             self.corner_shifts(system, corner)?
