@@ -19,6 +19,7 @@ mod soft_ground;
 mod table_ends;
 mod tables;
 mod tracks;
+mod valves;
 
 use chatter::analysis::simulate::{Simulation, Spec, simulate};
 use chatter::model::Model;
