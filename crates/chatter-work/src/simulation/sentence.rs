@@ -87,6 +87,16 @@ pub fn sentence(error: &FlowError, model: &Model) -> String {
             number(*time),
             name(*contact)
         ),
+        FlowError::RestsOnKink {
+            time,
+            contact,
+            surface,
+        } => format!(
+            "at time {} {} comes to rest on a kink of its gap, {surface} = 0, where it is held from both sides: write it as two \
+             contacts, each with the gap of one side",
+            number(*time),
+            name(*contact)
+        ),
         FlowError::TooManySurfaces { .. }
         | FlowError::ImpactsWithoutEnd { .. }
         | FlowError::NotUnique { .. }

@@ -82,6 +82,15 @@ pub enum FlowError {
         /// The surfaces, as formulas.
         surfaces: Vec<String>,
     },
+    /// A contact comes to rest on a kink of its gap, where it is held from both sides: that is two contacts.
+    RestsOnKink {
+        /// Time of it.
+        time: f64,
+        /// Index of the contact.
+        contact: usize,
+        /// What is zero on the kink, as a formula.
+        surface: String,
+    },
     /// The argument of a table has left its range.
     OutsideTable {
         /// Time of the event.
@@ -137,6 +146,7 @@ impl FlowError {
             Self::TooManySurfaces { .. } => "too_many_surfaces",
             Self::NotUnique { .. } => "not_unique",
             Self::NoMode { .. } => "no_mode",
+            Self::RestsOnKink { .. } => "rests_on_kink",
             Self::OutsideTable { .. } => "outside_table",
             Self::SwitchesWithoutEnd { .. } => "switches_without_end",
             Self::Jammed { .. } => "jammed",
@@ -201,6 +211,16 @@ impl fmt::Display for FlowError {
                 out,
                 "at time {time} the equations do not say how the motion goes on from {}",
                 surfaces.join(", ")
+            ),
+            Self::RestsOnKink {
+                time,
+                contact,
+                surface,
+            } => write!(
+                out,
+                "at time {time} contact {} comes to rest on a kink of its gap, {surface} = 0, where it is held from both sides: \
+                 write it as two contacts, each with the gap of one side",
+                contact + 1
             ),
             Self::OutsideTable {
                 time,

@@ -316,9 +316,20 @@ impl Program {
         let rewritten = graph.with_powers_of(&[&field[..], &functions[..]].concat(), &positive);
         let (rates, functions) = rewritten.split_at(dimension);
         let mut tape = Tape::new(graph, dimension, rates, functions);
+        // Roots say where motion has a series: what they are taken of stays a guard.
+        let roots = |guard: usize| tape.takes_root_of(tape.outputs[guard]);
+        let kept: Vec<(usize, Expr)> = kept_by_contacts(graph, &contacts, closed, &listed);
+        let kept: Vec<(usize, Expr)> = kept.into_iter().filter(|&(k, _)| !roots(k)).collect();
+        let mut functions = functions.to_vec();
+        if !kept.is_empty() {
+            for &(guard, sign) in &kept {
+                functions[guard] = sign;
+            }
+            tape = Tape::new(graph, dimension, rates, &functions);
+        }
         for (guard, (kind, ..)) in listed.iter().enumerate() {
-            // What is constant here may be another constant beyond a corner.
-            if matches!(kind, GuardKind::Section(_)) {
+            // What is constant here may be another constant beyond a corner; and which sign a parameter has is asked as of all else.
+            if matches!(kind, GuardKind::Section(_)) || kept.iter().any(|&(k, _)| k == guard) {
                 tape.as_series(guard);
             }
         }
@@ -678,6 +689,36 @@ pub(crate) fn guard_functions(
     guards.extend(limits.map(|(kind, function)| (kind, Crossing::Falling, function)));
     guards.extend(resets.into_iter().map(&mut crossed));
     guards
+}
+
+/// The sides that contacts keep the state on, as surfaces and sections are constant multiples of gaps: by number of the guard that
+/// constant, with the sign of the side. As long as it keeps its sign nothing is crossed before the contact is met, whatever rounding says
+/// of which comes first, and the impact leads away from it.
+fn kept_by_contacts(
+    graph: &mut Graph,
+    contacts: &[ContactMechanics],
+    closed: Closed,
+    listed: &[(GuardKind, Crossing, Expr)],
+) -> Vec<(usize, Expr)> {
+    let mut kept = Vec::new();
+    for (guard, &(kind, _, function)) in listed.iter().enumerate() {
+        let keeps = |contact: usize, graph: &mut Graph| {
+            let factor = graph.factor_of(function, contacts[contact].gap)?;
+            let is_kept = match (kind, graph.as_number(factor)) {
+                (GuardKind::Section(_), _) => true,
+                (_, Some(number)) => number.high() > 0.0,
+                // A contact at rest says nothing of the sign of a parameter.
+                (_, None) => !closed.contains(contact),
+            };
+            is_kept.then_some(factor)
+        };
+        if matches!(kind, GuardKind::Switch(_) | GuardKind::Section(_))
+            && let Some(factor) = (0..contacts.len()).find_map(|contact| keeps(contact, graph))
+        {
+            kept.push((guard, factor));
+        }
+    }
+    kept
 }
 
 impl<R> ProgramConstants<R> {

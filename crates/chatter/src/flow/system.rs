@@ -3,15 +3,15 @@
 use super::error::FlowError;
 use super::limits::{Corner, Limits};
 use super::modes::{Flight, Mode, Modes};
-use super::program::{Grip, ModeExprs, Program, ProgramConstants};
+use super::program::{Closed, Grip, ModeExprs, Program, ProgramConstants};
 use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;
 use super::variation::{Column, Direction, extend};
 use crate::expressions::{
-    Backend, Corners, Expr, Graph, Names, Node, Sides, Singularity, Surfaces, Symbol, Tape,
+    Backend, Corners, Expr, Graph, Names, Node, Side, Sides, Singularity, Surfaces, Symbol, Tape,
 };
-use crate::model::{Mechanics, MechanicsError, Model, OnSides, Rubbing, Simultaneous};
+use crate::model::{Contact, Mechanics, MechanicsError, Model, OnSides, Rubbing, Simultaneous};
 use crate::numerics::{DoubleDouble, Real, Scalar};
 use core::fmt;
 use std::sync::Arc;
@@ -50,7 +50,11 @@ pub struct System {
     counted: Vec<Corner>,
     /// Whether a gap is a function of corners: it may jump there.
     gaps_have_corners: bool,
+    /// By number of a surface the contacts whose gaps have a corner there.
+    kinks: Vec<Closed>,
     rubbing: Vec<Rubbing>,
+    /// Surfaces that are constant multiples of gaps: their numbers, contacts and constants.
+    kept: Vec<(usize, usize, Expr)>,
     directions: Vec<Direction>,
     /// Of states and parameters.
     names: [Vec<String>; 2],
@@ -109,6 +113,7 @@ impl System {
         let mut model = model.clone();
         let coordinates = model.states.len();
         let mut graph = model.graph.clone();
+        let kept = kept(&mut graph, &corners.surfaces, &model.contacts);
         let directions: Vec<Direction> = (columns.iter().enumerate())
             .map(|(index, &column)| {
                 Direction::of(column, &model, &mut graph, (index + 1) * coordinates)
@@ -120,6 +125,7 @@ impl System {
         let system = Self {
             counted: counted(&model, &corners),
             gaps_have_corners: !own.is_empty(),
+            kinks: kinks(&model, &corners),
             names: [
                 model.states.iter().map(|s| s.name.clone()).collect(),
                 model.parameters.iter().map(|p| p.name.clone()).collect(),
@@ -127,6 +133,7 @@ impl System {
             model: Arc::new(model),
             corners,
             rubbing,
+            kept,
             dimension: coordinates * (1 + columns.len()),
             coordinates,
             directions,
@@ -360,6 +367,23 @@ impl System {
         &self.counted
     }
 
+    /// The side of a surface that one of these contacts opens to, if it is a multiple of its gap.
+    pub(crate) fn kept_on<R: Real>(
+        &self,
+        (surface, contacts): (usize, Closed),
+        parameters: &[R],
+    ) -> Option<Side> {
+        let of = |&&(kept, contact, _): &&(usize, usize, Expr)| {
+            kept == surface && contacts.contains(contact)
+        };
+        let (.., factor) = *self.kept.iter().find(of)?;
+        let factor = self.model.graph.evaluate(factor, &[], parameters);
+        match factor > R::ZERO {
+            true => Some(Side::Above),
+            false => (factor < R::ZERO).then_some(Side::Below),
+        }
+    }
+
     /// What is zero at a corner, or looked up there, as it was written. Of two, what the other is a function of comes first.
     pub(crate) fn corner_expr(&self, corner: Corner) -> Expr {
         match corner {
@@ -398,6 +422,11 @@ impl System {
     /// Whether a gap may jump at a corner.
     pub(crate) fn gaps_have_corners(&self) -> bool {
         self.gaps_have_corners
+    }
+
+    /// The contacts whose gaps have a corner on a surface.
+    pub(crate) fn kinks_of(&self, surface: usize) -> Closed {
+        self.kinks[surface]
     }
 
     /// Contacts with friction.
@@ -481,4 +510,29 @@ fn counted(model: &Model, corners: &Corners) -> Vec<Corner> {
         .filter(|&(_, expr)| counts(expr))
         .map(|(corner, _)| corner)
         .collect()
+}
+
+/// Surfaces that are constant multiples of gaps.
+fn kept(graph: &mut Graph, surfaces: &[Expr], contacts: &[Contact]) -> Vec<(usize, usize, Expr)> {
+    let mut kept = Vec::new();
+    for (surface, &function) in surfaces.iter().enumerate() {
+        for (contact, of) in contacts.iter().enumerate() {
+            let factor = graph.factor_of(function, of.gap);
+            kept.extend(factor.map(|factor| (surface, contact, factor)));
+        }
+    }
+    kept
+}
+
+/// By number of a surface the contacts whose gaps have a corner there.
+fn kinks(model: &Model, corners: &Corners) -> Vec<Closed> {
+    let mut kinks = vec![Closed::NONE; corners.surfaces.len()];
+    for (contact, of) in model.contacts.iter().enumerate() {
+        for surface in Corners::of(&model.graph, &[of.gap], 0).surfaces {
+            if let Some(index) = corners.surface(surface) {
+                kinks[index] = kinks[index].with(contact);
+            }
+        }
+    }
+    kinks
 }

@@ -434,15 +434,13 @@ pub(crate) fn after_roots<R: Real>(tape: &Tape, slot: usize, constants: &[R]) ->
     tape.without_roots(which, constants, Negligible::Integrable)
 }
 
-/// As [`series_with_terms`], of a series that vanishes at the start: along the motion without the roots of it, and of whatever else
-/// vanishes there. None if more than roots would be left out.
-pub(crate) fn series_after_roots<R: Real>(
+/// A tape without the roots of whatever vanishes at the start. None if more than roots would be left out.
+pub(crate) fn after_all_roots<R: Real>(
     tape: &Tape,
     constants: &[R],
     start: (&[R], &[R]),
-    (slot, unit): (usize, R),
-) -> Option<Vec<WithTerms<R>>> {
-    let mut plain = after_roots(tape, slot, constants)?;
+) -> Option<Tape> {
+    let mut plain = tape.clone();
     loop {
         let values: Vec<(usize, R, R)> = {
             let (state, low) = (WithTerms::all(start.0), WithTerms::remainders(start.1));
@@ -456,10 +454,23 @@ pub(crate) fn series_after_roots<R: Real>(
         };
         let vanishing = values.iter().find(|(_, value, level)| value <= level);
         let Some(&(other, ..)) = vanishing else {
-            return Some(series_with_terms(&plain, constants, start, (slot, unit)));
+            return Some(plain);
         };
         plain = after_roots(&plain, other, constants)?;
     }
+}
+
+/// As [`series_with_terms`], of a series that vanishes at the start: along the motion without the roots of it, and of whatever else
+/// vanishes there. None if more than roots would be left out.
+pub(crate) fn series_after_roots<R: Real>(
+    tape: &Tape,
+    constants: &[R],
+    start: (&[R], &[R]),
+    (slot, unit): (usize, R),
+) -> Option<Vec<WithTerms<R>>> {
+    let plain = after_roots(tape, slot, constants)?;
+    let plain = after_all_roots(&plain, constants, start)?;
+    Some(series_with_terms(&plain, constants, start, (slot, unit)))
 }
 
 struct Evaluation<'a, R> {

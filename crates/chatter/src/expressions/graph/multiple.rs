@@ -81,27 +81,34 @@ impl Graph {
         None
     }
 
+    /// By which constant an expression is a multiple of another; none where it is not.
+    pub(crate) fn factor_of(&mut self, expr: Expr, base: Expr) -> Option<Expr> {
+        let (terms, of) = (self.terms_of(expr), self.terms_of(base));
+        self.factor_between(&terms, &of)
+    }
+
     /// By which constant terms are multiples of others.
     pub(super) fn factor_between(&mut self, terms: &[Term], of: &[Term]) -> Option<Expr> {
-        let (first, first_of) = (terms.first()?, of.first()?);
+        let first = terms.first()?;
         if terms.len() != of.len() || first.moving.is_none() && terms.len() == 1 {
             return None;
         }
-        for (term, other) in terms.iter().zip(of) {
-            let across = [
-                self.mul(term.constant, first_of.constant),
-                self.mul(other.constant, first.constant),
-            ];
-            if term.moving != other.moving || across[0] != across[1] {
-                return None;
-            }
-        }
+        let same = of.iter().position(|other| other.moving == first.moving)?;
+        let first_of = &of[same];
         // Where a constant is zero both are.
         let folding = self.folding();
         self.set_folding(Folding::Continued);
-        let factor = self.div(first.constant, first_of.constant);
+        let mut is_multiple = true;
+        for term in terms {
+            let other = of.iter().find(|other| other.moving == term.moving);
+            is_multiple &= other.is_some_and(|other| {
+                let here = self.mul(term.constant, first_of.constant);
+                here == self.mul(other.constant, first.constant)
+            });
+        }
+        let factor = is_multiple.then(|| self.div(first.constant, first_of.constant));
         self.set_folding(folding);
-        Some(factor)
+        factor
     }
 
     /// The terms of a sum, constants multiplied into sums within.

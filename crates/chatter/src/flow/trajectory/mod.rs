@@ -46,6 +46,7 @@ use crate::numerics::dispatch::dispatch_narrow;
 use crate::numerics::{Real, index_of};
 use alone::{StepAlone, Stepped};
 use collisions::Collisions;
+use corners::Crossings;
 pub(crate) use orders::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
 use ordinary::Untold;
 pub(crate) use ordinary::{Caught, Passed};
@@ -117,6 +118,8 @@ pub struct Trajectory<R> {
     longest_step: R,
     /// Impacts since the last flight that was longer than rounding.
     burst: usize,
+    /// Corners of gaps that were crossed since then.
+    crossings: Crossings<R>,
     /// Steps in a row that could not be certified, took no time and told of nothing, and when the first of them began.
     silent: (usize, R),
     /// By how much each column of derivatives shifts the time of the latest event.

@@ -1,5 +1,6 @@
 //! Where a trajectory starts: the contacts that a state lies on are classified.
 
+use super::corners::Crossings;
 use super::ordinary::Untold;
 use super::stall::Stall;
 use super::tops::Tops;
@@ -99,6 +100,7 @@ impl<R: Real> Trajectory<R> {
             started_at: time,
             longest_step: R::ZERO,
             burst: 0,
+            crossings: Crossings::none(time),
             silent: (0, time),
             shifts: Vec::new(),
             no_derivative: None,

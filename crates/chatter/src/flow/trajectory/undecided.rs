@@ -2,17 +2,17 @@
 //! zero, or nothing moves them.
 
 use super::Trajectory;
-use crate::expressions::Operand;
+use crate::expressions::{Operand, Tape};
 use crate::flow::error::FlowError;
 use crate::flow::guard::{Guard, GuardKind};
-use crate::flow::program::Closed;
+use crate::flow::program::{Closed, Program};
 use crate::flow::step::Workspace;
 use crate::flow::system::System;
-use crate::flow::touch::series_with_terms;
+use crate::flow::touch::{after_all_roots, series_with_terms, with_terms};
 use crate::flow::touching::Touching;
 use crate::numerics::complementarity::complementary;
 use crate::numerics::linear::solve;
-use crate::numerics::polynomial::magnitude;
+use crate::numerics::polynomial::{horner, magnitude};
 use crate::numerics::{Real, WithTerms, dot};
 
 /// A gap that no order of its expansion moves by more than this part of the state's own motion stays as it is.
@@ -23,6 +23,9 @@ pub(super) const BALANCE_LEVELS: f64 = 32.0;
 
 /// Gap, rate, acceleration and jerk have been asked of a contact at rest.
 const ORDERS_AT_REST: usize = 4;
+
+/// Parts of a unit of time in which the motion that roots take part in is compared with that without them.
+const BEGINNING: [f64; 2] = [1.0 / 64.0, 1.0 / 1024.0];
 
 /// The series of a gap, each coefficient with its terms.
 struct GapSeries<R> {
@@ -121,7 +124,11 @@ impl<R: Real> Trajectory<R> {
         let mut roots = 1;
         if jerk.value >= -jerk.level() {
             let gap = (GuardKind::Gap(contact), ORDERS_AT_REST);
-            match self.first_order(system, gap)? {
+            let found = match self.first_order(system, gap)? {
+                None => self.order_after_roots(system, work, contact)?,
+                found => found,
+            };
+            match found {
                 Some((order, rises)) => {
                     let most = usize::from(Touching::BALANCED);
                     if rises {
@@ -163,6 +170,78 @@ impl<R: Real> Trajectory<R> {
         Ok(found
             .filter(|_| is_finite)
             .map(|(order, c)| (order, c.value > R::ZERO)))
+    }
+
+    /// As [`first_order`](Self::first_order) of the gap of a contact at rest where roots vanish, so that it has no series: that of the motion
+    /// without them, if what they add is less than it as it begins.
+    fn order_after_roots(
+        &self,
+        system: &System,
+        work: &mut Workspace<R>,
+        contact: usize,
+    ) -> Result<Option<(usize, bool)>, FlowError> {
+        /// What roots may add to the acceleration.
+        const LESS: f64 = 0.5;
+        let program = self.program(system)?;
+        let (Some((_, slot)), Some(constants), Some(plain)) = (
+            program.gap_series(contact),
+            &self.constants[self.mode],
+            self.after_roots_here(program),
+        ) else {
+            return Ok(None);
+        };
+        let start = (&self.state[..], &self.low[..]);
+        let unit = self.own_unit();
+        let series = series_with_terms(&plain, &constants.tape, start, (slot, unit));
+        let moves = |c: &WithTerms<R>| c.value.abs() > c.level() * R::splat(BALANCE_LEVELS);
+        let moving = (series.iter().enumerate().skip(ORDERS_AT_REST)).find(|(_, c)| moves(c));
+        let Some((order, first)) = moving else {
+            return Ok(None);
+        };
+        let bends: Vec<R> = (series.iter().enumerate().skip(2))
+            .map(|(k, c)| match k < order {
+                true => R::ZERO,
+                false => c.value * R::splat((k * (k - 1)) as f64) / (unit * unit),
+            })
+            .collect();
+        work.expand_at(&plain, &constants.tape, start, unit);
+        let as_said = BEGINNING.iter().all(|&part| {
+            let plain = horner(&bends, R::splat(part));
+            let own = self.acceleration_along(work, program, (contact, part));
+            own.is_some_and(|own| (own - plain).abs() <= plain.abs() * R::splat(LESS))
+        });
+        Ok(as_said.then_some((order, first.value > R::ZERO)))
+    }
+
+    /// The unit of time of the motion: towards roots steps have shrunk.
+    fn own_unit(&self) -> R {
+        let unit = self.reach[super::ORDER_CLASSES - 1].max(self.longest_step);
+        unit.max(R::splat(f64::MIN_POSITIVE))
+    }
+
+    /// The tape of a program without the roots of what vanishes here; none if there are no such roots, or more would be left out.
+    fn after_roots_here(&self, program: &Program) -> Option<Tape> {
+        let constants = self.constants[self.mode].as_ref()?;
+        let start = (&self.state[..], &self.low[..]);
+        let plain = after_all_roots(&program.tape, &constants.tape, start)?;
+        (plain.singular.len() < program.tape.singular.len()).then_some(plain)
+    }
+
+    /// The acceleration of a gap where the motion that the workspace holds has come to in this part of its unit of time.
+    fn acceleration_along(
+        &self,
+        work: &Workspace<R>,
+        program: &Program,
+        (contact, part): (usize, f64),
+    ) -> Option<R> {
+        let constants = self.constants[self.mode].as_ref()?;
+        let state: Vec<R> = (0..self.state.len())
+            .map(|i| horner(work.point.series(i), R::splat(part)))
+            .collect();
+        let none = vec![R::ZERO; state.len()];
+        let (tape, constants) = (&program.locals[contact], &constants.locals[contact]);
+        let local = with_terms(tape, constants, (&state, &none));
+        local.get(2).map(|acceleration| acceleration.value)
     }
 
     /// Whether a contact at rest opens with an acceleration that flight can tell from zero: formulas had cancelled what flight rounds, as
@@ -250,18 +329,35 @@ impl<R: Real> Trajectory<R> {
         let Some(GapSeries { mut unit, series }) = self.gap_series(system, contact)? else {
             return Ok(false);
         };
+        // Where roots vanish that have no series here, nothing moves without them, nor with them then.
+        let is_finite = series.iter().all(|c| c.value.is_finite());
+        let plain = match is_finite {
+            true => None,
+            false => self.after_roots_here(program),
+        };
+        let tape = plain.as_ref().unwrap_or(&program.tape);
+        let start = (&self.state[..], &self.low[..]);
+        let series = match &plain {
+            Some(plain) => {
+                unit = self.own_unit();
+                series_with_terms(plain, &constants.tape, start, (slot, unit))
+            }
+            None => series,
+        };
         let mut levels: Vec<R> = series.iter().map(|c| c.level()).collect();
         for _ in 0..TRIES {
-            work.expand_at(
-                &program.tape,
-                &constants.tape,
-                (&self.state, &self.low),
-                unit,
-            );
+            work.expand_at(tape, &constants.tape, start, unit);
             let motion = (0..self.coordinates)
                 .map(|i| magnitude(work.point.series(i), R::ONE))
                 .fold(R::ZERO, R::max);
             let level = motion * R::splat(BALANCE_ROUNDOFFS * R::ROUNDOFF);
+            let stays = |&part: &f64| {
+                let own = self.acceleration_along(work, program, (contact, part));
+                own.is_some_and(|own| (own * unit * unit).abs() <= level)
+            };
+            if plain.is_some() && !BEGINNING.iter().all(stays) {
+                return Ok(false);
+            }
             if (work.point.series(slot).iter()).all(|c| c.abs() <= level) {
                 return Ok(true);
             }

@@ -6,6 +6,7 @@ mod collapse;
 mod grazes;
 mod held_by_friction;
 mod higher_orders;
+mod kinks;
 mod moved_gaps;
 mod nested_chatter;
 mod painleve;

@@ -422,3 +422,36 @@ fn wagons_that_stand_touch_on_when_the_one_before_them_is_pulled_off() {
         assert!((released[0].1 / unit - leaves).abs() < 1e-12);
     }
 }
+
+/// Two parcels that touch, each on its belt: the belt behind slows down and takes its parcel along, the one in front stays at its speed. They part
+/// as both speeds are the same, with the acceleration of the belt behind.
+#[test]
+fn parcels_part_where_their_belts_do() {
+    for (long, short) in [(1.0, 1.0), (1e-3, 1e-2), (25.4, 60.0), (1e3, 1.0)] {
+        let speed = 0.8 * long / short;
+        let rub = 5.0 * long / (short * short);
+        let text = format!(
+            "[flight]\nx = \"v\"\nv = \"-{rub:?}*sign(v - {speed:?}*(1 - 0.4*(t/{short:?} - 0.5)))\"\n\
+             y = \"u\"\nu = \"-{rub:?}*sign(u - {speed:?})\"\n\
+             [[contact]]\nname = \"g\"\ngap = \"y - x\"\nimpulse = {{ v = -1, u = 1 }}\nrestitution = 0.2\n\
+             [initial]\nx = 0\nv = {:?}\ny = 0\nu = {:?}\n",
+            1.2 * speed,
+            1.2 * speed
+        );
+        let run = run::<f64>(&text, 2.0 * short);
+        assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+        let behind = |t: f64| 0.8 * (t - 0.2 * ((t - 0.5) * (t - 0.5) - 0.25));
+        for (place, right) in [(0, behind(2.0)), (2, behind(0.5) + 0.8 * 1.5)] {
+            let off = run.state[place] / long - right;
+            assert!(off.abs() < 1e-13, "{off:e} {text}");
+        }
+        let opened: Vec<f64> = (run.events.iter())
+            .filter(|event| matches!(event.detail, Occurrence::Release { .. }))
+            .map(|event| event.time / short)
+            .collect();
+        assert!(
+            matches!(opened[..], [at] if (at - 0.5).abs() < 1e-13),
+            "{opened:?} {text}"
+        );
+    }
+}

@@ -1,6 +1,7 @@
 //! Equations that change their form: surfaces, sliding, tables.
 
 mod asked;
+mod beside_gaps;
 mod cut_flights;
 mod held_on_one_side;
 mod jumps;
@@ -18,6 +19,7 @@ mod soft_ground;
 mod table_ends;
 mod tables;
 mod tracks;
+mod valves;
 
 use chatter::analysis::simulate::{Simulation, Spec, simulate};
 use chatter::model::Model;

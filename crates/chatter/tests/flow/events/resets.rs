@@ -371,3 +371,33 @@ fn an_event_keeps_the_state_on_surfaces_that_it_does_not_move_it_off() {
         }
     }
 }
+
+/// A ball at rest on its floor that an event throws down at it hits it at that instant, and bounces as a ball that came with that rate.
+#[test]
+fn an_event_throws_a_ball_at_rest_at_its_floor() {
+    for (unit, length) in [(1.0, 1.0), (1e-2, 1e-3), (60.0, 25.4)] {
+        for (gap, reset) in [("x", "-0.7*c"), ("2*x", "v - 0.7*c"), ("0.37*x", "-0.7*c")] {
+            for event in ["t - T", "T - t", "y - 0.39"] {
+                let text = format!(
+                    "[parameters]\nT = {:?}\nc = {:?}\n[flight]\nx = 'v'\nv = '{:?}'\ny = '0.3/{unit:?}'\n\
+                     [[contact]]\nname = 'floor'\ngap = '{gap}'\nimpulse = {{ v = 1 }}\nrestitution = 0.8\n\
+                     [[event]]\nname = 'throw'\nsurface = '{event}'\ndirection = 'either'\nreset = {{ v = '{reset}' }}\n\
+                     [initial]\nx = 0\nv = 0\ny = 0\n",
+                    1.3 * unit,
+                    length / unit,
+                    -2.0 * length / (unit * unit),
+                );
+                let run = run(&text, 1.5 * unit);
+                assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+                let first = [&run.events[0].detail, &run.events[1].detail];
+                assert!(matches!(first[0], Occurrence::Reset { .. }), "{text}");
+                assert!(
+                    matches!(first[1], Occurrence::Impact { contact: 0, .. }),
+                    "{text}"
+                );
+                let height = 0.8 * 0.7 * 0.2 - 0.2 * 0.2;
+                assert!((run.state[0] / length - height).abs() < 1e-12, "{text}");
+            }
+        }
+    }
+}

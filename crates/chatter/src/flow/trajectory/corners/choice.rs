@@ -145,7 +145,8 @@ impl<R: Real> Trajectory<R> {
             self.forget_what_lets_go(system, &mut verdicts, now);
         }
         forget_what_may_push(&mut verdicts);
-        if verdicts.iter().any(|verdict| verdict.opens_there) {
+        // Where a root begins as they open there is none until then.
+        if verdicts.iter().any(|v| v.opens_there && v.is_smooth) {
             verdicts.retain(|verdict| verdict.opens_there);
         }
         let agree = (verdicts.iter()).all(|v| {
@@ -166,6 +167,7 @@ impl<R: Real> Trajectory<R> {
                 return Err(asked
                     .outside
                     .or(asked.singular)
+                    .or_else(|| self.rest_on_kink(system, touched))
                     .unwrap_or_else(|| self.no_mode(system, touched)));
             }
             1 => 0,

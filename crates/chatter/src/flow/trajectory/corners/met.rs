@@ -36,6 +36,7 @@ impl<R: Real> Trajectory<R> {
                 count: self.burst,
             });
         }
+        self.note_kink(system, corner)?;
         // Sliding ends where its field is that of the side it ends to: columns go on as they are.
         let shifts = if jumps {
             self.corner_shifts(system, corner)?
@@ -196,8 +197,12 @@ impl<R: Real> Trajectory<R> {
             let free = &touch.acceleration[contact];
             free.value < -free.level()
         };
-        // What surfaces hold on both sides of it no contact does, whatever has jumped.
-        if self.grip().carrying() == Closed::NONE {
+        // What surfaces hold on both sides of it no contact does, whatever has jumped, unless they move apart.
+        let parts = |contact: usize| {
+            let free = &touch.acceleration[contact];
+            free.value > free.level()
+        };
+        if self.grip().carrying() == Closed::NONE && !self.closed.contacts().any(parts) {
             return Ok(());
         }
         let mut members = self.closed.contacts();

@@ -5,6 +5,7 @@
 //! answer, attracting sliding one, repelling sliding several.
 
 mod choice;
+mod kink;
 mod met;
 mod opening;
 mod options;
@@ -23,6 +24,8 @@ use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::touching::Touching;
 use crate::numerics::{Real, WithTerms};
+
+pub(super) use kink::Crossings;
 
 /// How the state stands to a corner in a mode.
 struct Standing<R> {

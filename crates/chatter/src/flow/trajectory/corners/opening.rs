@@ -11,7 +11,7 @@ use crate::numerics::Real;
 use crate::numerics::linear::solve;
 
 impl<R: Real> Trajectory<R> {
-    /// What contacts at rest do to a surface as one of `opening` opens while the others stay closed: the side that it leaves
+    /// What contacts at rest do to a surface, or their gaps are of it, as one of `opening` opens while the others stay closed: the side that it leaves
     /// to; none where they do nothing.
     fn side_of_opening(
         &self,
@@ -19,6 +19,11 @@ impl<R: Real> Trajectory<R> {
         corner: Corner,
         (resting, opening): (Closed, Closed),
     ) -> Result<Option<Side>, FlowError> {
+        if let Corner::Surface(index) = corner
+            && let Some(side) = system.kept_on((index, opening), &self.parameters)
+        {
+            return Ok(Some(side));
+        }
         let program = self.program(system)?;
         let found = (program.standings.iter()).position(|tapes| tapes.corner == corner);
         let (Some(place), Some(constants)) = (found, &self.constants[self.mode]) else {
