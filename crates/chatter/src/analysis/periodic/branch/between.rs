@@ -73,7 +73,10 @@ impl Walker {
         step: f64,
         (here, there): (&Point, &Point),
     ) -> Option<End> {
+        let is_lasting = |m: &Complex| m.im != 0.0 && m.modulus() > LASTING;
+        let has_pair = |point: &Point| point.multipliers.iter().any(is_lasting);
         if halvings > 0
+            && (has_pair(here) || has_pair(there))
             && farthest(&here.multipliers, &there.multipliers) > FAR
             && let Ok((middle, _)) = from.ahead(&mut self.shooting, 0.5 * step)
         {
