@@ -87,6 +87,27 @@ pub(crate) fn without_nearest(multipliers: &[Complex], at: f64) -> Vec<Complex> 
         .collect()
 }
 
+/// How far multipliers go from one orbit to another, where each goes to the nearest that is left: on the sphere of all numbers with infinity,
+/// on which none is farther than one from another. Zero where there are not as many.
+pub(crate) fn farthest(from: &[Complex], to: &[Complex]) -> f64 {
+    if from.len() != to.len() {
+        return 0.0;
+    }
+    let apart = |a: &Complex, b: &Complex| {
+        let sizes = a.modulus().hypot(1.0) * b.modulus().hypot(1.0);
+        (a.re - b.re).hypot(a.im - b.im) / sizes
+    };
+    let mut left = to.to_vec();
+    from.iter().fold(0.0, |most, m| {
+        let ways = left.iter().map(|other| apart(m, other)).enumerate();
+        let Some((nearest, way)) = ways.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return most;
+        };
+        left.swap_remove(nearest);
+        most.max(way)
+    })
+}
+
 /// A multiplier of a fold is 1, and one of a doubling -1, up to this.
 pub(crate) const NEAR_ONE: f64 = 1e-3;
 
@@ -138,6 +159,20 @@ mod tests {
         let (off, sum, rest) = neutral(&of(&[(0.6, 0.8), (0.6, -0.8), (0.2, 0.0)])).unwrap();
         assert!(off.abs() < 1e-15 && sum == 1.2 && rest == of(&[(0.2, 0.0)]));
         assert_eq!(pair(&before), None);
+    }
+
+    #[test]
+    fn multipliers_go_as_far_as_on_a_sphere() {
+        let one = of(&[(1e9, 0.0), (0.3, 0.4), (0.3, -0.4)]);
+        let same = of(&[(0.3, -0.4), (-1e9, 0.0), (0.3, 0.4)]);
+        assert!(farthest(&one, &same) < 1e-8);
+        let other = of(&[(0.0, 0.0), (0.3, 0.4), (0.3, -0.4)]);
+        assert!((farthest(&one, &other) - 1.0).abs() < 1e-15);
+        // From a pair inside the circle to two real ones, one of them outside.
+        let pair = of(&[(-0.9, 0.4), (-0.9, -0.4)]);
+        let real = of(&[(-1.9, 0.0), (-0.6, 0.0)]);
+        assert!(farthest(&pair, &real) > 0.2);
+        assert_eq!(farthest(&pair, &one), 0.0);
     }
 
     /// A pair that comes about and passes the circle between two stations, and one that passes it with rounding beside it.

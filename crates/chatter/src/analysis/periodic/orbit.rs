@@ -234,16 +234,28 @@ pub(crate) fn shorter(
         }
     }
     let arrives = |index: usize| steps[shooting.before(index)].passage;
-    for index in 1..count {
-        if arrives(index) != arrives(0) || steps[index].passage != steps[0].passage {
+    // An impact without rate, as at a graze, is none: there the parts are told by the others. Parts that are like one another have a first one.
+    let rate = |index: usize| {
+        let before = shooting.before(index);
+        let hits = steps[before].impact().is_some();
+        let landing = shooting.latest.get(before).filter(|_| hits);
+        landing.map_or(0.0, |landing| landing.surface_rate.abs())
+    };
+    let fastest = (0..count).map(rate).fold(0.0, f64::max);
+    let fast = (0..count).find(|&index| rate(index) > 0.5 * fastest);
+    let firsts = [0].into_iter().chain(fast.filter(|&index| index > 0));
+    for (first, index) in
+        firsts.flat_map(|first| (first + 1..count).map(move |index| (first, index)))
+    {
+        if arrives(index) != arrives(first) || steps[index].passage != steps[first].passage {
             continue;
         }
-        let nodes = (shooting.node(at, 0), shooting.node(at, index));
+        let nodes = (shooting.node(at, first), shooting.node(at, index));
         let difference = workshop.closure.difference(&turns, nodes, &sizes);
         let goes_on = turns.is_empty() || difference.turns.iter().any(|turns| *turns != 0);
         if difference.distance < SAME_NODE && goes_on {
             return Ok(Some(Cycle {
-                steps: shooting.current_steps(at)[..index].to_vec(),
+                steps: shooting.current_steps(at)[first..index].to_vec(),
                 counts: difference.turns,
                 distance: difference.distance,
                 sizes,

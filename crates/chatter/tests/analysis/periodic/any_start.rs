@@ -296,6 +296,214 @@ v = 0
     assert_eq!(found.ends, [End::Range, End::Range]);
 }
 
+/// What is special on a branch and how it ends, followed through one of its orbits.
+fn through(
+    text: &str,
+    (name, value): (&str, f64),
+    (state, period): (&[f64], f64),
+    (range, step): ((f64, f64), f64),
+) -> Branch {
+    let model = with(text, &[(name, &format!("{value:?}"))]);
+    let spec = Spec {
+        through: Some((state.to_vec(), period)),
+        ..Spec::default()
+    };
+    follow(&model, (name, range), step, &spec).unwrap()
+}
+
+/// Where the parameter is that of each special point of a kind.
+fn places(branch: &Branch, kind: SpecialKind) -> Vec<f64> {
+    let of = branch.special.iter().filter(|special| special.kind == kind);
+    of.map(|special| special.point.parameter()).collect()
+}
+
+/// A mass on a belt slips over it, and a moment later sticks: at a speed of the belt that moment is none. The slip leaves at x = F - c V and
+/// comes back at the other end of what the belt can hold, x = -F - c V (integrated with scipy: V = 0.928674714657).
+#[test]
+fn the_end_of_a_stay_of_no_time_is_told_from_either_side() {
+    const BELT: &str = "[parameters]\nV = 0.4\n[flight]\nx = 'v'\n\
+        v = '-x - 0.0325*v - 0.6460*sign(v - V)/(1 + 1.2960*abs(v - V))'\n[initial]\nx = 0.2\nv = 0.1\n";
+    let (range, from) = ((0.9, 1.0), 0.9309651629047382);
+    let state = [-0.677453275080755, from];
+    for step in [0.03, 0.05, 0.2] {
+        let found = through(
+            BELT,
+            ("V", from),
+            (&state, 6.617144446104501),
+            (range, step),
+        );
+        let touches = places(&found, SpecialKind::Touch);
+        assert!(
+            matches!(&touches[..], [touch] if (touch - 0.928674714657).abs() < 2e-12),
+            "{step}: {touches:?}"
+        );
+        assert_eq!(found.ends, [End::Range, End::Range]);
+    }
+}
+
+/// An oscillator with dry friction comes to rest just where its stop is, and would stick there: every step until it leaves breaks at one place.
+/// Beyond, an impact throws it off the rest, to which it comes back in as little time as the impact has rate. (The orbit whose rest is at
+/// the stop, integrated with scipy: f = 1.044116763361.)
+#[test]
+fn an_impact_where_a_mass_comes_to_rest_is_told_from_either_side() {
+    const STICKS: &str = "[parameters]\nf = 0.6\n[flight]\nx = 'v'\n\
+        v = '-0.0505*v + f*cos(0.6156*t) - x - 0.0861*sign(v)'\n\
+        [[contact]]\nname = 'up'\ngap = '0.4483 - x'\nimpulse = { v = -1 }\nrestitution = 0.3927\n\
+        [initial]\nx = 0.2\nv = 0.1\n";
+    let (range, period) = ((1.0, 1.06), 10.206603812832336);
+    let before = [0.2788022137516788, 0.56185253970956, period];
+    let beyond = [0.28538155461090803, 0.5933215830283873, period];
+    let starts = [(1.029482652043, before), (1.058189314828, beyond)];
+    let found = starts.map(|(f, state)| {
+        let found =
+            [0.04, 0.1].map(|step| through(STICKS, ("f", f), (&state, period), (range, step)));
+        assert_eq!(difference(&found[0], &found[1]), None);
+        found
+    });
+    let [up, down] = found.map(|[found, _]| found);
+    assert_eq!(difference(&up, &down), None);
+    assert_eq!(up.ends, [End::Range, End::Range]);
+    let grazes = places(&up, SpecialKind::FlightGraze);
+    assert!(
+        matches!(&grazes[..], [graze] if (graze - 1.044116763361).abs() < 2e-12),
+        "{grazes:?}"
+    );
+    let kinds: Vec<SpecialKind> = up.special.iter().map(|special| special.kind).collect();
+    let rest = [SpecialKind::Touch, SpecialKind::Fold, SpecialKind::Touch];
+    assert_eq!(kinds[1..], rest);
+}
+
+/// Where it grazes an orbit of four periods goes four times around a simple one, whichever of its events it is told from: there it ends.
+#[test]
+fn an_orbit_that_goes_around_a_simple_one_at_its_graze_ends_there() {
+    const KNOCKS: &str = r#"
+[parameters]
+f = 0.6
+w = 0.6774
+[flight]
+y = 'u'
+u = '0.2211*(x - y) - 1.0481*y - 0.1*u'
+x = 'v'
+v = '-0.1137*v + f*cos(w*t) - x - 0.2211*(x - y)'
+[section.strobe]
+surface = 'sin(w*t)'
+direction = 'rising'
+[section.place]
+surface = 'x - 0.05'
+direction = 'rising'
+[[contact]]
+name = 'knock'
+gap = '0.5377 + y - x'
+impulse = { v = -1, u = 1 }
+restitution = 0.6923
+[initial]
+x = 0.2
+v = 0.1
+y = 0
+u = 0
+"#;
+    let period = 37.10177329305926;
+    let through_four =
+        |f: f64, state: &[f64]| through(KNOCKS, ("f", f), (state, period), ((0.1, 1.2), 0.03));
+    let early = [
+        0.5219317661887372,
+        0.04407761046611913,
+        0.459828509537171,
+        0.05889252437061282,
+        9.275443323264817,
+    ];
+    let late = [
+        0.53863408216867,
+        0.028810369407565428,
+        0.5319554840234104,
+        0.07699699287119961,
+        9.275443323264817,
+    ];
+    let first = through_four(0.5508354193634527, &early);
+    let ends = [SpecialKind::FlightGraze, SpecialKind::ImpactGraze].map(End::Again);
+    assert_eq!(first.ends, ends);
+    assert_eq!(
+        difference(&first, &through_four(0.5973987460322597, &late)),
+        None
+    );
+}
+
+/// A pair leaves the circle, becomes real, and one of the two comes back within it by a period doubling: within one step.
+#[test]
+fn a_pair_that_becomes_real_beside_the_circle_is_told() {
+    const KNOCKS: &str = r#"
+[parameters]
+f = 0.6
+w = 0.7593
+[flight]
+y = 'u'
+u = '0.4942*(x - y) - 1.3624*y - 0.1*u'
+x = 'v'
+v = '-0.1536*v + f*cos(w*t) - x - 0.4942*(x - y)'
+[section.strobe]
+surface = 'sin(w*t)'
+direction = 'rising'
+[section.place]
+surface = 'x - 0.05'
+direction = 'rising'
+[[contact]]
+name = 'knock'
+gap = '0.3488 + y - x'
+impulse = { v = -1, u = 1 }
+restitution = 0.6307
+[initial]
+x = 0.2
+v = 0.1
+y = 0
+u = 0
+"#;
+    let state = [
+        0.43647108399658396,
+        0.09659249433091233,
+        0.6734148558012975,
+        0.07858522643512501,
+        8.274970771999982,
+    ];
+    for step in [0.03, 0.02] {
+        let found = through(
+            KNOCKS,
+            ("f", 0.6),
+            (&state, 8.27497077199998),
+            ((0.1, 1.2), step),
+        );
+        let mut tori = found
+            .special
+            .iter()
+            .filter(|special| special.kind == SpecialKind::NeimarkSacker);
+        let torus = tori.next().unwrap();
+        assert!(tori.next().is_none());
+        let off = torus
+            .point
+            .multipliers
+            .iter()
+            .map(|m| (m.modulus() - 1.0).abs());
+        assert_eq!(off.filter(|off| *off < 1e-10).count(), 2);
+        let doublings = places(&found, SpecialKind::PeriodDoubling);
+        assert_eq!(doublings.len(), 1);
+        assert!(doublings[0] < torus.point.parameter());
+    }
+}
+
+/// An orbit of more impacts than are followed is on no branch that is: nothing is told of it that would not be told from others.
+#[test]
+fn limits_hold_where_a_branch_begins() {
+    const BALL: &str = "[parameters]\nf = 0.6\n[flight]\nx = 'v'\nv = '-0.1392*v + f*cos(0.8116*t) - 0.2144*x'\n\
+        [[contact]]\nname = 'up'\ngap = '0.5008 - x'\nimpulse = { v = -1 }\nrestitution = 0.4818\n\
+        [[contact]]\nname = 'down'\ngap = '0.5608 + x'\nimpulse = { v = 1 }\nrestitution = 0.7646\n\
+        [initial]\nx = 0.2\nv = 0.1\n";
+    let model = with(BALL, &[]);
+    let found = follow(&model, ("f", (0.2, 1.0)), 0.04, &Spec::default()).unwrap();
+    assert_eq!(found.points.len(), 1);
+    assert_eq!(found.points[0].impacts, Some(7));
+    assert!(found.special.is_empty());
+    assert_eq!(found.ends, [End::Impacts(6), End::Impacts(6)]);
+}
+
 const KINDS: usize = 10;
 
 fn all_are_the_same(seed: u64, rounds: usize, orbits: usize) {

@@ -6,7 +6,9 @@ use super::{End, Point, SpecialKind};
 use crate::analysis::continuation::{Problem, Singular, Station, locate};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::condition::{Bordered, Condition};
-use crate::analysis::periodic::multipliers::{is_near, neutral, pair, passes, passes_together};
+use crate::analysis::periodic::multipliers::{
+    farthest, is_near, neutral, pair, passes, passes_together,
+};
 use crate::analysis::periodic::shooting::Shooting;
 use crate::analysis::periodic::solved::{NOISE, Solved};
 use crate::numerics::Complex;
@@ -37,6 +39,10 @@ const UNREFINED: f64 = 1e-11;
 /// What vanishes is below this part of what it was to both sides.
 const VANISHES: f64 = 1e-4;
 
+/// Where multipliers go farther than this, as they lie on the sphere of all numbers with infinity, ways are halved, so often at most.
+const FAR: f64 = 0.2;
+const HALVINGS: usize = 5;
+
 /// Towards a graze ways are shortened to this part, so often; and only where more than one multiplier is more than this.
 const SHORTER: f64 = 0.25;
 const TOWARDS: i32 = 6;
@@ -49,6 +55,48 @@ fn doubling(multipliers: &[Complex]) -> Option<f64> {
 impl Walker {
     /// Special points between two stations with the same sequence of events, and the end, if the branch ends at one of them.
     pub(super) fn between(
+        &mut self,
+        from: &Station,
+        to: &Station,
+        step: f64,
+        points: (&Point, &Point),
+    ) -> Option<End> {
+        self.between_by(HALVINGS, (from, to), step, points)
+    }
+
+    /// The same, looked at in halves where multipliers go so far between the stations that two changes of a sign may undo each other, as where
+    /// a pair leaves the circle, becomes real, and one of the two comes back.
+    fn between_by(
+        &mut self,
+        halvings: usize,
+        (from, to): (&Station, &Station),
+        step: f64,
+        (here, there): (&Point, &Point),
+    ) -> Option<End> {
+        let is_lasting = |m: &Complex| m.im != 0.0 && m.modulus() > LASTING;
+        let has_pair = |point: &Point| point.multipliers.iter().any(is_lasting);
+        if halvings > 0
+            && (has_pair(here) || has_pair(there))
+            && farthest(&here.multipliers, &there.multipliers) > FAR
+            && let Ok((middle, _)) = from.ahead(&mut self.shooting, 0.5 * step)
+        {
+            self.settle(&middle);
+            let halfway = Point::new(&mut self.shooting, &middle);
+            let left = middle.reach(&to.at, self.shooting.scales());
+            if left > 0.0 {
+                let near = (from, &middle, 0.5 * step, (here, &halfway));
+                let far = (&middle, to, left, (&halfway, there));
+                return [near, far]
+                    .into_iter()
+                    .find_map(|(from, to, step, points)| {
+                        self.between_by(halvings - 1, (from, to), step, points)
+                    });
+            }
+        }
+        self.passed_between(from, to, step, (here, there))
+    }
+
+    fn passed_between(
         &mut self,
         from: &Station,
         to: &Station,
@@ -134,7 +182,11 @@ impl Walker {
                 (station, point, gone) = (next, further, part * step);
             }
         }
-        self.between(&station, to, step - gone, (&point, there))
+        let left = match gone > 0.0 {
+            true => station.reach(&to.at, self.shooting.scales()),
+            false => step,
+        };
+        self.between(&station, to, left, (&point, there))
     }
 
     fn find(&mut self, passed: Passed, from: &Station, step: f64, far: f64) {

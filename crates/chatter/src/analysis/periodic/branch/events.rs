@@ -170,6 +170,13 @@ impl Shooting<f64> {
                     jump: Jump::None,
                     ..kind
                 });
+                // With the impact goes the way back to what it took the state off.
+                let after = around(next, 1, count);
+                if steps[next].ends_at() == Some(GuardKind::Switch(surface))
+                    && self.slides_along(&steps[after], surface)
+                {
+                    steps.remove(next);
+                }
                 let (shooting, at) = self.like(steps, at)?;
                 return Ok((shooting, at, index));
             }

@@ -1,6 +1,6 @@
 //! From one sequence of events to the next, where an impact comes in or goes out.
 
-use super::holds::{Broken, first_break};
+use super::holds::{Broken, break_before, first_break};
 use super::limits::End;
 use super::touch::Touched;
 use super::walker::{Stop, Walker};
@@ -64,6 +64,7 @@ impl Walker {
         let from = curve.station.clone();
         let mut reader = self.shooting.clone();
         let first = first_break(&mut self.shooting, &mut reader, (&from, step), broken);
+        let first = first.map(|first| break_before(&mut self.shooting, &mut reader, &from, first));
         let Some((broken, station, reached)) = first else {
             let end = End::Lost("the sequence of events changes".to_owned());
             return Stop::Broken(end, Box::new(from));
@@ -517,7 +518,8 @@ impl Walker {
         }
         // To the side where the gap stays open.
         let guard = self.shooting.steps[index].ends_at();
-        let turns = shorter.steps.len() == self.shooting.steps.len() && shorter.turns(merged);
+        let beside = [index, self.shooting.after(index)].map(|k| self.shooting.steps[k].mode());
+        let turns = beside[0] != beside[1] && shorter.turns(merged);
         // Of several least values that the gap has on the way the one that was touched; where that was the only event the way begins and ends
         // with it.
         let touched_at = self.shooting.latest[index].duration;

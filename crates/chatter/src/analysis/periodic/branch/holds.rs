@@ -1,9 +1,10 @@
 //! Whether the sequence of events still holds along a solution of its equations.
 
 use crate::analysis::continuation::{Left, Problem, Station, locate};
+use crate::analysis::periodic::cycle::itinerary::Passage;
 use crate::analysis::periodic::shooting::Shooting;
 use crate::flow::GuardKind;
-use crate::flow::leg::Least;
+use crate::flow::leg::{Jump, Least};
 use crate::model::Direction;
 
 /// The guard whose sign says that the sequence no longer holds, and its value.
@@ -118,7 +119,7 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             }
             continue;
         }
-        if landing.duration < 0.0 {
+        if landing.duration < 0.0 && !shooting.is_way_back(index) {
             found.push(Broken::Passed(index));
             continue;
         }
@@ -154,7 +155,29 @@ pub(super) fn broken(shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Vec<Brok
             }
         }
     }
-    without_vanished(shooting, without_passed(shooting, found))
+    let found = without_vanished(shooting, without_passed(shooting, found));
+    without_followers(shooting, found)
+}
+
+/// Less what breaks because the step before ends within the wall already, and nothing between them leads out of it: of a mass that would stick
+/// there every step until it leaves breaks at one place, and only the flight that came to it says why.
+fn without_followers(shooting: &Shooting<f64>, found: Vec<Broken>) -> Vec<Broken> {
+    let goes_on = |index: usize| match shooting.steps[index].passage {
+        Passage::Leg(kind) => kind.jump == Jump::None,
+        _ => false,
+    };
+    let follows = |broken: &Broken| match *broken {
+        Broken::Early(index, guard @ GuardKind::Gap(_)) => {
+            let before = shooting.before(index);
+            goes_on(before) && found.contains(&Broken::Early(before, guard))
+        }
+        _ => false,
+    };
+    let first: Vec<Broken> = (found.iter())
+        .filter(|broken| !follows(broken))
+        .cloned()
+        .collect();
+    if first.is_empty() { found } else { first }
 }
 
 /// Less what breaks because a crossing and its way back become one: the stay between them is over, and what it was beyond is touched.
@@ -302,6 +325,40 @@ pub(crate) fn first_break(
         });
         if comes_first {
             first = Some((broken, station, at));
+        }
+    }
+    first
+}
+
+/// So often what breaks hides something that did before it.
+const HIDDEN: usize = 4;
+/// This part of the way before a break.
+const NOT_QUITE: f64 = 1e-5;
+
+/// What breaks before a place that was found, if something does: at the end of the step it may have come to hold again, or break in another
+/// way, as the end of a stick after an impact that then loses its rate.
+pub(super) fn break_before(
+    problem: &mut dyn Problem<f64>,
+    reader: &mut Shooting<f64>,
+    from: &Station,
+    mut first: (Broken, Station, f64),
+) -> (Broken, Station, f64) {
+    for _ in 0..HIDDEN {
+        let close = first.2 * (1.0 - NOT_QUITE);
+        let Ok((before, _)) = from.ahead(problem, close) else {
+            break;
+        };
+        if reader.evaluate(&before.at).is_err() {
+            break;
+        }
+        let least = reader.least(&before.at).unwrap_or_default();
+        let hidden = broken(reader, &least);
+        if hidden.is_empty() {
+            break;
+        }
+        match first_break(problem, reader, (from, close), hidden) {
+            Some(earlier) if earlier.2 < close => first = earlier,
+            _ => break,
         }
     }
     first

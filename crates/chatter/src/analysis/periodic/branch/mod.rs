@@ -105,6 +105,18 @@ pub(crate) fn follow(
             how: left.to_string(),
         })?;
     let first = Point::new(&mut begin, &station);
+    // What is followed is what the limits allow, wherever on it it begins.
+    if first
+        .impacts
+        .is_some_and(|impacts| impacts > limits.impacts)
+    {
+        let nothing = || Side {
+            points: Vec::new(),
+            special: Vec::new(),
+            end: End::Impacts(limits.impacts),
+        };
+        return joined(vec![nothing(), nothing()], first);
+    }
     for forward in [false, true] {
         let start = if forward {
             station.clone()

@@ -1,6 +1,6 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
-use super::graze::THERE;
+use super::graze::{THERE, moved};
 use super::holds::is_broken;
 use super::touch::Touched;
 use super::walker::Walker;
@@ -95,11 +95,13 @@ impl Walker {
         if stands {
             ways.reverse();
         }
+        let vanished = self.vanished_stay(&from);
+        let past = (vanished.as_ref()).and_then(|(value, _)| self.past_stay(&from, *value, same));
+        let is_past = past.is_some();
         let wanted = |orbit: &Orbit| same(orbit) && passes(orbit);
-        let Some(next) = ways
-            .into_iter()
-            .find_map(|way| self.beyond(way, &distances, wanted))
-        else {
+        let next = past
+            .or_else(|| (ways.into_iter()).find_map(|way| self.beyond(way, &distances, wanted)));
+        let Some(next) = next else {
             return false;
         };
         // Where a stay on a surface shrinks to nothing the orbit beyond only touches it, and where a way off it does, that orbit only just
@@ -115,8 +117,8 @@ impl Walker {
         let stayed = |guard| {
             matches!(guard, GuardKind::Leave(..)) && count(&ends, guard) > count(&ends_on, guard)
         };
-        let mut touched = None;
-        if (0..slides.len()).any(is_left) {
+        let mut touched = vanished.map(|(_, touched)| touched).filter(|_| is_past);
+        if touched.is_none() && (0..slides.len()).any(is_left) {
             touched = touch_between(&mut self.shooting, &next.at, between, left);
         }
         if touched.is_none() && ends.iter().flatten().any(|&guard| stayed(guard)) {
@@ -142,6 +144,41 @@ impl Walker {
         }
         self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
         true
+    }
+
+    /// Where a stay that has come to its end takes no time at all, and the parameter there: the equations of such an orbit have solutions
+    /// beyond, in which rounding is what is left of it.
+    fn vanished_stay(&mut self, from: &Station) -> Option<(f64, Touched)> {
+        let mut steps = self.shooting.steps.iter().enumerate();
+        let (index, guard) = steps.find_map(|(index, step)| {
+            let is_over = self.shooting.has_come_back(&from.at, index);
+            Some((index, step.ends_at()?)).filter(|_| is_over)
+        })?;
+        self.settle(from);
+        let turn = (self.shooting).with_turn_at_start(&from.at, (index, guard));
+        let turn = turn.ok()?;
+        let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
+        let touched = Touched::solve(turn).ok()?;
+        let is_there = moved(&touched.at, &start, &scales) <= THERE;
+        let value = touched.told.last().copied()?;
+        is_there.then_some((value, touched))
+    }
+
+    /// The orbit a little past where a stay takes no time at all, which no longer has it.
+    fn past_stay(
+        &mut self,
+        from: &Station,
+        value: f64,
+        same: impl Fn(&Orbit) -> bool,
+    ) -> Option<Station> {
+        let mut over = self.over_the_parameter(from);
+        *over.at.last_mut()? = value;
+        let distances = self.distances();
+        let forward = self.heading(from);
+        self.beyond(&over, &distances, |orbit| {
+            let gone = orbit.at.last().map_or(0.0, |to| to - value);
+            same(orbit) && gone * forward > 0.0 && !orbit.shooting.comes_back_at_once(&orbit.at)
+        })
     }
 
     /// On with new equations, at a station of theirs, with a first step of this length.

@@ -139,6 +139,14 @@ impl Walker {
                 Err(StepError::TooShort(error)) => {
                     // Where a crossing and the way back become one, no time is left between them.
                     self.settle(&curve.station);
+                    let vanishes = self.shooting.impact_that_vanishes(&curve.station.at);
+                    if let Some(index) = vanishes
+                        && self.stay_ends(index, &mut curve, &mut here)
+                    {
+                        walked.grazes += 1;
+                        at_graze = true;
+                        continue;
+                    }
                     if let Some(index) = self.shooting.shortest_stay() {
                         walked.grazes += 1;
                         if self.stay_ends(index, &mut curve, &mut here) {

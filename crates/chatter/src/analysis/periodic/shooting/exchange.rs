@@ -59,7 +59,7 @@ impl<R: Real> Shooting<R> {
 
     /// Whether the event at the end of a step may change places with the one before.
     pub(super) fn may_exchange(&self, index: usize) -> bool {
-        self.exchange(index).is_some()
+        self.exchange(index).is_some() || self.is_way_back(index)
     }
 
     fn exchange(&self, index: usize) -> Option<Exchange> {
@@ -209,7 +209,7 @@ impl Shooting<f64> {
     pub(crate) fn passed(&self, at: &[f64]) -> Option<usize> {
         (0..self.steps.len()).find(|&index| {
             let duration = self.duration_place(index).map_or(0.0, |place| at[place]);
-            duration < 0.0 && self.may_exchange(index)
+            duration < 0.0 && self.exchange(index).is_some()
         })
     }
 
