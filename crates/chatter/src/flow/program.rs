@@ -317,9 +317,8 @@ impl Program {
         let (rates, functions) = rewritten.split_at(dimension);
         let mut tape = Tape::new(graph, dimension, rates, functions);
         // Roots say where motion has a series: what they are taken of stays a guard.
-        let roots = |guard: usize| tape.takes_root_of(tape.outputs[guard]);
-        let kept: Vec<(usize, Expr)> = kept_by_contacts(graph, &contacts, closed, &listed);
-        let kept: Vec<(usize, Expr)> = kept.into_iter().filter(|&(k, _)| !roots(k)).collect();
+        let mut kept = kept_by_contacts(graph, &contacts, closed, &listed);
+        kept.retain(|&(guard, _)| !tape.takes_root_of(tape.outputs[guard]));
         let mut functions = functions.to_vec();
         if !kept.is_empty() {
             for &(guard, sign) in &kept {

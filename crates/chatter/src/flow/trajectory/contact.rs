@@ -110,10 +110,8 @@ impl<R: Real> Trajectory<R> {
         }
         let mut acceleration = self.acceleration(system, contact)?;
         // What slides along holds nothing that moves with it a moment later.
-        let [.., jerk] = self.local_values(system, contact)?;
-        let moves_on = jerk.value.is_finite() && jerk.value.abs() > jerk.level();
         if acceleration.value.abs() <= acceleration.level()
-            && !moves_on
+            && !self.jerks(system, contact)?
             && self.hold_by_contacts(
                 system,
                 (Closed::NONE.with(contact), Closed::NONE.with(contact)),
@@ -711,6 +709,12 @@ impl<R: Real> Trajectory<R> {
         } else {
             Err(self.left_domain())
         }
+    }
+
+    /// Whether a contact's jerk in the present mode can be told from zero.
+    fn jerks(&self, system: &System, contact: usize) -> Result<bool, FlowError> {
+        let [.., jerk] = self.local_values(system, contact)?;
+        Ok(jerk.value.is_finite() && jerk.value.abs() > jerk.level())
     }
 
     fn local_values(

@@ -373,18 +373,19 @@ fn an_impact_where_a_mass_comes_to_rest_is_told_from_either_side() {
     assert_eq!(kinds[1..], rest);
 }
 
-/// Where it grazes an orbit of four periods goes four times around a simple one, whichever of its events it is told from: there it ends.
-#[test]
-fn an_orbit_that_goes_around_a_simple_one_at_its_graze_ends_there() {
-    const KNOCKS: &str = r#"
+/// Two masses that knock, the second of them driven: the frequency, the spring between them, the first one's own and the second one's damping;
+/// their distance, and restitution.
+fn knocking([w, between, own, damping]: [f64; 4], (distance, restitution): (f64, f64)) -> String {
+    format!(
+        r#"
 [parameters]
 f = 0.6
-w = 0.6774
+w = {w}
 [flight]
 y = 'u'
-u = '0.2211*(x - y) - 1.0481*y - 0.1*u'
+u = '{between}*(x - y) - {own}*y - 0.1*u'
 x = 'v'
-v = '-0.1137*v + f*cos(w*t) - x - 0.2211*(x - y)'
+v = '-{damping}*v + f*cos(w*t) - x - {between}*(x - y)'
 [section.strobe]
 surface = 'sin(w*t)'
 direction = 'rising'
@@ -393,18 +394,25 @@ surface = 'x - 0.05'
 direction = 'rising'
 [[contact]]
 name = 'knock'
-gap = '0.5377 + y - x'
-impulse = { v = -1, u = 1 }
-restitution = 0.6923
+gap = '{distance} + y - x'
+impulse = {{ v = -1, u = 1 }}
+restitution = {restitution}
 [initial]
 x = 0.2
 v = 0.1
 y = 0
 u = 0
-"#;
+"#
+    )
+}
+
+/// Where it grazes an orbit of four periods goes four times around a simple one, whichever of its events it is told from: there it ends.
+#[test]
+fn an_orbit_that_goes_around_a_simple_one_at_its_graze_ends_there() {
+    let knocks = knocking([0.6774, 0.2211, 1.0481, 0.1137], (0.5377, 0.6923));
     let period = 37.10177329305926;
     let through_four =
-        |f: f64, state: &[f64]| through(KNOCKS, ("f", f), (state, period), ((0.1, 1.2), 0.03));
+        |f: f64, state: &[f64]| through(&knocks, ("f", f), (state, period), ((0.1, 1.2), 0.03));
     let early = [
         0.5219317661887372,
         0.04407761046611913,
@@ -431,32 +439,7 @@ u = 0
 /// A pair leaves the circle, becomes real, and one of the two comes back within it by a period doubling: within one step.
 #[test]
 fn a_pair_that_becomes_real_beside_the_circle_is_told() {
-    const KNOCKS: &str = r#"
-[parameters]
-f = 0.6
-w = 0.7593
-[flight]
-y = 'u'
-u = '0.4942*(x - y) - 1.3624*y - 0.1*u'
-x = 'v'
-v = '-0.1536*v + f*cos(w*t) - x - 0.4942*(x - y)'
-[section.strobe]
-surface = 'sin(w*t)'
-direction = 'rising'
-[section.place]
-surface = 'x - 0.05'
-direction = 'rising'
-[[contact]]
-name = 'knock'
-gap = '0.3488 + y - x'
-impulse = { v = -1, u = 1 }
-restitution = 0.6307
-[initial]
-x = 0.2
-v = 0.1
-y = 0
-u = 0
-"#;
+    let knocks = knocking([0.7593, 0.4942, 1.3624, 0.1536], (0.3488, 0.6307));
     let state = [
         0.43647108399658396,
         0.09659249433091233,
@@ -466,7 +449,7 @@ u = 0
     ];
     for step in [0.03, 0.02] {
         let found = through(
-            KNOCKS,
+            &knocks,
             ("f", 0.6),
             (&state, 8.27497077199998),
             ((0.1, 1.2), step),
