@@ -5,7 +5,9 @@
 //! What complete chatter, contact or sticking forgets has no exponent: it is minus infinity.
 
 use crate::analysis::periodic::PeriodicError;
-use crate::flow::{Column, NoDerivative, Occurrence, System, Trajectory, Workspace};
+use crate::flow::{
+    Column, FORGOTTEN, NoDerivative, Occurrence, System, Trajectory, Workspace, may_forget,
+};
 use crate::model::Model;
 use crate::numerics::{Matrix, balance, unit};
 use core::ops::ControlFlow;
@@ -36,9 +38,6 @@ pub struct Exponents {
     pub intervals: u64,
 }
 
-/// A displacement that shrinks by this part, against those that it is made orthogonal to, is forgotten where something happened that
-/// forgets.
-const FORGOTTEN: f64 = 1e-11;
 /// One that shrinks by this part between events is made orthogonal at once: later nothing would be left of it but rounding; …
 const SHRUNK: f64 = 1e-4;
 /// … and one that shrinks by this part anyhow.
@@ -207,25 +206,6 @@ fn take(frame: &mut [Vec<f64>], units: &[f64], trajectory: &Trajectory<f64>, mod
 
 fn add(sums: &mut [f64], terms: &[f64]) {
     (sums.iter_mut().zip(terms)).for_each(|(sum, term)| *sum += term);
-}
-
-/// Whether an event may take displacements that differ to ones that do not.
-fn may_forget(model: &Model, told: &Occurrence<f64>) -> bool {
-    match *told {
-        Occurrence::Impact {
-            contact, closes, ..
-        } => {
-            let contact = &model.contacts[contact];
-            closes || contact.friction.is_some() || contact.reset.is_some()
-        }
-        Occurrence::Accumulation { .. }
-        | Occurrence::Cascade { .. }
-        | Occurrence::Capture { .. }
-        | Occurrence::Slide { .. }
-        | Occurrence::Stick { .. }
-        | Occurrence::Reset { .. } => true,
-        _ => false,
-    }
 }
 
 /// Units of the states in which displacements, unit vectors an interval before, are of like size.

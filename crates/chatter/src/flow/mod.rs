@@ -51,4 +51,6 @@ pub use system::{Settings, System, SystemError};
 pub use trajectory::Trajectory;
 pub(crate) use trajectory::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
 pub use variation::Column;
-pub(crate) use variation::{Direction, columns, with_identity};
+pub(crate) use variation::{
+    Direction, FORGOTTEN, columns, impacts_may_forget, may_forget, with_identity,
+};

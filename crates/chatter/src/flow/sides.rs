@@ -21,16 +21,6 @@ impl Sides {
     /// None is known.
     pub const UNKNOWN: Self = Self([0; WORDS]);
 
-    /// As numbers, to be kept.
-    pub fn bits(self) -> [u64; WORDS] {
-        self.0
-    }
-
-    /// From numbers that were kept.
-    pub fn from_bits(bits: [u64; WORDS]) -> Self {
-        Self(bits)
-    }
-
     const NEGATIVE: u64 = 1;
     const POSITIVE: u64 = 2;
 

@@ -19,9 +19,10 @@
 //! All of it is written down as expressions in (x, m), so one trajectory carries its derivatives through every mode
 //! with the same tapes, steps and error control.
 
+use super::occurrence::Occurrence;
 use super::program::ModeExprs;
 use crate::expressions::{Expr, Graph, Symbol};
-use crate::model::{Mechanics, Model};
+use crate::model::{Contact, Mechanics, Model};
 use crate::numerics::Real;
 
 /// What a column of derivatives is taken with respect to.
@@ -49,6 +50,30 @@ pub(crate) fn with_identity<R: Real>(state: &[R], columns: usize) -> Vec<R> {
         start[n * (i + 1) + i] = R::ONE;
     }
     start
+}
+
+/// A displacement that shrinks by this part where something happened that [may forget](may_forget) it is nothing but rounding.
+pub(crate) const FORGOTTEN: f64 = 1e-11;
+
+/// Whether an event may take displacements that differ to ones that do not.
+pub(crate) fn may_forget(model: &Model, told: &Occurrence<f64>) -> bool {
+    match *told {
+        Occurrence::Impact {
+            contact, closes, ..
+        } => closes || impacts_may_forget(&model.contacts[contact]),
+        Occurrence::Accumulation { .. }
+        | Occurrence::Cascade { .. }
+        | Occurrence::Capture { .. }
+        | Occurrence::Slide { .. }
+        | Occurrence::Stick { .. }
+        | Occurrence::Reset { .. } => true,
+        _ => false,
+    }
+}
+
+/// Whether even impacts after which a contact is open may do so.
+pub(crate) fn impacts_may_forget(contact: &Contact) -> bool {
+    contact.friction.is_some() || contact.reset.is_some()
 }
 
 /// One column of a variational system: where its components lie, and how parameters change along it.

@@ -3,20 +3,20 @@
 mod aperiodic;
 mod classify;
 mod embedding;
-mod exponent;
+pub(super) mod exponent;
 pub(super) mod same_orbit;
 mod tail;
 
 use self::aperiodic::{Evidence, evidence};
 use self::classify::{Repetition, Settled, Way};
 use self::embedding::Embedding;
-use self::exponent::{Companion, Growth, Tangent, Trail, units};
+use self::exponent::{Displaced, units};
 use self::tail::Tail;
 use super::run::row::{Outcome, Row, Started};
 use super::spec::observable::Scratch;
 use super::spec::{Exponent, Spec};
 use super::sweep::Sweep;
-use crate::analysis::map::{Arrival, CoordinateKind, Map, NoReturn, Origin, Passage};
+use crate::analysis::map::{Arrival, CoordinateKind, Map, NoReturn, Passage};
 
 /// Counts returns, keeps samples, and draws the conclusions.
 #[derive(Debug)]
@@ -40,20 +40,18 @@ pub(super) struct Column {
     origin: Vec<f64>,
     end: Vec<f64>,
     orbit: Vec<f64>,
-    tangent: Option<Tangent>,
-    trail: Trail,
-    companion: Option<Companion>,
-    result: Option<Row>,
+    /// The point of the first sample.
+    first: Vec<f64>,
+    /// Whether the orbit has a derivative no longer.
+    is_ambiguous: bool,
 }
 
 /// What an orbit needs next.
 pub(super) enum Need {
     /// Its next point.
     Next,
-    /// A second orbit, which starts here.
-    Companion(Origin),
-    /// Nothing: here is its result.
-    Done(Row),
+    /// Nothing: here is its result, and whence the exponent, if that is asked for.
+    Done(Row, Option<Displaced>),
 }
 
 impl Column {
@@ -74,10 +72,8 @@ impl Column {
             origin,
             end: Vec::new(),
             orbit: Vec::new(),
-            tangent: None,
-            trail: Trail::default(),
-            companion: None,
-            result: None,
+            first: Vec::new(),
+            is_ambiguous: false,
         }
     }
 
@@ -102,18 +98,10 @@ impl Column {
         arrival: &Arrival<'_>,
         scratch: &mut Scratch,
     ) -> Need {
-        if self.companion.is_some() {
-            return self.accompany(sweep, arrival);
-        }
         let passage = match &arrival.passage {
             Ok(passage) => passage,
-            Err(reason) => return Need::Done(self.fail(sweep, reason)),
+            Err(reason) => return Need::Done(self.fail(sweep, reason), None),
         };
-        if let Some(tangent) = &mut self.tangent
-            && !tangent.step(map, arrival.parameters, arrival.point)
-        {
-            self.tangent = None;
-        }
         let way = match &self.way {
             Some(way) => way.then(passage),
             None => *passage,
@@ -134,23 +122,20 @@ impl Column {
             return Need::Next;
         }
         if self.ways.is_empty() {
-            self.reserve(map, sweep, arrival);
+            self.reserve(sweep);
+            self.first = arrival.point.to_vec();
         }
         for observable in &sweep.observables {
             let value = observable.value(arrival.point, &way, arrival.parameters, scratch);
             self.samples.push(value);
         }
+        self.is_ambiguous |= way.ambiguities > 0;
         self.tail.push(arrival.point);
         self.ways.push(Way {
             impacts: way.impacts,
             accumulations: way.accumulations,
             time: way.return_time,
         });
-        if let Some(tangent) = &mut self.tangent {
-            tangent.sampled();
-        } else if spec.exponent == Exponent::Largest {
-            self.trail.push(arrival.point, &way);
-        }
         if (self.ways.len() as u64) < spec.keep {
             return Need::Next;
         }
@@ -158,17 +143,12 @@ impl Column {
     }
 
     /// The first sample is about to be kept.
-    fn reserve(&mut self, map: &dyn Map, sweep: &Sweep, arrival: &Arrival<'_>) {
+    fn reserve(&mut self, sweep: &Sweep) {
         let spec = sweep.spec();
         // More than this grow as they come.
         let keep = spec.keep.min(RESERVED) as usize;
         self.samples.reserve(keep * sweep.observables.len());
         self.ways.reserve(keep);
-        if spec.exponent == Exponent::Largest
-            && map.jacobian(arrival.parameters, arrival.point).is_some()
-        {
-            self.tangent = Some(Tangent::new(arrival.point.len()));
-        }
     }
 
     /// What sizes the coordinates have: at all returns, where the orbit started, where orbits of the map start, and on the way of
@@ -178,9 +158,8 @@ impl Column {
         let mut elsewhere = Tail::new(arrival.point.len(), usize::MAX);
         elsewhere.push(&self.origin);
         elsewhere.push(&map.initial_point(arrival.parameters));
-        if let (Ok(passage), Some(&Way { time, .. })) = (&arrival.passage, self.ways.last()) {
-            let from = (arrival.point, passage.phase);
-            elsewhere.push(&map.on_the_way(arrival.parameters, from, time));
+        if let Some(&Way { time, .. }) = self.ways.last() {
+            elsewhere.push(&map.on_the_way(arrival.parameters, arrival.point, time));
         }
         elsewhere.relate(&self.kinds);
         let mut before = self.largest.clone();
@@ -247,54 +226,15 @@ impl Column {
         } else {
             settled
         };
-        let tangent = self.tangent.take();
         let mut row = self.take(sweep, outcome);
         row.period = period.unwrap_or(0) as u64;
         row.impacts_per_return = mean_impacts(&self.ways[first..]);
-        if let Some(tangent) = &tangent {
-            weigh(&mut row, tangent.growth());
-            return Need::Done(row);
-        }
-        if spec.exponent == Exponent::Skip {
-            return Need::Done(row);
-        }
-        let units = units(&self.kinds, &self.sizes);
-        let mut companion = Companion::new(map.directions(), units);
-        let Some(origin) = companion.origin(&self.trail) else {
-            return Need::Done(row);
-        };
-        self.companion = Some(companion);
-        self.result = Some(row);
-        Need::Companion(origin)
-    }
-
-    /// Takes in an arrival of the second orbit.
-    fn accompany(&mut self, sweep: &Sweep, arrival: &Arrival<'_>) -> Need {
-        let (Some(companion), Some(row)) = (&mut self.companion, &mut self.result) else {
-            return Need::Next;
-        };
-        let origin = match &arrival.passage {
-            Ok(_) => {
-                self.until_sample -= 1;
-                if self.until_sample > 0 {
-                    return Need::Next;
-                }
-                companion.arrive(&self.trail, arrival.point);
-                companion.origin(&self.trail)
-            }
-            Err(_) if companion.other_side() => companion.origin(&self.trail),
-            Err(_) => None,
-        };
-        self.until_sample = sweep.spec().every;
-        if let Some(origin) = origin {
-            return Need::Companion(origin);
-        }
-        if arrival.passage.is_ok() {
-            weigh(row, companion.growth());
-        }
-        self.companion = None;
-        self.trail.clear();
-        self.result.take().map_or(Need::Next, Need::Done)
+        let is_smooth = spec.exponent == Exponent::Largest && !self.is_ambiguous;
+        let displaced = is_smooth.then(|| {
+            let units = units(&self.kinds, &self.sizes);
+            Displaced::evenly(core::mem::take(&mut self.first), units)
+        });
+        Need::Done(row, displaced)
     }
 
     /// The orbit has no next point.
@@ -342,21 +282,6 @@ const COMPARED: usize = 64;
 
 /// Room for so many samples is made at once.
 const RESERVED: u64 = 1 << 16;
-
-/// Notes the exponent, which says more about chaos than samples do.
-fn weigh(row: &mut Row, growth: &Growth) {
-    let period = (row.period > 0).then_some(row.period as usize);
-    row.exponent = growth.mean(period);
-    let aperiodic = [Outcome::Chaotic, Outcome::Quasiperiodic, Outcome::Unsettled];
-    if !aperiodic.contains(&row.outcome) || row.exponent.is_nan() {
-        return;
-    }
-    row.outcome = match (growth.is_chaotic(), row.outcome) {
-        (true, _) => Outcome::Chaotic,
-        (false, Outcome::Chaotic) => Outcome::Unsettled,
-        (false, outcome) => outcome,
-    };
-}
 
 fn chatters(ways: &[Way]) -> bool {
     ways.iter().any(|way| way.accumulations > 0)

@@ -4,7 +4,8 @@
 //! Spec            which parameters are swept, what is kept of each orbit, where orbits start
 //!   Sweep         rows and pieces: a piece is a run of rows that have to be computed one after the other
 //!   run           workers of an Executor take pieces; each follows hundreds of orbits at once
-//!     Column      one orbit: transient, samples, exponent
+//!     Column      one orbit: transient, samples
+//!     exponent    what a displacement grows by beside the samples, by the map's tangent map
 //!     classify    what it has settled to, if it has; aperiodic: chaotic, quasi-periodic, or neither
 //!   Row           the result for one orbit, which says itself where it belongs
 //!   Attractors    which rows settled to the same orbit

@@ -9,7 +9,9 @@ use self::executor::Executor;
 use self::row::{Row, Started};
 use self::share::Share;
 use self::standing::{Begun, Carried, Standing};
+use super::column::exponent::{Displaced, weigh};
 use super::column::{Column, Need};
+use super::spec::Exponent;
 use super::spec::observable::Scratch;
 use super::sweep::Sweep;
 use crate::analysis::map::{Arrival, Carry, Command, Map, NoReturn, Origin, Start};
@@ -24,6 +26,9 @@ const IN_FLIGHT: u64 = 256;
 
 /// Rows in flight hold up to so many numbers together (half a gigabyte), or one row a worker where that is more.
 const MEMORY: u64 = 1 << 26;
+
+/// So many rows at least wait for their exponents together, if memory allows: orbits in as many lanes, of which few become idle.
+const WAITING: u64 = 32;
 
 /// So many random points are drawn for a start before it is given up: none in that many is admissible.
 const DRAWS: u64 = 1000;
@@ -72,12 +77,21 @@ pub fn run_share(
     let workers = executor.workers().max(1) as u64;
     let open = share.count(sweep.pieces()) - standing.finished(sweep, share);
     let row_numbers = sweep.spec().keep.saturating_mul(sweep.row_width());
-    let in_memory = (MEMORY / workers / row_numbers.max(1)).clamp(1, IN_FLIGHT);
+    let weighs = sweep.spec().exponent == Exponent::Largest;
+    let in_memory = MEMORY / workers / row_numbers.max(1) / if weighs { 2 } else { 1 };
+    let in_memory = in_memory.clamp(1, IN_FLIGHT);
+    let in_flight = open.div_ceil(workers).clamp(1, in_memory);
+    let tangent = weighs.then(|| map.tangent(&sweep.swept)).flatten();
     let shared = Shared {
         map,
+        tangent: tangent.as_deref(),
         sweep,
         supply: &supply,
-        in_flight: open.div_ceil(workers).clamp(1, in_memory),
+        in_flight,
+        together: match weighs {
+            true => in_flight.max(WAITING).min(in_memory),
+            false => 1,
+        },
         stop,
         broken_off: AtomicBool::new(false),
         sink: Mutex::new(sink),
@@ -127,9 +141,13 @@ struct Piece {
 
 struct Shared<'a, 's> {
     map: &'a dyn Map,
+    /// Carries displacements along, if exponents are asked for.
+    tangent: Option<&'a dyn Map>,
     sweep: &'a Sweep,
     supply: &'a Supply<'a>,
     in_flight: u64,
+    /// So many rows of a worker wait to be handed over together.
+    together: u64,
     stop: &'a AtomicBool,
     broken_off: AtomicBool,
     sink: Mutex<&'s mut (dyn FnMut(Row) -> ControlFlow<()> + Send)>,
@@ -159,6 +177,8 @@ struct Worker<'a, 's> {
     shared: &'a Shared<'a, 's>,
     slots: Vec<Slot>,
     scratch: Scratch,
+    /// Rows that have all of their samples, and whence their exponents.
+    waiting: Vec<(Row, Option<Displaced>)>,
 }
 
 impl<'a, 's> Worker<'a, 's> {
@@ -167,6 +187,7 @@ impl<'a, 's> Worker<'a, 's> {
             shared,
             slots: Vec::new(),
             scratch: Scratch::default(),
+            waiting: Vec::new(),
         }
     }
 
@@ -184,6 +205,22 @@ impl<'a, 's> Worker<'a, 's> {
         let swept = &self.shared.sweep.swept;
         let stop = self.shared.stop;
         map.follow(swept, &starts, stop, &mut |arrival| self.visit(&arrival));
+        self.hand_over();
+    }
+
+    /// Hands over the rows that wait, with their exponents.
+    fn hand_over(&mut self) {
+        let shared = self.shared;
+        if let Some(tangent) = shared.tangent {
+            weigh(tangent, shared.sweep, &mut self.waiting, shared.stop);
+        }
+        for (row, _) in self.waiting.drain(..) {
+            // What was stopped on the way has no exponent yet.
+            if shared.tangent.is_some() && shared.is_stopped() {
+                continue;
+            }
+            shared.hand_over(row);
+        }
     }
 
     /// The next row of a piece, and where its orbit starts.
@@ -245,11 +282,7 @@ impl<'a, 's> Worker<'a, 's> {
             .arrive(self.shared.map, sweep, arrival, &mut self.scratch);
         match need {
             Need::Next => Command::Continue,
-            Need::Companion(origin) => Command::Restart(Start {
-                swept: sweep.parameters(slot.column.row),
-                origin,
-            }),
-            Need::Done(row) => self.done(arrival.orbit, row),
+            Need::Done(row, displaced) => self.done(arrival.orbit, row, displaced),
         }
     }
 
@@ -276,8 +309,8 @@ impl<'a, 's> Worker<'a, 's> {
         })
     }
 
-    /// Hands over a row and begins the next, of this piece or of another.
-    fn done(&mut self, orbit: usize, mut row: Row) -> Command {
+    /// Takes in a row and begins the next, of this piece or of another.
+    fn done(&mut self, orbit: usize, mut row: Row, displaced: Option<Displaced>) -> Command {
         let slot = &mut self.slots[orbit];
         let mut piece = Piece {
             done: slot.piece.done + 1,
@@ -290,7 +323,10 @@ impl<'a, 's> Worker<'a, 's> {
         } else {
             piece.carried = Some(Carried::of(&row));
         }
-        self.shared.hand_over(row);
+        self.waiting.push((row, displaced));
+        if self.waiting.len() as u64 >= self.shared.together {
+            self.hand_over();
+        }
         if last {
             match self.shared.supply.take() {
                 Some(next) => piece = next,

@@ -139,7 +139,6 @@ pub enum Record {
 pub enum Exponent {
     /// It is not.
     Skip,
-    /// It is, for a sample to the next: by the map's Jacobian, else by the distance of a second orbit that is brought
-    /// near again after each sample.
+    /// It is, for a sample to the next, by the derivative of the map: minus infinity where orbits forget what they differed by.
     Largest,
 }

@@ -3,13 +3,11 @@
 mod coexisting;
 
 use super::*;
-use crate::analysis::map::{Map, NoReturn, Passage};
+use crate::analysis::map::{Differentiable, Map, NoReturn, Passage, Tangent};
 use core::sync::atomic::Ordering;
 
-/// x -> a x (1 - x), with or without its derivative.
-struct Logistic {
-    knows_slope: bool,
-}
+/// x -> a x (1 - x).
+struct Logistic;
 
 impl Map for Logistic {
     fn coordinates(&self) -> Vec<String> {
@@ -33,13 +31,16 @@ impl Map for Logistic {
             ..Passage::default()
         })
     }
-    fn jacobian(&self, parameters: &[f64], point: &[f64]) -> Option<Vec<f64>> {
-        self.knows_slope
-            .then(|| vec![parameters[0] * (1.0 - 2.0 * point[0])])
+    fn tangent(&self, _: &[usize]) -> Option<Box<dyn Map + '_>> {
+        Some(Box::new(Tangent(self)))
     }
 }
 
-const PLAIN: Logistic = Logistic { knows_slope: false };
+impl Differentiable for Logistic {
+    fn jacobian(&self, parameters: &[f64], point: &[f64]) -> Vec<f64> {
+        vec![parameters[0] * (1.0 - 2.0 * point[0])]
+    }
+}
 
 fn spec(from: f64, to: f64, count: u64) -> Spec {
     Spec::new(Range::linear("a", from, to, count), "x", 2000, 200)
@@ -53,12 +54,19 @@ fn go_on(
     stop: &AtomicBool,
     sink: &mut (dyn FnMut(Row) -> ControlFlow<()> + Send),
 ) -> Ending {
-    run(&PLAIN, sweep, standing, &Threads::new(threads), stop, sink)
+    run(
+        &Logistic,
+        sweep,
+        standing,
+        &Threads::new(threads),
+        stop,
+        sink,
+    )
 }
 
 #[test]
 fn every_cascade_of_the_logistic_map_is_found() {
-    let rows = diagram(&PLAIN, &spec(2.8, 4.0, 601), &Threads::new(2)).unwrap();
+    let rows = diagram(&Logistic, &spec(2.8, 4.0, 601), &Threads::new(2)).unwrap();
     let at = |a: f64| {
         let place = ((a - 2.8) / 1.2 * 600.0).round() as usize;
         (rows[place].outcome, rows[place].period)
@@ -81,7 +89,7 @@ fn every_cascade_of_the_logistic_map_is_found() {
 
 #[test]
 fn a_map_that_leaves_its_domain_is_said_to() {
-    let rows = diagram(&PLAIN, &spec(4.1, 4.5, 3), &Threads::new(1)).unwrap();
+    let rows = diagram(&Logistic, &spec(4.1, 4.5, 3), &Threads::new(1)).unwrap();
     assert!(rows.iter().all(|row| row.outcome == Outcome::LeftDomain));
 }
 
@@ -90,54 +98,50 @@ fn an_observed_quantity_without_a_value_is_said() {
     let mut spec = spec(2.8, 3.2, 2);
     // The fixed point lies above 0.6, one point of the 2-cycle below.
     spec.observe = vec![Observed::plain("log(x - 0.6)")];
-    let rows = diagram(&PLAIN, &spec, &Threads::new(1)).unwrap();
+    let rows = diagram(&Logistic, &spec, &Threads::new(1)).unwrap();
     assert_eq!(rows[0].outcome, Outcome::Periodic);
     assert_eq!((rows[1].outcome, rows[1].period), (Outcome::NotFinite, 2));
 }
 
 #[test]
 fn exponents_are_those_of_the_books() {
-    for map in [PLAIN, Logistic { knows_slope: true }] {
-        let mut spec = spec(3.2, 4.0, 2);
-        spec.exponent = Exponent::Largest;
-        spec.keep = 4000;
-        spec.record = Record::Classes;
-        let rows = diagram(&map, &spec, &Threads::new(1)).unwrap();
-        // The 2-cycle's multiplier is 4 + 2 a - a^2; the full parabola's exponent is log 2.
-        let two = libm::log(4.0 + 6.4 - 3.2 * 3.2) / 2.0;
-        assert!(
-            (rows[0].exponent - two).abs() < 1e-4,
-            "{}",
-            rows[0].exponent
-        );
-        let chaos = core::f64::consts::LN_2;
-        assert!(
-            (rows[1].exponent - chaos).abs() < 0.02,
-            "{}",
-            rows[1].exponent
-        );
-        assert!(rows.iter().all(|row| row.samples.is_empty()));
-    }
+    let mut spec = spec(3.2, 4.0, 2);
+    spec.exponent = Exponent::Largest;
+    spec.keep = 4000;
+    spec.record = Record::Classes;
+    let rows = diagram(&Logistic, &spec, &Threads::new(1)).unwrap();
+    // The 2-cycle's multiplier is 4 + 2 a - a^2; the full parabola's exponent is log 2.
+    let two = libm::log(4.0 + 6.4 - 3.2 * 3.2) / 2.0;
+    assert!(
+        (rows[0].exponent - two).abs() < 1e-12,
+        "{}",
+        rows[0].exponent
+    );
+    let chaos = core::f64::consts::LN_2;
+    assert!(
+        (rows[1].exponent - chaos).abs() < 0.02,
+        "{}",
+        rows[1].exponent
+    );
+    assert!(rows.iter().all(|row| row.samples.is_empty()));
 }
 
 /// Whatever the number of samples, and whatever part of a period they end with.
 #[test]
 fn exponents_of_periodic_orbits_are_of_whole_periods() {
-    for map in [PLAIN, Logistic { knows_slope: true }] {
-        let mut spec = spec(3.5, 3.55, 2);
-        spec.exponent = Exponent::Largest;
-        spec.transient = 5000;
-        for keep in [40, 63, 200] {
-            spec.keep = keep;
-            let rows = diagram(&map, &spec, &Threads::new(1)).unwrap();
-            for (row, (a, period)) in rows.iter().zip([(3.5, 4), (3.55, 8)]) {
-                assert_eq!(row.period, period);
-                let cycle = &row.samples[row.samples.len() - period as usize..];
-                let slopes = cycle.iter().map(|x| libm::log((a * (1.0 - 2.0 * x)).abs()));
-                let exact = slopes.sum::<f64>() / period as f64;
-                let error = (row.exponent - exact).abs();
-                assert!(error < 1e-4, "{a}, {keep}: {} for {exact}", row.exponent);
-            }
+    let mut spec = spec(3.5, 3.55, 2);
+    spec.exponent = Exponent::Largest;
+    spec.transient = 5000;
+    for keep in [40, 63, 200] {
+        spec.keep = keep;
+        let rows = diagram(&Logistic, &spec, &Threads::new(1)).unwrap();
+        for (row, (a, period)) in rows.iter().zip([(3.5, 4), (3.55, 8)]) {
+            assert_eq!(row.period, period);
+            let cycle = &row.samples[row.samples.len() - period as usize..];
+            let slopes = cycle.iter().map(|x| libm::log((a * (1.0 - 2.0 * x)).abs()));
+            let exact = slopes.sum::<f64>() / period as f64;
+            let error = (row.exponent - exact).abs();
+            assert!(error < 1e-4, "{a}, {keep}: {} for {exact}", row.exponent);
         }
     }
 }
@@ -151,8 +155,8 @@ fn every_kth_return_is_a_sample() {
     second.observe.push(Observed::plain("impacts + a*x"));
     let mut first = second.clone();
     (first.every, first.transient, first.keep) = (1, 2000, 200);
-    let first = diagram(&PLAIN, &first, &Threads::new(1)).unwrap();
-    let second = diagram(&PLAIN, &second, &Threads::new(1)).unwrap();
+    let first = diagram(&Logistic, &first, &Threads::new(1)).unwrap();
+    let second = diagram(&Logistic, &second, &Threads::new(1)).unwrap();
     for (first, second) in first.iter().zip(&second) {
         for (place, sample) in second.samples.chunks(2).enumerate() {
             assert_eq!(sample[0], first.samples[4 * place + 2]);
@@ -185,7 +189,7 @@ fn carried_orbits_go_on_from_their_neighbours() {
         let mut spec = spec(3.7, 3.9, 5);
         (spec.transient, spec.keep, spec.chunk) = (3, 2, Some(5));
         spec.start = start;
-        let rows = diagram(&PLAIN, &spec, &Threads::new(1)).unwrap();
+        let rows = diagram(&Logistic, &spec, &Threads::new(1)).unwrap();
         let mut x = 0.3;
         for (place, row) in order.into_iter().enumerate() {
             let a = spec.sweeps[0].value(row);
@@ -218,7 +222,7 @@ fn chunks_start_afresh_and_lines_are_not_mixed() {
         (Start::CarryBoth, 2),
     ] {
         spec.start = start;
-        let sweep = Sweep::new(&PLAIN, &spec).unwrap();
+        let sweep = Sweep::new(&Logistic, &spec).unwrap();
         assert_eq!((sweep.rows(), sweep.pieces()), (21 * passes, 9 * passes));
         let mut seen = Vec::new();
         for piece in 0..sweep.pieces() {
@@ -230,7 +234,7 @@ fn chunks_start_afresh_and_lines_are_not_mixed() {
         }
         seen.sort_unstable();
         assert_eq!(seen, (0..21 * passes).collect::<Vec<u64>>());
-        let rows = diagram(&PLAIN, &spec, &Threads::new(2)).unwrap();
+        let rows = diagram(&Logistic, &spec, &Threads::new(2)).unwrap();
         let fresh = rows
             .iter()
             .filter(|row| row.start == Started::Fresh)
@@ -253,7 +257,7 @@ fn random_starts_find_both_attractors() {
             to: 1.0,
         }],
     };
-    let rows = diagram(&PLAIN, &spec, &Threads::new(2)).unwrap();
+    let rows = diagram(&Logistic, &spec, &Threads::new(2)).unwrap();
     assert_eq!(rows.len(), 120);
     let left = rows
         .iter()
@@ -262,7 +266,7 @@ fn random_starts_find_both_attractors() {
     // A third of the interval lies below zero, from where orbits escape.
     assert!((20..60).contains(&left), "{left}");
     assert!(rows.iter().all(|row| row.start == Started::Random));
-    let again = |spec: &Spec| diagram(&PLAIN, spec, &Threads::new(1)).unwrap();
+    let again = |spec: &Spec| diagram(&Logistic, spec, &Threads::new(1)).unwrap();
     assert!(bits(&rows) == bits(&again(&spec)));
     let Start::Random { seed, .. } = &mut spec.start else {
         unreachable!()
@@ -276,8 +280,8 @@ fn a_broken_off_run_goes_on_to_the_same_bits() {
     let mut spec = spec(3.5, 4.0, 3000);
     (spec.transient, spec.keep) = (20, 10);
     spec.start = Start::CarryUp;
-    let whole = diagram(&PLAIN, &spec, &Threads::new(2)).unwrap();
-    let sweep = Sweep::new(&PLAIN, &spec).unwrap();
+    let whole = diagram(&Logistic, &spec, &Threads::new(2)).unwrap();
+    let sweep = Sweep::new(&Logistic, &spec).unwrap();
     for after in [0, 1, 777, 2999] {
         let mut rows = Vec::new();
         let mut standing = Standing::default();
@@ -308,7 +312,7 @@ fn a_broken_off_run_goes_on_to_the_same_bits() {
 
 #[test]
 fn a_sink_that_breaks_off_ends_the_run() {
-    let sweep = Sweep::new(&PLAIN, &spec(3.5, 4.0, 1000)).unwrap();
+    let sweep = Sweep::new(&Logistic, &spec(3.5, 4.0, 1000)).unwrap();
     let mut count = 0;
     let stop = AtomicBool::new(false);
     let ending = go_on(&sweep, &Standing::default(), 2, &stop, &mut |_| {
@@ -323,7 +327,7 @@ fn wrong_specifications_are_refused() {
     let error = |change: &dyn Fn(&mut Spec)| {
         let mut spec = spec(3.0, 4.0, 11);
         change(&mut spec);
-        Sweep::new(&PLAIN, &spec).unwrap_err().to_string()
+        Sweep::new(&Logistic, &spec).unwrap_err().to_string()
     };
     assert_eq!(
         error(&|spec| spec.sweeps[0].parameter = "b".to_owned()),

@@ -34,6 +34,27 @@ fn gather(arrays: &[Vec<f64>], orbit: usize, into: &mut [f64]) {
     }
 }
 
+/// [`Map::next`] by [`Map::follow`].
+pub(crate) fn next_of_follow<M: Map + ?Sized>(
+    map: &M,
+    parameters: &[f64],
+    point: &mut [f64],
+) -> Result<Passage, NoReturn> {
+    let every: Vec<usize> = (0..parameters.len()).collect();
+    let start = Start {
+        swept: parameters.to_vec(),
+        origin: Origin::Image(point.to_vec()),
+    };
+    let mut passage = Err(NoReturn::LeftDomain);
+    let stop = AtomicBool::new(false);
+    map.follow(&every, &[start], &stop, &mut |arrival: Arrival<'_>| {
+        point.copy_from_slice(arrival.point);
+        passage = arrival.passage;
+        Command::Retire
+    });
+    passage
+}
+
 /// [`Map::follow`] for maps whose orbits are in step: all move by one point, then each is visited.
 pub(super) fn follow_in_step<M: Map + ?Sized>(
     map: &M,
@@ -57,9 +78,7 @@ pub(super) fn follow_in_step<M: Map + ?Sized>(
         let parameters = map.parameter_values(&overrides);
         let point = match &start.origin {
             Origin::Initial => map.initial_point(&parameters),
-            Origin::Point(point) | Origin::Image(point) | Origin::Beside { point, .. } => {
-                point.clone()
-            }
+            Origin::Point(point) | Origin::Image(point) => point.clone(),
         };
         (parameters, point)
     };

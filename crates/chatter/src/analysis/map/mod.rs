@@ -10,11 +10,14 @@ mod batch;
 mod coordinate;
 mod passage;
 mod scope;
+mod tangent;
 
 pub use batch::Batch;
+pub(crate) use batch::next_of_follow;
 pub use coordinate::{Carry, CoordinateKind, PhaseLost};
-pub use passage::{NoReturn, Passage, Phase};
+pub use passage::{NoReturn, Passage};
 pub use scope::Scope;
+pub use tangent::{Differentiable, Tangent};
 
 use core::sync::atomic::AtomicBool;
 
@@ -43,12 +46,6 @@ pub trait Map: Sync {
     /// There is no next point; `point` is then unspecified.
     fn next(&self, parameters: &[f64], point: &mut [f64]) -> Result<Passage, NoReturn>;
 
-    /// Positions of the coordinates in which neighbouring points differ: all of them, unless one only tells the time of a
-    /// map that looks at fixed times.
-    fn directions(&self) -> Vec<usize> {
-        (0..self.coordinates().len()).collect()
-    }
-
     /// What the coordinates are, at these parameters: numbers as they stand, unless told otherwise.
     fn coordinate_kinds(&self, _parameters: &[f64]) -> Vec<CoordinateKind> {
         vec![CoordinateKind::Plain; self.coordinates().len()]
@@ -68,15 +65,20 @@ pub trait Map: Sync {
         carry.end.to_vec()
     }
 
-    /// Points between a point that was in this phase and what it comes to after so long a time, one after the other, and what the
+    /// Points between a point of the map's image and what it comes to after so long a time, one after the other, and what the
     /// terms of its rates make in that time: what sizes coordinates have that are the same at all points of the map, or zero
     /// but for rounding. A map without time has none.
-    fn on_the_way(&self, _parameters: &[f64], _from: (&[f64], Phase), _duration: f64) -> Vec<f64> {
+    fn on_the_way(&self, _parameters: &[f64], _from: &[f64], _duration: f64) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The derivative of the next point with respect to the point, row by row, if the map knows it.
-    fn jacobian(&self, _parameters: &[f64], _point: &[f64]) -> Option<Vec<f64>> {
+    /// The tangent map: its points are those of this map, each followed by a displacement as long as the point, which the
+    /// derivative of this map carries along. Orbits may differ in the parameters at the positions `swept`. None where the map has
+    /// no derivative.
+    ///
+    /// A displacement counts as long as what it takes the point to is another orbit: the map may take from it what only
+    /// leads along the same motion. It may be scaled at will.
+    fn tangent(&self, _swept: &[usize]) -> Option<Box<dyn Map + '_>> {
         None
     }
 
@@ -121,13 +123,6 @@ pub enum Origin {
     /// This point, which is on the image of the map: for the return map of a flow on its section, for example. The map
     /// does not count it as a return.
     Image(Vec<f64>),
-    /// This point, which differs by a small displacement from one on the image of the map that was in the phase given.
-    Beside {
-        /// The displaced point.
-        point: Vec<f64>,
-        /// [`Passage::phase`] where the undisplaced one was reached.
-        phase: Phase,
-    },
 }
 
 /// A point that an orbit has come to, or why it has come to none.

@@ -17,17 +17,9 @@ pub struct Passage {
     /// How often on the way several impacts came at one instant and their order decided what came of them: beside such an orbit
     /// are others that leave it at once, and it has no derivative.
     pub ambiguities: u64,
-    /// In which phase the next point is.
-    pub phase: Phase,
-}
-
-/// In which phase a point is: for a flow, which contacts are closed, on which side of each surface it is, and which surfaces it has
-/// come to and is about to leave. Means nothing outside the map.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Phase {
-    pub(crate) closed: u128,
-    pub(crate) sides: [u64; 4],
-    pub(crate) left: u128,
+    /// Whether something on the way may take points that differ to one and the same, so that a displacement much smaller than it
+    /// was is nothing but rounding. Asked of tangent maps alone.
+    pub forgets: bool,
 }
 
 impl Passage {
@@ -57,7 +49,7 @@ impl Passage {
                 next.flight_time
             },
             ambiguities: self.ambiguities + next.ambiguities,
-            phase: next.phase,
+            forgets: self.forgets | next.forgets,
         }
     }
 }

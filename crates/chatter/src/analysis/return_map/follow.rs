@@ -2,11 +2,12 @@
 
 use super::ReturnMap;
 use super::look::Look;
-use crate::analysis::map::{Arrival, Command, NoReturn, Origin, Passage, Phase, Start};
+use crate::analysis::map::{Arrival, Command, NoReturn, Origin, Passage, Start};
 use crate::analysis::simulate::EventKind;
 use crate::expressions::Formula;
 use crate::flow::{
-    Closed, FlowError, GuardKind, Next, Occurrence, Trajectory, Workspace, run_fleet,
+    FlowError, GuardKind, Next, Occurrence, Trajectory, Workspace, impacts_may_forget, may_forget,
+    run_fleet,
 };
 use crate::numerics::{DoubleDouble, two_sum};
 use core::sync::atomic::AtomicBool;
@@ -17,9 +18,6 @@ const PATIENCE_PARTS: u64 = 64;
 
 /// A state counts as lying on a section if the surface function is this small against the state: it was stored.
 const ON_SECTION: f64 = 1e-12;
-
-/// So does one that is this small at a state displaced from it by a small amount.
-const BESIDE_SECTION: f64 = 1e-4;
 
 /// A start is at a look if it is this near to one, in periods.
 const SAME_LOOK: f64 = 1e-12;
@@ -35,6 +33,10 @@ pub(super) struct Follower<'m, 'v> {
     visit: &'v mut dyn FnMut(Arrival<'_>) -> Command,
     work: Workspace<f64>,
     scratch: Vec<f64>,
+    /// Whether displacements are carried along.
+    is_tangent: bool,
+    /// Whether impacts of which nobody else needs to hear may forget them.
+    impacts_forget: bool,
 }
 
 /// What is known of one orbit beside its trajectory.
@@ -64,11 +66,11 @@ enum Clock {
 /// So many steps at most show what sizes coordinates have on the way.
 const MOST_SHOWN: usize = 1000;
 
-/// The states after the steps of so long a way from a point that was in this phase, and what the terms of its rates make on it.
+/// The states after the steps of so long a way from a point of the image, and what the terms of its rates make on it.
 pub(super) fn on_the_way(
     map: &ReturnMap,
     parameters: &[f64],
-    (point, phase): (&[f64], Phase),
+    point: &[f64],
     duration: f64,
 ) -> Vec<f64> {
     let every: Vec<usize> = (0..parameters.len()).collect();
@@ -76,10 +78,7 @@ pub(super) fn on_the_way(
     let mut follower = Follower::new(map, &every, &mut nobody);
     let start = Start {
         swept: parameters.to_vec(),
-        origin: Origin::Beside {
-            point: point.to_vec(),
-            phase,
-        },
+        origin: Origin::Image(point.to_vec()),
     };
     let mut states = Vec::new();
     let Some((_, mut trajectory)) = follower.begin(0, &start) else {
@@ -96,8 +95,8 @@ pub(super) fn on_the_way(
             break;
         }
     }
-    let terms = trajectory.terms_of_rates(&map.system);
-    states.extend(terms.into_iter().flatten().map(|terms| terms * duration));
+    let rates = trajectory.rates(&map.system).into_iter().flatten();
+    states.extend(rates.map(|rate| rate.terms * duration));
     states
 }
 
@@ -107,9 +106,12 @@ impl<'m, 'v> Follower<'m, 'v> {
         swept: &'m [usize],
         visit: &'v mut dyn FnMut(Arrival<'_>) -> Command,
     ) -> Self {
+        let is_tangent = map.system.dimension() > map.system.coordinates();
         Self {
             work: map.system.workspace(&map.settings),
             scratch: Vec::new(),
+            is_tangent,
+            impacts_forget: is_tangent && map.model.contacts.iter().any(impacts_may_forget),
             map,
             swept,
             visit,
@@ -190,9 +192,7 @@ impl<'m, 'v> Follower<'m, 'v> {
         let model = &self.map.model;
         let point = match origin {
             Origin::Initial => model.initial_state(&orbit.parameters),
-            Origin::Point(point) | Origin::Image(point) | Origin::Beside { point, .. } => {
-                point.clone()
-            }
+            Origin::Point(point) | Origin::Image(point) => point.clone(),
         };
         (model.time.map_or(0.0, |index| point[index]), point)
     }
@@ -206,46 +206,21 @@ impl<'m, 'v> Follower<'m, 'v> {
     ) -> Result<(), NoReturn> {
         let system = &self.map.system;
         let (time, point) = self.origin(orbit, origin);
-        match origin {
-            // Stroboscopic points are displaced anywhere, so the phase follows from the state.
-            Origin::Beside { phase, .. } if !matches!(self.map.look, Look::Stroboscopic { .. }) => {
-                trajectory
-                    .restart_beside(system, &mut self.work, Closed(phase.closed), time, &point)
-                    .map_err(NoReturn::Failed)?;
-                // After a jump across a section a point does not lie on it.
-                let beside = |surface: f64| surface.abs() <= BESIDE_SECTION * largest(&point);
-                let lies_on = self.map.look.section().is_none_or(|surface| {
-                    beside(surface.evaluate(&point, &orbit.parameters, &mut self.scratch))
-                });
-                if let (Some(kind), true) = (self.map.look.surface(), lies_on) {
-                    trajectory.leave(system, kind);
-                }
-            }
-            _ => {
-                trajectory
-                    .restart(system, &mut self.work, time, &point)
-                    .map_err(NoReturn::Failed)?;
-                if let (Origin::Image(_), Some(surface)) = (origin, self.map.look.section()) {
-                    let value = surface.evaluate(&point, &orbit.parameters, &mut self.scratch);
-                    if value.abs() <= ON_SECTION * largest(&point) {
-                        trajectory.leave(system, GuardKind::Section(0));
-                    }
-                }
+        trajectory
+            .restart(system, &mut self.work, time, &point)
+            .map_err(NoReturn::Failed)?;
+        let states = &point[..system.coordinates()];
+        if let (Origin::Image(_), Some(surface)) = (origin, self.map.look.section()) {
+            let value = surface.evaluate(states, &orbit.parameters, &mut self.scratch);
+            if value.abs() <= ON_SECTION * largest(states) {
+                trajectory.leave(system, GuardKind::Section(0));
             }
         }
-        if let Origin::Beside { phase, .. } = origin {
-            // What happens at the instant of the point itself has happened already, or has not.
-            trajectory.restore_sides(phase.sides);
-            for section in 0..system.sections() {
-                if phase.left >> section & 1 == 1 {
-                    trajectory.leave(system, GuardKind::Section(section));
-                }
-            }
+        if self.is_tangent {
+            self.replace(trajectory, &point[states.len()..])
+                .map_err(NoReturn::Failed)?;
         }
-        orbit.passage = Passage {
-            flight_time: f64::NAN,
-            ..Passage::default()
-        };
+        orbit.passage = self.setting_out(trajectory);
         orbit.since = time;
         orbit.takeoff = f64::NAN;
         orbit.clock = match &self.map.look {
@@ -269,10 +244,12 @@ impl<'m, 'v> Follower<'m, 'v> {
 
     /// Impacts that nobody looks at are counted, not told, as long as they are not too many.
     fn let_pass(&self, orbit: &Orbit, trajectory: &mut Trajectory<f64>) {
-        trajectory.let_pass(match self.map.look.looks_at(EventKind::Impact) {
-            true => 0,
-            false => self.map.most_impacts.saturating_sub(orbit.passage.impacts),
-        });
+        trajectory.let_pass(
+            match self.map.look.looks_at(EventKind::Impact) || self.impacts_forget {
+                true => 0,
+                false => self.map.most_impacts.saturating_sub(orbit.passage.impacts),
+            },
+        );
     }
 
     /// The latest look up to a time at which an orbit starts: looks are whole periods from where the model starts, so that orbits from
@@ -354,6 +331,9 @@ impl<'m, 'v> Follower<'m, 'v> {
             Ok(occurrence) => occurrence,
             Err(error) => return self.report(orbit, trajectory, Err(NoReturn::Failed(error))),
         };
+        if self.is_tangent {
+            orbit.passage.forgets |= may_forget(&self.map.model, occurrence);
+        }
         match *occurrence {
             Occurrence::Impact { contact, .. } => {
                 orbit.passage.impacts += 1;
@@ -433,25 +413,115 @@ impl<'m, 'v> Follower<'m, 'v> {
     #[inline]
     fn returned(&mut self, orbit: &mut Orbit, trajectory: &mut Trajectory<f64>) -> Next {
         let time = trajectory.time();
-        let passage = Passage {
+        let mut told = None;
+        let mut passage = Passage {
             return_time: time - orbit.since,
-            phase: Phase {
-                closed: trajectory.closed().0,
-                sides: trajectory.known_sides(),
-                left: trajectory.sections_left(&self.map.system),
-            },
             ..orbit.passage
         };
+        if self.is_tangent {
+            passage.ambiguities += u64::from(trajectory.no_derivative().is_some());
+            match self.across_motion(trajectory, passage.return_time) {
+                Ok(point) => told = Some(point),
+                Err(error) => return self.report(orbit, trajectory, Err(NoReturn::Failed(error))),
+            }
+        }
         if let Clock::Patience(part) = &mut orbit.clock {
             *part = 0;
         }
         orbit.since = time;
-        orbit.passage = Passage {
-            flight_time: f64::NAN,
-            ..Passage::default()
-        };
+        orbit.passage = self.setting_out(trajectory);
         self.set_horizon(orbit, trajectory);
-        self.report(orbit, trajectory, Ok(passage))
+        let point = told.as_deref().unwrap_or(trajectory.state());
+        let command = self.arrive(orbit, point, Ok(passage));
+        self.obey(orbit, trajectory, (command, false))
+    }
+
+    /// What is known of the way to the next return before it begins.
+    fn setting_out(&self, trajectory: &Trajectory<f64>) -> Passage {
+        Passage {
+            flight_time: f64::NAN,
+            forgets: self.is_tangent && trajectory.is_held(&self.map.system),
+            ..Passage::default()
+        }
+    }
+
+    /// The state and the displacement without what leads along the motion itself: without all that it has of time where the model tells
+    /// that, so that motions are compared at one time; where looks are at events, without what it has of the direction of motion, each
+    /// coordinate measured by its own size. That neither grows nor shrinks, and would hide what does.
+    ///
+    /// The trajectory goes on with what is left, but in the middle of something, where it has to go on as it is.
+    fn across_motion(
+        &mut self,
+        trajectory: &mut Trajectory<f64>,
+        return_time: f64,
+    ) -> Result<Vec<f64>, FlowError> {
+        let system = &self.map.system;
+        let mut told = trajectory.state().to_vec();
+        let (state, column) = told.split_at_mut(system.coordinates());
+        let is_off = self.leave_motion((state, column), trajectory, return_time);
+        let may_replace = (is_off || trajectory.is_held(system))
+            && trajectory.is_between_steps()
+            && !trajectory.follows_sequence()
+            && !trajectory.has_caused_more(system, &mut self.work);
+        if may_replace {
+            // What holds the state holds its displacements: what rounding takes off that need not die out as they do.
+            self.replace(trajectory, &told[system.coordinates()..])?;
+            told.copy_from_slice(trajectory.state());
+        }
+        Ok(told)
+    }
+
+    /// Takes from a displacement what it has of the motion; whether it had any.
+    fn leave_motion(
+        &self,
+        (state, column): (&[f64], &mut [f64]),
+        trajectory: &Trajectory<f64>,
+        return_time: f64,
+    ) -> bool {
+        let time = self.map.model.time;
+        let is_simultaneous = matches!(self.map.look, Look::Stroboscopic { .. });
+        if time.map_or(is_simultaneous, |time| column[time] == 0.0) {
+            return false;
+        }
+        let Some(rates) = trajectory.rates(&self.map.system) else {
+            return false;
+        };
+        let rates: Vec<f64> = rates[..state.len()].iter().map(|rate| rate.value).collect();
+        let along = match time {
+            Some(time) => column[time] / rates[time],
+            None => {
+                let (mut shared, mut square) = (0.0, 0.0);
+                for ((x, rate), entry) in state.iter().zip(&rates).zip(&*column) {
+                    let size = x.abs() + rate.abs() * return_time;
+                    if size > 0.0 {
+                        let rate = rate / size;
+                        shared += entry / size * rate;
+                        square += rate * rate;
+                    }
+                }
+                shared / square
+            }
+        };
+        // At rest there is no direction of motion.
+        if !along.is_finite() {
+            return false;
+        }
+        for (entry, rate) in column.iter_mut().zip(&rates) {
+            *entry -= along * rate;
+        }
+        if let Some(time) = time {
+            column[time] = 0.0;
+        }
+        true
+    }
+
+    /// Gives a trajectory another displacement.
+    fn replace(
+        &mut self,
+        trajectory: &mut Trajectory<f64>,
+        displacement: &[f64],
+    ) -> Result<(), FlowError> {
+        trajectory.replace_columns(&self.map.system, &mut self.work, displacement)
     }
 
     fn report(
@@ -460,8 +530,19 @@ impl<'m, 'v> Follower<'m, 'v> {
         trajectory: &mut Trajectory<f64>,
         passage: Result<Passage, NoReturn>,
     ) -> Next {
-        let mut failed = passage.is_err();
-        let mut command = self.arrive(orbit, trajectory.state(), passage);
+        let failed = passage.is_err();
+        let command = self.arrive(orbit, trajectory.state(), passage);
+        self.obey(orbit, trajectory, (command, failed))
+    }
+
+    /// Does what the visitor says of an orbit that has come to a point, or has failed to.
+    #[inline]
+    fn obey(
+        &mut self,
+        orbit: &mut Orbit,
+        trajectory: &mut Trajectory<f64>,
+        (mut command, mut failed): (Command, bool),
+    ) -> Next {
         loop {
             let start = match command {
                 Command::Continue if !failed => return Next::Continue,

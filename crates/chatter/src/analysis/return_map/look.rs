@@ -3,7 +3,6 @@
 use super::spec::{ReturnMapError, Sampling};
 use crate::analysis::simulate::EventKind;
 use crate::expressions::Formula;
-use crate::flow::GuardKind;
 use crate::model::{Model, Section};
 use crate::numerics::DoubleDouble;
 
@@ -115,23 +114,6 @@ impl Look {
     /// Whether anything of this kind is looked at.
     pub(super) fn looks_at(&self, what: EventKind) -> bool {
         matches!(self, Self::Event { kind, .. } if *kind == what)
-    }
-
-    /// The surface that points of the map lie on, if there is just one.
-    pub(super) fn surface(&self) -> Option<GuardKind> {
-        match self {
-            Self::Event {
-                kind: EventKind::Section,
-                at: Some(index),
-                ..
-            } => Some(GuardKind::Section(*index)),
-            Self::Event {
-                kind: EventKind::Impact,
-                at: Some(index),
-                ..
-            } => Some(GuardKind::Gap(*index)),
-            _ => None,
-        }
     }
 
     /// The surface function of a section.

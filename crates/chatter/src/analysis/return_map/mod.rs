@@ -5,12 +5,14 @@
 //! ReturnMap        a Map: points are states of the model
 //!   phases         which coordinates are phases, and how time goes on at other parameters
 //!   follow         hundreds of orbits in one fleet, so that SIMD lanes stay full
+//!   tangent        its tangent map: orbits that carry a displacement along
 //! ```
 
 mod follow;
 mod look;
 mod phases;
 mod spec;
+mod tangent;
 pub(crate) mod translations;
 
 #[cfg(test)]
@@ -19,8 +21,8 @@ mod tests;
 pub use spec::{ReturnMapError, ReturnSpec, Sampling};
 
 use crate::analysis::map::{
-    Arrival, Carry, Command, CoordinateKind, Map, NoReturn, Origin, Passage, Phase, PhaseLost,
-    Scope, Start,
+    Arrival, Carry, Command, CoordinateKind, Map, NoReturn, Passage, PhaseLost, Scope, Start,
+    next_of_follow,
 };
 use crate::analysis::simulate::check_tolerance;
 use crate::flow::{Settings, System};
@@ -29,6 +31,7 @@ use core::sync::atomic::AtomicBool;
 use follow::Follower;
 use look::Look;
 use phases::Phases;
+use tangent::TangentReturnMap;
 
 /// A model looked at where a [`ReturnSpec`] says.
 #[derive(Clone, Debug)]
@@ -118,15 +121,6 @@ impl Map for ReturnMap {
         self.model.initial_state(parameters)
     }
 
-    fn directions(&self) -> Vec<usize> {
-        let clock = match self.look {
-            Look::Stroboscopic { .. } => self.model.time,
-            Look::Event { .. } => None,
-        };
-        let coordinates = 0..self.model.states.len();
-        coordinates.filter(|&index| Some(index) != clock).collect()
-    }
-
     fn coordinate_kinds(&self, parameters: &[f64]) -> Vec<CoordinateKind> {
         self.phases
             .kinds(&self.model, parameters, self.period(parameters))
@@ -175,29 +169,16 @@ impl Map for ReturnMap {
         scope
     }
 
-    fn on_the_way(
-        &self,
-        parameters: &[f64],
-        (point, phase): (&[f64], Phase),
-        duration: f64,
-    ) -> Vec<f64> {
-        follow::on_the_way(self, parameters, (point, phase), duration)
+    fn on_the_way(&self, parameters: &[f64], from: &[f64], duration: f64) -> Vec<f64> {
+        follow::on_the_way(self, parameters, from, duration)
+    }
+
+    fn tangent(&self, swept: &[usize]) -> Option<Box<dyn Map + '_>> {
+        Some(Box::new(TangentReturnMap::of(self, swept).ok()?))
     }
 
     fn next(&self, parameters: &[f64], point: &mut [f64]) -> Result<Passage, NoReturn> {
-        let every: Vec<usize> = (0..parameters.len()).collect();
-        let start = Start {
-            swept: parameters.to_vec(),
-            origin: Origin::Image(point.to_vec()),
-        };
-        let mut passage = Err(NoReturn::LeftDomain);
-        let stop = AtomicBool::new(false);
-        self.follow(&every, &[start], &stop, &mut |arrival: Arrival<'_>| {
-            point.copy_from_slice(arrival.point);
-            passage = arrival.passage;
-            Command::Retire
-        });
-        passage
+        next_of_follow(self, parameters, point)
     }
 
     fn follow(

@@ -6,9 +6,12 @@ use super::*;
 use crate::analysis::diagram::{
     Bounds, Exponent, Outcome, Range, Record, Row, Spec, Start as Begin, Started, Threads, diagram,
 };
+use crate::analysis::map::Origin;
+use crate::analysis::periodic;
 use crate::analysis::simulate::EventKind;
 use crate::flow::{Occurrence, Trajectory};
 use crate::numerics::{DoubleDouble, Real};
+use core::ops::ControlFlow;
 use core::sync::atomic::AtomicBool;
 
 fn shipped(name: &str) -> Model {
@@ -374,39 +377,82 @@ fn a_forced_oscillator_keeps_its_phase_while_its_frequency_is_swept() {
     }
 }
 
-#[test]
-fn exponents_of_stable_orbits_are_their_multipliers() {
-    let (_, map) = valve();
-    let mut spec = sweep(0.0203, 0.0203, 1, 400, 60);
+/// A model at this value of a parameter, looked at so: exponent of the attractor, and modulus of the largest multiplier of its orbit.
+fn exponent_and_multiplier(name: &str, (parameter, value): (&str, f64), at: Sampling) -> [f64; 2] {
+    let model = shipped(name);
+    let map = ReturnMap::new(&model, &ReturnSpec::new(at)).unwrap();
+    let observed = &model.states[0].name;
+    let mut spec = Spec::new(
+        Range::linear(parameter, value, value, 1),
+        observed,
+        400,
+        200,
+    );
+    let plain = diagram(&map, &spec, &Threads::new(1)).unwrap();
     spec.exponent = Exponent::Largest;
     let rows = diagram(&map, &spec, &Threads::new(1)).unwrap();
-    assert_eq!(rows[0].period, 1);
-    // The multiplier, from how the orbit approaches: ratio of successive distances.
-    let start = Start {
-        swept: vec![0.0203],
-        origin: Origin::Initial,
-    };
-    let mut ys = Vec::new();
-    map.follow(&[0], &[start], &AtomicBool::new(false), &mut |arrival| {
-        ys.push(arrival.point[1]);
-        if ys.len() == 400 {
-            Command::Retire
-        } else {
-            Command::Continue
-        }
+    assert!(rows[0].samples == plain[0].samples);
+    assert_eq!(rows[0].period, 1, "{name}");
+    let mut model = model;
+    model
+        .set_parameter(parameter, &format!("{value:?}"))
+        .unwrap();
+    let orbit = periodic::settled(&model, &periodic::Spec::default(), &mut |_| {
+        ControlFlow::Continue(())
     });
-    let end = *ys.last().unwrap();
-    let near: Vec<f64> = ys
-        .iter()
-        .map(|y| y - end)
-        .filter(|d| d.abs() < 1e-7 && d.abs() > 1e-11)
-        .collect();
-    let ratio = (near[near.len() - 1] / near[0]).abs().ln() / (near.len() - 1) as f64;
-    assert!(
-        (rows[0].exponent - ratio).abs() < 0.02,
-        "{} and {ratio}",
-        rows[0].exponent
-    );
+    [rows[0].exponent, orbit.unwrap().multipliers[0].modulus()]
+}
+
+#[test]
+fn exponents_of_stable_orbits_are_their_multipliers() {
+    let section = |name: &str| ReturnSpec::section(name).sampling;
+    let strobe = |period: &str| Sampling::Stroboscopic {
+        period: period.to_owned(),
+    };
+    // Returns of an autonomous model; a mass that sticks four times a period; one between two stops.
+    for (name, at, look) in [
+        ("pressure_relief_valve", ("q", 0.0203), section("closing")),
+        (
+            "forced_coulomb_oscillator",
+            ("omega", 0.2),
+            strobe("2*pi/omega"),
+        ),
+        (
+            "impact_oscillator_two_sided",
+            ("omega", 1.24),
+            strobe("2*pi/omega"),
+        ),
+    ] {
+        let [exponent, multiplier] = exponent_and_multiplier(name, at, look);
+        let off = exponent - libm::log(multiplier);
+        assert!(
+            off.abs() < 1e-9,
+            "{name}: {exponent} and multiplier {multiplier}"
+        );
+    }
+    // Two multipliers on a circle, of a shaft that slides along a wall: what is off the wall would die out more slowly.
+    let at = ("speed", 1.16);
+    let [exponent, multiplier] =
+        exponent_and_multiplier("rotor_in_clearance", at, strobe("2*pi/speed"));
+    let off = exponent - libm::log(multiplier);
+    assert!(off.abs() < 0.01, "{exponent} and multiplier {multiplier}");
+}
+
+/// Looked at at each impact of a chatter whose end forgets all, in a phase that is a state.
+#[test]
+fn complete_chatter_is_forgotten_whenever_it_is_looked_at() {
+    let model = shipped("bouncing_ball_on_table");
+    let at = Sampling::Event {
+        kind: EventKind::Impact,
+        at: None,
+    };
+    let map = ReturnMap::new(&model, &ReturnSpec::new(at)).unwrap();
+    let mut spec = Spec::new(Range::linear("Gamma", 1.2, 1.4, 3), "v", 200, 200);
+    spec.exponent = Exponent::Largest;
+    for row in diagram(&map, &spec, &Threads::new(1)).unwrap() {
+        assert_eq!(row.outcome, Outcome::CompleteChatter);
+        assert_eq!(row.exponent, f64::NEG_INFINITY, "row {}", row.row);
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::argument::Argument;
 use super::error::UniversalError;
 use super::evaluate::Universal;
 use super::scales::lift;
-use crate::analysis::map::{Batch, Map, NoReturn, Passage};
+use crate::analysis::map::{Batch, Differentiable, Map, NoReturn, Passage, Tangent};
 use crate::numerics::dispatch::{Kernel, dispatch};
 use crate::numerics::{Lanes, Real};
 
@@ -152,9 +152,8 @@ impl Map for UniversalMap<f64> {
         passage(point[0])
     }
 
-    fn jacobian(&self, parameters: &[f64], point: &[f64]) -> Option<Vec<f64>> {
-        let x = parameters[SLOPE].mul_add(point[0], parameters[OFFSET]);
-        Some(vec![parameters[SLOPE] * self.universal.at(x).derivative])
+    fn tangent(&self, _swept: &[usize]) -> Option<Box<dyn Map + '_>> {
+        Some(Box::new(Tangent(self)))
     }
 
     fn next_batch(&self, batch: &mut Batch) {
@@ -170,6 +169,13 @@ impl Map for UniversalMap<f64> {
         for (outcome, &point) in batch.passages.iter_mut().zip(&*points) {
             *outcome = passage(point);
         }
+    }
+}
+
+impl Differentiable for UniversalMap<f64> {
+    fn jacobian(&self, parameters: &[f64], point: &[f64]) -> Vec<f64> {
+        let x = parameters[SLOPE].mul_add(point[0], parameters[OFFSET]);
+        vec![parameters[SLOPE] * self.universal.at(x).derivative]
     }
 }
 
@@ -241,7 +247,7 @@ mod tests {
             // K z + mu is rounded here.
             assert!((next - exact.to_f64()).abs() <= 2e-16 * (0.05 + multiplier.abs()));
             assert!((multiplier / exact_multiplier.to_f64() - 1.0).abs() < 1e-12);
-            assert_eq!(map.jacobian(&[-0.7, 0.03], &[z]), Some(vec![multiplier]));
+            assert_eq!(map.jacobian(&[-0.7, 0.03], &[z]), [multiplier]);
             assert_eq!(map.step(z).to_bits(), next.to_bits());
         }
     }

@@ -43,7 +43,7 @@ use super::touching::{Left, Touching};
 use crate::expressions::{Sides as SurfaceSides, Surfaces};
 use crate::model::Simultaneous;
 use crate::numerics::dispatch::dispatch_narrow;
-use crate::numerics::{Real, index_of};
+use crate::numerics::{Real, WithTerms, index_of};
 use alone::{StepAlone, Stepped};
 use collisions::Collisions;
 use corners::Crossings;
@@ -223,27 +223,6 @@ impl<R: Real> Trajectory<R> {
     pub(crate) fn asked_in(&self) -> Option<(usize, &[i64])> {
         let (mode, pieces) = self.asked_in.as_ref()?;
         Some((*mode, pieces))
-    }
-
-    /// On which side of each section it is known to be, as bits.
-    pub(crate) fn known_sides(&self) -> [u64; 4] {
-        self.sides.bits()
-    }
-
-    /// The sections that have just been crossed here, one bit each.
-    pub(crate) fn sections_left(&self, system: &System) -> u128 {
-        let guards = system
-            .program(self.mode)
-            .map_or(&[][..], |program| &program.guards);
-        (guards.iter().enumerate())
-            .filter(|(index, _)| self.touching.get(*index) > 0)
-            .filter_map(|(_, guard)| guard.section())
-            .fold(0, |left, section| left | 1 << section)
-    }
-
-    /// Takes sides for known that another trajectory was on.
-    pub(crate) fn restore_sides(&mut self, bits: [u64; 4]) {
-        self.sides = Sides::from_bits(bits);
     }
 
     /// The piece of each lookup.
@@ -733,15 +712,14 @@ impl<R: Real> Trajectory<R> {
         self.after_impact_at_corners(system, work, contact, impact)
     }
 
-    /// How large the terms are that the rate of each coordinate is the sum of.
-    pub(crate) fn terms_of_rates(&self, system: &System) -> Option<Vec<f64>> {
+    /// The rate of each coordinate, and how large the terms are that it is the sum of.
+    pub(crate) fn rates(&self, system: &System) -> Option<Vec<WithTerms<R>>> {
         let (program, constants) = (
             system.program(self.mode)?,
             self.constants[self.mode].as_ref()?,
         );
         let start = (&self.state[..], &self.low[..]);
-        let rates = with_terms(&program.field, &constants.field, start);
-        Some(rates.iter().map(|rate| rate.terms).collect())
+        Some(with_terms(&program.field, &constants.field, start))
     }
 
     /// What is left of a predicted flight after a step that did not end it.

@@ -1,19 +1,21 @@
-//! The largest Lyapunov exponent of an orbit.
+//! The largest Lyapunov exponent of orbits: how a displacement grows that the derivative carries along.
+//!
+//! The samples are those of the map, whether or not exponents are asked for. Where an orbit has all of its samples, an orbit of the
+//! tangent map goes the same way from the first of them on. Both are at the same places until rounding parts them, and on the same
+//! attractor then.
 
 use super::aperiodic::grows;
-use crate::analysis::map::{CoordinateKind, Map, Origin, Passage, Phase};
-
-/// Distance of the second orbit, in [`units`], relative to the point with its time, whose rounding makes as much of an error: a
-/// million times rounding error, and small against the windows of stability and the distance to the next graze, over which the
-/// map is far from linear.
-const DISPLACEMENT: f64 = 1e-10;
-
-/// Two orbits that are this close, relative to the point, differ by rounding errors alone: they have become one, and the
-/// exponent is minus infinity. So it is where orbits come to rest on the way, by complete chatter, and forget how.
-const ONE_ORBIT: f64 = 8.0 * f64::EPSILON;
+use crate::analysis::diagram::run::row::{Outcome, Row};
+use crate::analysis::diagram::sweep::Sweep;
+use crate::analysis::map::{Arrival, Command, CoordinateKind, Map, Origin, Start};
+use crate::flow::FORGOTTEN;
+use core::sync::atomic::AtomicBool;
 
 /// This part of the steps, at the beginning, only turns the displacement into the direction that grows most.
 const TURNING: f64 = 0.1;
+
+/// A displacement that grows or shrinks by more than this is made a unit again.
+const LARGE: f64 = 1e90;
 
 /// Logarithms of growth, step by step.
 #[derive(Clone, Debug, Default)]
@@ -61,184 +63,141 @@ pub(in crate::analysis::diagram) fn units(kinds: &[CoordinateKind], sizes: &[f64
     units
 }
 
-/// A displacement that a map's Jacobian carries along.
+/// Where an orbit of the tangent map starts whose displacement is told in these units.
 #[derive(Clone, Debug)]
-pub(in crate::analysis::diagram) struct Tangent {
-    direction: Vec<f64>,
-    growth: Growth,
-    /// Of the present step, if a sample has several returns.
+pub(in crate::analysis::diagram) struct Displaced {
+    pub point: Vec<f64>,
+    pub units: Vec<f64>,
+}
+
+impl Displaced {
+    /// An orbit's first sample, displaced by as many units in every direction.
+    pub(in crate::analysis::diagram) fn evenly(mut point: Vec<f64>, units: Vec<f64>) -> Self {
+        point.extend_from_slice(&units);
+        Self { point, units }
+    }
+
+    fn length(&self, displacement: &[f64]) -> f64 {
+        let of_units = displacement.iter().zip(&self.units).map(|(x, u)| x / u);
+        of_units.map(|x| x * x).sum::<f64>().sqrt()
+    }
+}
+
+/// Weighs rows by their exponents, each in an orbit of the tangent map of its own. Rows without a start, and those whose displacement
+/// cannot be carried as far as their samples, remain without.
+pub(in crate::analysis::diagram) fn weigh(
+    tangent: &dyn Map,
+    sweep: &Sweep,
+    rows: &mut [(Row, Option<Displaced>)],
+    stop: &AtomicBool,
+) {
+    let mut orbits: Vec<Stretching<'_>> = rows
+        .iter_mut()
+        .filter_map(|(row, displaced)| Some(Stretching::new(row, displaced.as_ref()?, sweep)))
+        .collect();
+    let starts: Vec<Start> = (orbits.iter())
+        .map(|orbit| orbit.start(sweep, orbit.displaced.point.clone()))
+        .collect();
+    tangent.follow(&sweep.swept, &starts, stop, &mut |arrival| {
+        orbits[arrival.orbit].arrive(sweep, &arrival)
+    });
+}
+
+/// A displacement that is carried along an orbit.
+struct Stretching<'a> {
+    row: &'a mut Row,
+    displaced: &'a Displaced,
+    /// Returns until the next sample.
+    until_sample: u64,
+    /// Its length at the latest return.
+    length: f64,
+    /// Logarithm of what it has grown by since the latest sample.
     pending: f64,
-}
-
-impl Tangent {
-    pub(in crate::analysis::diagram) fn new(dimension: usize) -> Self {
-        Self {
-            direction: even(&(0..dimension).collect::<Vec<_>>(), dimension),
-            growth: Growth::default(),
-            pending: 0.0,
-        }
-    }
-
-    /// Takes the displacement over the map's next step from `point`. Says whether the map knows its Jacobian there.
-    pub(in crate::analysis::diagram) fn step(
-        &mut self,
-        map: &dyn Map,
-        parameters: &[f64],
-        point: &[f64],
-    ) -> bool {
-        let Some(jacobian) = map.jacobian(parameters, point) else {
-            return false;
-        };
-        let n = self.direction.len();
-        let image: Vec<f64> = (0..n)
-            .map(|i| {
-                let row = &jacobian[i * n..(i + 1) * n];
-                row.iter().zip(&self.direction).map(|(a, b)| a * b).sum()
-            })
-            .collect();
-        self.pending += turn(&mut self.direction, &image);
-        true
-    }
-
-    /// A sample is complete.
-    pub(in crate::analysis::diagram) fn sampled(&mut self) {
-        self.growth.0.push(self.pending);
-        self.pending = 0.0;
-    }
-
-    pub(in crate::analysis::diagram) fn growth(&self) -> &Growth {
-        &self.growth
-    }
-}
-
-/// The samples of an orbit as points, for a second orbit to be compared with.
-#[derive(Clone, Debug, Default)]
-pub(in crate::analysis::diagram) struct Trail {
-    points: Vec<f64>,
-    phases: Vec<Phase>,
-    dimension: usize,
-    /// Whether the orbit has a derivative no longer.
-    is_ambiguous: bool,
-}
-
-impl Trail {
-    pub(in crate::analysis::diagram) fn push(&mut self, point: &[f64], passage: &Passage) {
-        self.dimension = point.len();
-        self.points.extend_from_slice(point);
-        self.phases.push(passage.phase);
-        self.is_ambiguous |= passage.ambiguities > 0;
-    }
-
-    pub(in crate::analysis::diagram) fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    fn point(&self, index: usize) -> &[f64] {
-        &self.points[index * self.dimension..(index + 1) * self.dimension]
-    }
-}
-
-/// A second orbit that is brought near the first again after each sample.
-#[derive(Clone, Debug)]
-pub(in crate::analysis::diagram) struct Companion {
-    /// The coordinates in which it differs.
-    directions: Vec<usize>,
-    direction: Vec<f64>,
-    units: Vec<f64>,
-    /// Sample of the first orbit beside which the second one started.
-    from: usize,
-    size: f64,
     growth: Growth,
 }
 
-impl Companion {
-    pub(in crate::analysis::diagram) fn new(directions: Vec<usize>, units: Vec<f64>) -> Self {
+impl<'a> Stretching<'a> {
+    fn new(row: &'a mut Row, displaced: &'a Displaced, sweep: &Sweep) -> Self {
+        let displacement = &displaced.point[displaced.units.len()..];
         Self {
-            direction: even(&directions, units.len()),
-            directions,
-            units,
-            from: 0,
-            size: 0.0,
+            row,
+            until_sample: sweep.spec().every,
+            length: displaced.length(displacement),
+            displaced,
+            pending: 0.0,
             growth: Growth::default(),
         }
     }
 
-    /// Where the second orbit starts next; none if the first one has no further sample, or orbits beside it leave it at once.
-    pub(in crate::analysis::diagram) fn origin(&mut self, trail: &Trail) -> Option<Origin> {
-        if trail.is_ambiguous || self.from + 1 >= trail.phases.len() {
-            return None;
+    fn start(&self, sweep: &Sweep, point: Vec<f64>) -> Start {
+        Start {
+            swept: sweep.parameters(self.row.row),
+            origin: Origin::Image(point),
         }
-        let point = trail.point(self.from);
-        let length = self.length(point);
-        let size = if length > 0.0 {
-            DISPLACEMENT * length
-        } else {
-            DISPLACEMENT
+    }
+
+    fn arrive(&mut self, sweep: &Sweep, arrival: &Arrival<'_>) -> Command {
+        let Ok(passage) = &arrival.passage else {
+            return Command::Retire;
         };
-        // The sign is kept where the other side was not admissible.
-        self.size = size.copysign(self.size);
-        let displaced = point.iter().zip(&self.direction).zip(&self.units);
-        Some(Origin::Beside {
-            point: displaced
-                .map(|((x, d), unit)| x + self.size * d * unit)
-                .collect(),
-            phase: trail.phases[self.from],
-        })
-    }
-
-    fn length(&self, point: &[f64]) -> f64 {
-        let of_units = point.iter().zip(&self.units).map(|(x, unit)| x / unit);
-        norm(&of_units.collect::<Vec<f64>>())
-    }
-
-    /// The second orbit has come to a sample.
-    pub(in crate::analysis::diagram) fn arrive(&mut self, trail: &Trail, point: &[f64]) {
-        self.from += 1;
-        let reached = trail.point(self.from);
-        let mut distance = vec![0.0; point.len()];
-        for &k in &self.directions {
-            distance[k] = (point[k] - reached[k]) / self.units[k];
+        if passage.ambiguities > 0 {
+            return Command::Retire;
         }
-        let growth = if norm(&distance) <= ONE_ORBIT * self.length(reached) {
-            f64::NEG_INFINITY
-        } else {
-            let image: Vec<f64> = distance.iter().map(|d| d / self.size).collect();
-            turn(&mut self.direction, &image)
+        let displacement = &arrival.point[self.displaced.units.len()..];
+        let length = self.displaced.length(displacement);
+        let grown = length / self.length;
+        if !grown.is_finite() {
+            return Command::Retire;
+        }
+        let is_forgotten = grown <= 0.0 || passage.forgets && grown <= FORGOTTEN;
+        self.pending += match is_forgotten {
+            true => f64::NEG_INFINITY,
+            false => libm::log(grown),
         };
-        self.growth.0.push(growth);
-    }
-
-    /// The second orbit cannot start, or has no next point: tries the other side, once.
-    pub(in crate::analysis::diagram) fn other_side(&mut self) -> bool {
-        let first_try = self.size > 0.0;
-        self.size = -1.0;
-        first_try
-    }
-
-    pub(in crate::analysis::diagram) fn growth(&self) -> &Growth {
-        &self.growth
-    }
-}
-
-/// Makes `image` the direction; the logarithm of its length. A direction that vanishes is kept as it was.
-fn turn(direction: &mut [f64], image: &[f64]) -> f64 {
-    let length = norm(image);
-    if length > 0.0 && length.is_finite() {
-        for (d, x) in direction.iter_mut().zip(image) {
-            *d = x / length;
+        self.until_sample -= 1;
+        if self.until_sample == 0 {
+            self.until_sample = sweep.spec().every;
+            self.growth.0.push(core::mem::take(&mut self.pending));
+            let done = self.growth.0.len() as f64;
+            let steps = (sweep.spec().keep - 1) as f64;
+            // What was forgotten while the displacement still turned says nothing of where the orbit goes on.
+            let is_over =
+                self.growth.0.last() == Some(&f64::NEG_INFINITY) && done > TURNING * steps;
+            if done >= steps || is_over {
+                self.conclude();
+                return Command::Retire;
+            }
         }
+        self.length = length;
+        let is_sized = (1.0 / LARGE..=LARGE).contains(&length);
+        if is_sized && !is_forgotten {
+            return Command::Continue;
+        }
+        let state = arrival.point[..self.displaced.units.len()].to_vec();
+        let mut next = Displaced::evenly(state, self.displaced.units.clone());
+        if !is_forgotten {
+            let at = next.units.len();
+            for (x, y) in next.point[at..].iter_mut().zip(displacement) {
+                *x = y / length;
+            }
+        }
+        self.length = self.displaced.length(&next.point[next.units.len()..]);
+        Command::Restart(self.start(sweep, next.point))
     }
-    libm::log(length)
-}
 
-fn norm(vector: &[f64]) -> f64 {
-    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn even(directions: &[usize], dimension: usize) -> Vec<f64> {
-    let mut direction = vec![0.0; dimension];
-    for &k in directions {
-        direction[k] = 1.0 / (directions.len() as f64).sqrt();
+    /// Notes the exponent, which says more about chaos than samples do.
+    fn conclude(&mut self) {
+        let row = &mut *self.row;
+        let period = (row.period > 0).then_some(row.period as usize);
+        row.exponent = self.growth.mean(period);
+        let aperiodic = [Outcome::Chaotic, Outcome::Quasiperiodic, Outcome::Unsettled];
+        if !aperiodic.contains(&row.outcome) || row.exponent.is_nan() {
+            return;
+        }
+        row.outcome = match (self.growth.is_chaotic(), row.outcome) {
+            (true, _) => Outcome::Chaotic,
+            (false, Outcome::Chaotic) => Outcome::Unsettled,
+            (false, outcome) => outcome,
+        };
     }
-    direction
 }
