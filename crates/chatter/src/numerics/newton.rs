@@ -51,8 +51,10 @@ pub struct Newton {
     pub halvings: usize,
     /// A correction below this is none.
     pub done: f64,
-    /// Where corrections do not shrink, rounding makes them if they are below this: the point is as good as it gets.
+    /// Where corrections do not become smaller, rounding makes them if they are below this: the point is as good as it gets.
     pub settled: f64,
+    /// So many that are not the smallest so far may be due to something else.
+    pub stalls: usize,
     /// A correction shrinks if it is less than this part of the one before.
     pub shrinks: f64,
     /// After so many corrections each must shrink.
@@ -70,6 +72,7 @@ impl Newton {
             halvings: 0,
             done,
             settled: done.sqrt(),
+            stalls: 0,
             shrinks: 1.0,
             patience: usize::MAX,
         }
@@ -119,7 +122,8 @@ impl Newton {
     ) -> Result<Solution<R>, NewtonError<E::Left>> {
         let mut at = start.to_vec();
         let mut here = equations.evaluate(&at).map_err(NewtonError::Left)?;
-        let mut latest = f64::INFINITY;
+        let (mut latest, mut least) = (f64::INFINITY, f64::INFINITY);
+        let mut stalls = 0;
         for steps in 1..=self.steps {
             let factors = here.jacobian.factored().ok_or(NewtonError::Singular)?;
             let step = factors.solve(&here.residual);
@@ -131,6 +135,8 @@ impl Newton {
                 return Err(NewtonError::Stalled { correction, steps });
             }
             let grows = correction >= self.shrinks * latest;
+            let stalled = correction >= self.shrinks * least;
+            stalls += usize::from(stalled);
             let mut part = (self.longest / correction).min(1.0);
             let moved = |part: f64| -> Vec<R> {
                 let moved = at.iter().zip(&step).map(|(&x, &dx)| match part {
@@ -140,7 +146,8 @@ impl Newton {
                 moved.collect()
             };
             let mut next = moved(part);
-            if correction <= self.done || (grows && correction < self.settled) {
+            let is_rounding = stalled && stalls > self.stalls && correction < self.settled;
+            if correction <= self.done || is_rounding {
                 return Ok(Solution {
                     at: next,
                     residual: here.residual,
@@ -164,6 +171,7 @@ impl Newton {
             here = there.map_err(NewtonError::Left)?;
             at = next;
             latest = correction;
+            least = least.min(correction);
         }
         Err(NewtonError::Stalled {
             correction: latest,

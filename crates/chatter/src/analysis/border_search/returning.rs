@@ -5,7 +5,7 @@
 //! the orbit's as nu^3 there, and continues the complete side smoothly to the border.
 
 use crate::analysis::border::{BorderError, Here, Lack, Place, ReleasePoint, Until, regular};
-use crate::numerics::{Matrix, moved};
+use crate::numerics::{Equations, Linearised, Matrix, Newton, NewtonError, moved};
 
 /// A trajectory passes so many chatter sequences before its release points are looked at, and then so many.
 const TRANSIENT: usize = 12;
@@ -88,27 +88,28 @@ impl Here<'_, f64> {
         if start.free.is_empty() {
             return Some(start);
         }
-        let mut here = start;
-        let (mut missed, mut size) = self.missed(&here)?;
-        let mut best = (size, here.clone());
-        let mut before = f64::INFINITY;
-        for count in 0..LOOPS {
-            if size <= CLOSED {
-                return Some(here);
-            }
-            let step = if count < PLAIN || size <= GAIN * before {
-                missed
-            } else {
-                self.not_returned(&here)?.factored()?.solve(&missed)
-            };
-            before = size;
-            here = self.beside(&here, &step)?;
-            (missed, size) = self.missed(&here)?;
-            if size < best.0 {
-                best = (size, here.clone());
-            }
+        let newton = Newton {
+            steps: LOOPS + 1,
+            done: CLOSED,
+            settled: 0.0,
+            ..Newton::to_rounding::<f64>(0.0)
+        };
+        let coordinates: Vec<f64> = start.free.iter().map(|&i| start.state[i]).collect();
+        let mut loops = Loops {
+            here: self,
+            point: start,
+            at: coordinates.clone(),
+            size: f64::INFINITY,
+            count: 0,
+            best: None,
+        };
+        let found = newton.solve(&mut loops, &coordinates);
+        let (size, best) = loops.best?;
+        match found {
+            Ok(_) => Some(loops.point),
+            Err(NewtonError::Stalled { .. }) => (size <= NEARLY).then_some(best),
+            Err(_) => None,
         }
-        (best.0 <= NEARLY).then_some(best.1)
     }
 
     /// Whether no other orbit near this one returns, too.
@@ -132,5 +133,52 @@ impl Here<'_, f64> {
             }
         }
         Some(rows)
+    }
+}
+
+/// What coordinates of a release point miss after a loop: followed as it comes at first and while that gains as much as Newton's step, by its
+/// derivative else.
+struct Loops<'h, 'p> {
+    here: &'h Here<'p, f64>,
+    point: ReleasePoint<f64>,
+    /// Its coordinates as they were asked for.
+    at: Vec<f64>,
+    /// How much is missed there.
+    size: f64,
+    count: usize,
+    best: Option<(f64, ReleasePoint<f64>)>,
+}
+
+impl Equations<f64> for Loops<'_, '_> {
+    type Left = ();
+
+    fn evaluate(&mut self, at: &[f64]) -> Result<Linearised<f64>, ()> {
+        if self.count > 0 {
+            let by: Vec<f64> = at
+                .iter()
+                .zip(&self.at)
+                .map(|(to, from)| to - from)
+                .collect();
+            self.point = self.here.beside(&self.point, &by).ok_or(())?;
+        }
+        self.at.copy_from_slice(at);
+        let (missed, size) = self.here.missed(&self.point).ok_or(())?;
+        let is_plain = self.count < PLAIN || size <= GAIN * self.size;
+        let jacobian = match is_plain || size <= CLOSED {
+            true => Matrix::identity(at.len()),
+            false => self.here.not_returned(&self.point).ok_or(())?,
+        };
+        (self.count, self.size) = (self.count + 1, size);
+        if self.best.as_ref().is_none_or(|(least, _)| size < *least) {
+            self.best = Some((size, self.point.clone()));
+        }
+        Ok(Linearised {
+            residual: missed.iter().map(|x| -x).collect(),
+            jacobian,
+        })
+    }
+
+    fn size(&self, _: &[f64], _: &[f64]) -> f64 {
+        self.size
     }
 }

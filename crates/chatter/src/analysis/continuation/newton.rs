@@ -87,6 +87,7 @@ const FAR: Newton = Newton {
     halvings: 7,
     done: 1e-6,
     settled: 0.0,
+    stalls: 0,
     shrinks: 1.0,
     patience: usize::MAX,
 };

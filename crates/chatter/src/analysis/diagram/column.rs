@@ -51,7 +51,7 @@ pub(super) enum Need {
     /// Its next point.
     Next,
     /// Nothing: here is its result, and whence the exponent, if that is asked for.
-    Done(Row, Option<Displaced>),
+    Done(Box<Row>, Option<Displaced>),
 }
 
 impl Column {
@@ -100,7 +100,7 @@ impl Column {
     ) -> Need {
         let passage = match &arrival.passage {
             Ok(passage) => passage,
-            Err(reason) => return Need::Done(self.fail(sweep, reason), None),
+            Err(reason) => return Need::Done(Box::new(self.fail(sweep, reason)), None),
         };
         let way = match &self.way {
             Some(way) => way.then(passage),
@@ -234,7 +234,7 @@ impl Column {
             let units = units(&self.kinds, &self.sizes);
             Displaced::evenly(core::mem::take(&mut self.first), units)
         });
-        Need::Done(row, displaced)
+        Need::Done(Box::new(row), displaced)
     }
 
     /// The orbit has no next point.

@@ -282,7 +282,7 @@ impl<'a, 's> Worker<'a, 's> {
             .arrive(self.shared.map, sweep, arrival, &mut self.scratch);
         match need {
             Need::Next => Command::Continue,
-            Need::Done(row, displaced) => self.done(arrival.orbit, row, displaced),
+            Need::Done(row, displaced) => self.done(arrival.orbit, *row, displaced),
         }
     }
 

@@ -5,8 +5,10 @@ use super::super::problem::{Here, Problem};
 use super::super::release::equations::{Place, ReleasePoint};
 use super::super::release::forcing::Turn;
 use super::limits::Limits;
-use super::sequence::{Impact, Sequence};
-use crate::numerics::{Estimate, Factored, Matrix, Real, dot, moved};
+use super::sequence::Sequence;
+use crate::numerics::{
+    Equations, Estimate, Factored, Linearised, Matrix, Newton, Real, dot, moved,
+};
 
 /// Newton's method gives up after so many steps: from where it starts each gains two digits at first.
 const NEWTON_STEPS: usize = 30;
@@ -14,7 +16,7 @@ const NEWTON_STEPS: usize = 30;
 /// So often a correction may not be the smallest so far: away from the root each sequence shows only so much of its X.
 const PATIENCE: usize = 2;
 
-/// A correction of so many roundoffs of the parameter is no correction.
+/// A correction of so many roundoffs is no correction.
 const NEWTON_DONE: f64 = 2.0;
 
 /// Where corrections stop shrinking the error of X must be as small as the roundoff to this power, 4e-7 for doubles, else
@@ -197,8 +199,52 @@ impl<'p, R: Real> Here<'p, R> {
     }
 }
 
+/// X(p) = 0, from point to point: each is looked for where the one before leads.
+struct Closing<'p, R> {
+    problem: &'p Problem,
+    near: Place,
+    settles: usize,
+    within: (f64, f64),
+    latest: Option<Point<'p, R>>,
+}
+
+impl<R: Real> Equations<R> for Closing<'_, R> {
+    /// Beyond where the root may lie, or no sequence comes near u*.
+    type Left = ();
+
+    fn evaluate(&mut self, at: &[R]) -> Result<Linearised<R>, ()> {
+        let value = at[0];
+        if let Some(before) = &self.latest {
+            if !(self.within.0..=self.within.1).contains(&value.to_f64()) {
+                return Err(());
+            }
+            let by = before.here.value - value;
+            let by = moved(&before.shift, &before.release.slope, -by);
+            self.near = before.release.moved(&by, R::ONE);
+        }
+        let here = self.problem.at(value).map_err(drop)?;
+        let point = here.point(&self.near, self.settles).map_err(drop)?;
+        let linearised = Linearised {
+            residual: vec![point.x.value + point.x_shift],
+            jacobian: Matrix::from_rows(&[vec![point.slope.value]]),
+        };
+        self.latest = Some(point);
+        Ok(linearised)
+    }
+
+    fn size(&self, _: &[R], correction: &[R]) -> f64 {
+        (self.latest.as_ref()).map_or(f64::INFINITY, |point| {
+            let states = point.shift.iter().zip(&point.release.state);
+            let by_value = correction[0].abs().to_f64() / point.parameter_scale();
+            states.fold(by_value, |most, (x, state)| {
+                most.max(x.abs().to_f64() / (state.abs().to_f64() + 1.0))
+            })
+        })
+    }
+}
+
 impl Problem {
-    /// Newton's method on X(p) = 0 from a value close enough for the sequence to come near u*.
+    /// The root that Newton's method leads to from a value close enough for the sequence to come near u*.
     pub(crate) fn root<R: Real>(
         &self,
         guess: R,
@@ -206,41 +252,30 @@ impl Problem {
         settles: usize,
         within: (f64, f64),
     ) -> Option<Root<'_, R>> {
-        let mut value = guess;
-        let mut near = near.clone();
-        let mut before = f64::INFINITY;
-        let mut stalls = 0;
         let settled = libm::pow(R::ROUNDOFF, SETTLED_POWER);
-        for _ in 0..NEWTON_STEPS {
-            let point = self.at(value).ok()?.point(&near, settles).ok()?;
-            let correction = (point.x.value + point.x_shift) / point.slope.value;
-            let by = moved(&point.shift, &point.release.slope, -correction);
-            near = point.release.moved(&by, R::ONE);
-            let scales = point.release.state.iter().map(|x| x.abs().to_f64() + 1.0);
-            let shift = (point.shift.iter().zip(scales)).fold(0.0_f64, |most, (x, scale)| {
-                most.max(x.abs().to_f64() / scale)
-            });
-            let by_value = correction.abs().to_f64();
-            let size = by_value.max(shift * point.parameter_scale());
-            let next = value - correction;
-            if !(next.to_f64() >= within.0 && next.to_f64() <= within.1) {
-                break;
-            }
-            let floor = NEWTON_DONE * R::ROUNDOFF * value.abs().to_f64();
-            stalls += usize::from(size >= before);
-            if size <= floor || stalls > PATIENCE {
-                let rate = point.slope.value.abs().to_f64();
-                let error = (point.x.error / rate).max(by_value).max(floor);
-                let vague = point.slope.error > VAGUE * point.slope.value.abs().to_f64();
-                let last = point.sequence.impacts.last();
-                let apart = |last: &Impact<R>| point.limits.distance(last.local.u()) > APART;
-                let is_none = error.is_nan() || error * rate > settled || vague;
-                return (!is_none && !last.is_none_or(apart)).then_some(Root { point, error });
-            }
-            before = before.min(size);
-            value = next;
-        }
-        None
+        let newton = Newton {
+            steps: NEWTON_STEPS,
+            settled: f64::INFINITY,
+            stalls: PATIENCE,
+            ..Newton::to_rounding::<R>(NEWTON_DONE)
+        };
+        let mut closing = Closing {
+            problem: self,
+            near: near.clone(),
+            settles,
+            within,
+            latest: None,
+        };
+        let found = newton.solve(&mut closing, &[guess]).ok()?;
+        let point = closing.latest?;
+        let rate = point.slope.value.abs().to_f64();
+        let floor = NEWTON_DONE * R::ROUNDOFF * point.here.value.abs().to_f64();
+        let by_value = (found.at[0] - point.here.value).abs().to_f64();
+        let error = (point.x.error / rate).max(by_value).max(floor);
+        let is_known = error * rate <= settled && point.slope.error <= VAGUE * rate;
+        let last = point.sequence.impacts.last()?;
+        let is_near = point.limits.distance(last.local.u()) <= APART;
+        (is_known && is_near).then_some(Root { point, error })
     }
 }
 
