@@ -132,3 +132,47 @@ fn a_section_at_the_end_of_a_ramp_is_there_in_all_units_of_time() {
         }
     }
 }
+
+/// Two masses with dry friction on the ground and between them, and a stop: on the way to a fold the moment between where they slip and where
+/// they stick comes to none, and the branch goes on without it (integrated with scipy, piece by piece).
+#[test]
+fn a_stay_that_vanishes_leads_on_in_all_units() {
+    let masses = |[length, first, other, time]: [f64; 4]| {
+        let set =
+            |name: &str, rate: &str, unit: f64| format!("{name} = '({rate})*{unit}/{time}'\n");
+        format!(
+            "[parameters]\nF = 1.2\n[definitions]\nx = 'X/{length}'\nv = 'V/{first}'\ny = 'Y/{length}'\nu = 'U/{other}'\n[flight]\n{}{}{}{}\
+             [[contact]]\nname = 'stop'\ngap = '{length} - Y'\nimpulse = {{ U = -1 }}\nrestitution = 0.65\n\
+             [initial]\nX = '0.1*{length}'\nV = '0.2*{first}'\nY = 0\nU = 0\n",
+            set("X", "v", length),
+            set(
+                "V",
+                &format!("F*cos(1.1*t/{time}) - x - 0.4*sign(v) - 0.8*(x - y) - 0.3*sign(v - u)"),
+                first
+            ),
+            set("Y", "u", length),
+            set("U", "(0.8*(x - y) + 0.3*sign(v - u))/0.7 - 0.1*u", other),
+        )
+    };
+    let touch = 1.150_435_944_660_908;
+    for (units, from, range) in [
+        ([1.0, 1.0, 1.4, 1.0], 1.6, (1.14, 1.61)),
+        ([1e3, 1.0, 1.0, 1e3], 1.16, (1.149, 1.165)),
+        ([1e-3, 0.6, 3e-3, 1e-3], 1.16, (1.149, 1.165)),
+    ] {
+        let model = with(&masses(units), &[("F", &format!("{from}"))]);
+        let branch = &over(&model, "F", range, (6, 0.01))[0];
+        assert_eq!(branch.ends, [End::Range, End::Range], "{units:?}");
+        let places = |kind: SpecialKind| -> Vec<f64> {
+            let of = branch.special.iter().filter(|found| found.kind == kind);
+            of.map(value).collect()
+        };
+        let (touches, folds) = (places(SpecialKind::Touch), places(SpecialKind::Fold));
+        let near = touches.iter().filter(|at| (*at - touch).abs() < 2e-12);
+        assert_eq!(near.count(), 1, "{units:?}: {touches:?}");
+        assert!(
+            matches!(&folds[..], [fold] if (fold - 1.150_218_734_068_6).abs() < 2e-12),
+            "{units:?}: {folds:?}"
+        );
+    }
+}

@@ -1,6 +1,6 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
-use super::graze::{THERE, moved};
+use super::graze::THERE;
 use super::holds::is_broken;
 use super::touch::Touched;
 use super::walker::Walker;
@@ -77,8 +77,11 @@ impl Walker {
         (before, broke): (usize, Option<&Station>),
     ) -> bool {
         let distances = self.distances()[(before / PATIENCE).min(BEYOND.len() - 1)..].to_vec();
-        let same = |orbit: &Orbit| orbit.impacts == here.impacts;
         let from = broke.unwrap_or(&curve.station).clone();
+        if self.past_stay(&from, curve, here) {
+            return true;
+        }
+        let same = |orbit: &Orbit| orbit.impacts == here.impacts;
         let forward = self.heading(&from);
         let passes = |orbit: &Orbit| {
             let gone = orbit.at.last().map_or(0.0, |to| to - from.parameter());
@@ -95,12 +98,8 @@ impl Walker {
         if stands {
             ways.reverse();
         }
-        let vanished = self.vanished_stay(&from);
-        let past = (vanished.as_ref()).and_then(|(value, _)| self.past_stay(&from, *value, same));
-        let is_past = past.is_some();
         let wanted = |orbit: &Orbit| same(orbit) && passes(orbit);
-        let next = past
-            .or_else(|| (ways.into_iter()).find_map(|way| self.beyond(way, &distances, wanted)));
+        let next = (ways.into_iter()).find_map(|way| self.beyond(way, &distances, wanted));
         let Some(next) = next else {
             return false;
         };
@@ -117,8 +116,8 @@ impl Walker {
         let stayed = |guard| {
             matches!(guard, GuardKind::Leave(..)) && count(&ends, guard) > count(&ends_on, guard)
         };
-        let mut touched = vanished.map(|(_, touched)| touched).filter(|_| is_past);
-        if touched.is_none() && (0..slides.len()).any(is_left) {
+        let mut touched = None;
+        if (0..slides.len()).any(is_left) {
             touched = touch_between(&mut self.shooting, &next.at, between, left);
         }
         if touched.is_none() && ends.iter().flatten().any(|&guard| stayed(guard)) {
@@ -146,39 +145,44 @@ impl Walker {
         true
     }
 
-    /// Where a stay that has come to its end takes no time at all, and the parameter there: the equations of such an orbit have solutions
-    /// beyond, in which rounding is what is left of it.
-    fn vanished_stay(&mut self, from: &Station) -> Option<(f64, Touched)> {
-        let mut steps = self.shooting.steps.iter().enumerate();
-        let (index, guard) = steps.find_map(|(index, step)| {
-            let is_over = self.shooting.has_come_back(&from.at, index);
-            Some((index, step.ends_at()?)).filter(|_| is_over)
-        })?;
+    /// On past where a stay takes no time at all, by the equations without it: with it they have solutions beyond, in which rounding is what is
+    /// left of it, and where it is to vanish they are singular. Whether it comes to that.
+    fn past_stay(&mut self, from: &Station, curve: &mut Curve, here: &mut Point) -> bool {
+        let count = self.shooting.steps.len();
+        let left = |station: &Station, index: usize| {
+            let place = self.shooting.duration_place(index)?;
+            station.at.get(place).copied()
+        };
+        // One that has just come in grows.
+        let is_over = |index: &usize| {
+            let was = left(&curve.station, *index);
+            self.shooting.has_come_back(&from.at, *index) && left(from, *index) <= was
+        };
+        let Some(index) = (0..count).find(is_over) else {
+            return false;
+        };
         self.settle(from);
-        let turn = (self.shooting).with_turn_at_start(&from.at, (index, guard));
-        let turn = turn.ok()?;
-        let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
-        let touched = Touched::solve(turn).ok()?;
-        let is_there = moved(&touched.at, &start, &scales) <= THERE;
-        let value = touched.told.last().copied()?;
-        is_there.then_some((value, touched))
-    }
-
-    /// The orbit a little past where a stay takes no time at all, which no longer has it.
-    fn past_stay(
-        &mut self,
-        from: &Station,
-        value: f64,
-        same: impl Fn(&Orbit) -> bool,
-    ) -> Option<Station> {
-        let mut over = self.over_the_parameter(from);
-        *over.at.last_mut()? = value;
-        let distances = self.distances();
         let forward = self.heading(from);
-        self.beyond(&over, &distances, |orbit| {
-            let gone = orbit.at.last().map_or(0.0, |to| to - value);
-            same(orbit) && gone * forward > 0.0 && !orbit.shooting.comes_back_at_once(&orbit.at)
-        })
+        let touched = self.shooting.without_stay(&from.at, index);
+        let Some(touched) = touched.ok() else {
+            return false;
+        };
+        let Some((mut shorter, next)) = begins(&touched, &self.distances()) else {
+            return false;
+        };
+        let there = Point::new(&mut shorter, &next);
+        let is_new = !self.has_told(touched.place(), touched.error);
+        self.shooting = shorter;
+        self.settle(&next);
+        if is_new {
+            self.note_touch(&there, touched);
+        }
+        let persists = next.parameter_slope() * forward > 0.0;
+        if let Some(special) = self.latest_change() {
+            special.persists = Some(persists);
+        }
+        self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
+        true
     }
 
     /// On with new equations, at a station of theirs, with a first step of this length.
@@ -405,6 +409,27 @@ pub(in crate::analysis::periodic) fn beside(
     *over.tangent.last_mut()? = scale.copysign(distance);
     let found = walker.beyond(&over, &[distance.abs()], is_wanted)?;
     Some((walker.shooting, found))
+}
+
+/// A station beside a touch, to the side where the sequence of events without what has vanished there holds.
+fn begins(touched: &Touched, distances: &[f64]) -> Option<(Shooting<f64>, Station)> {
+    let (shooting, at, index) = touched.place();
+    let mut steps = shooting.current_steps(at);
+    steps.remove(index);
+    let (mut shorter, guess) = shooting.like(steps, at).ok()?;
+    let there = Station::near(&mut shorter, &guess, guess.len() - 1).ok()?;
+    let next = distances.iter().find_map(|&ahead| {
+        let both = [there.clone(), there.clone().reversed()].map(|there| {
+            let (next, _) = there.ahead(&mut shorter, ahead).ok()?;
+            let holds = is_broken(&mut shorter, &next.at).is_ok_and(|broken| !broken);
+            holds.then_some(next)
+        });
+        match both {
+            [Some(next), None] | [None, Some(next)] => Some(next),
+            _ => None,
+        }
+    })?;
+    Some((shorter, next))
 }
 
 /// Where, between two values of the parameter, the smallest of such guards touches zero on an orbit that does not meet it.

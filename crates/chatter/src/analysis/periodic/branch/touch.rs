@@ -177,6 +177,25 @@ impl Shooting<f64> {
         Ok((shooting, at, index))
     }
 
+    /// The same orbit without such a step, and where that takes no time at all: the flow on the other side of the surface that is slid along
+    /// from there turns back to it.
+    pub(super) fn without_stay(&self, at: &[f64], index: usize) -> Result<Touched, String> {
+        let told = |error: PeriodicError| error.to_string();
+        let guard = self.steps[index].ends_at().ok_or("a stay without end")?;
+        let mut steps = self.current_steps(at);
+        steps.remove(index);
+        let index = if index < steps.len() { index } else { 0 };
+        let (shorter, at) = self.like(steps, at).map_err(told)?;
+        let turn = shorter.with_turn_at_start(&at, (index, guard));
+        let turn = turn.map_err(told)?;
+        let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
+        let touched = Touched::solve(turn)?;
+        if moved(&touched.at, &start, &scales) > THERE {
+            return Err("where a stay takes no time only another place is found".to_owned());
+        }
+        Ok(touched)
+    }
+
     /// The same orbit with a stay of this duration at the surface that the end of a step touches, and where its duration stands among
     /// the unknowns.
     fn with_stay(
