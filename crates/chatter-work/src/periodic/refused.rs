@@ -42,6 +42,9 @@ pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
         PeriodicError::NotSettled { .. } | PeriodicError::Boundless => Some(
             "the motion may be chaotic or quasi-periodic, and no short orbit was found beside it: --all looks from many starts".to_owned(),
         ),
+        PeriodicError::NotRepeated { .. } => Some(
+            "the motion may be quasi-periodic, or chaotic: `chatter exponents` tells; --all looks for orbits from many starts".to_owned(),
+        ),
         PeriodicError::OutOfRange { .. } => {
             Some("give --sweep a range with the point in it, or begin at another point with --from".to_owned())
         }

@@ -90,6 +90,13 @@ pub enum PeriodicError {
         /// The nearest return, in parts of the state's size.
         nearest: f64,
     },
+    /// The trajectory has not come back to where it was but for so much, and no orbit was found beside it.
+    NotRepeated {
+        /// Its nearest return, in parts of the state's size.
+        nearest: f64,
+        /// How Newton's method ended from there.
+        how: String,
+    },
     /// Newton's method did not converge.
     NoConvergence {
         /// How it ended.
@@ -190,6 +197,11 @@ impl fmt::Display for PeriodicError {
                 out,
                 "the trajectory has not settled to a periodic orbit by time {time:.6}: its nearest return is off by \
                  {nearest:.1e} of its size"
+            ),
+            Self::NotRepeated { nearest, how } => write!(
+                out,
+                "the motion has not repeated: its nearest return is off by {nearest:.1e} of its size, and no periodic orbit was found \
+                 from there: {how}"
             ),
             Self::NoConvergence { how } => {
                 write!(out, "no periodic orbit was found: {how}")

@@ -89,7 +89,13 @@ pub(crate) fn settled_if(
             what: "a cycle that is not asked for".to_owned(),
         });
     }
-    close(workshop, cycle, free)
+    let nearest = cycle.distance;
+    close(workshop, cycle, free).map_err(|error| match error {
+        PeriodicError::NoConvergence { how } if nearest > NEAR => {
+            PeriodicError::NotRepeated { nearest, how }
+        }
+        error => error,
+    })
 }
 
 /// A cycle is closed but for so much where Newton's method needs no care.
@@ -121,11 +127,14 @@ pub(crate) fn close(
             shooting.adopt(&found.at);
             if let Some(index) = shooting.passed(&found.at) {
                 let (shooting, at) = shooting.exchanged_and_solved(&found.at, index)?;
+                // Of two that share an instant either may be first by a rounding: whether that matters is told with the orbit.
                 return match shooting.passed(&at) {
-                    Some(_) => Err(PeriodicError::NoConvergence {
-                        how: format!("events {index} and {} change places", index + 1),
-                    }),
-                    None => finish(shooting, at),
+                    Some(again) if !shooting.shares_instant(&at, again) => {
+                        Err(PeriodicError::NoConvergence {
+                            how: format!("events {index} and {} change places", index + 1),
+                        })
+                    }
+                    _ => finish(shooting, at),
                 };
             }
             if let Some(cycle) = shorter(&shooting, &found.at)? {

@@ -139,6 +139,7 @@ pub(crate) fn simplest(
         }
         Err(
             PeriodicError::NotSettled { .. }
+            | PeriodicError::NotRepeated { .. }
             | PeriodicError::NoConvergence { .. }
             | PeriodicError::Boundless,
         ) => (state.to_vec(), f64::INFINITY),

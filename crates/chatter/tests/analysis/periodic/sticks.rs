@@ -1,7 +1,7 @@
 //! Stays on a surface that come and go along a branch, and steps that would lead to another one.
 
-use super::{model, orbit, over, value, with};
-use chatter::analysis::periodic::{Branch, End, SpecialKind};
+use super::{model, orbit, over, settles, value, with};
+use chatter::analysis::periodic::{Branch, End, PeriodicError, SpecialKind};
 
 /// A mass on dry ground that hits a stop: the rate that vanishes where an impact grazes is the one that friction turns with.
 const ROUGH_GROUND: &str = r#"
@@ -118,5 +118,39 @@ fn a_long_step_leads_to_no_other_branch() {
     assert_eq!(long.len(), short.len());
     for (a, b) in long.iter().zip(&short) {
         assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-11, "{a:?} {b:?}");
+    }
+}
+
+/// A ball comes to rest on a shaken table and sticks where it does, which may be elsewhere: all of that is periodic, which is told though the place
+/// of the table is zero wherever the force begins anew.
+#[test]
+fn what_sticks_to_a_shaken_table_for_ever_is_one_of_many() {
+    for unit in [1e-3, 1.0, 1e3] {
+        let text = format!(
+            "[flight]\ny = 'v/{unit:?}'\nv = '(-9.81 - 2*y - 0.1*v)/{unit:?}'\nx = 'u/{unit:?}'\n\
+             u = '(-2*x - 0.3*u + 0.5*cos(6.562*t/{unit:?}))/{unit:?}'\n[[contact]]\nname = 't'\n\
+             gap = 'y - 0.7963/6.562*sin(6.562*t/{unit:?})'\nimpulse = {{ v = 1 }}\nrestitution = 0.3714\n\
+             friction = {{ coefficient = 0.2105, along = {{ u = 1 }} }}\n[initial]\ny = 0.3\nv = 0\nx = 0.1\nu = 0\n"
+        );
+        let found = settles(&with(&text, &[]));
+        assert!(
+            matches!(found, Err(PeriodicError::OneOfMany { least }) if least < 1e-9),
+            "{unit}: {found:?}"
+        );
+    }
+}
+
+/// An oscillator that is kicked where it passes a place, and forced, goes round a torus: its largest exponent is 0 within 1e-4. Its nearest return
+/// is told, and not how corrections of what is no orbit end.
+#[test]
+fn motion_on_a_torus_does_not_repeat() {
+    let text = "[flight]\nx = 'v'\nv = '-x - 0.1468*v - 0.3*x^3 + 0.2*cos(2.579*t)'\n\
+                [[event]]\nname = 'kick'\nsurface = 'x - 0.1'\ndirection = 'rising'\nreset = { v = '0.9*v + 0.714', x = 'x + 0.05' }\n\
+                [initial]\nx = 0\nv = 1\n";
+    match settles(&with(text, &[])) {
+        Err(PeriodicError::NotRepeated { nearest, .. }) => {
+            assert!(nearest > 1e-7 && nearest < 1e-2)
+        }
+        found => panic!("{found:?}"),
     }
 }

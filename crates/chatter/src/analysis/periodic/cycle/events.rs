@@ -28,8 +28,9 @@ pub(super) fn single(instant: &Instant) -> Option<LegKind> {
                 jump = Jump::Reset(section);
                 events += 1;
             }
-            // Where a jump leads to the other side of a surface, or onto it, the mode after it says so.
-            Occurrence::Switch { .. }
+            // Where a jump leads to the other side of a surface, or onto it, or off a contact, the mode after it says so.
+            Occurrence::Release { .. }
+            | Occurrence::Switch { .. }
             | Occurrence::Slide { .. }
             | Occurrence::Leave { .. }
             | Occurrence::Stick { .. }

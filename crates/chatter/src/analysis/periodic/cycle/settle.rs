@@ -316,23 +316,34 @@ impl Most {
         sizes
     }
 
-    /// The same at instants: a state that is zero at all of them has the size of how far it moves between them.
-    fn sizes_at(
+    /// The same: a state that is zero at all of them has the size of how far it moves in the time from each to the next.
+    fn sizes_along(
         &self,
         (workshop, parameters): (&Workshop, &[f64]),
-        instants: &[Instant],
+        ways: &[(&Vec<f64>, f64)],
         turns: &[Turn<f64>],
     ) -> Vec<f64> {
-        let mut sizes = self.sizes(states(instants), turns);
-        for pair in instants.windows(2) {
-            let [from, to] = pair else { continue };
-            let way = (&*from.state, to.time - from.time);
-            take_in_moves(&mut sizes, (&workshop.model, parameters), way);
+        let mut sizes = self.sizes(ways.iter().map(|(state, _)| *state), turns);
+        for &(state, time) in ways {
+            take_in_moves(&mut sizes, (&workshop.model, parameters), (state, time));
         }
         for turn in turns {
             sizes[turn.state] = turn.period;
         }
         sizes
+    }
+
+    /// The same at instants.
+    fn sizes_at(
+        &self,
+        known: (&Workshop, &[f64]),
+        instants: &[Instant],
+        turns: &[Turn<f64>],
+    ) -> Vec<f64> {
+        let times = instants.windows(2).map(|pair| pair[1].time - pair[0].time);
+        let ways = instants.iter().zip(times.chain([0.0]));
+        let ways: Vec<_> = ways.map(|(at, time)| (&at.state, time)).collect();
+        self.sizes_along(known, &ways, turns)
     }
 }
 
@@ -480,7 +491,12 @@ pub(crate) fn settle(
         let is_quiet = forcing.is_some() && quiet > PERIODS;
         if is_quiet {
             let strobes = &strobes[strobes.len() - quiet..];
-            if let Some(found) = timed((workshop, &turns), &tracer, strobes, (&most, NEAR[0])) {
+            if let Some(found) = timed(
+                (workshop, &parameters, &turns),
+                &tracer,
+                strobes,
+                (&most, NEAR[0]),
+            ) {
                 return Ok(found);
             }
         } else if !instants.is_empty() {
@@ -508,7 +524,12 @@ pub(crate) fn settle(
     for near in &NEAR[1..] {
         if is_quiet {
             let strobes = &strobes[strobes.len() - quiet..];
-            if let Some(found) = timed((workshop, &turns), &tracer, strobes, (&most, *near)) {
+            if let Some(found) = timed(
+                (workshop, &parameters, &turns),
+                &tracer,
+                strobes,
+                (&most, *near),
+            ) {
                 return Ok(found);
             }
         } else {
@@ -537,13 +558,16 @@ fn comes_to_rest(time: f64, rests: bool) -> PeriodicError {
 
 /// A cycle of so many periods of the forcing on which nothing happens.
 fn timed(
-    (workshop, turns): (&Workshop, &[Turn<f64>]),
+    (workshop, parameters, turns): (&Workshop, &[f64], &[Turn<f64>]),
     tracer: &Tracer<'_>,
     strobes: &[Vec<f64>],
     (most, near): (&Most, f64),
 ) -> Option<Cycle> {
     let (last, earlier) = strobes.split_last()?;
-    let sizes = most.sizes(strobes.iter().rev().take(LONGEST), turns);
+    let period = workshop.closure.forcing(parameters)?;
+    let latest = strobes.iter().rev().take(LONGEST);
+    let ways: Vec<_> = latest.map(|state| (state, period)).collect();
+    let sizes = most.sizes_along((workshop, parameters), &ways, turns);
     let mut candidates = earlier.iter().rev().take(LONGEST);
     candidates.find_map(|state| {
         let difference = (workshop.closure).difference(turns, (state, last), &sizes);

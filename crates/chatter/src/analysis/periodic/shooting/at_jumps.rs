@@ -110,6 +110,12 @@ impl Shooting<f64> {
         Ok(None)
     }
 
+    /// Whether the event at the end of a step comes at the instant of the one before, in whichever order.
+    pub(crate) fn shares_instant(&self, at: &[f64], index: usize) -> bool {
+        let duration = self.duration_place(index).map_or(0.0, |place| at[place]);
+        duration.abs() <= ONE_INSTANT * self.time_at(self.node(at, index))
+    }
+
     /// The time that what shares an instant at a state is told apart by.
     fn time_at(&self, state: &[f64]) -> f64 {
         let clock = self.workshop.model.time;
