@@ -232,14 +232,18 @@ impl<R: Real> Equations<R> for Closing<'_, R> {
         Ok(linearised)
     }
 
-    fn size(&self, _: &[R], correction: &[R]) -> f64 {
-        (self.latest.as_ref()).map_or(f64::INFINITY, |point| {
-            let states = point.shift.iter().zip(&point.release.state);
-            let by_value = correction[0].abs().to_f64() / point.parameter_scale();
-            states.fold(by_value, |most, (x, state)| {
-                most.max(x.abs().to_f64() / (state.abs().to_f64() + 1.0))
-            })
-        })
+    /// In parts of the parameter, however large what changes X by one is.
+    fn size(&self, at: &[R], correction: &[R]) -> f64 {
+        let Some(point) = &self.latest else {
+            return f64::INFINITY;
+        };
+        let states = point.shift.iter().zip(&point.release.state);
+        let scale = point.parameter_scale();
+        let size = states.fold(correction[0].abs().to_f64(), |most, (x, state)| {
+            most.max(scale * x.abs().to_f64() / (state.abs().to_f64() + 1.0))
+        });
+        let value = at[0].abs().to_f64();
+        size / if value > 0.0 { value } else { scale }
     }
 }
 

@@ -146,7 +146,8 @@ pub(crate) fn exact<R: Real>(
     // One flight knows its derivatives to roundoff against the largest of them. X misses zero at the border that was found, and the
     // parameter is rounded: derivatives are those at that place.
     let place = here.value.abs().to_f64() * point.slope.value.abs().to_f64();
-    let relative_error = R::ROUNDOFF + point.x.error.max(R::ROUNDOFF * place);
+    let missed = point.x.error.max(point.x.value.abs().to_f64());
+    let relative_error = R::ROUNDOFF + missed.max(R::ROUNDOFF * place);
     let known = |value: R, size: f64| Estimate {
         value,
         error: FLIGHT_ROUNDOFFS * relative_error * size,
