@@ -91,6 +91,8 @@ pub(crate) struct Least {
 
 /// The guard of what a leg begins with is known to this part of what it changes by on the leg.
 const JUST_OPENED: f64 = 1e-9;
+/// A guard that the leg begins on and whose rate turns within this part of the leg, as where a stick ends, is least where it begins.
+const AT_ONCE: f64 = 1e-12;
 
 impl Watch {
     /// Watches the guards of a mode of the system, those that are asked for at the end alone, and a section.
@@ -250,6 +252,9 @@ impl Leg {
                 Occurrence::Section { section } => {
                     let fall = section.checked_sub(first_fall);
                     let guard = fall.map_or(section, |place| events[place].guard);
+                    if begins_on(guards[guard]) && time <= AT_ONCE * duration {
+                        continue;
+                    }
                     let value = match event(guard) {
                         Some(place) => {
                             let side = &mut sides[place];

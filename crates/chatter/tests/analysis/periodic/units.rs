@@ -159,6 +159,7 @@ fn a_stay_that_vanishes_leads_on_in_all_units() {
         ([1.0, 1.0, 1.4, 1.0], 1.6, (1.14, 1.61)),
         ([1e3, 1.0, 1.0, 1e3], 1.16, (1.149, 1.165)),
         ([1e-3, 0.6, 3e-3, 1e-3], 1.16, (1.149, 1.165)),
+        ([1e3, 7e2, 0.31, 1e3], 1.16, (1.149, 1.165)),
     ] {
         let model = with(&masses(units), &[("F", &format!("{from}"))]);
         let branch = &over(&model, "F", range, (6, 0.01))[0];
