@@ -717,7 +717,7 @@ impl<R: Real> Trajectory<R> {
         Ok(jerk.value.is_finite() && jerk.value.abs() > jerk.level())
     }
 
-    fn local_values(
+    pub(super) fn local_values(
         &self,
         system: &System,
         contact: usize,

@@ -215,6 +215,29 @@ impl<R: Real> Trajectory<R> {
         Ok(true)
     }
 
+    /// Whether an idle contact would be pressed shut in the present mode, though it is idle: what surfaces hold on both sides of it they
+    /// move together then, and no motion does.
+    pub(super) fn presses_idle(&self, system: &System) -> Result<bool, FlowError> {
+        if self.idle == Closed::NONE {
+            return Ok(false);
+        }
+        // Forces that cancel are told from zero by all that they balance, which formulas may have left out.
+        let greatest = self.touch_values(system)?.greatest_accelerations();
+        for contact in self.idle.contacts() {
+            let [_, _, acceleration, jerk] = self.local_values(system, contact)?;
+            // The corner is met an instant too early or too late.
+            let change = jerk.value.abs() * self.instant();
+            let change = if change.is_finite() { change } else { R::ZERO };
+            let level = (acceleration.level())
+                .max(WithTerms::exact(greatest[contact]).level())
+                .max(change);
+            if acceleration.value < -level {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
     /// What is idle stays closed only as long as its gap is zero.
     pub(super) fn watch_idle(&mut self, system: &System) -> Result<(), FlowError> {
         if self.idle == Closed::NONE {

@@ -455,3 +455,39 @@ fn parcels_part_where_their_belts_do() {
         );
     }
 }
+
+/// One belt slows down behind the other's: two parcels in contact, each at rest on its belt, are pushed together from then on. The
+/// one in front slides on its belt, pushed by the other, which its own belt holds as long as its friction is the greater; else the one
+/// behind slides, held up by the one in front.
+#[test]
+fn parcels_that_belts_push_together_go_on_in_contact() {
+    for (long, short) in [(1.0, 1.0), (1e-3, 1e-2), (25.4, 60.0), (1e3, 1.0)] {
+        for (behind, ahead) in [(5.0, 4.0), (4.0, 5.0), (7.0, 0.5)] {
+            let speed = 0.8 * long / short;
+            let unit = long / (short * short);
+            let text = format!(
+                "[flight]\nx = \"v\"\nv = \"-{:?}*sign(v - {speed:?})\"\n\
+                 y = \"u\"\nu = \"-{:?}*sign(u - {speed:?}*(1 - 0.4*max(t/{short:?} - 0.5, 0)))\"\n\
+                 [[contact]]\nname = \"g\"\ngap = \"y - x\"\nimpulse = {{ v = -1, u = 1 }}\nrestitution = 0.2\n\
+                 [initial]\nx = 0\nv = {speed:?}\ny = 0\nu = {speed:?}\n",
+                behind * unit,
+                ahead * unit
+            );
+            let run = run::<f64>(&text, 2.0 * short);
+            assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+            let front = 0.8 * (2.0 - 0.2 * 1.5 * 1.5);
+            let right = if behind > ahead { 0.8 * 2.0 } else { front };
+            for place in [0, 2] {
+                let off = run.state[place] / long - right;
+                assert!(off.abs() < 1e-13, "{off:e} {text}");
+            }
+            let is_parted = run.events.iter().any(|event| {
+                matches!(
+                    event.detail,
+                    Occurrence::Release { .. } | Occurrence::Impact { .. }
+                )
+            });
+            assert!(!is_parted, "{:?} {text}", run.events);
+        }
+    }
+}

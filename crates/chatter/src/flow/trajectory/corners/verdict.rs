@@ -250,6 +250,9 @@ impl<R: Real> Trajectory<R> {
                 }
             }
         }
+        if self.presses_idle(system)? {
+            return Ok(None);
+        }
         [verdict.contacts_stay, verdict.contacts_push] = self.contacts_stay(system);
         Ok(Some(verdict))
     }
