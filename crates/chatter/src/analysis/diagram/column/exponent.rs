@@ -11,8 +11,14 @@ use crate::analysis::map::{Arrival, Command, CoordinateKind, Map, Origin, Start}
 use crate::flow::FORGOTTEN;
 use core::sync::atomic::AtomicBool;
 
-/// This part of the steps, at the beginning, only turns the displacement into the direction that grows most.
+/// A displacement turns into the direction that grows most over this part of as many steps as are counted afterwards, and over so many
+/// at least.
 const TURNING: f64 = 0.1;
+const LEAST_TURNING: u64 = 8;
+
+fn turning(steps: u64) -> u64 {
+    ((steps as f64 * TURNING) as u64).max(LEAST_TURNING)
+}
 
 /// A displacement that grows or shrinks by more than this is made a unit again.
 const LARGE: f64 = 1e90;
@@ -22,14 +28,9 @@ const LARGE: f64 = 1e90;
 pub(in crate::analysis::diagram) struct Growth(Vec<f64>);
 
 impl Growth {
-    fn counted(&self) -> &[f64] {
-        let turning = (self.0.len() as f64 * TURNING) as usize;
-        &self.0[turning..]
-    }
-
     /// The exponent, of an orbit that repeats after so many samples over whole periods: what a part of one grows by is no mean.
     pub(in crate::analysis::diagram) fn mean(&self, period: Option<usize>) -> f64 {
-        let counted = self.counted();
+        let counted = &self.0;
         let left_over = match period {
             Some(period) if period <= counted.len() => counted.len() % period,
             _ => 0,
@@ -40,7 +41,7 @@ impl Growth {
 
     /// Whether it is positive beyond chance.
     pub(in crate::analysis::diagram) fn is_chaotic(&self) -> bool {
-        grows(self.counted())
+        grows(&self.0)
     }
 }
 
@@ -107,6 +108,8 @@ pub(in crate::analysis::diagram) fn weigh(
 struct Stretching<'a> {
     row: &'a mut Row,
     displaced: &'a Displaced,
+    /// Samples until growth is counted.
+    turning: u64,
     /// Returns until the next sample.
     until_sample: u64,
     /// Its length at the latest return.
@@ -121,6 +124,7 @@ impl<'a> Stretching<'a> {
         let displacement = &displaced.point[displaced.units.len()..];
         Self {
             row,
+            turning: turning(sweep.spec().keep - 1),
             until_sample: sweep.spec().every,
             length: displaced.length(displacement),
             displaced,
@@ -157,15 +161,17 @@ impl<'a> Stretching<'a> {
         self.until_sample -= 1;
         if self.until_sample == 0 {
             self.until_sample = sweep.spec().every;
-            self.growth.0.push(core::mem::take(&mut self.pending));
-            let done = self.growth.0.len() as f64;
-            let steps = (sweep.spec().keep - 1) as f64;
+            let grown = core::mem::take(&mut self.pending);
             // What was forgotten while the displacement still turned says nothing of where the orbit goes on.
-            let is_over =
-                self.growth.0.last() == Some(&f64::NEG_INFINITY) && done > TURNING * steps;
-            if done >= steps || is_over {
-                self.conclude();
-                return Command::Retire;
+            if self.turning > 0 {
+                self.turning -= 1;
+            } else {
+                self.growth.0.push(grown);
+                let is_over = self.growth.0.len() as u64 + 1 >= sweep.spec().keep;
+                if is_over || grown == f64::NEG_INFINITY {
+                    self.conclude();
+                    return Command::Retire;
+                }
             }
         }
         self.length = length;
