@@ -217,7 +217,12 @@ impl<'m, 'v> Follower<'m, 'v> {
             }
         }
         if self.is_tangent {
-            self.replace(trajectory, &point[states.len()..])
+            let mut displacement = point[states.len()..].to_vec();
+            // Motions are compared at one time.
+            if let Some(time) = self.map.model.time {
+                displacement[time] = 0.0;
+            }
+            self.replace(trajectory, &displacement)
                 .map_err(NoReturn::Failed)?;
         }
         orbit.passage = self.setting_out(trajectory);
@@ -445,9 +450,8 @@ impl<'m, 'v> Follower<'m, 'v> {
         }
     }
 
-    /// The state and the displacement without what leads along the motion itself: without all that it has of time where the model tells
-    /// that, so that motions are compared at one time; where looks are at events, without what it has of the direction of motion, each
-    /// coordinate measured by its own size. That neither grows nor shrinks, and would hide what does.
+    /// The state and the displacement, where looks are at events and nothing tells the time without what it has of the direction of motion,
+    /// each coordinate measured by its own size. That neither grows nor shrinks, and would hide what does.
     ///
     /// The trajectory goes on with what is left, but in the middle of something, where it has to go on as it is.
     fn across_motion(
@@ -478,39 +482,30 @@ impl<'m, 'v> Follower<'m, 'v> {
         trajectory: &Trajectory<f64>,
         return_time: f64,
     ) -> bool {
-        let time = self.map.model.time;
         let is_simultaneous = matches!(self.map.look, Look::Stroboscopic { .. });
-        if time.map_or(is_simultaneous, |time| column[time] == 0.0) {
+        if self.map.model.time.is_some() || is_simultaneous {
             return false;
         }
         let Some(rates) = trajectory.rates(&self.map.system) else {
             return false;
         };
         let rates: Vec<f64> = rates[..state.len()].iter().map(|rate| rate.value).collect();
-        let along = match time {
-            Some(time) => column[time] / rates[time],
-            None => {
-                let (mut shared, mut square) = (0.0, 0.0);
-                for ((x, rate), entry) in state.iter().zip(&rates).zip(&*column) {
-                    let size = x.abs() + rate.abs() * return_time;
-                    if size > 0.0 {
-                        let rate = rate / size;
-                        shared += entry / size * rate;
-                        square += rate * rate;
-                    }
-                }
-                shared / square
+        let (mut shared, mut square) = (0.0, 0.0);
+        for ((x, rate), entry) in state.iter().zip(&rates).zip(&*column) {
+            let size = x.abs() + rate.abs() * return_time;
+            if size > 0.0 {
+                let rate = rate / size;
+                shared += entry / size * rate;
+                square += rate * rate;
             }
-        };
+        }
+        let along = shared / square;
         // At rest there is no direction of motion.
         if !along.is_finite() {
             return false;
         }
         for (entry, rate) in column.iter_mut().zip(&rates) {
             *entry -= along * rate;
-        }
-        if let Some(time) = time {
-            column[time] = 0.0;
         }
         true
     }
