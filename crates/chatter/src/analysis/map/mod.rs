@@ -18,6 +18,7 @@ pub use coordinate::{Carry, CoordinateKind, PhaseLost};
 pub use passage::{NoReturn, Passage};
 pub use scope::Scope;
 pub use tangent::{Differentiable, Tangent};
+pub(crate) use tangent::{displaced_names, displaced_point};
 
 use core::sync::atomic::AtomicBool;
 

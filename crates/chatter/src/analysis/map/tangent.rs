@@ -8,16 +8,26 @@ pub trait Differentiable: Map {
     fn jacobian(&self, parameters: &[f64], point: &[f64]) -> Vec<f64>;
 }
 
+/// Names of the coordinates of a tangent map's points, from those of the map.
+pub(crate) fn displaced_names(mut names: Vec<String>) -> Vec<String> {
+    let displaced: Vec<String> = names.iter().map(|name| format!("d{name}")).collect();
+    names.extend(displaced);
+    names
+}
+
+/// Where a tangent map's orbit starts unless told otherwise: at the map's point, displaced by one in every direction.
+pub(crate) fn displaced_point(mut point: Vec<f64>) -> Vec<f64> {
+    point.resize(2 * point.len(), 1.0);
+    point
+}
+
 /// The tangent map of a map: (x, y) -> (f(x), f'(x) y).
 #[derive(Clone, Copy, Debug)]
 pub struct Tangent<'m, M>(pub &'m M);
 
 impl<M: Differentiable> Map for Tangent<'_, M> {
     fn coordinates(&self) -> Vec<String> {
-        let mut names = self.0.coordinates();
-        let displaced: Vec<String> = names.iter().map(|name| format!("d{name}")).collect();
-        names.extend(displaced);
-        names
+        displaced_names(self.0.coordinates())
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -29,9 +39,7 @@ impl<M: Differentiable> Map for Tangent<'_, M> {
     }
 
     fn initial_point(&self, parameters: &[f64]) -> Vec<f64> {
-        let point = self.0.initial_point(parameters);
-        let displacement = vec![1.0; point.len()];
-        [point, displacement].concat()
+        displaced_point(self.0.initial_point(parameters))
     }
 
     fn next(&self, parameters: &[f64], point: &mut [f64]) -> Result<Passage, NoReturn> {

@@ -426,7 +426,7 @@ impl<'m, 'v> Follower<'m, 'v> {
         if self.is_tangent {
             passage.ambiguities += u64::from(trajectory.no_derivative().is_some());
             match self.across_motion(trajectory, passage.return_time) {
-                Ok(point) => told = Some(point),
+                Ok(point) => told = point,
                 Err(error) => return self.report(orbit, trajectory, Err(NoReturn::Failed(error))),
             }
         }
@@ -450,48 +450,42 @@ impl<'m, 'v> Follower<'m, 'v> {
         }
     }
 
-    /// The state and the displacement, where looks are at events and nothing tells the time without what it has of the direction of motion,
-    /// each coordinate measured by its own size. That neither grows nor shrinks, and would hide what does.
-    ///
-    /// The trajectory goes on with what is left, but in the middle of something, where it has to go on as it is.
+    /// Takes from the displacement what it has of the motion, and what the state is held against. In the middle of something the trajectory
+    /// has to go on as it is: then what is to be told in place of its state.
     fn across_motion(
         &mut self,
         trajectory: &mut Trajectory<f64>,
         return_time: f64,
-    ) -> Result<Vec<f64>, FlowError> {
+    ) -> Result<Option<Vec<f64>>, FlowError> {
         let system = &self.map.system;
-        let mut told = trajectory.state().to_vec();
-        let (state, column) = told.split_at_mut(system.coordinates());
-        let is_off = self.leave_motion((state, column), trajectory, return_time);
-        let may_replace = (is_off || trajectory.is_held(system))
+        let left = self.without_motion(trajectory, return_time);
+        let may_replace = (left.is_some() || trajectory.is_held(system))
             && trajectory.is_between_steps()
             && !trajectory.follows_sequence()
             && !trajectory.has_caused_more(system, &mut self.work);
+        let (state, column) = trajectory.state().split_at(system.coordinates());
         if may_replace {
             // What holds the state holds its displacements: what rounding takes off that need not die out as they do.
-            self.replace(trajectory, &told[system.coordinates()..])?;
-            told.copy_from_slice(trajectory.state());
+            let left = left.unwrap_or_else(|| column.to_vec());
+            self.replace(trajectory, &left)?;
+            return Ok(None);
         }
-        Ok(told)
+        Ok(left.map(|left| [state, &left].concat()))
     }
 
-    /// Takes from a displacement what it has of the motion; whether it had any.
-    fn leave_motion(
-        &self,
-        (state, column): (&[f64], &mut [f64]),
-        trajectory: &Trajectory<f64>,
-        return_time: f64,
-    ) -> bool {
+    /// What is left of the displacement without what it has of the direction of motion, each coordinate measured by its own size: that neither
+    /// grows nor shrinks, and would hide what does. None where motions are compared at one time, or where the state is at rest.
+    fn without_motion(&self, trajectory: &Trajectory<f64>, return_time: f64) -> Option<Vec<f64>> {
         let is_simultaneous = matches!(self.map.look, Look::Stroboscopic { .. });
         if self.map.model.time.is_some() || is_simultaneous {
-            return false;
+            return None;
         }
-        let Some(rates) = trajectory.rates(&self.map.system) else {
-            return false;
-        };
+        let system = &self.map.system;
+        let (state, column) = trajectory.state().split_at(system.coordinates());
+        let rates = trajectory.rates(system)?;
         let rates: Vec<f64> = rates[..state.len()].iter().map(|rate| rate.value).collect();
         let (mut shared, mut square) = (0.0, 0.0);
-        for ((x, rate), entry) in state.iter().zip(&rates).zip(&*column) {
+        for ((x, rate), entry) in state.iter().zip(&rates).zip(column) {
             let size = x.abs() + rate.abs() * return_time;
             if size > 0.0 {
                 let rate = rate / size;
@@ -501,13 +495,10 @@ impl<'m, 'v> Follower<'m, 'v> {
         }
         let along = shared / square;
         // At rest there is no direction of motion.
-        if !along.is_finite() {
-            return false;
-        }
-        for (entry, rate) in column.iter_mut().zip(&rates) {
-            *entry -= along * rate;
-        }
-        true
+        let left = column.iter().zip(&rates);
+        along
+            .is_finite()
+            .then(|| left.map(|(entry, rate)| entry - along * rate).collect())
     }
 
     /// Gives a trajectory another displacement.

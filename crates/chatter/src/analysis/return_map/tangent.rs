@@ -2,7 +2,10 @@
 
 use super::ReturnMap;
 use super::follow::Follower;
-use crate::analysis::map::{Arrival, Command, Map, NoReturn, Passage, Start, next_of_follow};
+use crate::analysis::map::{
+    Arrival, Command, Map, NoReturn, Passage, Start, displaced_names, displaced_point,
+    next_of_follow,
+};
 use crate::flow::{Column, System, SystemError};
 use core::sync::atomic::AtomicBool;
 
@@ -25,9 +28,7 @@ impl TangentReturnMap {
 
 impl Map for TangentReturnMap {
     fn coordinates(&self) -> Vec<String> {
-        let names = self.0.coordinates();
-        let displaced = names.iter().map(|name| format!("d{name}"));
-        names.iter().cloned().chain(displaced).collect()
+        displaced_names(self.0.coordinates())
     }
 
     fn parameters(&self) -> Vec<String> {
@@ -39,9 +40,7 @@ impl Map for TangentReturnMap {
     }
 
     fn initial_point(&self, parameters: &[f64]) -> Vec<f64> {
-        let point = self.0.initial_point(parameters);
-        let displacement = vec![1.0; point.len()];
-        [point, displacement].concat()
+        displaced_point(self.0.initial_point(parameters))
     }
 
     fn next(&self, parameters: &[f64], point: &mut [f64]) -> Result<Passage, NoReturn> {

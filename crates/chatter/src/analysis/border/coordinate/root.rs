@@ -218,8 +218,8 @@ impl<R: Real> Equations<R> for Closing<'_, R> {
             if !(self.within.0..=self.within.1).contains(&value.to_f64()) {
                 return Err(());
             }
-            let by = before.here.value - value;
-            let by = moved(&before.shift, &before.release.slope, -by);
+            let by = value - before.here.value;
+            let by = moved(&before.shift, &before.release.slope, by);
             self.near = before.release.moved(&by, R::ONE);
         }
         let here = self.problem.at(value).map_err(drop)?;

@@ -179,16 +179,14 @@ impl<'a> Stretching<'a> {
         if is_sized && !is_forgotten {
             return Command::Continue;
         }
-        let state = arrival.point[..self.displaced.units.len()].to_vec();
-        let mut next = Displaced::evenly(state, self.displaced.units.clone());
-        if !is_forgotten {
-            let at = next.units.len();
-            for (x, y) in next.point[at..].iter_mut().zip(displacement) {
-                *x = y / length;
-            }
+        let mut point = arrival.point.to_vec();
+        let again = &mut point[self.displaced.units.len()..];
+        match is_forgotten {
+            true => again.copy_from_slice(&self.displaced.units),
+            false => again.iter_mut().for_each(|x| *x /= length),
         }
-        self.length = self.displaced.length(&next.point[next.units.len()..]);
-        Command::Restart(self.start(sweep, next.point))
+        self.length = self.displaced.length(again);
+        Command::Restart(self.start(sweep, point))
     }
 
     /// Notes the exponent, which says more about chaos than samples do.
