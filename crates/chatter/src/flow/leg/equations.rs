@@ -152,6 +152,20 @@ impl System {
         Some(field.iter().map(at).collect())
     }
 
+    /// Whether the jump at the end of a leg leads onto a contact from wherever it comes: it keeps the gap that the mode holds closed, or closes it.
+    pub(crate) fn lands_on(&self, kind: LegKind, contact: usize) -> bool {
+        let ending = self.ending(kind);
+        let (Some(Ending { mut graph, map, .. }), Some((grip, _, on_sides))) =
+            (ending, self.origin_of(kind.mode))
+        else {
+            return false;
+        };
+        let gap = on_sides.mechanics.contacts[contact].gap;
+        let after = graph.substitute(gap, &|symbol| at(&map, symbol));
+        let is_kept = after == gap && grip.carrying().contains(contact);
+        is_kept || after == graph.number(0.0)
+    }
+
     pub(super) fn ending(&self, kind: LegKind) -> Option<Ending> {
         let (grip, sides, on_sides) = self.origin_of(kind.mode)?;
         let mut mechanics = on_sides.mechanics.clone();

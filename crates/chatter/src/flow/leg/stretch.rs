@@ -25,6 +25,7 @@ pub(crate) struct Stretch {
     /// The guard that ends it, and how many chatter sequences come to their end before.
     ends_at: Option<GuardKind>,
     accumulations: usize,
+    passes: Option<usize>,
     /// Contacts that are closed where it starts, and the gaps to start on.
     closed: Closed,
     gaps: Vec<Expr>,
@@ -44,6 +45,21 @@ pub(crate) struct StretchKind {
     pub impacts: usize,
     /// The mode that it ends in, and how.
     pub last: LegKind,
+    /// How often what ends it comes on the way, if that is known: once more before chatter is complete, and it is another motion. Impacts, of
+    /// which chatter has no fixed number, are not counted.
+    #[serde(default)]
+    pub passes: Option<usize>,
+}
+
+impl StretchKind {
+    /// The same up to another event, however often that comes on the way.
+    pub(crate) fn up_to(self, last: LegKind) -> Self {
+        Self {
+            last,
+            passes: None,
+            ..self
+        }
+    }
 }
 
 impl System {
@@ -63,6 +79,7 @@ impl System {
             edge: Edge::new(self.model(), &mut graph, (&field, surface, &map), free),
             ends_at: kind.last.ends_at,
             accumulations: kind.accumulations,
+            passes: kind.passes,
             closed: kind.closed,
             gaps: Closed(kind.closed.0 | kind.on.0)
                 .contacts()
@@ -136,7 +153,7 @@ impl Stretch {
             trajectory
         };
         trajectory.set_horizon_parts(two_sum(clock, longest));
-        let mut accumulations = 0;
+        let (mut accumulations, mut passes) = (0, 0);
         let mut astray = Astray::Otherwise;
         for _ in 0..MOST_EVENTS {
             let mut told = None;
@@ -170,7 +187,11 @@ impl Stretch {
             let Some(guard) = trajectory.ended_by() else {
                 continue;
             };
-            if Some(guard) == self.ends_at && accumulations >= self.accumulations {
+            if Some(guard) != self.ends_at {
+                continue;
+            }
+            let is_last = self.passes.is_none_or(|wanted| passes >= wanted);
+            if accumulations >= self.accumulations && is_last {
                 let duration = trajectory.time() - clock;
                 let dense = work.dense();
                 let end: Vec<R> = (0..start.len()).map(|i| dense.state(i, R::ONE)).collect();
@@ -180,6 +201,10 @@ impl Stretch {
                     duration,
                     &end,
                 ));
+            }
+            passes += 1;
+            if self.passes.is_some_and(|wanted| passes > wanted) {
+                return Err(astray);
             }
         }
         Err(astray)

@@ -1,6 +1,7 @@
 //! Events that come because a jump, of an impact or of another event, has taken the state across their surfaces.
 
 use super::{Branch, Orbit, SpecialKind, orbit, over, with};
+use chatter::analysis::periodic::End;
 use chatter::numerics::Real;
 
 /// A clock of period 1 adds J to b, which decays to d between; where that lifts b over 0.9, it is multiplied by c at once.
@@ -182,5 +183,88 @@ fn a_branch_ends_where_the_jump_leads_just_onto_the_surface() {
             let ends = all[0].ends.iter().map(ToString::to_string);
             assert!(ends.into_iter().any(|end| end.contains("no longer cross")));
         }
+    }
+}
+
+/// A clock throws a ball, which has chattered to rest, at its floor, as fast as a third state says, which it changes, too: at the instant of the throw it
+/// bounces, by drag of another law where it is faster than a half, and that state alone is remembered.
+#[test]
+fn a_throw_at_the_floor_bounces_at_once() {
+    for (unit, length) in [(1e-3, 1.0), (1.0, 1e3), (1e3, 1e-3)] {
+        for drag in ["0", "0.2*sign(v/L + 0.5)", "0.05*abs(v/L)*v/L"] {
+            let text = format!(
+                "[flight]\ny = 'v/{unit:?}'\nv = '-{length:?}*(1 + {})/{unit:?}'\nz = '-0.3*z/{unit:?}'\nc = '1/{unit:?}'\n\
+                 [[contact]]\nname = 'floor'\ngap = 'y'\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n\
+                 [[event]]\nname = 'throw'\nsurface = 'c - 5'\ndirection = 'rising'\n\
+                 reset = {{ c = 0, v = '-{length:?}*(1 + z)', z = '0.5*z + 0.2' }}\n[initial]\ny = {length:?}\nv = 0\nz = 0.1\nc = 0\n",
+                drag.replace('L', &format!("{length:?}"))
+            );
+            let found = orbit(&with(&text, &[]));
+            assert_eq!(found.impacts, None);
+            assert!(close_to(found.period.to_f64() / unit / 5.0, 1.0));
+            let kept = (-1.5_f64).exp();
+            let after = 0.2 / (1.0 - 0.5 * kept);
+            let start: Vec<f64> = found.start.iter().map(|x| x.to_f64()).collect();
+            assert!(close_to(start[2], after), "{start:?}");
+            let bounces = 0.5 * (1.0 + kept * after);
+            assert!(close_to(start[1] / length, bounces), "{start:?}");
+            let multipliers: Vec<f64> = found.multipliers.iter().map(|m| m.re).collect();
+            assert_eq!(multipliers.len(), 3);
+            assert!(close_to(multipliers[0], 0.5 * kept), "{multipliers:?}");
+            assert!(multipliers[1..].iter().all(|&m| m == 0.0));
+        }
+    }
+}
+
+/// A ball is caught as it falls through h, and thrown at the floor, faster by k: it bounces with r (k + s) where it fell with s = (v^2 - 2 g h)^(1/2), and a
+/// displacement of v is multiplied by r v/s.
+#[test]
+fn an_event_that_puts_a_body_on_the_floor_may_throw_it_there() {
+    let (r, k, h) = (0.5_f64, 2.0, 0.3);
+    for (unit, length) in [(1e-3, 1.0), (1.0, 1.0), (1e3, 1e-3)] {
+        let text = format!(
+            "[flight]\ny = 'v/{unit:?}'\nv = '-{length:?}/{unit:?}'\n[[contact]]\nname = 'floor'\ngap = 'y'\nimpulse = {{ v = 1 }}\n\
+             restitution = {r:?}\n[[event]]\nname = 'put'\nsurface = 'y - {h:?}*{length:?}'\ndirection = 'falling'\n\
+             reset = {{ y = 0, v = 'v - {k:?}*{length:?}' }}\n[initial]\ny = '0.5*{length:?}'\nv = {length:?}\n"
+        );
+        let found = orbit(&with(&text, &[]));
+        let root = r * (r * r * k * k - (1.0 - r * r) * 2.0 * h).sqrt();
+        let v = (r * k + root) / (1.0 - r * r);
+        let s = v / r - k;
+        assert!(close_to(found.period.to_f64() / unit, v + s));
+        assert_eq!(found.impacts, Some(1));
+        assert!(close_to(found.start[1].to_f64() / length, v), "{v}");
+        assert_eq!(found.multipliers.len(), 1);
+        assert!(close_to(found.multipliers[0].re, r * v / s));
+    }
+}
+
+/// Thrown by a clock, s at a time, a ball comes to rest after 2 s / g: not before it is thrown again where that is the clock's period, 5. Beyond,
+/// chatter may come to its end only after some throws more, and no such way is taken for the orbit's.
+#[test]
+fn a_border_has_the_period_of_its_orbit() {
+    for unit in [1e-3, 1.0, 1e3] {
+        let text = format!(
+            "[parameters]\ns = 1\n[flight]\ny = 'v/{unit:?}'\nv = '-1/{unit:?}'\nc = '1/{unit:?}'\n[[contact]]\nname = 'floor'\n\
+             gap = 'y'\nimpulse = {{ v = 1 }}\nrestitution = 0.5\n[[event]]\nname = 'throw'\nsurface = 'c - 5'\n\
+             direction = 'rising'\nreset = {{ c = 0, v = '-s' }}\n[initial]\ny = 1\nv = 0\nc = 0\n"
+        );
+        let branches = over(&with(&text, &[]), "s", (0.5, 4.0), (8, 0.02));
+        let branch = &branches[0];
+        let mut all = branch.points.iter();
+        assert!(
+            all.all(|point| (point.period / unit - 5.0).abs() < 1e-9 && point.parameter() < 2.5)
+        );
+        assert_eq!(branch.ends, [End::Range, End::ChatterBorder]);
+        let [border] = &branch.special[..] else {
+            panic!("{:?}", branch.special);
+        };
+        assert_eq!(border.kind, SpecialKind::ChatterBorder);
+        assert!(
+            (border.point.period / unit - 5.0).abs() < 1e-9,
+            "{}",
+            border.point.period
+        );
+        assert!((border.point.parameter() - 2.5).abs() < border.error.min(1e-3));
     }
 }

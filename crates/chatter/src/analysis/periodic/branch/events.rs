@@ -185,16 +185,15 @@ impl Shooting<f64> {
                 Passage::Stretch(StretchKind {
                     closed: steps[before].closed,
                     on: struck(&steps, before),
-                    ..whole
+                    ..whole.up_to(whole.last)
                 })
             }
             (Passage::Stretch(whole), Passage::Leg(last)) if last.mode == kind.mode => {
-                Passage::Stretch(StretchKind { last, ..whole })
+                Passage::Stretch(whole.up_to(last))
             }
             (Passage::Stretch(first), Passage::Stretch(whole)) => Passage::Stretch(StretchKind {
                 accumulations: first.accumulations + whole.accumulations,
-                last: whole.last,
-                ..first
+                ..first.up_to(whole.last)
             }),
             _ => {
                 return Err(unfollowed("the loss of an event between different modes"));

@@ -170,6 +170,50 @@ impl Events {
         alone
             .or_else(|| Self::corners((system, parameters), instant, span))
             .or_else(|| Self::collisions(system, instant))
+            .or_else(|| Self::thrown(system, instant))
+    }
+
+    /// An event that throws bodies at what they rest on, or are put onto by it: impacts at its instant, however the orbit is displaced.
+    fn thrown(system: &System, instant: &Instant) -> Option<Self> {
+        let (&told, others) = instant.told.split_first()?;
+        let Occurrence::Reset { section } = told else {
+            return None;
+        };
+        let by_two = system.simultaneous() == Simultaneous::Binary && system.rubbing().is_empty();
+        if !by_two || instant.guard != Some(GuardKind::Section(section)) {
+            return None;
+        }
+        let first = LegKind {
+            mode: instant.mode,
+            ends_at: instant.guard,
+            jump: Jump::Reset(section),
+        };
+        let mut then = Vec::new();
+        for (told, (mode, _)) in others.iter().zip(instant.came_in.iter().skip(1)) {
+            match *told {
+                Occurrence::Impact { contact, .. } => {
+                    if !system.lands_on(first, contact) {
+                        return None;
+                    }
+                    let (_, sides, _) = system.origin_of(*mode)?;
+                    then.push(Passage::AtOnce(LegKind {
+                        mode: system.meet(Grip::NONE, sides),
+                        ends_at: Some(GuardKind::Gap(contact)),
+                        jump: Jump::Impact(contact),
+                    }));
+                }
+                // The mode after the jumps says so.
+                Occurrence::Capture { .. }
+                | Occurrence::Release { .. }
+                | Occurrence::Switch { .. }
+                | Occurrence::Slide { .. }
+                | Occurrence::Leave { .. }
+                | Occurrence::Stick { .. }
+                | Occurrence::Slip { .. } => {}
+                _ => return None,
+            }
+        }
+        (!then.is_empty()).then_some(Self { first, then })
     }
 
     /// Collisions as they came. None where the law of those that share an instant is not one of two bodies at a time.
@@ -253,26 +297,27 @@ impl Events {
             let others: Vec<Step> = others.collect();
             return core::iter::once(way).chain(others).collect();
         }
-        let known = system.with_pieces(parameters, &instant.pieces);
         let mut state = instant.state.clone();
         let mut closed = way.closed;
-        let impacts: Vec<_> = (instant.told.iter())
-            .filter_map(|told| match *told {
+        let own = usize::from(self.first.jump.impact().is_some());
+        let impacts: Vec<_> = (instant.told.iter().zip(&instant.came_in))
+            .filter_map(|(told, (_, pieces))| match *told {
                 Occurrence::Impact {
                     contact,
                     rate_before,
                     rate_after,
                     ..
-                } => Some((told, contact, rate_after - rate_before)),
+                } => Some((told, pieces, contact, rate_after - rate_before)),
                 _ => None,
             })
-            .skip(1)
+            .skip(own)
             .collect();
         let mut found: Vec<Step> = Vec::new();
-        for (&passage, &(told, contact, change)) in self.then.iter().zip(&impacts).rev() {
+        for (&passage, &(told, pieces, contact, change)) in self.then.iter().zip(&impacts).rev() {
+            let known = system.with_pieces(parameters, pieces);
             let mut step = Step {
                 passage,
-                pieces: instant.pieces.clone(),
+                pieces: pieces.clone(),
                 told: vec![*told],
                 closed,
                 start: Vec::new(),

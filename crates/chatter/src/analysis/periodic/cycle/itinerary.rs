@@ -164,7 +164,8 @@ pub(crate) fn read(
             };
             told.extend(events.told(instant));
             let last = events.first;
-            let whole = stretch(&instants[begin], instant, (accumulations, last, told));
+            let way = (&instants[begin], &instants[begin + 1..index], instant);
+            let whole = stretch(way, (accumulations, last, told));
             steps.extend(events.steps((system, parameters), (whole, instant)));
             from = index;
             continue;
@@ -325,8 +326,7 @@ fn gives_jump(steps: &mut [Step], jump: Jump) -> bool {
 }
 
 fn stretch(
-    begin: &Instant,
-    end: &Instant,
+    (begin, between, end): (&Instant, &[Instant], &Instant),
     (accumulations, last, told): (usize, LegKind, Vec<Occurrence<f64>>),
 ) -> Step {
     let hits = |told: &&Occurrence<f64>| matches!(told, Occurrence::Impact { .. });
@@ -334,6 +334,10 @@ fn stretch(
         0 => told.iter().filter(hits).count(),
         _ => 0,
     };
+    let is_impact = matches!(last.ends_at, Some(GuardKind::Gap(_)));
+    let passed = between
+        .iter()
+        .filter(|instant| instant.guard == last.ends_at);
     Step {
         passage: Passage::Stretch(StretchKind {
             closed: begin.closed,
@@ -341,6 +345,7 @@ fn stretch(
             accumulations,
             impacts,
             last,
+            passes: (!is_impact).then(|| passed.count()),
         }),
         pieces: end.pieces.clone(),
         told,

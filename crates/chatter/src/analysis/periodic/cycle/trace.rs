@@ -14,6 +14,8 @@ pub(crate) struct Instant {
     pub pieces: Vec<i64>,
     pub guard: Option<GuardKind>,
     pub told: Vec<Occurrence<f64>>,
+    /// The mode and the pieces that each of what is told came in.
+    pub came_in: Vec<(usize, Vec<i64>)>,
     /// After it.
     pub state: Vec<f64>,
     pub closed: Closed,
@@ -134,6 +136,7 @@ impl<'s> Tracer<'s> {
             pieces: self.trajectory.pieces().to_vec(),
             guard: None,
             told: Vec::new(),
+            came_in: Vec::new(),
             state: state.to_vec(),
             closed: Closed::NONE,
             mode_after: self.trajectory.mode,
@@ -226,15 +229,17 @@ impl<'s> Tracer<'s> {
                         before.and_then(|before| before.with_section.take())
                     }
                 };
+                let told_here: Vec<_> = told
+                    .into_iter()
+                    .filter(|t| *t != Occurrence::Horizon)
+                    .collect();
                 instants.push(Instant {
                     time: self.trajectory.time(),
                     mode,
+                    came_in: vec![(mode, pieces.clone()); told_here.len()],
                     pieces,
                     guard,
-                    told: told
-                        .into_iter()
-                        .filter(|t| *t != Occurrence::Horizon)
-                        .collect(),
+                    told: told_here,
                     state: Vec::new(),
                     closed: Closed::NONE,
                     mode_after: 0,
@@ -248,6 +253,7 @@ impl<'s> Tracer<'s> {
                 last.in_one_mode &=
                     asked_in.is_none() || (mode, &pieces) == (last.mode, &last.pieces);
                 last.told.push(told);
+                last.came_in.push((mode, pieces));
             }
             if let Some(last) = instants.last_mut()
                 && last.time == self.trajectory.time()

@@ -6,7 +6,7 @@ use super::{Flown, Shooting};
 use crate::analysis::continuation::{Left, Problem};
 use crate::analysis::periodic::cycle::corners::in_order;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
-use crate::flow::leg::{LegKind, StretchKind};
+use crate::flow::leg::LegKind;
 use crate::flow::{Closed, GuardKind, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
 use crate::model::State;
 use crate::numerics::Matrix;
@@ -197,10 +197,7 @@ impl Shooting<f64> {
         };
         for (step, kind) in chain.iter_mut().zip(kinds) {
             step.passage = match step.passage {
-                Passage::Stretch(whole) => Passage::Stretch(StretchKind {
-                    last: kind,
-                    ..whole
-                }),
+                Passage::Stretch(whole) => Passage::Stretch(whole.up_to(kind)),
                 Passage::Together(_) => Passage::Together(kind),
                 _ => Passage::Leg(kind),
             };
@@ -256,7 +253,7 @@ fn event(passage: Passage) -> Option<LegKind> {
 /// A way that ends with the event of another step.
 fn ending(way: Passage, other: Passage) -> Passage {
     match (way, event(other)) {
-        (Passage::Stretch(whole), Some(last)) => Passage::Stretch(StretchKind { last, ..whole }),
+        (Passage::Stretch(whole), Some(last)) => Passage::Stretch(whole.up_to(last)),
         (_, Some(kind)) => Passage::Leg(kind),
         (way, None) => way,
     }
