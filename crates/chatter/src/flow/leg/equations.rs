@@ -135,6 +135,29 @@ impl System {
         })
     }
 
+    /// The mode between two events of one instant in the other order, where these lead from mode to mode, the first and then the second: what the
+    /// second changes has changed there. None where something opens or closes, or a slide begins or ends, or where it holds no motion.
+    pub(crate) fn in_other_order(&self, [before, between, after]: [usize; 3]) -> Option<usize> {
+        let (grip, mut sides, _) = self.origin_of(before)?;
+        let (grip_between, sides_between, _) = self.origin_of(between)?;
+        let (grip_after, sides_after, _) = self.origin_of(after)?;
+        if grip != grip_between || grip != grip_after {
+            return None;
+        }
+        for surface in 0..self.corners().surfaces.len() {
+            let all = [sides, sides_between, sides_after].map(|sides| sides.get(surface));
+            let changes = all.iter().any(|side| *side != all[0]);
+            if changes && all.contains(&Side::Sliding) {
+                return None;
+            }
+            if all[1] != all[2] {
+                sides = sides.with(surface, all[2]);
+            }
+        }
+        let mode = self.meet(grip, sides);
+        self.program(mode).map(|_| mode)
+    }
+
     /// The field of a mode at a state.
     pub(crate) fn field_of(
         &self,

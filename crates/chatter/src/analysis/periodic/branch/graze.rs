@@ -8,7 +8,7 @@ use super::{Point, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Station, tangent};
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::orbit::shorter;
-use crate::analysis::periodic::shooting::{Shooting, station_after};
+use crate::analysis::periodic::shooting::{Exchanged, Shooting, station_after};
 use crate::expressions::Symbol;
 use crate::flow::GuardKind;
 use crate::flow::leg::Least;
@@ -184,13 +184,13 @@ impl Walker {
             return Stop::End(end);
         }
         self.settle(&station);
-        let is_told = !self.shooting.is_knot(index);
         let forward = self.heading(&curve.station);
+        let exchanged = self.shooting.exchanged(&station.at, index);
+        let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
+        let is_told = !self.shooting.is_knot(index) && exchanged.as_ref().map_or(true, shows);
         if is_told {
             self.note_exchange(&station, index, &there);
-            self.settle(&station);
         }
-        let exchanged = self.shooting.exchanged(&station.at, index);
         let next = exchanged
             .map_err(|error| error.to_string())
             .and_then(|mut exchanged| {

@@ -27,9 +27,9 @@ struct Functions {
 }
 
 /// A mode with the pieces of lookups in it.
-struct Regime {
-    mode: usize,
-    pieces: Vec<i64>,
+pub(super) struct Regime {
+    pub mode: usize,
+    pub pieces: Vec<i64>,
 }
 
 /// A corner that shares the instant of a jump.
@@ -69,6 +69,16 @@ fn shifted(of: &Matrix<f64>, by: &[f64], late: &[f64]) -> Matrix<f64> {
         }
     }
     shifted
+}
+
+/// Whether two derivatives of states of these sizes are not the same.
+pub(super) fn differ(one: &Matrix<f64>, other: &Matrix<f64>, sizes: &[f64]) -> bool {
+    let n = sizes.len();
+    let scaled = |of: &Matrix<f64>, i: usize, j: usize| of.row(i)[j] * sizes[j] / sizes[i];
+    let places = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let largest = places().fold(0.0_f64, |most, (i, j)| most.max(scaled(one, i, j).abs()));
+    let off = |(i, j): (usize, usize)| (scaled(one, i, j) - scaled(other, i, j)).abs();
+    places().any(|place| off(place) > SAME_DERIVATIVE * largest)
 }
 
 impl Shooting<f64> {
@@ -124,7 +134,7 @@ impl Shooting<f64> {
     }
 
     /// The regime that a step is followed by.
-    fn regime_after(
+    pub(super) fn regime_after(
         &self,
         steps: &[Step],
         index: usize,
@@ -175,33 +185,17 @@ impl Shooting<f64> {
         }
         let b = self.regime_after(steps, index, parameters)?;
         let d = self.regime_after(steps, next, parameters)?;
-        // What the second changes, without the first.
-        let origins = [&a, &b, &d].map(|regime| system.origin_of(regime.mode));
-        let [
-            Some((grip, mut sides, _)),
-            Some((from_grip, from, _)),
-            Some((to_grip, to, _)),
-        ] = origins
-        else {
+        let mode = system.in_other_order([a.mode, b.mode, d.mode]);
+        let Some(mode) = mode.filter(|_| b.pieces == d.pieces) else {
             return Ok(true);
         };
-        if grip != from_grip || grip != to_grip || b.pieces != d.pieces {
-            return Ok(true);
-        }
-        for surface in 0..system.corners().surfaces.len() {
-            if from.get(surface) != to.get(surface) {
-                sides = sides.with(surface, to.get(surface));
-            }
-        }
-        let mode = system.meet(grip, sides);
         let c = Regime {
             mode,
             pieces: a.pieces.clone(),
         };
         let both = [&Happening::Jump(kind), &Happening::Jump(other)];
-        let matters = system.program(mode).is_none()
-            || self.order_matters_at(both, &state, [&a, &b, &c, &d], parameters) != Some(false);
-        Ok(matters)
+        let matters = self.order_matters_at(both, &state, [&a, &b, &c, &d], parameters);
+        Ok(matters != Some(false))
     }
 
     /// The functions of surfaces, and the arguments of lookups.
@@ -376,14 +370,9 @@ impl Shooting<f64> {
         let one = self.one_after_the_other([(first, a), (second, b)], d, (state, parameters))?;
         let other = self.one_after_the_other([(second, a), (first, c)], d, (state, parameters))?;
         let sizes = self.state_sizes();
-        let n = sizes.len();
-        let scaled = |of: &Matrix<f64>, i: usize, j: usize| of.row(i)[j] * sizes[j] / sizes[i];
-        let places = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let largest = places().fold(0.0_f64, |most, (i, j)| most.max(scaled(&one.1, i, j).abs()));
-        let off = |(i, j): (usize, usize)| (scaled(&one.1, i, j) - scaled(&other.1, i, j)).abs();
         let mut apart = one.0.iter().zip(&other.0).zip(&sizes);
         Some(
-            places().any(|place| off(place) > SAME_DERIVATIVE * largest)
+            differ(&one.1, &other.1, &sizes)
                 || apart.any(|((a, b), size)| (a - b).abs() > SAME_DERIVATIVE * size),
         )
     }

@@ -84,16 +84,19 @@ impl Shooting<f64> {
 
 impl Shooting<f64> {
     /// The field at a state where the step after another one begins.
-    fn field_after(&mut self, index: usize, at: &[f64], state: &[f64]) -> Vec<f64> {
+    fn field_after(&self, index: usize, at: &[f64], state: &[f64]) -> Result<Vec<f64>, Left> {
         let parameters = self.workshop.parameters(self.free(at));
         let next = self.after(index);
-        if let Flown::Leg(leg, flyer) = &self.flown[next] {
-            let all = self.parameters_of(&parameters, &self.steps[next]);
-            return leg.field(&mut self.flyers[*flyer].1, &all, state);
+        if let Flown::Leg(..) = &self.flown[next] {
+            let regime = self.regime_after(&self.current_steps(at), index, &parameters)?;
+            let system = &self.workshop.system;
+            let known = system.with_pieces(&parameters, &regime.pieces);
+            let field = system.field_of(regime.mode, &known, state);
+            return field.ok_or_else(|| Left::because("a mode holds no motion"));
         }
         let model = &self.workshop.model;
         let rate = |of: &State| model.graph.evaluate(of.derivative, state, &parameters);
-        model.states.iter().map(rate).collect()
+        Ok(model.states.iter().map(rate).collect())
     }
 
     /// The step that ends with an event which comes at the instant of another, where the derivative depends on which of them is met first: at
@@ -207,7 +210,11 @@ impl Shooting<f64> {
 
     /// The derivative of a chain of collisions, the way to it included, from where that begins at a point: of the state after it at
     /// a given time, whichever event was the last.
-    fn derivative(&mut self, at: &[f64], chain: Range<usize>) -> Result<Matrix<f64>, Left> {
+    pub(super) fn derivative(
+        &mut self,
+        at: &[f64],
+        chain: Range<usize>,
+    ) -> Result<Matrix<f64>, Left> {
         let n = self.workshop.model.states.len();
         let mut here = self.guess(self.free(at));
         for index in chain.clone() {
@@ -231,7 +238,7 @@ impl Shooting<f64> {
             product = transfer(landing, n).times(&product);
         }
         let image = self.latest[chain.end - 1].image.clone();
-        let rates = self.field_after(chain.end - 1, &here, &image);
+        let rates = self.field_after(chain.end - 1, &here, &image)?;
         for (i, rate) in rates.into_iter().enumerate() {
             for (entry, late) in product.row_mut(i).iter_mut().zip(&late) {
                 *entry -= rate * late;

@@ -1,8 +1,10 @@
 //! Events that change places. Where one is the knot of a table functions go on smoothly, and nothing happens to an orbit whose impact
 //! comes before it and not after it any more. An impact and the tick of a clock, say, of which neither changes what the other does, lead to one
-//! state in either order: the orbit goes on with a bend. Beside that place the time between both is an unknown like others, of either sign.
+//! state in either order, as do an impact and the switch of a square wave: the orbit goes on with a bend. Beside that place the time between both
+//! is an unknown like others, of either sign.
 
 use super::Shooting;
+use super::at_jumps::differ;
 use crate::analysis::continuation::{
     Condition, Left, NewtonError, Problem, Station, newton, tangent,
 };
@@ -24,28 +26,35 @@ struct Exchange {
     second: Step,
 }
 
-/// The lookup and the step to the next piece, where a leg ends at a knot of a table.
-fn knot<R: Real>(shooting: &Shooting<R>, kind: LegKind) -> Option<(usize, i64)> {
+/// The lookup and the step to the next piece, where a leg ends with a piece.
+fn piece(kind: LegKind) -> Option<(usize, i64)> {
     let Some(GuardKind::Piece(lookup, side)) = kind.ends_at else {
         return None;
     };
-    let lookups = &shooting.workshop.system.corners().lookups;
-    let is_table = matches!(lookups.get(lookup)?.within, LookedUpIn::Curve(_));
     let by = match side {
         Side::Above => 1,
         Side::Below => -1,
         Side::Sliding => return None,
     };
-    (is_table && kind.jump == Jump::None).then_some((lookup, by))
+    (kind.jump == Jump::None).then_some((lookup, by))
 }
 
-/// Whether the leg ends with a jump that may leave another one as it is.
-fn jumps(kind: LegKind) -> bool {
-    let ends = matches!(
-        kind.ends_at,
-        Some(GuardKind::Gap(_) | GuardKind::Section(_))
-    );
-    ends && matches!(kind.jump, Jump::Impact(_) | Jump::Reset(_))
+/// Whether a leg ends at the knot of a table.
+fn is_knot_of_table<R: Real>(shooting: &Shooting<R>, kind: LegKind) -> bool {
+    let lookups = &shooting.workshop.system.corners().lookups;
+    let within = |(lookup, _): (usize, i64)| lookups.get(lookup).map(|of| &of.within);
+    matches!(piece(kind).and_then(within), Some(LookedUpIn::Curve(_)))
+}
+
+/// Whether the leg ends with a jump that may leave another one as it is, or where a surface is crossed.
+fn passes(kind: LegKind) -> bool {
+    match kind.ends_at {
+        Some(GuardKind::Gap(_) | GuardKind::Section(_)) => {
+            matches!(kind.jump, Jump::Impact(_) | Jump::Reset(_))
+        }
+        Some(GuardKind::Switch(_)) => kind.jump == Jump::None,
+        _ => false,
+    }
 }
 
 impl<R: Real> Shooting<R> {
@@ -54,7 +63,10 @@ impl<R: Real> Shooting<R> {
         let mut both = [self.before(index), index]
             .into_iter()
             .map(|k| &self.steps[k]);
-        both.any(|step| step.flight().is_some_and(|kind| knot(self, kind).is_some()))
+        both.any(|step| {
+            step.flight()
+                .is_some_and(|kind| is_knot_of_table(self, kind))
+        })
     }
 
     /// Whether the event at the end of a step may change places with the one before.
@@ -63,7 +75,7 @@ impl<R: Real> Shooting<R> {
     }
 
     fn exchange(&self, index: usize) -> Option<Exchange> {
-        if self.steps.len() < 3 {
+        if self.steps.len() < 2 {
             return None;
         }
         let (before, after) = (self.before(index), self.after(index));
@@ -80,9 +92,12 @@ impl<R: Real> Shooting<R> {
         };
         // Across the end of a cycle pieces are numbered a turn on.
         let wraps = index == 0;
-        match (knot(self, one), knot(self, other)) {
-            // The event, then the knot.
-            (None, Some(by)) if next.mode() == second.mode() => {
+        // Where a function jumps from piece to piece other events may come about by that.
+        let with_piece =
+            |event: LegKind, ends: LegKind| is_knot_of_table(self, ends) || passes(event);
+        match (piece(one), piece(other)) {
+            // The event, then the end of a piece.
+            (None, Some(by)) if next.mode() == second.mode() && with_piece(one, other) => {
                 let passes = wraps || first.pieces == second.pieces;
                 passes.then(|| Exchange {
                     first: Step {
@@ -103,8 +118,8 @@ impl<R: Real> Shooting<R> {
                     },
                 })
             }
-            // The knot, then the event.
-            (Some(by), None) if first.mode() == second.mode() => {
+            // The end of a piece, then the event.
+            (Some(by), None) if first.mode() == second.mode() && with_piece(other, one) => {
                 let passes = wraps || moved(&first.pieces, by) == second.pieces;
                 passes.then(|| Exchange {
                     first: Step {
@@ -125,17 +140,16 @@ impl<R: Real> Shooting<R> {
                     },
                 })
             }
-            (None, None) if jumps(one) && jumps(other) && one.ends_at != other.ends_at => {
-                let passes = wraps || first.pieces == second.pieces;
+            (None, None) if passes(one) && passes(other) && one.ends_at != other.ends_at => {
+                let in_pieces = wraps || first.pieces == second.pieces;
                 let closed = self.closed_before(before);
                 let opens_none = first.closed == closed && second.closed == closed;
-                // The mode between both, if one of them leaves it as it is.
-                let between = match [first.mode(), second.mode(), next.mode()] {
-                    [before, after, next] if before == after => Some(next),
-                    [before, after, next] if after == next => Some(before),
-                    _ => None,
-                };
-                let between = between.filter(|_| passes && opens_none)?;
+                let between = (self.workshop.system).in_other_order([
+                    first.mode(),
+                    second.mode(),
+                    next.mode(),
+                ]);
+                let between = between.filter(|_| in_pieces && opens_none)?;
                 Some(Exchange {
                     first: Step {
                         passage: Passage::Leg(LegKind {
@@ -168,7 +182,7 @@ pub(crate) struct Exchanged {
     /// Where the last step stood among the unknowns, if it is the first one now.
     last: Option<usize>,
     /// The step between both events.
-    between: usize,
+    pub between: usize,
 }
 
 impl Exchanged {
@@ -259,6 +273,9 @@ impl Shooting<f64> {
         let mut shooting = Self::new(&self.workshop, steps, self.counts.clone())?;
         shooting.keep_sizes(&self.state_sizes());
         shooting.told.clone_from(&self.told);
+        // It is told after the same event as before.
+        shooting.told_node = (self.told_node.filter(|&node| node < count))
+            .map(|node| shooting.after(numbers[self.before(node)]));
         let mut guess = shooting.guess(self.free(at));
         // The state between both is another one now.
         let left = |left: Left| PeriodicError::NoConvergence {
@@ -275,6 +292,22 @@ impl Shooting<f64> {
             last,
             between: index,
         })
+    }
+
+    /// Whether it shows in derivatives which of both comes first.
+    pub(crate) fn order_shows(exchanged: &Exchanged) -> Result<bool, PeriodicError> {
+        let left = |left: Left| PeriodicError::NoConvergence {
+            how: left.to_string(),
+        };
+        let back = exchanged
+            .shooting
+            .exchanged(&exchanged.guess, exchanged.between)?;
+        let [one, other] = [exchanged, &back].map(|of| {
+            let chain = of.between - 1..of.between + 1;
+            of.shooting.clone().derivative(&of.guess, chain)
+        });
+        let sizes = exchanged.shooting.state_sizes();
+        Ok(differ(&one.map_err(left)?, &other.map_err(left)?, &sizes))
     }
 
     /// The same, solved at these free parameters.

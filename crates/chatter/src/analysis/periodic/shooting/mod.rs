@@ -32,7 +32,7 @@ mod workshop;
 
 pub(crate) use collisions::struck;
 pub(crate) use corner::BeyondCorner;
-pub(crate) use exchange::station_after;
+pub(crate) use exchange::{Exchanged, station_after};
 pub(in crate::analysis::periodic) use workshop::AT_ENDS;
 pub(crate) use workshop::Workshop;
 
