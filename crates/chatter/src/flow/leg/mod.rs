@@ -31,7 +31,9 @@ use watch::Watch;
 
 pub(crate) use edge::Landing;
 pub(crate) use equations::Due;
-pub(crate) use stretch::{Astray, Follower, Stretch, StretchKind, onto_gaps};
+pub(crate) use stretch::{
+    Astray, Follower, Stretch, StretchKind, ends_piece, is_corner, onto_gaps,
+};
 pub(crate) use watch::Least;
 
 /// What the event at the end of a leg does to the state.

@@ -3,7 +3,7 @@
 use super::edge::{Edge, Known, Landing};
 use super::equations::Ending;
 use super::{LegKind, MOST_STEPS};
-use crate::expressions::{Expansion, Expr, Symbol};
+use crate::expressions::{Expansion, Expr, Side, Symbol};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::step::Workspace;
@@ -155,9 +155,14 @@ impl Stretch {
         trajectory.set_horizon_parts(two_sum(clock, longest));
         let (mut accumulations, mut passes) = (0, 0);
         let mut astray = Astray::Otherwise;
+        // When a corner has ended the way to it, and where.
+        let mut corner: Option<(R, Vec<R>)> = None;
         for _ in 0..MOST_EVENTS {
             let mut told = None;
+            let mut pieces = trajectory.pieces().to_vec();
             for _ in 0..MOST_STEPS {
+                pieces.clear();
+                pieces.extend_from_slice(trajectory.pieces());
                 told = trajectory.advance_to_horizon(system, work)?;
                 if told.is_some() || trajectory.ended_by().is_some() {
                     break;
@@ -184,21 +189,40 @@ impl Stretch {
                 }
                 _ => {}
             }
-            let Some(guard) = trajectory.ended_by() else {
-                continue;
-            };
-            if Some(guard) != self.ends_at {
+            let by = trajectory.ended_by();
+            let now = trajectory.time();
+            if by.is_some() {
+                let dense = work.dense();
+                let end = || (0..start.len()).map(|i| dense.state(i, R::ONE)).collect();
+                let other = by.filter(|by| is_corner(by) && self.ends_at != Some(*by));
+                corner = other.map(|_| (now, end()));
+            }
+            let at_corner = corner.as_ref().filter(|(time, _)| *time == now);
+            let comes_too = at_corner.is_some()
+                && match (self.ends_at, told) {
+                    (Some(GuardKind::Switch(own)), Some(Occurrence::Switch { surface, .. })) => {
+                        own == surface
+                    }
+                    (Some(GuardKind::Piece(lookup, side)), _) => {
+                        by.is_some() && ends_piece((&pieces, trajectory.pieces()), lookup, side)
+                    }
+                    _ => false,
+                };
+            // Of corners of one instant any may be the one that ends the way to it.
+            if !comes_too && (by.is_none() || by != self.ends_at) {
                 continue;
             }
             let is_last = self.passes.is_none_or(|wanted| passes >= wanted);
             if accumulations >= self.accumulations && is_last {
-                let duration = trajectory.time() - clock;
                 let dense = work.dense();
-                let end: Vec<R> = (0..start.len()).map(|i| dense.state(i, R::ONE)).collect();
+                let end: Vec<R> = match at_corner {
+                    Some((_, end)) => end.clone(),
+                    None => (0..start.len()).map(|i| dense.state(i, R::ONE)).collect(),
+                };
                 return Ok((self.edge).landing(
                     (&mut follower.expansion, &mut follower.at_edge),
                     all,
-                    duration,
+                    now - clock,
                     &end,
                 ));
             }
@@ -218,6 +242,22 @@ impl Stretch {
         onto_gaps(self.system.model(), gaps, parameters, &mut x);
         x
     }
+}
+
+/// Whether it is a corner that ends a step.
+pub(crate) fn is_corner(guard: &GuardKind) -> bool {
+    matches!(guard, GuardKind::Switch(_) | GuardKind::Piece(..))
+}
+
+/// Whether a lookup has come to the end of a piece, to this side, between these two.
+pub(crate) fn ends_piece((before, after): (&[i64], &[i64]), lookup: usize, side: Side) -> bool {
+    let by = match side {
+        Side::Above => 1,
+        Side::Below => -1,
+        Side::Sliding => return false,
+    };
+    let pieces = before.get(lookup).zip(after.get(lookup));
+    pieces.is_some_and(|(before, after)| after - before == by)
 }
 
 /// A gap that is nearly zero is after so many.

@@ -1,7 +1,7 @@
 //! Sections that share their instant with a corner of the forcing, or with another event: an orbit is what it is wherever it is told.
 
-use super::{branch_spec, nearest, settles, with};
-use chatter::analysis::periodic::{Beside, PeriodicError, Spec, SpecialKind, branches};
+use super::{branch_spec, nearest, orbit, settles, with};
+use chatter::analysis::periodic::{Beside, MarginKind, Spec, SpecialKind, branches};
 use chatter::numerics::Real;
 use core::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -94,29 +94,38 @@ fn a_square_wave_tells_once_around_at_all_frequencies() {
     }
 }
 
-/// Complete chatter that a square wave and a ramp of half its period end: no orbit is told whose period is not that of the forcing.
+/// Complete chatter, with friction that turns at the top of each flight, that a square wave and a ramp of half its period end at one instant, whichever of
+/// both rounding has come first: the period is that of the forcing, and the rate at the other wall that of the flight from rest, by DOP853.
 #[test]
-fn an_orbit_that_does_not_close_is_not_told() {
-    for section in [
-        "",
-        "[section.s]\nsurface = 'sin(0.68*t)'\ndirection = 'rising'\n",
+fn chatter_that_two_corners_of_one_clock_end_is_found() {
+    for (w, rate) in [
+        ("0.655", 0.851_324_93),
+        ("0.66", 0.847_879_6),
+        ("0.661", 0.847_188_36),
+        ("0.68", 0.833_914_56),
     ] {
-        let text = format!(
-            "[flight]\nx = 'v'\nv = 'mod(0.68*t/pi, 1) + sign(sin(0.68*t)) - x^3 - 0.2*x - 0.23*v - 0.2*sign(v)'\n\
-             [[contact]]\nname = 'a'\ngap = '0.63 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.45\n\
-             [[contact]]\nname = 'b'\ngap = '0.89 + x'\nimpulse = {{ v = 1 }}\nrestitution = 0.61\n\
-             {section}[initial]\nx = 0.1\nv = 0\n"
-        );
-        match settles(&with(&text, &[])) {
-            Ok(found) => {
-                let turns = found.period.to_f64() * 0.68 / TAU;
-                assert!((turns - 1.0).abs() < 1e-12, "{section} {turns}");
-                assert!(found.residual < 1e-20, "{}", found.residual);
-            }
-            Err(error) => assert!(
-                !section.is_empty() && matches!(error, PeriodicError::NoConvergence { .. }),
-                "{section} {error}"
-            ),
+        for section in [
+            "",
+            "[section.s]\nsurface = 'sin(W*t)'\ndirection = 'rising'\n",
+        ] {
+            let text = format!(
+                "[flight]\nx = 'v'\nv = 'mod(W*t/pi, 1) + sign(sin(W*t)) - x^3 - 0.2*x - 0.23*v - 0.2*sign(v)'\n\
+                 [[contact]]\nname = 'a'\ngap = '0.63 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.45\n\
+                 [[contact]]\nname = 'b'\ngap = '0.89 + x'\nimpulse = {{ v = 1 }}\nrestitution = 0.61\n\
+                 {section}[initial]\nx = 0.1\nv = 0\n"
+            );
+            let found = orbit(&with(&text.replace('W', w), &[]));
+            let turns = found.period.to_f64() * w.parse::<f64>().unwrap() / TAU;
+            assert!((turns - 1.0).abs() < 1e-12, "{w} {section} {turns}");
+            assert!(found.residual < 1e-20, "{}", found.residual);
+            assert_eq!(found.impacts, None);
+            assert!(found.multipliers.iter().all(|m| m.modulus() == 0.0));
+            let mut rates =
+                (found.margins.iter()).filter(|margin| margin.kind == MarginKind::ImpactRate);
+            assert!(
+                rates.any(|margin| (margin.value - rate).abs() < 1e-8),
+                "{w}"
+            );
         }
     }
 }

@@ -5,7 +5,7 @@ use super::events::Events;
 use super::trace::Instant;
 use crate::analysis::periodic::error::PeriodicError;
 use crate::expressions::Side;
-use crate::flow::leg::{Jump, LegKind, StretchKind};
+use crate::flow::leg::{Jump, LegKind, StretchKind, ends_piece, is_corner};
 use crate::flow::{Closed, GuardKind, Occurrence, System, Trajectory};
 use crate::numerics::stored::{list, number};
 use serde::{Deserialize, Serialize};
@@ -164,8 +164,7 @@ pub(crate) fn read(
             };
             told.extend(events.told(instant));
             let last = events.first;
-            let way = (&instants[begin], &instants[begin + 1..index], instant);
-            let whole = stretch(way, (accumulations, last, told));
+            let whole = stretch(&instants[begin..=index], (accumulations, last, told));
             steps.extend(events.steps((system, parameters), (whole, instant)));
             from = index;
             continue;
@@ -325,19 +324,37 @@ fn gives_jump(steps: &mut [Step], jump: Jump) -> bool {
     }
 }
 
+/// Whether a guard is met at an instant, by itself or with a corner that has ended the way to it.
+fn comes(instant: &Instant, next: &Instant, guard: Option<GuardKind>) -> bool {
+    let at_corner = instant.guard.as_ref().is_some_and(is_corner);
+    let comes_too = match guard {
+        Some(GuardKind::Switch(own)) => (instant.told.iter())
+            .any(|told| matches!(told, Occurrence::Switch { surface, .. } if *surface == own)),
+        Some(GuardKind::Piece(lookup, side)) => {
+            ends_piece((&instant.pieces, &next.pieces), lookup, side)
+        }
+        _ => false,
+    };
+    instant.guard == guard || at_corner && comes_too
+}
+
+/// The instants are those from where it begins to where it ends.
 fn stretch(
-    (begin, between, end): (&Instant, &[Instant], &Instant),
+    way: &[Instant],
     (accumulations, last, told): (usize, LegKind, Vec<Occurrence<f64>>),
 ) -> Step {
+    let (begin, end) = (&way[0], &way[way.len() - 1]);
     let hits = |told: &&Occurrence<f64>| matches!(told, Occurrence::Impact { .. });
     let impacts = match accumulations {
         0 => told.iter().filter(hits).count(),
         _ => 0,
     };
     let is_impact = matches!(last.ends_at, Some(GuardKind::Gap(_)));
-    let passed = between
-        .iter()
-        .filter(|instant| instant.guard == last.ends_at);
+    let own = last.ends_at;
+    let passed = way
+        .windows(2)
+        .skip(1)
+        .filter(|pair| comes(&pair[0], &pair[1], own));
     Step {
         passage: Passage::Stretch(StretchKind {
             closed: begin.closed,
