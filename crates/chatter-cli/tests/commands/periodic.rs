@@ -345,3 +345,28 @@ fn curves_in_two_parameters_go_on_to_the_same_file() {
     assert!(folder.bytes("whole.npz") == folder.bytes("stopped.npz"));
     assert_eq!(folder.names(), ["branch.npz", "stopped.npz", "whole.npz"]);
 }
+
+/// Where no orbit is found at the model's own value branches begin elsewhere, and it is said why and where.
+#[test]
+fn branches_that_begin_elsewhere_say_so() {
+    let folder = Folder::new("elsewhere");
+    let model = folder.file("grows.toml");
+    let text = "[parameters]\nc = -0.5\n[flight]\nx = 'v'\nv = '-x - c*v + cos(1.3*t)'\n[initial]\nx = 1\nv = 0\n";
+    std::fs::write(&model, text).unwrap();
+    let said = told(
+        &chatter(&["continue", &model, "--sweep", "c=-1:3"]),
+        0,
+        "continue",
+    );
+    assert!(
+        said.contains("no orbit to begin with was found at c = -0.5: "),
+        "{said}"
+    );
+    assert!(said.contains("; the branches begin at c = 1"), "{said}");
+    let said = told(
+        &chatter(&["continue", &model, "--set", "c=0.5", "--sweep", "c=0.1:3"]),
+        0,
+        "continue",
+    );
+    assert!(!said.contains("begin"), "{said}");
+}

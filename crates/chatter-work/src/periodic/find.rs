@@ -2,6 +2,7 @@
 
 use super::log::Log;
 use super::refused;
+use super::refused::why;
 use super::several::from_several;
 use super::wanted::{Branches, Curve, Orbits};
 use crate::observer::Observer;
@@ -62,6 +63,7 @@ pub fn find_orbits(
 /// Tells how far along its range a curve is.
 struct Reached<'a> {
     observer: &'a dyn Observer,
+    model: &'a Model,
     parameter: &'a str,
     range: (f64, f64),
     began: Instant,
@@ -77,11 +79,19 @@ impl<'a> Reached<'a> {
     ) -> Self {
         Self {
             observer,
+            model,
             parameter: &model.parameters[parameter].name,
             range: limits.range,
             began: Instant::now(),
             orbits: 0,
         }
+    }
+
+    fn begins_elsewhere(&self, (own, at): (f64, f64), error: &PeriodicError) {
+        let (name, why) = (self.parameter, why(error, self.model));
+        self.observer.remark(&format!(
+            "no orbit to begin with was found at {name} = {own}: {why}; the branches begin at {name} = {at}"
+        ));
     }
 
     fn tell(&mut self, point: &Point) {
@@ -165,6 +175,7 @@ impl Kept<'_> {
     fn hear(&mut self, told: Told<'_>) -> ControlFlow<()> {
         match told {
             Told::Settling => {}
+            Told::Elsewhere { own, at, why } => self.reached.begins_elsewhere((own, at), why),
             Told::Orbit(point) => self.reached.tell(point),
             Told::Record(record) => {
                 if let Err(refusal) = (self.keep)(record) {

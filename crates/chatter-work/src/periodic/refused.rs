@@ -30,12 +30,17 @@ fn one_of_many_that_die_out(model: &Model) -> String {
     }
 }
 
-/// A question that does not fit the model is wrong input; one without answer is an answer of its own kind.
-pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
-    let message = match error {
+/// Why, in words.
+pub(super) fn why(error: &PeriodicError, model: &Model) -> String {
+    match error {
         PeriodicError::Start(error) | PeriodicError::Ended(error) => sentence(error, model),
         error => error.to_string(),
-    };
+    }
+}
+
+/// A question that does not fit the model is wrong input; one without answer is an answer of its own kind.
+pub fn refused(error: &PeriodicError, model: &Model) -> Refusal {
+    let message = why(error, model);
     let help = match error {
         PeriodicError::NoPeriod => Some("give it with --period, such as --period '2*pi/omega'".to_owned()),
         PeriodicError::Autonomous => Some("leave out --period".to_owned()),

@@ -1,6 +1,7 @@
 //! What a survey of branches tells of while it works, and what it is told of an earlier one that was broken off.
 
 use super::branch::{Point, Record};
+use super::error::PeriodicError;
 use core::ops::ControlFlow;
 use std::collections::VecDeque;
 
@@ -9,6 +10,15 @@ use std::collections::VecDeque;
 pub enum Told<'a> {
     /// A trajectory settles.
     Settling,
+    /// At the model's own value of the parameter no orbit was found that branches could begin with, for this reason: they begin with one at another.
+    Elsewhere {
+        /// The model's own value.
+        own: f64,
+        /// Where they begin.
+        at: f64,
+        /// Why not at the model's own.
+        why: &'a PeriodicError,
+    },
     /// An orbit was found.
     Orbit(&'a Point),
     /// So far it has come: with all such records, in order, another survey goes on from there.

@@ -219,6 +219,12 @@ pub fn branches(
                 continue;
             }
         };
+        if let (Some(own), Some(why)) = (inside, &failed) {
+            let elsewhere = Told::Elsewhere { own, at: here, why };
+            if diary.tell(elsewhere).is_break() {
+                return Err(PeriodicError::Interrupted);
+            }
+        }
         return survey::survey(
             &workshop,
             (&orbit.shooting, &orbit.at),

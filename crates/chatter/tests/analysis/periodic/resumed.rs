@@ -57,7 +57,7 @@ impl Asked {
                 match told {
                     Told::Orbit(_) => orbits += 1,
                     Told::Record(record) => records.push(serde_json::to_string(record).unwrap()),
-                    Told::Settling => {}
+                    Told::Settling | Told::Elsewhere { .. } => {}
                 }
                 match orbits >= most {
                     true => ControlFlow::Break(()),

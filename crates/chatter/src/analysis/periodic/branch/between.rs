@@ -139,7 +139,11 @@ impl Walker {
         let functions = self.shooting.workshop.monitors.len();
         for index in 0..functions {
             let ends = (here.monitors[index], there.monitors[index]);
-            if ends.0 * ends.1 < 0.0 {
+            // What is zero all along, as a function that vanishes on the section, changes its sign by rounding.
+            let is_told = [(here, ends.0), (there, ends.1)]
+                .into_iter()
+                .any(|(point, value)| value.abs() > self.monitor_level(index, point));
+            if ends.0 * ends.1 < 0.0 && is_told {
                 kinds.push(Passed::Monitor(index, ends));
             }
         }
@@ -147,6 +151,15 @@ impl Walker {
             self.find(passed, from, step, to.parameter());
         }
         None
+    }
+
+    /// Below this a function of the user's is not told from zero.
+    fn monitor_level(&self, index: usize, point: &Point) -> f64 {
+        let workshop = &self.shooting.workshop;
+        let parameters = workshop.parameters(&point.parameters);
+        let sizes = self.shooting.state_sizes();
+        let known = (&*point.state, &*sizes);
+        workshop.monitors[index].level(&workshop.model.graph, known, &parameters)
     }
 
     /// The same where a graze is at one of the ends, at the first if `opens`: multipliers change there as one over the rate of an

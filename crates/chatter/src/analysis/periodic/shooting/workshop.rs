@@ -67,7 +67,25 @@ impl Monitor {
     pub(crate) fn at(&self, graph: &Graph, state: &[f64], parameters: &[f64]) -> f64 {
         graph.evaluate(self.value, state, parameters)
     }
+
+    /// Below this it is not told from zero at a state that is known to rounding of states of these sizes.
+    pub(crate) fn level(
+        &self,
+        graph: &Graph,
+        (state, sizes): (&[f64], &[f64]),
+        parameters: &[f64],
+    ) -> f64 {
+        let slopes = graph.evaluate_all(&self.by_state, state, parameters);
+        let terms = slopes.iter().zip(state).zip(sizes);
+        let terms: f64 = terms
+            .map(|((slope, x), size)| slope.abs() * size.max(x.abs()))
+            .sum();
+        MONITOR_ROUNDOFFS * f64::EPSILON * terms
+    }
 }
+
+/// Nodes are known to some roundoffs of their sizes.
+const MONITOR_ROUNDOFFS: f64 = 64.0;
 
 impl Workshop {
     /// Whether nothing but events with resets happens at instants: the motion is a map from one to the next. (Impacts may accumulate, and
