@@ -51,7 +51,7 @@ pub fn shards_beside(output: &Path) -> Vec<PathBuf> {
 /// Opens the journals that are to be merged into `own`.
 ///
 /// # Errors
-/// There is none, or one cannot be opened.
+/// There is none, one is given twice, or one cannot be opened.
 pub(crate) fn parts<T>(
     journals: &[PathBuf],
     own: &Path,
@@ -63,7 +63,17 @@ pub(crate) fn parts<T>(
         _ => false,
     };
     let mut parts = Vec::new();
+    let mut seen: Vec<PathBuf> = Vec::new();
     for path in journals.iter().filter(|path| !is_own(path)) {
+        // A journal that is open cannot be opened again.
+        let place = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if seen.contains(&place) {
+            return Err(Refusal::input(format!(
+                "`{}` is given twice",
+                path.display()
+            )));
+        }
+        seen.push(place);
         let missing = || Refusal::input(format!("there is no file `{}`", path.display()));
         parts.push(open(path)?.ok_or_else(missing)?);
     }

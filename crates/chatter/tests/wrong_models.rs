@@ -219,6 +219,10 @@ const WRONG: &[(&str, &str)] = &[
         "[parameters]\na = inf\nb = 1e999\n\n[flight]\ny = \"a*b\"\n\n[initial]\ny = 1\n",
     ),
     (
+        "numbers too small to be told from zero",
+        "[parameters]\na = -1e-400\nb = 0.0e-400\n\n[flight]\ny = \"a*b\"\n\n[initial]\ny = 2e-330\n",
+    ),
+    (
         "a parameter that divides by zero",
         "[parameters]\nperiod = 0\nomega = \"2*pi/period\"\n\n[flight]\ny = \"cos(omega*t)\"\n\n[initial]\ny = 1\n",
     ),
@@ -491,6 +495,11 @@ const WRONG_DATA: &[(&str, &str, &str)] = &[
     (
         "a lift that is not finite",
         "angle,lift\n0,0\n90,inf\n180,0\n",
+        "",
+    ),
+    (
+        "a lift too small to be told from zero",
+        "angle,lift\n0,0\n90,1e-400\n180,0\n",
         "",
     ),
     (

@@ -82,6 +82,8 @@ fn a_share_that_was_killed_goes_on_or_is_merged_as_far_as_it_is() {
     wait_for(&journal, 6_000);
     child.kill().unwrap();
     child.wait().unwrap();
+    let twice = fails(&["merge", &journal, &journal, "--out", &parts]);
+    assert!(twice.contains("is given twice"), "{twice}");
     let merge = ["merge", &journal, "--out", &parts];
     succeeds(&merge);
     let mut one = asked(&[]);

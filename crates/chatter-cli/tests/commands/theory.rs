@@ -1,6 +1,6 @@
 //! What programs read of the universal map, border orbits and the reproduction of the paper.
 
-use crate::common::{Folder, chatter, document, number};
+use crate::common::{Folder, chatter, document, fails, number};
 use serde_json::Value;
 
 fn close(value: &Value, expected: f64, tolerance: f64) {
@@ -304,4 +304,32 @@ fn near_the_border_predicted_and_simulated_orbits_span_the_same() {
     for (ours, theirs) in [(ours.0, theirs.0), (ours.1, theirs.1)] {
         assert!((ours / theirs - 1.0).abs() < 0.03, "{ours} {theirs}");
     }
+}
+
+/// An offset that nothing asks for is no answer to what was meant.
+#[test]
+fn an_offset_is_given_where_it_is_not_swept() {
+    let asked = |rest: &str| {
+        let line = format!("universal --restitution 0.8 {rest}");
+        let line: Vec<&str> = line.split(' ').collect();
+        fails(&line)
+    };
+    let said = asked("--sweep mu=0:0.05:3 --mu 3");
+    assert!(said.contains("--sweep sweeps it"), "{said}");
+    let said = asked("--mu 3");
+    assert!(said.contains("--sweep"), "{said}");
+    document(&[
+        "universal",
+        "--restitution",
+        "0.8",
+        "--sweep",
+        "slope=1:1.1:2",
+        "--mu",
+        "0.01",
+        "--transient",
+        "5",
+        "--keep",
+        "2",
+        "--json",
+    ]);
 }

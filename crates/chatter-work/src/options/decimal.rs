@@ -17,9 +17,13 @@ impl std::str::FromStr for Decimal {
         if !double.is_finite() {
             return Err(format!("`{text}` is not finite"));
         }
-        Ok(Self(
-            text.parse().unwrap_or_else(|_| DoubleDouble::from(double)),
-        ))
+        let number = text.parse().unwrap_or_else(|_| DoubleDouble::from(double));
+        if number.is_lost_of(text) {
+            return Err(format!(
+                "`{text}` is too small to be told from zero: sizes down to 5e-324 can be held"
+            ));
+        }
+        Ok(Self(number))
     }
 }
 
@@ -47,6 +51,8 @@ mod tests {
         assert_eq!(tenth.to_f64(), 0.1);
         assert!(read("nan").unwrap_err().contains("not finite"));
         assert!(read("1e999").unwrap_err().contains("not finite"));
+        assert!(read("-1e-400").unwrap_err().contains("from zero"));
+        assert_eq!(read("0.0e-400").unwrap().to_f64(), 0.0);
         assert!(read("1,5").unwrap_err().contains("no number"));
         assert_eq!(read("-2e-5").unwrap().to_f64(), -2e-5);
     }

@@ -13,8 +13,8 @@ pub struct Request {
     pub restitution: Decimal,
     /// The slope K.
     pub slope: Decimal,
-    /// The offset mu, where it is not swept.
-    pub mu: Decimal,
+    /// The offset mu, where it is not swept: 0 if not given.
+    pub mu: Option<Decimal>,
     /// Where Upsilon is evaluated.
     pub at: Vec<Decimal>,
     /// Windows of fixed points.
@@ -43,18 +43,29 @@ impl Request {
     /// The orbit diagram, where one is asked for.
     ///
     /// # Errors
-    /// The ends of the range are no numbers.
+    /// The ends of the range are no numbers, or mu is given and swept.
     pub fn job(&self) -> Result<Option<UniversalJob>, Refusal> {
         let Some(sweep) = &self.sweep else {
             return Ok(None);
         };
+        if self.mu.is_some() && sweep.name() == "mu" {
+            let refusal = Refusal::input(
+                "--mu gives the offset where it is not swept, and --sweep sweeps it",
+            );
+            return Err(refusal.help("leave out --mu, or sweep slope"));
+        }
         Ok(Some(UniversalJob {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             restitution: self.restitution.to_f64(),
             slope: self.slope.to_f64(),
-            mu: self.mu.to_f64(),
+            mu: self.offset(),
             diagram: self.specification(sweep)?,
         }))
+    }
+
+    /// The offset mu, where it is not swept.
+    pub fn offset(&self) -> f64 {
+        self.mu.map_or(0.0, Decimal::to_f64)
     }
 
     fn specification(&self, sweep: &SweepOption) -> Result<Spec, Refusal> {

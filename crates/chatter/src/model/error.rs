@@ -153,6 +153,11 @@ pub enum ModelErrorKind {
         /// The value.
         text: String,
     },
+    /// A number that is too small to be told from zero.
+    OutOfRange {
+        /// As it is written.
+        text: String,
+    },
     /// Nothing after `=`.
     MissingValue,
     /// A key or table that is there already.

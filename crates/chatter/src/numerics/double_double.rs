@@ -404,6 +404,14 @@ impl fmt::Display for NotANumber {
 
 impl std::error::Error for NotANumber {}
 
+impl DoubleDouble {
+    /// Whether a decimal that was read as this number is too small to be told from zero.
+    pub fn is_lost_of(self, decimal: &str) -> bool {
+        let mantissa = decimal.split(['e', 'E']).next().unwrap_or_default();
+        self.high == 0.0 && mantissa.contains(|c| ('1'..='9').contains(&c))
+    }
+}
+
 impl FromStr for DoubleDouble {
     type Err = NotANumber;
 

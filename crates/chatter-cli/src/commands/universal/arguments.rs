@@ -82,14 +82,14 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME=LOW:HIGH:COUNT", allow_hyphen_values = true)]
     pub sweep: Option<SweepOption>,
 
-    /// Offset mu of the map where it is not swept
+    /// Offset mu of the map where it is not swept [default: 0]
     #[arg(
         long,
         value_name = "MU",
-        default_value = "0",
-        allow_hyphen_values = true
+        allow_hyphen_values = true,
+        requires = "sweep"
     )]
-    pub mu: Decimal,
+    pub mu: Option<Decimal>,
 
     /// Iterates that are passed over for each value of a sweep
     #[arg(long, value_name = "N", default_value_t = 500, requires = "sweep")]

@@ -42,15 +42,11 @@ fn find<R: Real + Argument<Real = R>>(
     let universal = Universal::<R>::new(arguments.restitution.get()).map_err(refused)?;
     let slope: R = arguments.slope.get();
     let double = Universal::<f64>::new(arguments.restitution.to_f64()).map_err(refused)?;
-    let map = UniversalMap::new(
-        double.clone(),
-        arguments.slope.to_f64(),
-        arguments.mu.to_f64(),
-    )
-    .map_err(refused)?;
+    let request = arguments.request();
+    let map = UniversalMap::new(double.clone(), arguments.slope.to_f64(), request.offset())
+        .map_err(refused)?;
 
     let values = values(arguments, &universal)?;
-    let request = arguments.request();
     let mut diagram = match request.job()? {
         Some(job) => {
             let (map, sweep) = job.prepare()?;

@@ -189,9 +189,7 @@ fn number(text: &str, span: Range<usize>) -> Result<DoubleDouble, ParseError> {
             suggestion,
         });
     };
-    let mantissa = written.split(['e', 'E']).next().unwrap_or_default();
-    let vanished = value.to_f64() == 0.0 && mantissa.contains(|c| ('1'..='9').contains(&c));
-    if vanished || !value.to_f64().is_finite() {
+    if value.is_lost_of(written) || !value.to_f64().is_finite() {
         return Err(ParseError {
             span,
             kind: ParseErrorKind::NumberOutOfRange(written.to_string()),

@@ -15,6 +15,9 @@ impl fmt::Display for ModelErrorKind {
             Self::NoFlight => write!(f, "the model has no [flight] table"),
             Self::NoStates => write!(f, "[flight] has no equations"),
             Self::NotANumber { text } => write!(f, "`{text}` is not a number"),
+            Self::OutOfRange { text } => {
+                write!(f, "{}", ParseErrorKind::NumberOutOfRange(text.clone()))
+            }
             Self::MissingValue => write!(f, "a value is missing"),
             Self::DuplicateKey { key } => write!(f, "`{key}` is given twice"),
             Self::UnknownTable { name, .. } => write!(f, "unknown table [{name}]"),
@@ -120,6 +123,9 @@ impl ModelErrorKind {
         Some(match self {
             Self::Unquoted { .. } => "not a number, so TOML needs quotes here".to_owned(),
             Self::NotANumber { .. } => "expected a number such as 0.5, 12 or 1e-3".to_owned(),
+            Self::OutOfRange { .. } => {
+                "expected zero, or a number that can be told from it".to_owned()
+            }
             Self::MissingValue => "expected a number, or an expression in quotes".to_owned(),
             Self::DuplicateKey { .. } => "the second time".to_owned(),
             Self::SingleBrackets { name: None } => "expected [[contact]]".to_owned(),
@@ -285,6 +291,7 @@ impl ModelErrorKind {
             | Self::FrictionBesideReset
             | Self::NoImpulse
             | Self::Circle { .. }
+            | Self::OutOfRange { .. }
             | Self::NotFinite { .. } => return None,
         })
     }

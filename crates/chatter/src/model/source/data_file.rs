@@ -1,7 +1,7 @@
 //! Columns of numbers from the text of a file: fields between commas, semicolons, tabs or blanks, `#` before comments, and
 //! a line of names at the top or not.
 
-use crate::expressions::{MOST_KNOTS, nearest};
+use crate::expressions::{MOST_KNOTS, ParseErrorKind, nearest};
 use crate::model::names::alternatives;
 use crate::numerics::DoubleDouble;
 use core::fmt;
@@ -63,6 +63,11 @@ pub enum DataFileError {
         /// The field.
         text: String,
     },
+    /// A field that is a number too small to be told from zero.
+    OutOfRange {
+        /// The field.
+        text: String,
+    },
     /// A quotation mark that is not closed.
     Unclosed,
 }
@@ -81,6 +86,9 @@ impl fmt::Display for DataFileError {
             Self::Ragged { fields, .. } => write!(f, "a line of {}", columns(*fields)),
             Self::NotANumber { text } if text.is_empty() => write!(f, "a number is missing"),
             Self::NotANumber { text } => write!(f, "`{text}` is not a number"),
+            Self::OutOfRange { text } => {
+                write!(f, "{}", ParseErrorKind::NumberOutOfRange(text.clone()))
+            }
             Self::Unclosed => write!(f, "a quotation mark is not closed"),
         }
     }
@@ -108,6 +116,9 @@ impl DataFileError {
             Self::FewColumns { columns: found, .. } => format!("it has {}", columns(*found)),
             Self::Ragged { columns: first, .. } => format!("the first line has {first}"),
             Self::NotANumber { .. } => "expected a number such as 0.5, 12 or 1e-3".to_owned(),
+            Self::OutOfRange { .. } => {
+                "expected zero, or a number that can be told from it".to_owned()
+            }
         })
     }
 
@@ -198,13 +209,17 @@ pub(in crate::model) fn read_columns(
         }
         for (column, &place) in found.iter_mut().zip(&places) {
             let span = fields[place].clone();
-            let Ok(number) = text[span.clone()].parse() else {
+            let Ok(number) = text[span.clone()].parse::<DoubleDouble>() else {
                 let text = text[span.clone()].to_owned();
                 let error = DataFileError::NotANumber { text };
                 // An empty field shows nothing to underline.
                 let shown = if span.is_empty() { line } else { span };
                 return Err((error, Where::Text(shown)));
             };
+            if number.is_lost_of(&text[span.clone()]) {
+                let text = text[span.clone()].to_owned();
+                return Err((DataFileError::OutOfRange { text }, Where::Text(span)));
+            }
             column.numbers.push(number);
             column.spans.push(span);
         }

@@ -455,6 +455,7 @@ impl ModelErrorKind {
             Self::Syntax { .. }
             | Self::Unquoted { .. }
             | Self::NotANumber { .. }
+            | Self::OutOfRange { .. }
             | Self::MissingValue => true,
             Self::DuplicateKey { .. } => true,
             Self::DataFile { .. } | Self::Curve { .. } | Self::TableNotConstant { .. } => true,

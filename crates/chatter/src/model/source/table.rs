@@ -169,6 +169,11 @@ impl<'i> TableReader<'i> {
             self.report(ModelErrorKind::NotANumber { text }, place);
             return Content::Broken;
         };
+        if number.is_lost_of(digits) {
+            let text = self.written(place).to_owned();
+            self.report(ModelErrorKind::OutOfRange { text }, place);
+            return Content::Broken;
+        }
         Content::Number(number)
     }
 
