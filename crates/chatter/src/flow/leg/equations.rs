@@ -175,16 +175,18 @@ impl System {
         Some(field.iter().map(at).collect())
     }
 
-    /// Whether the jump at the end of a leg leads onto a contact from wherever it comes: it keeps the gap that the mode holds closed, or closes it.
-    pub(crate) fn lands_on(&self, kind: LegKind, contact: usize) -> bool {
-        let ending = self.ending(kind);
-        let (Some(Ending { mut graph, map, .. }), Some((grip, _, on_sides))) =
-            (ending, self.origin_of(kind.mode))
+    /// Whether the event of a section that is met in a mode leads onto a contact from wherever it comes, on whichever sides: it keeps the gap that the mode
+    /// holds closed, or closes it.
+    pub(crate) fn lands_on(&self, (mode, section): (usize, usize), contact: usize) -> bool {
+        let model = self.model();
+        let (Some(reset), Some((grip, ..))) =
+            (&model.sections[section].reset, self.origin_of(mode))
         else {
             return false;
         };
-        let gap = on_sides.mechanics.contacts[contact].gap;
-        let after = graph.substitute(gap, &|symbol| at(&map, symbol));
+        let mut graph = model.graph.clone();
+        let gap = model.contacts[contact].gap;
+        let after = graph.substitute(gap, &|symbol| at(reset, symbol));
         let is_kept = after == gap && grip.carrying().contains(contact);
         is_kept || after == graph.number(0.0)
     }

@@ -3,14 +3,14 @@
 use super::edge::{Edge, Known, Landing};
 use super::equations::Ending;
 use super::{LegKind, MOST_STEPS};
-use crate::expressions::{Expansion, Expr, Side, Symbol};
+use crate::expressions::{Expansion, Expr, Side, Sides, Symbol};
 use crate::flow::error::FlowError;
 use crate::flow::guard::GuardKind;
 use crate::flow::step::Workspace;
 use crate::flow::system::{Settings, System};
 use crate::flow::trajectory::Trajectory;
 use crate::flow::variation::{columns, with_identity};
-use crate::flow::{Closed, Occurrence};
+use crate::flow::{Closed, Grip, Occurrence};
 use crate::model::Model;
 use crate::numerics::linear::solve_consistent;
 use crate::numerics::{Real, dot, two_sum};
@@ -26,6 +26,8 @@ pub(crate) struct Stretch {
     ends_at: Option<GuardKind>,
     accumulations: usize,
     passes: Option<usize>,
+    /// What is closed, and on which sides it is, where it ends.
+    ends_in: (Grip, Sides),
     /// Contacts that are closed where it starts, and the gaps to start on.
     closed: Closed,
     gaps: Vec<Expr>,
@@ -74,7 +76,9 @@ impl System {
         } = self.ending(kind.last)?;
         let coordinates = field.len();
         let columns = columns(coordinates, free);
+        let (grip, sides, _) = self.origin_of(kind.last.mode)?;
         Some(Stretch {
+            ends_in: (grip, sides),
             system: System::with_columns(self.model(), &columns).ok()?,
             edge: Edge::new(self.model(), &mut graph, (&field, surface, &map), free),
             ends_at: kind.last.ends_at,
@@ -160,7 +164,9 @@ impl Stretch {
         for _ in 0..MOST_EVENTS {
             let mut told = None;
             let mut pieces = trajectory.pieces().to_vec();
+            let mut mode = trajectory.mode;
             for _ in 0..MOST_STEPS {
+                mode = trajectory.mode;
                 pieces.clear();
                 pieces.extend_from_slice(trajectory.pieces());
                 told = trajectory.advance_to_horizon(system, work)?;
@@ -212,8 +218,16 @@ impl Stretch {
             if !comes_too && (by.is_none() || by != self.ends_at) {
                 continue;
             }
-            let is_last = self.passes.is_none_or(|wanted| passes >= wanted);
-            if accumulations >= self.accumulations && is_last {
+            // Chatter that is rounding may not be there in longer numbers: what rests where it ends is at its end.
+            let rests = || system.origin_of(mode).map(|(grip, sides, _)| (grip, sides));
+            let is_last = match self.passes {
+                Some(wanted) if accumulations < self.accumulations => {
+                    passes == wanted && rests() == Some(self.ends_in)
+                }
+                Some(wanted) => passes >= wanted,
+                None => accumulations >= self.accumulations,
+            };
+            if is_last {
                 let dense = work.dense();
                 let end: Vec<R> = match at_corner {
                     Some((_, end)) => end.clone(),

@@ -1,7 +1,7 @@
 //! Columns of numbers from the text of a file: fields between commas, semicolons, tabs or blanks, `#` before comments, and
 //! a line of names at the top or not.
 
-use crate::expressions::{MOST_KNOTS, ParseErrorKind, nearest};
+use crate::expressions::{MOST_KNOTS, nearest};
 use crate::model::names::alternatives;
 use crate::numerics::DoubleDouble;
 use core::fmt;
@@ -86,9 +86,7 @@ impl fmt::Display for DataFileError {
             Self::Ragged { fields, .. } => write!(f, "a line of {}", columns(*fields)),
             Self::NotANumber { text } if text.is_empty() => write!(f, "a number is missing"),
             Self::NotANumber { text } => write!(f, "`{text}` is not a number"),
-            Self::OutOfRange { text } => {
-                write!(f, "{}", ParseErrorKind::NumberOutOfRange(text.clone()))
-            }
+            Self::OutOfRange { text } => write!(f, "the number `{text}` is out of range"),
             Self::Unclosed => write!(f, "a quotation mark is not closed"),
         }
     }
@@ -117,7 +115,7 @@ impl DataFileError {
             Self::Ragged { columns: first, .. } => format!("the first line has {first}"),
             Self::NotANumber { .. } => "expected a number such as 0.5, 12 or 1e-3".to_owned(),
             Self::OutOfRange { .. } => {
-                "expected zero, or a number that can be told from it".to_owned()
+                "expected zero, or a size between 5e-324 and 1.7e308".to_owned()
             }
         })
     }

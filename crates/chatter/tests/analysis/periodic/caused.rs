@@ -268,3 +268,21 @@ fn a_border_has_the_period_of_its_orbit() {
         assert!((border.point.parameter() - 2.5).abs() < border.error.min(1e-3));
     }
 }
+
+/// A follower that rests on its cam as an event turns the cam's angle back: in doubles rounding lets it bounce there, with rates of 1e-16, and in numbers
+/// of thirty digits it does not. Either way it is released at the cam's next rise, once a turn.
+#[test]
+fn chatter_that_is_rounding_ends_where_what_rests_is_released() {
+    let text = "[flight]\ny = 'v'\nv = '-400*y - 20'\nth = 30\n[[contact]]\nname = 'cam'\n\
+                gap = 'y - 0.01*if(th < 1.5, sin(pi*th/1.5)^2, 0)'\nimpulse = { v = 1 }\nrestitution = 0.3\n\
+                [[event]]\nname = 'turn'\nsurface = 'th - 2*pi'\ndirection = 'rising'\nreset = { th = 'th - 2*pi' }\n\
+                [initial]\ny = 0.03\nv = 0\nth = 0.5\n";
+    let found = orbit(&with(text, &[]));
+    let period = core::f64::consts::TAU / 30.0;
+    assert!(close_to(found.period.to_f64(), period));
+    assert!(found.residual < 1e-20);
+    assert!(found.multipliers.iter().all(|m| m.modulus() == 0.0));
+    for margin in &found.margins {
+        assert!((0.0..=1.001 * period).contains(&margin.time), "{margin:?}");
+    }
+}

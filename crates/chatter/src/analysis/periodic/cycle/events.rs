@@ -192,7 +192,7 @@ impl Events {
         for (told, (mode, _)) in others.iter().zip(instant.came_in.iter().skip(1)) {
             match *told {
                 Occurrence::Impact { contact, .. } => {
-                    if !system.lands_on(first, contact) {
+                    if !system.lands_on((first.mode, section), contact) {
                         return None;
                     }
                     let (_, sides, _) = system.origin_of(*mode)?;
