@@ -448,11 +448,11 @@ impl Follower {
         bordered: &Bordered,
     ) -> End {
         // Where both halves of a doubled orbit graze at once its curve meets that of the simple one: the equations are singular there.
-        // Near there the equations tell little, and their solutions what is no meeting. Rounding may tell the flight after the impact that
-        // loses its rate there for that impact.
+        // Near there the equations tell little, and their solutions what is no meeting. Rounding may tell a flight before or after the
+        // impact that loses its rate there for that impact.
         let starts = meets.map(|within| [(station, within), (from, 2.0 * within)]);
-        let lost = self.loses(broken).map(Broken::Event);
-        let all = lost.into_iter().chain([broken.clone()]);
+        let lost = self.losing(broken).into_iter().map(Broken::Event);
+        let all = lost.chain([broken.clone()]);
         let met = starts.into_iter().flatten().find_map(|start| {
             let met = self.met(start, bordered)?;
             let vanishes = |one: &Broken| {
@@ -516,18 +516,21 @@ impl Follower {
         End::At(kind)
     }
 
-    /// The impact that loses its rate where this breaks, if it is one that the flight beyond goes through the wall after.
-    fn loses(&self, broken: &Broken) -> Option<usize> {
+    /// The impacts that may lose their rate where this breaks: of one whose rate has turned the flight to it goes through the wall as well as
+    /// that from it.
+    fn losing(&self, broken: &Broken) -> Vec<usize> {
         let steps = &self.shooting.steps;
-        let index = match *broken {
-            Broken::Event(index) => index,
+        let (beside, contact) = match *broken {
+            Broken::Event(index) => (vec![index], steps[index].impact()),
             Broken::Inner(step, GuardKind::Gap(contact)) => {
-                let before = self.shooting.before(step);
-                (steps[before].impact() == Some(contact)).then_some(before)?
+                (vec![self.shooting.before(step), step], Some(contact))
             }
-            _ => return None,
+            _ => return Vec::new(),
         };
-        (steps[index].impact().is_some() && self.grazing != Some(index)).then_some(index)
+        let loses = |index: &usize| {
+            contact.is_some() && steps[*index].impact() == contact && self.grazing != Some(*index)
+        };
+        beside.into_iter().filter(loses).collect()
     }
 
     /// What is left at a station of what breaks.
