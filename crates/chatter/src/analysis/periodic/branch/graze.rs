@@ -158,9 +158,9 @@ impl Walker {
             Some(SpecialKind::Touch) => headings.0,
             _ => headings.1,
         };
-        // An orbit that goes twice around a simple one from here on: it has met that at its graze.
+        // An orbit that goes more than once around a simple one from here on: it has met that at its graze.
         if let (Broken::Event(_), Ok(next)) = (&broken, &outcome)
-            && shorter(&self.shooting, &next.at).is_ok_and(|part| part.is_some())
+            && goes_around(&self.shooting, &next.at)
         {
             let kind = self.special.last().map(|special| special.kind);
             return Stop::End(kind.map_or(End::Range, End::Again));
@@ -553,6 +553,29 @@ impl Walker {
         self.shooting = shorter;
         Ok(if forward { next } else { reversed })
     }
+}
+
+/// Whether an orbit goes more than once around another one. Where several impacts lose their rate at once they are left out one by one: what is
+/// left of them tells no parts from each other.
+fn goes_around(shooting: &Shooting<f64>, at: &[f64]) -> bool {
+    let (mut shooting, mut at) = (shooting.clone(), at.to_vec());
+    for _ in 0..=shooting.steps.len() {
+        if shorter(&shooting, &at).is_ok_and(|part| part.is_some()) {
+            return true;
+        }
+        let left = shooting
+            .evaluate(&at)
+            .is_ok()
+            .then(|| shooting.without_rate());
+        let without = left
+            .flatten()
+            .map(|index| shooting.without_event(&at, index));
+        let Some(Ok((fewer, guess, _))) = without else {
+            return false;
+        };
+        (shooting, at) = (fewer, guess);
+    }
+    false
 }
 
 /// How far a solution is from where it was looked for, against the sizes of the unknowns.
