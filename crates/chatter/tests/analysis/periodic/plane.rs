@@ -595,3 +595,71 @@ fn a_curve_keeps_to_the_ranges_of_both_parameters() {
     let refused = curve_within(&duffing, ["f", "w"], (&known, at), &limits);
     assert!(matches!(refused, Err(PeriodicError::OutOfRange { .. })));
 }
+
+/// A mass rattles between two springs with play. Where its doubled orbit's curve comes to where the orbit touches the other spring it goes on with
+/// the orbits that press it, and comes back from them as well. (The touch by SciPy's DOP853, the orbit told from it: -b, with a multiplier
+/// of -1.)
+#[test]
+fn a_curve_of_doublings_passes_where_a_spring_is_touched() {
+    const RATTLE: &str = "[parameters]\nom = 1.488\nF1 = 0.142\n[flight]\nx = 'v'\n\
+        v = '0.208 + F1*cos(om*t) - 0.04746*v - max(x - 0.91, 0) - 0.01188*max(x - 0.91, 0)^3 \
+        + max(-x - 0.91, 0) + 0.01188*max(-x - 0.91, 0)^3'\n\
+        [section.strobe]\nsurface = 'sin(om*t)'\ndirection = 'rising'\n[initial]\nx = 0.8\nv = 0\n";
+    let touch = [0.237_443_24, 0.666_823_98];
+    let is_there = |at: &[f64; 2]| (0..2).all(|k| (at[k] - touch[k]).abs() < 1e-8);
+    let range = (0.5, 0.8);
+    let rattle = with(RATTLE, &[]);
+    let found = over(&rattle, "F1", (0.3, 0.4), (10, 0.05));
+    let doubling = nearest(&found, &[SpecialKind::PeriodDoubling], 0.366);
+    let other = (0.2, 0.31);
+    let within = |longest_step: f64| Limits {
+        range,
+        other: Some(other),
+        impacts: 60,
+        points: 3000,
+        longest_step,
+    };
+    let known = |special: &Special| Known {
+        kind: special.kind,
+        monitor: None,
+        state: special.point.state.clone(),
+        period: special.point.period,
+    };
+    // Down to it from where the other spring is not pressed.
+    let limits = Limits {
+        range: (0.5, 1.6),
+        other: Some((0.2, 0.4)),
+        ..within(0.02)
+    };
+    let start = (&known(&doubling), value(&doubling));
+    let curve = curve_within(&rattle, ["F1", "om"], start, &limits).unwrap();
+    assert_eq!(curve.ends, [End::Range, End::Range]);
+    let touches = of(&curve, SpecialKind::Touch);
+    assert!(matches!(&touches[..], [at] if is_there(at)), "{touches:?}");
+    // And from where it is.
+    let beyond = curve
+        .points
+        .iter()
+        .find(|point| (point.parameters[0] - 0.29).abs() < 0.01);
+    let beyond = beyond.unwrap();
+    let mut rattle = rattle.clone();
+    rattle
+        .set_parameter("om", &format!("{:?}", beyond.parameters[1]))
+        .unwrap();
+    let known = Known {
+        kind: SpecialKind::PeriodDoubling,
+        monitor: None,
+        state: beyond.state.clone(),
+        period: beyond.period,
+    };
+    for step in [0.02, 0.05] {
+        let start = (&known, beyond.parameters[0]);
+        let curve = curve_within(&rattle, ["F1", "om"], start, &within(step)).unwrap();
+        assert_eq!(curve.ends, [End::Range, End::Range], "{step}");
+        let touches = of(&curve, SpecialKind::Touch);
+        assert!(
+            matches!(&touches[..], [at] if is_there(at)),
+            "{step}: {touches:?}"
+        );
+    }
+}

@@ -336,3 +336,23 @@ fn steps_grow_with_the_orbit() {
         assert!((value(&fold) - 0.262_510_514_166_561_96).abs() < 1e-12);
     }
 }
+
+/// A multiplier passes -1 by 8e-4 and comes back, within one step: both doublings are told. (Where they are, by steps a third as long.)
+#[test]
+fn a_multiplier_that_passes_and_comes_back_within_a_step_is_told() {
+    const SPRING: &str = "[parameters]\nf = 0.6\n[flight]\nx = 'v'\n\
+        v = '-0.1935*v + f*cos(0.6948*t) - x - 8.5184*max(0, x - 0.3)'\n[initial]\nx = 0.2\nv = 0.1\n";
+    for step in [0.04, 0.05, 0.015] {
+        let found = over(&with(SPRING, &[]), "f", (0.1, 1.2), (6, step));
+        let all = found.iter().flat_map(|branch| &branch.special);
+        let doublings = all.filter(|special| special.kind == SpecialKind::PeriodDoubling);
+        let mut doublings: Vec<f64> = doublings.map(value).collect();
+        doublings.sort_by(f64::total_cmp);
+        let expected = [0.162_660_623_317_299_08, 0.163_260_379_640_662_2];
+        assert_eq!(doublings.len(), 2, "{step}: {doublings:?}");
+        assert!(
+            (0..2).all(|k| (doublings[k] - expected[k]).abs() < 1e-12),
+            "{step}: {doublings:?}"
+        );
+    }
+}

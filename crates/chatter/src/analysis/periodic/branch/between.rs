@@ -49,6 +49,12 @@ const HALVINGS: usize = 5;
 /// Where several multipliers pass -1, or 1, ways are halved until each does so alone, or so often: then they are told as one place.
 const ALONE: usize = 24;
 
+/// A multiplier may have been past -1, or 1, and come back where it is this near to it; it is looked for at so many places, each of them to come
+/// nearer by this part.
+const CLOSE: f64 = 0.1;
+const LOOKS: usize = 8;
+const NEARER: f64 = 0.5;
+
 /// Towards a graze ways are shortened to this part, so often; and only where more than one multiplier is more than this.
 const SHORTER: f64 = 0.25;
 const TOWARDS: i32 = 6;
@@ -56,6 +62,18 @@ const LASTING: f64 = 1e-6;
 
 fn doubling(multipliers: &[Complex]) -> Option<f64> {
     passes(multipliers, -1.0)
+}
+
+/// Where the parabola through three points is lowest, and how low.
+fn vertex(through: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let [(a, fa), (b, fb), (c, fc)] = through else {
+        return None;
+    };
+    let (left, right) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
+    let bend = (right - left) / (c - a);
+    let lowest = 0.5 * (a + b - left / bend);
+    let depth = fa + (lowest - a) * (left + bend * (lowest - b));
+    (bend > 0.0).then_some((lowest, depth))
 }
 
 /// By how many the real multipliers beyond -1, and beyond 1, differ.
@@ -78,7 +96,7 @@ impl Walker {
 
     /// The same, looked at in halves where multipliers go so far between the stations that two changes of a sign may undo each other, as where
     /// a pair leaves the circle, becomes real, and one of the two comes back; or where as many multipliers lie beyond -1, or 1, as say that two
-    /// have passed it.
+    /// have passed it; and in parts where one has passed it and come back.
     fn between_by(
         &mut self,
         halvings: usize,
@@ -94,14 +112,19 @@ impl Walker {
                 && farthest(&here.multipliers, &there.multipliers) > FAR
         };
         let several = || halvings < ALONE && passing(here, there).iter().any(|&count| count > 1);
-        if (goes_far() || several())
-            && let Ok((middle, _)) = from.ahead(&mut self.shooting, 0.5 * step)
+        let part = match goes_far() || several() {
+            true => Some(0.5),
+            false if halvings < HALVINGS => self.comes_back(from, step, (here, there)),
+            false => None,
+        };
+        if let Some(part) = part
+            && let Ok((middle, _)) = from.ahead(&mut self.shooting, part * step)
         {
             self.settle(&middle);
             let halfway = Point::new(&mut self.shooting, &middle);
             let left = middle.reach(&to.at, self.shooting.scales());
             if left > 0.0 {
-                let near = (from, &middle, 0.5 * step, (here, &halfway));
+                let near = (from, &middle, part * step, (here, &halfway));
                 let far = (&middle, to, left, (&halfway, there));
                 return [near, far]
                     .into_iter()
@@ -111,6 +134,48 @@ impl Walker {
             }
         }
         self.passed_between(from, to, step, (here, there))
+    }
+
+    /// Where a multiplier is past -1, or 1, which is not so at both ends: the part of the way at which it is. It is looked for at the vertices of
+    /// parabolas for as long as these go on to say that it comes much nearer.
+    fn comes_back(
+        &mut self,
+        from: &Station,
+        step: f64,
+        (here, there): (&Point, &Point),
+    ) -> Option<f64> {
+        [-1.0, 1.0].into_iter().find_map(|at| {
+            let ends = [here, there].map(|point| passes(&point.multipliers, at));
+            let [Some(before), Some(after)] = ends else {
+                return None;
+            };
+            if before * after <= 0.0 || before.abs().min(after.abs()) > CLOSE {
+                return None;
+            }
+            let mut known = vec![(0.0, before.abs()), (1.0, after.abs())];
+            let mut part = 0.5;
+            for _ in 0..LOOKS {
+                let (station, _) = from.ahead(&mut self.shooting, part * step).ok()?;
+                self.settle(&station);
+                let value = passes(&self.shooting.multipliers(), at)? * before.signum();
+                if value < 0.0 {
+                    return Some(part);
+                }
+                let place = known.partition_point(|(other, _)| *other < part);
+                known.insert(place, (part, value));
+                let values = known.iter().enumerate();
+                let (least, _) = values.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+                let first = least.saturating_sub(1).min(known.len() - 3);
+                let (vertex, lowest) = vertex(&known[first..first + 3])?;
+                let is_new = known.iter().all(|(other, _)| *other != vertex);
+                let is_within = vertex > 0.0 && vertex < 1.0;
+                if !(is_within && is_new && lowest < NEARER * known[least].1) {
+                    return None;
+                }
+                part = vertex;
+            }
+            None
+        })
     }
 
     fn passed_between(
