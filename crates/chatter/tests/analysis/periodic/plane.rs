@@ -607,59 +607,48 @@ fn a_curve_of_doublings_passes_where_a_spring_is_touched() {
         [section.strobe]\nsurface = 'sin(om*t)'\ndirection = 'rising'\n[initial]\nx = 0.8\nv = 0\n";
     let touch = [0.237_443_24, 0.666_823_98];
     let is_there = |at: &[f64; 2]| (0..2).all(|k| (at[k] - touch[k]).abs() < 1e-8);
-    let range = (0.5, 0.8);
-    let rattle = with(RATTLE, &[]);
-    let found = over(&rattle, "F1", (0.3, 0.4), (10, 0.05));
-    let doubling = nearest(&found, &[SpecialKind::PeriodDoubling], 0.366);
-    let other = (0.2, 0.31);
-    let within = |longest_step: f64| Limits {
-        range,
-        other: Some(other),
-        impacts: 60,
-        points: 3000,
-        longest_step,
-    };
-    let known = |special: &Special| Known {
-        kind: special.kind,
-        monitor: None,
-        state: special.point.state.clone(),
-        period: special.point.period,
-    };
-    // Down to it from where the other spring is not pressed.
-    let limits = Limits {
-        range: (0.5, 1.6),
-        other: Some((0.2, 0.4)),
-        ..within(0.02)
-    };
-    let start = (&known(&doubling), value(&doubling));
-    let curve = curve_within(&rattle, ["F1", "om"], start, &limits).unwrap();
-    assert_eq!(curve.ends, [End::Range, End::Range]);
-    let touches = of(&curve, SpecialKind::Touch);
-    assert!(matches!(&touches[..], [at] if is_there(at)), "{touches:?}");
-    // And from where it is.
-    let beyond = curve
-        .points
-        .iter()
-        .find(|point| (point.parameters[0] - 0.29).abs() < 0.01);
-    let beyond = beyond.unwrap();
-    let mut rattle = rattle.clone();
-    rattle
-        .set_parameter("om", &format!("{:?}", beyond.parameters[1]))
-        .unwrap();
-    let known = Known {
-        kind: SpecialKind::PeriodDoubling,
-        monitor: None,
-        state: beyond.state.clone(),
-        period: beyond.period,
-    };
-    for step in [0.02, 0.05] {
-        let start = (&known, beyond.parameters[0]);
-        let curve = curve_within(&rattle, ["F1", "om"], start, &within(step)).unwrap();
-        assert_eq!(curve.ends, [End::Range, End::Range], "{step}");
-        let touches = of(&curve, SpecialKind::Touch);
-        assert!(
-            matches!(&touches[..], [at] if is_there(at)),
-            "{step}: {touches:?}"
-        );
+    // One orbit that does not press the other spring, and one that does: values of both parameters, state and period.
+    let doublings = [
+        (
+            0.23864725703449025,
+            0.6881556372064435,
+            [-0.7441942199774442, 0.11273723730403967, 9.130471317049839],
+            9.130471317049839,
+        ),
+        (
+            0.24680146525605343,
+            0.6720193856524845,
+            [-0.8944616728769937, 0.11836876688724626, 9.349708418127026],
+            9.349708418127026,
+        ),
+    ];
+    for (first, om, state, period) in doublings {
+        let rattle = with(RATTLE, &[("om", &format!("{om:?}"))]);
+        let known = Known {
+            kind: SpecialKind::PeriodDoubling,
+            monitor: None,
+            state: state.to_vec(),
+            period,
+        };
+        for longest_step in [0.05, 0.2] {
+            let limits = Limits {
+                range: (0.666, 0.69),
+                other: Some((0.2, 0.25)),
+                impacts: 60,
+                points: 300,
+                longest_step,
+            };
+            let curve = curve_within(&rattle, ["F1", "om"], (&known, first), &limits).unwrap();
+            assert_eq!(
+                curve.ends,
+                [End::Range, End::Range],
+                "{first} {longest_step}"
+            );
+            let touches = of(&curve, SpecialKind::Touch);
+            assert!(
+                matches!(&touches[..], [at] if is_there(at)),
+                "{first} {longest_step}: {touches:?}"
+            );
+        }
     }
 }
