@@ -49,7 +49,7 @@ const HALVINGS: usize = 5;
 /// Where several multipliers pass -1, or 1, ways are halved until each does so alone, or so often: then they are told as one place.
 const ALONE: usize = 24;
 
-/// A multiplier may have been past -1, or 1, and come back where it is this near to it; it is looked for at so many places, each of them to come
+/// A multiplier may have been past -1 and come back where it is this near to it; it is looked for at so many places, each of them to come
 /// nearer by this part.
 const CLOSE: f64 = 0.1;
 const LOOKS: usize = 8;
@@ -96,7 +96,7 @@ impl Walker {
 
     /// The same, looked at in halves where multipliers go so far between the stations that two changes of a sign may undo each other, as where
     /// a pair leaves the circle, becomes real, and one of the two comes back; or where as many multipliers lie beyond -1, or 1, as say that two
-    /// have passed it; and in parts where one has passed it and come back.
+    /// have passed it; and in parts where one has passed -1 and come back.
     fn between_by(
         &mut self,
         halvings: usize,
@@ -136,46 +136,42 @@ impl Walker {
         self.passed_between(from, to, step, (here, there))
     }
 
-    /// Where a multiplier is past -1, or 1, which is not so at both ends: the part of the way at which it is. It is looked for at the vertices of
-    /// parabolas for as long as these go on to say that it comes much nearer.
+    /// Where a multiplier is past -1, which is not so at both ends: the part of the way at which it is. It is looked for at the vertices of
+    /// parabolas for as long as these go on to say that it comes much nearer. (One that comes to 1 and back is at a point where branches meet:
+    /// rounding says on which side.)
     fn comes_back(
         &mut self,
         from: &Station,
         step: f64,
         (here, there): (&Point, &Point),
     ) -> Option<f64> {
-        [-1.0, 1.0].into_iter().find_map(|at| {
-            let ends = [here, there].map(|point| passes(&point.multipliers, at));
-            let [Some(before), Some(after)] = ends else {
-                return None;
-            };
-            if before * after <= 0.0 || before.abs().min(after.abs()) > CLOSE {
+        let (before, after) = (doubling(&here.multipliers)?, doubling(&there.multipliers)?);
+        if before * after <= 0.0 || before.abs().min(after.abs()) > CLOSE {
+            return None;
+        }
+        let mut known = vec![(0.0, before.abs()), (1.0, after.abs())];
+        let mut part = 0.5;
+        for _ in 0..LOOKS {
+            let (station, _) = from.ahead(&mut self.shooting, part * step).ok()?;
+            self.settle(&station);
+            let value = doubling(&self.shooting.multipliers())? * before.signum();
+            if value < 0.0 {
+                return Some(part);
+            }
+            let place = known.partition_point(|(other, _)| *other < part);
+            known.insert(place, (part, value));
+            let values = known.iter().enumerate();
+            let (least, _) = values.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+            let first = least.saturating_sub(1).min(known.len() - 3);
+            let (vertex, lowest) = vertex(&known[first..first + 3])?;
+            let is_new = known.iter().all(|(other, _)| *other != vertex);
+            let is_within = vertex > 0.0 && vertex < 1.0;
+            if !(is_within && is_new && lowest < NEARER * known[least].1) {
                 return None;
             }
-            let mut known = vec![(0.0, before.abs()), (1.0, after.abs())];
-            let mut part = 0.5;
-            for _ in 0..LOOKS {
-                let (station, _) = from.ahead(&mut self.shooting, part * step).ok()?;
-                self.settle(&station);
-                let value = passes(&self.shooting.multipliers(), at)? * before.signum();
-                if value < 0.0 {
-                    return Some(part);
-                }
-                let place = known.partition_point(|(other, _)| *other < part);
-                known.insert(place, (part, value));
-                let values = known.iter().enumerate();
-                let (least, _) = values.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
-                let first = least.saturating_sub(1).min(known.len() - 3);
-                let (vertex, lowest) = vertex(&known[first..first + 3])?;
-                let is_new = known.iter().all(|(other, _)| *other != vertex);
-                let is_within = vertex > 0.0 && vertex < 1.0;
-                if !(is_within && is_new && lowest < NEARER * known[least].1) {
-                    return None;
-                }
-                part = vertex;
-            }
-            None
-        })
+            part = vertex;
+        }
+        None
     }
 
     fn passed_between(

@@ -4,7 +4,7 @@ use super::holds::{Broken, break_before, first_break};
 use super::limits::End;
 use super::touch::Touched;
 use super::walker::{Stop, Walker};
-use super::{Point, SpecialKind};
+use super::{Point, Special, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Station, tangent};
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::orbit::shorter;
@@ -15,6 +15,8 @@ use crate::flow::leg::Least;
 
 /// This part of a step before a graze.
 const NOT_QUITE: f64 = 1e-5;
+/// This part of a step is no way from where the sequence of events breaks.
+const BESIDE: f64 = 1e-2;
 /// Flights are told from rounding of the gap if they are so many times as high.
 const LEAST_HEIGHT: f64 = 1e4;
 /// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
@@ -104,6 +106,7 @@ impl Walker {
         }
         // Of the equations as they are.
         let headings = (self.heading(&from), self.heading(&station));
+        let known = self.special.len();
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))
             | Broken::Early(index, GuardKind::Gap(contact))
@@ -150,6 +153,19 @@ impl Walker {
             }
             Broken::Passed(_) | Broken::Order(_) => Err(broken.told(&self.shooting)),
         };
+        // A touch that nothing came of, and that is elsewhere than where the sequence breaks, is none of this way.
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        let way = (station.parameter() - from.parameter()).abs();
+        let is_elsewhere = |special: &Special| {
+            let off = (special.point.parameter() - station.parameter()).abs();
+            special.kind == SpecialKind::Touch && off > BESIDE * way + NOT_QUITE * scale
+        };
+        if outcome.is_err()
+            && self.special.len() > known
+            && self.special.last().is_some_and(is_elsewhere)
+        {
+            self.special.pop();
+        }
         if let (Broken::Inner(_, GuardKind::Reaction(_)), Err(why)) = (&broken, &outcome) {
             return Stop::Over(End::Lost(why.clone()));
         }

@@ -554,7 +554,7 @@ impl Follower {
         (station, ahead): (&Station, f64),
         bordered: &Bordered,
     ) -> Option<Stop> {
-        let (onward, touch, vanishes) = self.loses_stay(station)?;
+        let (onward, touch, vanishes) = self.loses_stay(station, true)?;
         let (from, close) = (curve.station.clone(), ahead * (1.0 - NOT_QUITE));
         if let Ok((near, _)) = from.ahead(&mut bordered.of(&mut self.shooting), close)
             && let Some(end) = self.between(&from, (&near, close), bordered)

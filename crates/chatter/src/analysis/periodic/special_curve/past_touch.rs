@@ -6,7 +6,7 @@ use crate::analysis::continuation::{
     Condition as Row, Curve, Problem, Station, locate, newton, tangent,
 };
 use crate::analysis::periodic::branch::{
-    Broken, STAYS, SpecialKind, Stay, VANISHED, broken_beside, moved,
+    Broken, STAYS, Special, SpecialKind, Stay, VANISHED, broken_beside, moved,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::shooting::Shooting;
@@ -14,8 +14,10 @@ use crate::flow::GuardKind;
 
 /// The orbits beyond are this near, against the sizes of the unknowns.
 const NEAR: f64 = 1e-2;
+/// Two touches this near, in parts of the parameters' sizes, are one.
+const SAME: f64 = 1e-8;
 /// So far beyond a touch the sequence of events without the stay is to hold, in parts of the longest step.
-const BEYOND: [f64; 5] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+const BEYOND: [f64; 7] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
 /// New equations begin their steps with this part of the longest one.
 const CAREFUL: f64 = 1e-3;
 
@@ -118,13 +120,13 @@ impl Follower {
     }
 
     /// Whether a stay has come to its end at a station, or all but and becomes shorter along the curve: the crossing that it begins with. (Where it
-    /// has, rounding says how it changes.)
-    fn ending_stay(&mut self, station: &Station) -> Option<usize> {
+    /// has, rounding says how it changes; and where nothing leads on, too.)
+    fn ending_stay(&mut self, station: &Station, leads_on: bool) -> Option<usize> {
         self.shooting.evaluate(&station.at).ok()?;
         let first = self.shooting.shortest_stay()?;
         let place = self.shooting.duration_place(self.shooting.after(first))?;
         let is_over = station.at[place] <= VANISHED * self.shooting.period();
-        (is_over || station.tangent[place] < 0.0).then_some(first)
+        (is_over || !leads_on || station.tangent[place] < 0.0).then_some(first)
     }
 
     /// A stay has come to its end: on without it, to the side where the sequence of events holds then. With that the touch, what is left there
@@ -132,8 +134,9 @@ impl Follower {
     pub(super) fn loses_stay(
         &mut self,
         station: &Station,
+        leads_on: bool,
     ) -> Option<(Onward, Station, (f64, f64))> {
-        let first = self.ending_stay(station)?;
+        let first = self.ending_stay(station, leads_on)?;
         let guard = self.shooting.steps[first].ends_at()?;
         let (mut touching, start, index) =
             (self.shooting).without_way_back(&station.at, first).ok()?;
@@ -168,6 +171,17 @@ impl Follower {
         let (touch, ahead) = locate(&mut held, &back, within, ends, &mut |_, station| {
             value(station)
         })?;
+        // Not back to where it has just begun.
+        let free = touch.at.len() - shorter.parameters();
+        let is_there = |special: &Special| {
+            let own = touch.at[free..].iter().zip(&special.point.parameters);
+            let mut off = own.zip(&shorter.scales()[free..]);
+            special.kind == SpecialKind::Touch
+                && off.all(|((a, b), size)| (a - b).abs() <= SAME * size)
+        };
+        if self.special.last().is_some_and(is_there) {
+            return None;
+        }
         let left = value(&touch)?;
         let slope = (left - ends.0) / ahead;
         let onward = Onward {
@@ -182,7 +196,7 @@ impl Follower {
 
     /// On past where a stay comes to its end, if one does at this station, with a touch that is told.
     pub(super) fn past_stay(&mut self, curve: &mut Curve, station: &Station) -> Option<Bordered> {
-        let past = self.loses_stay(station)?;
+        let past = self.loses_stay(station, false)?;
         Some(self.goes_past(past, curve))
     }
 
