@@ -48,6 +48,19 @@ pub(crate) fn passes_beside(multipliers: &[Complex], at: f64) -> Option<f64> {
     Some(sign * ((first.re - at) + (second.re - at)))
 }
 
+/// How many real multipliers lie beyond -1, and beyond 1.
+pub(crate) fn beyond(multipliers: &[Complex]) -> [usize; 2] {
+    [-1.0, 1.0].map(|at| real(multipliers).filter(|m| m * at > 1.0).count())
+}
+
+/// The real multiplier that comes so many places after the one farthest out on the side of `at`, less that: where several pass `at` one after
+/// the other, or at once, each such function vanishes with one of them. None where there are not as many.
+pub(crate) fn passes_at_place(multipliers: &[Complex], at: f64, place: usize) -> Option<f64> {
+    let mut order: Vec<f64> = real(multipliers).collect();
+    order.sort_by(|a, b| (b * at).total_cmp(&(a * at)));
+    Some(order.get(place)? - at)
+}
+
 /// Beside a multiplier that is so many roundoffs of another nothing is left but rounding.
 const LOST_ROUNDOFFS: f64 = 64.0;
 
@@ -159,6 +172,24 @@ mod tests {
         let (off, sum, rest) = neutral(&of(&[(0.6, 0.8), (0.6, -0.8), (0.2, 0.0)])).unwrap();
         assert!(off.abs() < 1e-15 && sum == 1.2 && rest == of(&[(0.2, 0.0)]));
         assert_eq!(pair(&before), None);
+    }
+
+    #[test]
+    fn of_several_that_pass_at_once_each_is_seen() {
+        let before = of(&[(-0.9, 0.0), (0.3, 0.4), (0.3, -0.4), (-0.8, 0.0)]);
+        let after = of(&[(-1.1, 0.0), (0.3, 0.4), (0.3, -0.4), (-1.3, 0.0)]);
+        assert!(passes(&before, -1.0).unwrap() * passes(&after, -1.0).unwrap() > 0.0);
+        assert_eq!([beyond(&before), beyond(&after)], [[0, 0], [2, 0]]);
+        assert_eq!(beyond(&of(&[(1.5, 0.0), (-2.0, 0.0)])), [1, 1]);
+        for place in [0, 1] {
+            let [was, is] = [&before, &after].map(|all| passes_at_place(all, -1.0, place).unwrap());
+            assert!(was > 0.0 && is < 0.0);
+        }
+        assert_eq!(passes_at_place(&before, -1.0, 2), None);
+        assert_eq!(
+            passes_at_place(&of(&[(0.5, 0.0), (3.0, 0.0)]), 1.0, 0),
+            Some(2.0)
+        );
     }
 
     #[test]

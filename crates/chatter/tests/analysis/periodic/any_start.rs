@@ -436,6 +436,28 @@ fn an_orbit_that_goes_around_a_simple_one_at_its_graze_ends_there() {
     );
 }
 
+/// An orbit of three periods has one impact, then two, which lose their rate at once: it has met the simple orbit at its graze then, as where its only one
+/// does. The impact that is taken out last tells no parts of it from each other.
+#[test]
+fn an_orbit_all_of_whose_impacts_lose_their_rate_at_once_has_met_a_simple_one() {
+    let knocks = knocking([0.6987, 0.5271, 1.2333, 0.0942], (0.4034, 0.7028));
+    for step in [0.04, 0.015] {
+        let found = follow(
+            &with(&knocks, &[]),
+            ("f", (0.1, 1.2)),
+            step,
+            &Spec::default(),
+        );
+        let found = found.unwrap();
+        let ends = [SpecialKind::FlightGraze, SpecialKind::ImpactGraze].map(End::Again);
+        assert_eq!(found.ends, ends);
+        let grazes = told(&found);
+        assert_eq!(grazes.len(), 4, "{grazes:?}");
+        let simple = 0.566_510_090_553_527_2;
+        assert!([0, 1].iter().all(|&k| (grazes[k].1 - simple).abs() < 1e-12));
+    }
+}
+
 /// A pair leaves the circle, becomes real, and one of the two comes back within it by a period doubling: within one step.
 #[test]
 fn a_pair_that_becomes_real_beside_the_circle_is_told() {

@@ -113,3 +113,72 @@ fn at_a_pitchfork_steps_have_the_sizes_of_the_whole_system() {
             .all(|point| point.state[0].abs() < 1e-12)
     );
 }
+
+/// Iterates a map of two states by a clock.
+fn map_of_two(x: &str, y: &str, start: (f64, f64)) -> String {
+    let text = map(x, start.0).replace("x = \"0\"\n", "x = \"0\"\ny = \"0\"\n");
+    let text = text.replace("reset = { ", &format!("reset = {{ y = \"{y}\", "));
+    text.replace("[initial]\n", &format!("[initial]\ny = {}\n", start.1))
+}
+
+fn of_kind(branches: &[Branch], kind: SpecialKind) -> Vec<f64> {
+    let all = (branches[0].special.iter()).filter(|special| special.kind == kind);
+    all.map(value).collect()
+}
+
+/// Of two logistic maps, one of which drives the other, each doubles, within one step or at once. The product of signs is the same at both ends
+/// of a step.
+#[test]
+fn multipliers_that_pass_minus_one_within_a_step_are_told_each() {
+    for share in [1.001, 1.0 + 1e-6, 1.0] {
+        let y = format!("{share:?}*a*y*(1 - y) + 0.001*(x - 1 + 1/a)");
+        let text = map_of_two("a*x*(1 - x)", &y, (0.6, 0.6));
+        for step in [0.05, 0.02] {
+            let found = over(&with(&text, &[("a", "2.5")]), "a", (2.2, 3.2), (10, step));
+            let doublings = of_kind(&found, SpecialKind::PeriodDoubling);
+            let expected = [3.0 / share, 3.0];
+            assert_eq!(doublings.len(), 2, "{share} {step}: {doublings:?}");
+            for (found, expected) in doublings.iter().zip(expected) {
+                assert!(
+                    (found - expected).abs() < 1e-12,
+                    "{share} {step}: {doublings:?}"
+                );
+            }
+            assert_eq!(
+                kinds(&found[0]).len(),
+                2,
+                "{share} {step}: {:?}",
+                kinds(&found[0])
+            );
+        }
+    }
+}
+
+/// The same of two pitchforks: the determinant has the same sign at both ends of a step.
+#[test]
+fn multipliers_that_pass_one_within_a_step_are_told_each() {
+    for share in [1.001, 1.0 + 1e-6] {
+        let y = format!("{share:?}*a*y - y^3 + 0.001*x");
+        let text = map_of_two("a*x - x^3", &y, (0.0, 0.0));
+        for step in [0.05, 0.02] {
+            let found = over(&with(&text, &[("a", "0.7")]), "a", (0.5, 1.4), (10, step));
+            let points = of_kind(&found, SpecialKind::BranchPoint);
+            let expected = [1.0 / share, 1.0];
+            assert_eq!(points.len(), 2, "{share} {step}: {points:?}");
+            for (found, expected) in points.iter().zip(expected) {
+                assert!(
+                    (found - expected).abs() < 1e-11,
+                    "{share} {step}: {points:?}"
+                );
+            }
+        }
+    }
+    let text = map_of_two("a*x - x^3", "a*y - y^3", (0.0, 0.0));
+    let found = over(&with(&text, &[("a", "0.7")]), "a", (0.5, 1.4), (10, 0.05));
+    let points = of_kind(&found, SpecialKind::BranchPoint);
+    assert!(!points.is_empty(), "{:?}", found[0].special);
+    assert!(
+        points.iter().all(|point| (point - 1.0).abs() < 1e-11),
+        "{points:?}"
+    );
+}

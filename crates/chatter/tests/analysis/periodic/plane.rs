@@ -430,7 +430,8 @@ fn a_curve_of_grazes_of_doubled_orbits_ends_where_both_halves_graze() {
 }
 
 /// Of a pair with play the curve of grazes of doubled orbits ends on that of the simple ones, and so does the curve of their doublings: at one
-/// place. Near there rounding tells the flight that goes through the wall for the impact that loses its rate.
+/// place. Near there rounding tells a flight that goes through the wall for the impact that loses its rate: that to it (steps of 0.002 and 0.02),
+/// or that from it.
 #[test]
 fn curves_of_grazes_and_doublings_end_where_both_halves_graze() {
     let model = with(
@@ -448,7 +449,7 @@ fn curves_of_grazes_and_doublings_end_where_both_halves_graze() {
     let end = doublings.special.iter();
     let mut end = end.filter(|special| special.kind == SpecialKind::GrazeDoubling);
     let expected = end.next_back().unwrap().point.parameters.clone();
-    for step in [0.01, 0.03] {
+    for step in [0.002, 0.01, 0.02, 0.03] {
         let curve = curve(&model, ["r", "c"], &graze, ((0.0, 0.5), step));
         let double = curve.special.iter();
         let mut double = double.filter(|special| special.kind == SpecialKind::DoubleGraze);
@@ -593,4 +594,58 @@ fn a_curve_keeps_to_the_ranges_of_both_parameters() {
     limits.other = Some((at + half, at + 2.0 * half));
     let refused = curve_within(&duffing, ["f", "w"], (&known, at), &limits);
     assert!(matches!(refused, Err(PeriodicError::OutOfRange { .. })));
+}
+
+/// A mass rattles between two springs with play. Where the curve of its doublings comes to where the orbit touches the other spring it goes on with the
+/// orbits that press it. (The touch by SciPy's DOP853, the orbit told from it: x = -b, with a multiplier of -1.)
+#[test]
+fn a_curve_of_doublings_passes_where_a_spring_is_touched() {
+    // The other spring is not pressed.
+    let free = (
+        [0.238_647_257_034_490_25, 0.688_155_637_206_443_5],
+        [-0.744_194_219_977_444_2, 0.112_737_237_303_040_67],
+    );
+    for step in [0.05, 0.2] {
+        comes_through_the_touch(free, step);
+    }
+}
+
+/// And comes back from them as well.
+#[test]
+fn a_curve_of_doublings_passes_where_a_spring_is_left() {
+    let presses = (
+        [0.246_801_465_256_053_43, 0.672_019_385_652_484_5],
+        [-0.894_461_672_876_993_7, 0.118_368_766_887_246_26],
+    );
+    comes_through_the_touch(presses, 0.05);
+}
+
+fn comes_through_the_touch(([first, om], [x, v]): ([f64; 2], [f64; 2]), longest_step: f64) {
+    const RATTLE: &str = "[parameters]\nom = 1.488\nF1 = 0.142\n[flight]\nx = 'v'\n\
+        v = '0.208 + F1*cos(om*t) - 0.04746*v - max(x - 0.91, 0) - 0.01188*max(x - 0.91, 0)^3 \
+        + max(-x - 0.91, 0) + 0.01188*max(-x - 0.91, 0)^3'\n\
+        [section.strobe]\nsurface = 'sin(om*t)'\ndirection = 'rising'\n[initial]\nx = 0.8\nv = 0\n";
+    let rattle = with(RATTLE, &[("om", &format!("{om:?}"))]);
+    let period = core::f64::consts::TAU / om;
+    let known = Known {
+        kind: SpecialKind::PeriodDoubling,
+        monitor: None,
+        state: vec![x, v, period],
+        period,
+    };
+    let limits = Limits {
+        range: (0.666, 0.69),
+        other: Some((0.2, 0.25)),
+        impacts: 60,
+        points: 300,
+        longest_step,
+    };
+    let curve = curve_within(&rattle, ["F1", "om"], (&known, first), &limits).unwrap();
+    assert_eq!(curve.ends, [End::Range, End::Range], "{longest_step}");
+    let touches = of(&curve, SpecialKind::Touch);
+    let is_there = |at: &[f64; 2]| (at[0] - 0.237_443_24).hypot(at[1] - 0.666_823_98) < 1e-8;
+    assert!(
+        matches!(&touches[..], [at] if is_there(at)),
+        "{longest_step}: {touches:?}"
+    );
 }

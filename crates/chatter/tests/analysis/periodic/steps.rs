@@ -1,7 +1,7 @@
 //! Branches are the same whatever the steps that they are followed by, and wherever they begin.
 
 use super::{GRAZES, nearest, over, value, with};
-use chatter::analysis::periodic::{End, SpecialKind};
+use chatter::analysis::periodic::{End, Point, SpecialKind};
 
 /// A follower leaves its cam and comes back with chatter: over omega the contact begins to open, chatter grows, ends at a border, and impacts are
 /// lost one by one. None of that depends on where one starts and on how long steps are.
@@ -314,5 +314,45 @@ v = 0.1
         assert!((first - 0.3312).abs() < 1e-6, "{first}");
         let met = (found[0].special.iter()).find(|s| s.kind == SpecialKind::BranchPoint);
         assert!(met.is_none(), "{met:?}");
+    }
+}
+
+/// A kick drives a mass against a stop ever faster: the orbit grows to 500 times its size, and a step against what it was at first would go ever
+/// less far.
+#[test]
+fn steps_grow_with_the_orbit() {
+    const KICKED: &str = "[parameters]\nk = 0.5\n[flight]\nx = 'v'\nv = '-x - 0.2039*v'\nu = '0.2397*x - 0.2835*u'\n\
+        [[event]]\nname = 'kick'\nsurface = 'x'\ndirection = 'rising'\nreset = { v = 'v + k*(1 - u)' }\n\
+        [[contact]]\nname = 'up'\ngap = '0.5043 - x'\nimpulse = { v = -1 }\nrestitution = 0.7877\n\
+        [initial]\nx = 0.2\nv = 0.1\nu = 0\n";
+    for k in ["0.5", "1.15"] {
+        let found = over(&with(KICKED, &[("k", k)]), "k", (0.1, 1.2), (6, 0.04));
+        let branch = &found[0];
+        assert_eq!(branch.ends, [End::Range, End::Range]);
+        assert!(branch.points.len() < 1500, "{k}: {}", branch.points.len());
+        let fastest = |sum: f64, point: &Point| sum.max(point.state[1].abs());
+        assert!(branch.points.iter().fold(0.0, fastest) > 140.0);
+        let fold = nearest(&found, &[SpecialKind::Fold], 0.2625);
+        assert!((value(&fold) - 0.262_510_514_166_561_96).abs() < 1e-12);
+    }
+}
+
+/// A multiplier passes -1 by 8e-4 and comes back, within one step: both doublings are told. (Where they are, by steps a third as long.)
+#[test]
+fn a_multiplier_that_passes_and_comes_back_within_a_step_is_told() {
+    const SPRING: &str = "[parameters]\nf = 0.6\n[flight]\nx = 'v'\n\
+        v = '-0.1935*v + f*cos(0.6948*t) - x - 8.5184*max(0, x - 0.3)'\n[initial]\nx = 0.2\nv = 0.1\n";
+    for step in [0.04, 0.05, 0.015] {
+        let found = over(&with(SPRING, &[]), "f", (0.1, 1.2), (6, step));
+        let all = found.iter().flat_map(|branch| &branch.special);
+        let doublings = all.filter(|special| special.kind == SpecialKind::PeriodDoubling);
+        let mut doublings: Vec<f64> = doublings.map(value).collect();
+        doublings.sort_by(f64::total_cmp);
+        let expected = [0.162_660_623_317_299_08, 0.163_260_379_640_662_2];
+        assert_eq!(doublings.len(), 2, "{step}: {doublings:?}");
+        assert!(
+            (0..2).all(|k| (doublings[k] - expected[k]).abs() < 1e-12),
+            "{step}: {doublings:?}"
+        );
     }
 }

@@ -7,7 +7,7 @@ use crate::analysis::continuation::{Problem, Singular, Station, locate};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::multipliers::{
-    farthest, is_near, neutral, pair, passes, passes_together,
+    beyond, farthest, is_near, neutral, pair, passes, passes_at_place, passes_together,
 };
 use crate::analysis::periodic::shooting::Shooting;
 use crate::analysis::periodic::solved::{NOISE, Solved};
@@ -18,6 +18,9 @@ use crate::numerics::Complex;
 enum Passed {
     Fold((f64, f64)),
     Doubling((f64, f64)),
+    /// Several multipliers pass -1, or 1, at once: this one of them, by its place.
+    DoublingOf(usize, (f64, f64)),
+    MeetingOf(usize, (f64, f64)),
     /// With how far the parameter goes while the modulus of a pair changes by as much as it may be off by.
     Torus((f64, f64), f64),
     Monitor(usize, (f64, f64)),
@@ -27,7 +30,8 @@ impl Passed {
     fn kind(self) -> SpecialKind {
         match self {
             Self::Fold(_) => SpecialKind::Fold,
-            Self::Doubling(_) => SpecialKind::PeriodDoubling,
+            Self::Doubling(_) | Self::DoublingOf(..) => SpecialKind::PeriodDoubling,
+            Self::MeetingOf(..) => SpecialKind::BranchPoint,
             Self::Torus(..) => SpecialKind::NeimarkSacker,
             Self::Monitor(..) => SpecialKind::Monitor,
         }
@@ -42,6 +46,14 @@ const VANISHES: f64 = 1e-4;
 /// Where multipliers go farther than this, as they lie on the sphere of all numbers with infinity, ways are halved, so often at most.
 const FAR: f64 = 0.2;
 const HALVINGS: usize = 5;
+/// Where several multipliers pass -1, or 1, ways are halved until each does so alone, or so often: then they are told as one place.
+const ALONE: usize = 24;
+
+/// A multiplier may have been past -1 and come back where it is this near to it; it is looked for at so many places, each of them to come
+/// nearer by this part.
+const CLOSE: f64 = 0.1;
+const LOOKS: usize = 8;
+const NEARER: f64 = 0.5;
 
 /// Towards a graze ways are shortened to this part, so often; and only where more than one multiplier is more than this.
 const SHORTER: f64 = 0.25;
@@ -50,6 +62,24 @@ const LASTING: f64 = 1e-6;
 
 fn doubling(multipliers: &[Complex]) -> Option<f64> {
     passes(multipliers, -1.0)
+}
+
+/// Where the parabola through three points is lowest, and how low.
+fn vertex(through: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let [(a, fa), (b, fb), (c, fc)] = through else {
+        return None;
+    };
+    let (left, right) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
+    let bend = (right - left) / (c - a);
+    let lowest = 0.5 * (a + b - left / bend);
+    let depth = fa + (lowest - a) * (left + bend * (lowest - b));
+    (bend > 0.0).then_some((lowest, depth))
+}
+
+/// By how many the real multipliers beyond -1, and beyond 1, differ.
+fn passing(here: &Point, there: &Point) -> [usize; 2] {
+    let [here, there] = [here, there].map(|point| beyond(&point.multipliers));
+    [0, 1].map(|side: usize| here[side].abs_diff(there[side]))
 }
 
 impl Walker {
@@ -61,11 +91,12 @@ impl Walker {
         step: f64,
         points: (&Point, &Point),
     ) -> Option<End> {
-        self.between_by(HALVINGS, (from, to), step, points)
+        self.between_by(0, (from, to), step, points)
     }
 
     /// The same, looked at in halves where multipliers go so far between the stations that two changes of a sign may undo each other, as where
-    /// a pair leaves the circle, becomes real, and one of the two comes back.
+    /// a pair leaves the circle, becomes real, and one of the two comes back; or where as many multipliers lie beyond -1, or 1, as say that two
+    /// have passed it; and in parts where one has passed -1 and come back.
     fn between_by(
         &mut self,
         halvings: usize,
@@ -75,25 +106,72 @@ impl Walker {
     ) -> Option<End> {
         let is_lasting = |m: &Complex| m.im != 0.0 && m.modulus() > LASTING;
         let has_pair = |point: &Point| point.multipliers.iter().any(is_lasting);
-        if halvings > 0
-            && (has_pair(here) || has_pair(there))
-            && farthest(&here.multipliers, &there.multipliers) > FAR
-            && let Ok((middle, _)) = from.ahead(&mut self.shooting, 0.5 * step)
+        let goes_far = || {
+            halvings < HALVINGS
+                && (has_pair(here) || has_pair(there))
+                && farthest(&here.multipliers, &there.multipliers) > FAR
+        };
+        let several = || halvings < ALONE && passing(here, there).iter().any(|&count| count > 1);
+        let part = match goes_far() || several() {
+            true => Some(0.5),
+            false if halvings < HALVINGS => self.comes_back(from, step, (here, there)),
+            false => None,
+        };
+        if let Some(part) = part
+            && let Ok((middle, _)) = from.ahead(&mut self.shooting, part * step)
         {
             self.settle(&middle);
             let halfway = Point::new(&mut self.shooting, &middle);
             let left = middle.reach(&to.at, self.shooting.scales());
             if left > 0.0 {
-                let near = (from, &middle, 0.5 * step, (here, &halfway));
+                let near = (from, &middle, part * step, (here, &halfway));
                 let far = (&middle, to, left, (&halfway, there));
                 return [near, far]
                     .into_iter()
                     .find_map(|(from, to, step, points)| {
-                        self.between_by(halvings - 1, (from, to), step, points)
+                        self.between_by(halvings + 1, (from, to), step, points)
                     });
             }
         }
         self.passed_between(from, to, step, (here, there))
+    }
+
+    /// Where a multiplier is past -1, which is not so at both ends: the part of the way at which it is. It is looked for at the vertices of
+    /// parabolas for as long as these go on to say that it comes much nearer. (One that comes to 1 and back is at a point where branches meet:
+    /// rounding says on which side.)
+    fn comes_back(
+        &mut self,
+        from: &Station,
+        step: f64,
+        (here, there): (&Point, &Point),
+    ) -> Option<f64> {
+        let (before, after) = (doubling(&here.multipliers)?, doubling(&there.multipliers)?);
+        if before * after <= 0.0 || before.abs().min(after.abs()) > CLOSE {
+            return None;
+        }
+        let mut known = vec![(0.0, before.abs()), (1.0, after.abs())];
+        let mut part = 0.5;
+        for _ in 0..LOOKS {
+            let (station, _) = from.ahead(&mut self.shooting, part * step).ok()?;
+            self.settle(&station);
+            let value = doubling(&self.shooting.multipliers())? * before.signum();
+            if value < 0.0 {
+                return Some(part);
+            }
+            let place = known.partition_point(|(other, _)| *other < part);
+            known.insert(place, (part, value));
+            let values = known.iter().enumerate();
+            let (least, _) = values.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+            let first = least.saturating_sub(1).min(known.len() - 3);
+            let (vertex, lowest) = vertex(&known[first..first + 3])?;
+            let is_new = known.iter().all(|(other, _)| *other != vertex);
+            let is_within = vertex > 0.0 && vertex < 1.0;
+            if !(is_within && is_new && lowest < NEARER * known[least].1) {
+                return None;
+            }
+            part = vertex;
+        }
+        None
     }
 
     fn passed_between(
@@ -124,10 +202,29 @@ impl Walker {
             (ends.0 * ends.1 < 0.0).then_some(ends)
         };
         kinds.extend(both(doubling).map(Passed::Doubling));
+        let [doublings, meetings] = passing(here, there);
+        let places = |at: f64, kind: fn(usize, (f64, f64)) -> Passed| {
+            let count = here.multipliers.len();
+            let vanish = (0..count).filter_map(move |place| {
+                let of = |point: &Point| passes_at_place(&point.multipliers, at, place);
+                let ends = (of(here)?, of(there)?);
+                (ends.0 * ends.1 < 0.0).then(|| kind(place, ends))
+            });
+            vanish.collect::<Vec<Passed>>()
+        };
+        if doublings > 1 {
+            kinds.retain(|passed| !matches!(passed, Passed::Doubling(_)));
+            kinds.extend(places(-1.0, Passed::DoublingOf));
+        }
+        if meetings > 1 && !(meets || turns) {
+            kinds.extend(places(1.0, Passed::MeetingOf));
+        }
         // A pair that stays on the circle, as where energy is conserved, changes sides by rounding.
         let error = here.modulus_error.max(there.modulus_error);
         let is_pair = |ends: &(f64, f64)| ends.0.abs().max(ends.1.abs()) > error;
-        let torus = both(passes_together).filter(is_pair);
+        // Of two that pass -1, or 1, at once the product passes 1.
+        let torus =
+            both(passes_together).filter(|ends| is_pair(ends) && doublings.max(meetings) < 2);
         let moduli = [here, there].map(|point| pair(&point.multipliers));
         let off = match moduli {
             [Some(before), Some(after)] => {
@@ -147,8 +244,14 @@ impl Walker {
                 kinds.push(Passed::Monitor(index, ends));
             }
         }
-        for passed in kinds {
-            self.find(passed, from, step, to.parameter());
+        let located = kinds.into_iter().filter_map(|passed| {
+            let (station, ahead) = self.located(passed, from, step)?;
+            Some((passed, station, ahead))
+        });
+        let mut located: Vec<(Passed, Station, f64)> = located.collect();
+        located.sort_by(|a, b| a.2.total_cmp(&b.2));
+        for (passed, station, _) in located {
+            self.tell(passed, &station, (from.parameter(), to.parameter()));
         }
         None
     }
@@ -202,7 +305,8 @@ impl Walker {
         self.between(&station, to, left, (&point, there))
     }
 
-    fn find(&mut self, passed: Passed, from: &Station, step: f64, far: f64) {
+    /// Where what has passed vanishes, and how far ahead.
+    fn located(&mut self, passed: Passed, from: &Station, step: f64) -> Option<(Station, f64)> {
         // The problem is what is evaluated; its copy tells what there is to tell of the stations found.
         let mut reader = self.shooting.clone();
         let mut of =
@@ -217,23 +321,30 @@ impl Walker {
                 // What jumps, as a multiplier does from one infinity to the other, has no zero.
                 found.filter(|_| least <= VANISHES * ends.0.abs().max(ends.1.abs()))
             };
-        let found = match passed {
+        match passed {
             Passed::Fold(ends) => of(ends, &|_, station| station.tangent.last().copied()),
             Passed::Doubling(ends) => of(ends, &|reader, _| doubling(&reader.multipliers())),
+            Passed::DoublingOf(place, ends) => of(ends, &|reader, _| {
+                passes_at_place(&reader.multipliers(), -1.0, place)
+            }),
+            Passed::MeetingOf(place, ends) => of(ends, &|reader, _| {
+                passes_at_place(&reader.multipliers(), 1.0, place)
+            }),
             Passed::Torus(ends, _) => of(ends, &|reader, _| passes_together(&reader.multipliers())),
             Passed::Monitor(index, ends) => of(ends, &|reader, station| {
                 reader.monitored(&station.at).get(index).copied()
             }),
-        };
-        let Some((station, _)) = found else {
-            return;
-        };
+        }
+    }
+
+    /// Solves for it from there, between these values of the parameter, and tells it.
+    fn tell(&mut self, passed: Passed, station: &Station, (low, high): (f64, f64)) {
         let rough = station.parameter();
         let mut refined = station.clone();
         let mut error = UNREFINED * rough.abs();
         let mut residual = f64::NAN;
         let mut above = None;
-        let near = 1e-3 * (from.parameter() - far).abs();
+        let near = 1e-3 * (low - high).abs();
         let scale = self.shooting.scales()[station.at.len() - 1];
         let mut take = |found: Solved| {
             let moved = (found.at[found.at.len() - 1] - rough).abs();
@@ -250,8 +361,8 @@ impl Walker {
         let mut at_section = None;
         let condition = match passed {
             Passed::Fold(_) => Some(Condition::Singular(1.0)),
-            Passed::Doubling(_) => Some(Condition::Singular(-1.0)),
-            Passed::Torus(..) => None,
+            Passed::Doubling(_) | Passed::DoublingOf(..) => Some(Condition::Singular(-1.0)),
+            Passed::Torus(..) | Passed::MeetingOf(..) => None,
             Passed::Monitor(index, _) => {
                 let other = self.shooting.with_section(&station.at).ok().flatten();
                 if let Some((mut longer, guess)) = other {
@@ -305,8 +416,8 @@ impl Walker {
             };
         }
         let is_it = match passed {
-            Passed::Fold(_) => is_near(&here.multipliers, 1.0),
-            Passed::Doubling(_) => is_near(&here.multipliers, -1.0),
+            Passed::Fold(_) | Passed::MeetingOf(..) => is_near(&here.multipliers, 1.0),
+            Passed::Doubling(_) | Passed::DoublingOf(..) => is_near(&here.multipliers, -1.0),
             // One of two real multipliers may as well be the inverse of the other.
             Passed::Torus(..) => neutral.is_some_and(|(_, sum, _)| sum.abs() < 2.0),
             Passed::Monitor(..) => true,
@@ -318,7 +429,7 @@ impl Walker {
         let at = refined.at.clone();
         match passed {
             Passed::Fold((before, after)) => above = Some(after > before),
-            Passed::Doubling(_) => above = self.doubles_above(&at),
+            Passed::Doubling(_) | Passed::DoublingOf(..) => above = self.doubles_above(&at),
             _ => {}
         }
         self.note(passed.kind(), &here, &at, error, residual);

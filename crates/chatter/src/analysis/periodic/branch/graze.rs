@@ -4,7 +4,7 @@ use super::holds::{Broken, break_before, first_break};
 use super::limits::End;
 use super::touch::Touched;
 use super::walker::{Stop, Walker};
-use super::{Point, SpecialKind};
+use super::{Point, Special, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Station, tangent};
 use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::orbit::shorter;
@@ -15,6 +15,8 @@ use crate::flow::leg::Least;
 
 /// This part of a step before a graze.
 const NOT_QUITE: f64 = 1e-5;
+/// This part of a step is no way from where the sequence of events breaks.
+const BESIDE: f64 = 1e-2;
 /// Flights are told from rounding of the gap if they are so many times as high.
 const LEAST_HEIGHT: f64 = 1e4;
 /// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
@@ -104,6 +106,7 @@ impl Walker {
         }
         // Of the equations as they are.
         let headings = (self.heading(&from), self.heading(&station));
+        let known = self.special.len();
         let outcome = match broken {
             Broken::Inner(index, GuardKind::Gap(contact))
             | Broken::Early(index, GuardKind::Gap(contact))
@@ -150,6 +153,19 @@ impl Walker {
             }
             Broken::Passed(_) | Broken::Order(_) => Err(broken.told(&self.shooting)),
         };
+        // A touch that nothing came of, and that is elsewhere than where the sequence breaks, is none of this way.
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        let way = (station.parameter() - from.parameter()).abs();
+        let is_elsewhere = |special: &Special| {
+            let off = (special.point.parameter() - station.parameter()).abs();
+            special.kind == SpecialKind::Touch && off > BESIDE * way + NOT_QUITE * scale
+        };
+        if outcome.is_err()
+            && self.special.len() > known
+            && self.special.last().is_some_and(is_elsewhere)
+        {
+            self.special.pop();
+        }
         if let (Broken::Inner(_, GuardKind::Reaction(_)), Err(why)) = (&broken, &outcome) {
             return Stop::Over(End::Lost(why.clone()));
         }
@@ -158,9 +174,9 @@ impl Walker {
             Some(SpecialKind::Touch) => headings.0,
             _ => headings.1,
         };
-        // An orbit that goes twice around a simple one from here on: it has met that at its graze.
+        // An orbit that goes more than once around a simple one from here on: it has met that at its graze.
         if let (Broken::Event(_), Ok(next)) = (&broken, &outcome)
-            && shorter(&self.shooting, &next.at).is_ok_and(|part| part.is_some())
+            && goes_around(&self.shooting, &next.at)
         {
             let kind = self.special.last().map(|special| special.kind);
             return Stop::End(kind.map_or(End::Range, End::Again));
@@ -553,6 +569,29 @@ impl Walker {
         self.shooting = shorter;
         Ok(if forward { next } else { reversed })
     }
+}
+
+/// Whether an orbit goes more than once around another one. Where several impacts lose their rate at once they are left out one by one: what is
+/// left of them tells no parts from each other.
+fn goes_around(shooting: &Shooting<f64>, at: &[f64]) -> bool {
+    let (mut shooting, mut at) = (shooting.clone(), at.to_vec());
+    for _ in 0..=shooting.steps.len() {
+        if shorter(&shooting, &at).is_ok_and(|part| part.is_some()) {
+            return true;
+        }
+        let left = shooting
+            .evaluate(&at)
+            .is_ok()
+            .then(|| shooting.without_rate());
+        let without = left
+            .flatten()
+            .map(|index| shooting.without_event(&at, index));
+        let Some(Ok((fewer, guess, _))) = without else {
+            return false;
+        };
+        (shooting, at) = (fewer, guess);
+    }
+    false
 }
 
 /// How far a solution is from where it was looked for, against the sizes of the unknowns.

@@ -58,6 +58,7 @@ pub(super) use kept::{Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
 pub(super) use onward::beside;
 pub(super) use special::Seed;
+pub(super) use touch::{STAYS, Stay, VANISHED};
 pub(super) use walker::Side;
 
 use super::diary::Diary;

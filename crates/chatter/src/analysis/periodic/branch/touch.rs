@@ -18,15 +18,15 @@ use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
 
 /// On the other side an orbit begins with so long a stay, in parts of its period, or else with a shorter one.
-const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
+pub(in crate::analysis::periodic) const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 /// A stay that takes less than this part of the period has come to its end.
-pub(super) const VANISHED: f64 = 1e-6;
+pub(in crate::analysis::periodic) const VANISHED: f64 = 1e-6;
 /// Between a crossing and the way back no time is left: less than this part of the period.
 const NO_TIME: f64 = 1e-2;
 
 /// A stay that begins where a surface is touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Stay {
+pub(in crate::analysis::periodic) enum Stay {
     /// On its other side.
     Beyond,
     /// On it.
@@ -73,7 +73,7 @@ impl Shooting<f64> {
     }
 
     /// The crossing whose way back follows soonest, with no time left.
-    pub(super) fn shortest_stay(&self) -> Option<usize> {
+    pub(in crate::analysis::periodic) fn shortest_stay(&self) -> Option<usize> {
         let count = self.steps.len();
         let stay = |index: usize| self.latest[self.after(index)].duration;
         let all = (0..count).filter(|&index| self.comes_back(index));
@@ -81,7 +81,7 @@ impl Shooting<f64> {
     }
 
     /// The same orbit that only touches where it crosses at the end of a step and comes back, and the step that ends there.
-    pub(super) fn without_way_back(
+    pub(in crate::analysis::periodic) fn without_way_back(
         &self,
         at: &[f64],
         index: usize,
@@ -198,7 +198,7 @@ impl Shooting<f64> {
 
     /// The same orbit with a stay of this duration at the surface that the end of a step touches, and where its duration stands among
     /// the unknowns.
-    fn with_stay(
+    pub(in crate::analysis::periodic) fn with_stay(
         &self,
         at: &[f64],
         (index, stay, duration): (usize, Stay, f64),

@@ -300,7 +300,7 @@ impl Walker {
             self.settle(&next);
             curve.moves(next);
             self.shooting.adopt(&curve.station.at);
-            if self.shooting.has_planes() {
+            if self.shooting.grows_up() || self.shooting.has_planes() {
                 curve.turns(&mut self.shooting);
             }
             here = there;

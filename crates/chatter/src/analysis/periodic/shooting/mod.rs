@@ -113,6 +113,8 @@ pub(crate) struct Shooting<R: Real> {
 
 /// Sizes of states that fall below this part of what they were.
 const NEXT_TO_NOTHING: f64 = 1e-6;
+/// States are measured anew where they have become so many times as large: more than those that drift are ever displaced.
+const OUTGROWN: f64 = 16.0;
 /// A state is zero at nodes alone if all that is seen of it there is less than this part of how far others may move it.
 const AT_NODES_ALONE: f64 = 1e-9;
 /// Impacts that are to share an instant are no farther apart than this part of the period.
@@ -276,6 +278,25 @@ impl<R: Real> Shooting<R> {
     /// Takes sizes of states as no less than they are elsewhere on the same curve, where it is displaced from an orbit at zero.
     pub(crate) fn take_sizes(&mut self, least: &[f64]) {
         self.keep_sizes_above(least, 1.0);
+    }
+
+    /// Takes what states have grown to along a branch for their sizes, where one has outgrown its own: else ever more steps would go as far, against
+    /// what it is. Whether one has.
+    pub(crate) fn grows_up(&mut self) -> bool {
+        let mut sizes = self.state_sizes();
+        let mut has_outgrown = false;
+        for (state, size) in sizes.iter_mut().enumerate() {
+            if !self.workshop.closure.is_phase(state) {
+                let most = |most: f64, step: &Step| most.max(step.start[state].abs());
+                let now = self.steps.iter().fold(0.0, most);
+                has_outgrown |= now > OUTGROWN * *size;
+                *size = size.max(now);
+            }
+        }
+        if has_outgrown {
+            self.take_sizes(&sizes);
+        }
+        has_outgrown
     }
 
     fn keep_sizes_above(&mut self, before: &[f64], part: f64) {

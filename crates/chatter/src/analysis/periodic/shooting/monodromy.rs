@@ -138,12 +138,17 @@ impl<R: Real> Shooting<R> {
     /// Whether an impact has lost its rate: multipliers have a pole there. Rates are compared with the largest and, since all may have
     /// lost theirs, with what its acceleration makes of each in the flight before.
     pub(crate) fn grazes(&self) -> bool {
+        self.without_rate().is_some()
+    }
+
+    /// The step that ends with such an impact.
+    pub(crate) fn without_rate(&self) -> Option<usize> {
         let impacts = self.rates(|index| self.steps[index].impact().is_some());
         let largest = impacts
             .iter()
-            .fold(0.0_f64, |most, (rate, _)| most.max(*rate));
-        let lost = |&(rate, gained): &(f64, f64)| rate <= NO_RATE * largest.max(gained);
-        impacts.iter().any(lost)
+            .fold(0.0_f64, |most, (_, rate, _)| most.max(*rate));
+        let lost = |&&(_, rate, gained): &&(usize, f64, f64)| rate <= NO_RATE * largest.max(gained);
+        impacts.iter().find(lost).map(|(index, ..)| *index)
     }
 
     /// Whether a surface is crossed with next to no rate. Where the field jumps there, what the crossing and the way back do to a
@@ -153,14 +158,17 @@ impl<R: Real> Shooting<R> {
             self.rates(|index| self.steps[index].impact().is_none() && !self.smooth[index]);
         crossings
             .iter()
-            .any(|&(rate, gained)| rate <= NO_RATE * gained)
+            .any(|&(_, rate, gained)| rate <= NO_RATE * gained)
     }
 
-    /// The rates with which such legs end, and what accelerations there make in their time.
-    fn rates(&self, which: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {
+    /// The steps of such legs, the rates with which they end, and what accelerations there make in their time.
+    fn rates(&self, which: impl Fn(usize) -> bool) -> Vec<(usize, f64, f64)> {
         let legs = (self.steps.iter().zip(&self.latest)).enumerate();
         legs.filter(|(index, (step, _))| step.has_own_time() && which(*index))
-            .map(|(_, (_, landing))| rate_and_gain(landing))
+            .map(|(index, (_, landing))| {
+                let (rate, gained) = rate_and_gain(landing);
+                (index, rate, gained)
+            })
             .collect()
     }
 

@@ -1,6 +1,7 @@
 //! One side of a curve of special points, station by station.
 
 use super::degenerate::{self, Sided, Test, ends, has_multipliers, tests};
+use super::past_touch::touched;
 use crate::analysis::continuation::{
     Curve, NewtonError, Problem, Station, StepError, locate, meeting,
 };
@@ -87,7 +88,9 @@ impl Follower {
             Some(Then::Points) => return Err(damaged()),
             Some(Then::On(standing)) => standing,
         };
-        let (shooting, stand) = standing.restored(&self.shooting.workshop)?;
+        let (mut shooting, stand) = standing.restored(&self.shooting.workshop)?;
+        let condition = self.condition_of(&mut shooting, &stand.station.at);
+        (self.condition, self.grazing) = condition.ok_or_else(damaged)?;
         self.shooting = shooting;
         let Of::Curve(borders) = stand.of else {
             return Err(damaged());
@@ -175,7 +178,13 @@ impl Follower {
         let found = curve.next(&mut bordered.of(&mut self.shooting));
         let (mut next, mut step) = match found {
             Ok(found) => found,
-            Err(StepError::TooShort(error)) => return Stop::End(self.border(curve, error)),
+            Err(StepError::TooShort(error)) => {
+                let last = curve.station.clone();
+                return match self.past_stay(curve, &last) {
+                    Some(anew) => Stop::Anew(anew),
+                    None => Stop::End(self.border(curve, error)),
+                };
+            }
         };
         let from = curve.station.clone();
         if let Err(left) = self.shooting.evaluate(&next.at) {
@@ -189,6 +198,11 @@ impl Follower {
             let mut reader = self.shooting.clone();
             let mut held = bordered.of(&mut self.shooting);
             let first = first_break(&mut held, &mut reader, (&from, step), broken);
+            if let Some((_, station, ahead)) = &first
+                && let Some(stop) = self.stay_ends(curve, (station, *ahead), bordered)
+            {
+                return stop;
+            }
             return match first {
                 Some((Broken::Passed(index), station, ahead)) => {
                     match self.exchange(curve, (index, &station, ahead), bordered) {
@@ -199,13 +213,16 @@ impl Follower {
                 Some((broken, station, ahead)) => {
                     let meets = from.orientation * next.orientation < 0.0;
                     let place = (&station, ahead, meets.then_some(step));
-                    Stop::End(self.breaks(&from, (&broken, place), bordered))
+                    self.breaks(curve, (&broken, place), bordered)
                 }
                 None => Stop::End(End::Lost("the sequence of events changes".to_owned())),
             };
         }
         if let Some(end) = self.is_of_no_kind() {
-            return Stop::End(end);
+            return match self.past_stay(curve, &from) {
+                Some(anew) => Stop::Anew(anew),
+                None => Stop::End(end),
+            };
         }
         let edge = self.limits.beyond(next.parameter());
         if let Some(edge) = edge {
@@ -375,7 +392,12 @@ impl Follower {
     }
 
     /// Notes a special point with the value there of what vanishes, and how that changes along the curve.
-    fn note(&mut self, kind: SpecialKind, station: &Station, (value, slope): (f64, f64)) {
+    pub(super) fn note(
+        &mut self,
+        kind: SpecialKind,
+        station: &Station,
+        (value, slope): (f64, f64),
+    ) {
         if self.shooting.evaluate(&station.at).is_err() {
             return;
         }
@@ -443,16 +465,17 @@ impl Follower {
     /// The sequence of events changes: what breaks, where, how far ahead, and within which distance another curve is met.
     fn breaks(
         &mut self,
-        from: &Station,
+        curve: &mut Curve,
         (broken, (station, ahead, meets)): (&Broken, (&Station, f64, Option<f64>)),
         bordered: &Bordered,
-    ) -> End {
+    ) -> Stop {
+        let from = &curve.station.clone();
         // Where both halves of a doubled orbit graze at once its curve meets that of the simple one: the equations are singular there.
-        // Near there the equations tell little, and their solutions what is no meeting. Rounding may tell the flight after the impact that
-        // loses its rate there for that impact.
+        // Near there the equations tell little, and their solutions what is no meeting. Rounding may tell a flight before or after the
+        // impact that loses its rate there for that impact.
         let starts = meets.map(|within| [(station, within), (from, 2.0 * within)]);
-        let lost = self.loses(broken).map(Broken::Event);
-        let all = lost.into_iter().chain([broken.clone()]);
+        let lost = self.losing(broken).into_iter().map(Broken::Event);
+        let all = lost.chain([broken.clone()]);
         let met = starts.into_iter().flatten().find_map(|start| {
             let met = self.met(start, bordered)?;
             let vanishes = |one: &Broken| {
@@ -480,7 +503,7 @@ impl Follower {
             }
         }
         let station = met.as_ref().unwrap_or(station);
-        let lost = || End::Lost(broken.told(&self.shooting));
+        let lost = || Stop::End(End::Lost(broken.told(&self.shooting)));
         let is_graze = match *broken {
             Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
             Broken::Inner(_, guard) => matches!(guard, GuardKind::Gap(_)),
@@ -490,6 +513,14 @@ impl Follower {
             | Broken::Carried(_)
             | Broken::Order(_) => false,
         };
+        if let Some(touch) = touched(broken) {
+            let here = self.left_of(broken, station);
+            self.note(SpecialKind::Touch, station, (here, (here - before) / ahead));
+            return match self.comes_to_stay(touch, station) {
+                Some(onward) => Stop::Anew(self.goes_on(onward, curve)),
+                None => Stop::End(End::At(SpecialKind::Touch)),
+            };
+        }
         if !is_graze {
             return lost();
         }
@@ -513,21 +544,41 @@ impl Follower {
         {
             special.point.multipliers.clear();
         }
-        End::At(kind)
+        Stop::End(End::At(kind))
     }
 
-    /// The impact that loses its rate where this breaks, if it is one that the flight beyond goes through the wall after.
-    fn loses(&self, broken: &Broken) -> Option<usize> {
+    /// Where a stay comes to its end before a step does: the way there is looked at, and gone on from.
+    fn stay_ends(
+        &mut self,
+        curve: &mut Curve,
+        (station, ahead): (&Station, f64),
+        bordered: &Bordered,
+    ) -> Option<Stop> {
+        let (onward, touch, vanishes) = self.loses_stay(station, true)?;
+        let (from, close) = (curve.station.clone(), ahead * (1.0 - NOT_QUITE));
+        if let Ok((near, _)) = from.ahead(&mut bordered.of(&mut self.shooting), close)
+            && let Some(end) = self.between(&from, (&near, close), bordered)
+        {
+            return Some(Stop::End(end));
+        }
+        Some(Stop::Anew(self.goes_past((onward, touch, vanishes), curve)))
+    }
+
+    /// The impacts that may lose their rate where this breaks: of one whose rate has turned the flight to it goes through the wall as well as
+    /// that from it.
+    fn losing(&self, broken: &Broken) -> Vec<usize> {
         let steps = &self.shooting.steps;
-        let index = match *broken {
-            Broken::Event(index) => index,
+        let (beside, contact) = match *broken {
+            Broken::Event(index) => (vec![index], steps[index].impact()),
             Broken::Inner(step, GuardKind::Gap(contact)) => {
-                let before = self.shooting.before(step);
-                (steps[before].impact() == Some(contact)).then_some(before)?
+                (vec![self.shooting.before(step), step], Some(contact))
             }
-            _ => return None,
+            _ => return Vec::new(),
         };
-        (steps[index].impact().is_some() && self.grazing != Some(index)).then_some(index)
+        let loses = |index: &usize| {
+            contact.is_some() && steps[*index].impact() == contact && self.grazing != Some(*index)
+        };
+        beside.into_iter().filter(loses).collect()
     }
 
     /// What is left at a station of what breaks.

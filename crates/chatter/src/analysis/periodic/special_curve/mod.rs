@@ -6,6 +6,7 @@
 //! degenerate   functions that vanish at points of codimension two
 //! border       curves of chatter borders, by the search for border orbits
 //! follower     one side of a curve, station by station
+//! past_touch   on past where a surface is touched
 //! passes       whether it goes through another point that was told
 //! ```
 
@@ -13,6 +14,7 @@ pub(crate) mod border;
 mod degenerate;
 mod follower;
 pub(super) mod passes;
+mod past_touch;
 pub(super) mod start;
 
 use super::branch::{Branch, End, Limits, Point, Side, Special, SpecialKind, joined};

@@ -1,0 +1,241 @@
+//! On past where a surface is touched: on one side of that the orbit crosses the surface and comes back, or stays on it. With that stay the
+//! equations are singular at the touch, so that it is told of the orbit without.
+
+use super::follower::Follower;
+use crate::analysis::continuation::{
+    Condition as Row, Curve, Problem, Station, locate, newton, tangent,
+};
+use crate::analysis::periodic::branch::{
+    Broken, STAYS, Special, SpecialKind, Stay, VANISHED, broken_beside, moved,
+};
+use crate::analysis::periodic::condition::{Bordered, Condition};
+use crate::analysis::periodic::shooting::Shooting;
+use crate::flow::GuardKind;
+
+/// The orbits beyond are this near, against the sizes of the unknowns.
+const NEAR: f64 = 1e-2;
+/// Two touches this near, in parts of the parameters' sizes, are one.
+const SAME: f64 = 1e-8;
+/// So far beyond a touch the sequence of events without the stay is to hold, in parts of the longest step.
+const BEYOND: [f64; 7] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
+/// New equations begin their steps with this part of the longest one.
+const CAREFUL: f64 = 1e-3;
+
+/// A curve beyond a touch: its equations, and where it is.
+pub(super) struct Onward {
+    shooting: Shooting<f64>,
+    condition: Condition,
+    grazing: Option<usize>,
+    bordered: Bordered,
+    station: Station,
+}
+
+/// The surface that is touched where the sequence of events breaks, and the step on whose way it is.
+pub(super) fn touched(broken: &Broken) -> Option<(usize, GuardKind)> {
+    match *broken {
+        Broken::Inner(index, guard) if guard.opposite().is_some() => Some((index, guard)),
+        _ => None,
+    }
+}
+
+/// The least value of a guard on the way of a step.
+fn least_of(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    (index, guard): (usize, GuardKind),
+) -> Option<f64> {
+    shooting.evaluate(at).ok()?;
+    let least = shooting.least(at).ok()?;
+    let inner = (least.get(index)?.iter()).filter(|l| l.guard == guard && !l.at_end);
+    inner.map(|l| l.value).min_by(f64::total_cmp)
+}
+
+impl Follower {
+    /// What is held at zero, of equations with other steps for the same orbit, and the step whose impact has no rate.
+    pub(super) fn condition_of(
+        &self,
+        shooting: &mut Shooting<f64>,
+        at: &[f64],
+    ) -> Option<(Condition, Option<usize>)> {
+        let Condition::Monitor(index) = self.condition else {
+            return Some((self.condition, None));
+        };
+        if self.kind.is_graze() {
+            shooting.evaluate(at).ok()?;
+            let index = shooting.without_rate()?;
+            return Some((Condition::Monitor(index), Some(index)));
+        }
+        // Functions of the orbit are numbered after its steps.
+        let function = index.checked_sub(self.shooting.steps.len())?;
+        let index = shooting.steps.len() + function;
+        Some((Condition::Monitor(index), None))
+    }
+
+    /// A surface is touched: a stay comes in, and grows.
+    pub(super) fn comes_to_stay(
+        &mut self,
+        (index, guard): (usize, GuardKind),
+        station: &Station,
+    ) -> Option<Onward> {
+        self.shooting.evaluate(&station.at).ok()?;
+        let least = self.shooting.least(&station.at).ok()?;
+        let inner = (least.get(index)?.iter()).filter(|l| l.guard == guard && !l.at_end);
+        let touching = inner.min_by(|a, b| a.value.total_cmp(&b.value))?;
+        let longer = self.shooting.with_event(&station.at, index, touching);
+        let (mut touch, at, index) = longer.ok()?;
+        touch.evaluate(&at).ok()?;
+        let period = touch.period();
+        let ways = [Stay::Beyond, Stay::On].into_iter();
+        let mut ways = ways.flat_map(|stay| STAYS.map(|part| (stay, part * period)));
+        ways.find_map(|(stay, duration)| {
+            let (mut longer, guess, place) = touch.with_stay(&at, (index, stay, duration)).ok()?;
+            let (condition, grazing) = self.condition_of(&mut longer, &guess)?;
+            let bordered = condition.near(&mut longer, &guess, None).ok()?;
+            let fixed = Row::fixed(guess.len(), place, guess[place]);
+            let rows = core::slice::from_ref(&fixed);
+            let found = newton(&mut bordered.of(&mut longer), &guess, rows).ok()?;
+            if moved(&found.at, &guess, longer.scales()) > NEAR
+                || !holds(&mut longer, &found.at, grazing)
+            {
+                return None;
+            }
+            let bordered = condition
+                .near(&mut longer, &found.at, Some(&bordered))
+                .ok()?;
+            let along = tangent(&mut bordered.of(&mut longer), &found.at, &fixed.row).ok()?;
+            Some(Onward {
+                shooting: longer,
+                condition,
+                grazing,
+                bordered,
+                station: Station {
+                    tangent: along,
+                    at: found.at,
+                    residual: found.residual,
+                    correction: found.correction,
+                    orientation: 0.0,
+                },
+            })
+        })
+    }
+
+    /// Whether a stay has come to its end at a station, or all but and becomes shorter along the curve: the crossing that it begins with. (Where it
+    /// has, rounding says how it changes; and where nothing leads on, too.)
+    fn ending_stay(&mut self, station: &Station, leads_on: bool) -> Option<usize> {
+        self.shooting.evaluate(&station.at).ok()?;
+        let first = self.shooting.shortest_stay()?;
+        let place = self.shooting.duration_place(self.shooting.after(first))?;
+        let is_over = station.at[place] <= VANISHED * self.shooting.period();
+        (is_over || !leads_on || station.tangent[place] < 0.0).then_some(first)
+    }
+
+    /// A stay has come to its end: on without it, to the side where the sequence of events holds then. With that the touch, what is left there
+    /// of the least value, and how that changes.
+    pub(super) fn loses_stay(
+        &mut self,
+        station: &Station,
+        leads_on: bool,
+    ) -> Option<(Onward, Station, (f64, f64))> {
+        let first = self.ending_stay(station, leads_on)?;
+        let guard = self.shooting.steps[first].ends_at()?;
+        let (mut touching, start, index) =
+            (self.shooting).without_way_back(&station.at, first).ok()?;
+        touching.evaluate(&start).ok()?;
+        let (mut shorter, guess, merged) = touching.without_event(&start, index).ok()?;
+        let (condition, grazing) = self.condition_of(&mut shorter, &guess)?;
+        let bordered = condition.near(&mut shorter, &guess, None).ok()?;
+        let last = guess.len() - 1;
+        let there = Station::near(&mut bordered.of(&mut shorter), &guess, last).ok()?;
+        if moved(&there.at, &guess, shorter.scales()) > NEAR {
+            return None;
+        }
+        let sides = [there.clone(), there.reversed()];
+        let (next, distance) = BEYOND.iter().find_map(|part| {
+            let distance = part * self.limits.longest_step;
+            let beside = sides.each_ref().map(|side| {
+                let (next, _) = side.ahead(&mut bordered.of(&mut shorter), distance).ok()?;
+                holds(&mut shorter, &next.at, grazing).then_some(next)
+            });
+            match beside {
+                [Some(next), None] | [None, Some(next)] => Some((next, distance)),
+                _ => None,
+            }
+        })?;
+        let back = next.clone().reversed();
+        let within = 2.0 * distance;
+        let mut reader = shorter.clone();
+        let mut value = |station: &Station| least_of(&mut reader, &station.at, (merged, guard));
+        let (far, _) = back.ahead(&mut bordered.of(&mut shorter), within).ok()?;
+        let ends = (value(&back)?, value(&far)?);
+        let mut held = bordered.of(&mut shorter);
+        let (touch, ahead) = locate(&mut held, &back, within, ends, &mut |_, station| {
+            value(station)
+        })?;
+        // Not back to where it has just begun.
+        let free = touch.at.len() - shorter.parameters();
+        let is_there = |special: &Special| {
+            let own = touch.at[free..].iter().zip(&special.point.parameters);
+            let mut off = own.zip(&shorter.scales()[free..]);
+            special.kind == SpecialKind::Touch
+                && off.all(|((a, b), size)| (a - b).abs() <= SAME * size)
+        };
+        if self.special.last().is_some_and(is_there) {
+            return None;
+        }
+        let left = value(&touch)?;
+        let slope = (left - ends.0) / ahead;
+        let onward = Onward {
+            shooting: shorter,
+            condition,
+            grazing,
+            bordered,
+            station: next,
+        };
+        Some((onward, touch, (left, slope)))
+    }
+
+    /// On past where a stay comes to its end, if one does at this station, with a touch that is told.
+    pub(super) fn past_stay(&mut self, curve: &mut Curve, station: &Station) -> Option<Bordered> {
+        let past = self.loses_stay(station, false)?;
+        Some(self.goes_past(past, curve))
+    }
+
+    /// The same, with what is known of it.
+    pub(super) fn goes_past(
+        &mut self,
+        (onward, touch, vanishes): (Onward, Station, (f64, f64)),
+        curve: &mut Curve,
+    ) -> Bordered {
+        self.take(&onward);
+        self.note(SpecialKind::Touch, &touch, vanishes);
+        self.goes_on(onward, curve)
+    }
+
+    fn take(&mut self, onward: &Onward) {
+        self.shooting = onward.shooting.clone();
+        (self.condition, self.grazing) = (onward.condition, onward.grazing);
+        self.sided = None;
+    }
+
+    /// On with other equations.
+    pub(super) fn goes_on(&mut self, onward: Onward, curve: &mut Curve) -> Bordered {
+        self.take(&onward);
+        let Onward {
+            bordered, station, ..
+        } = onward;
+        if self.shooting.evaluate(&station.at).is_ok() {
+            let told = self.told(&station);
+            self.points.push(told);
+        }
+        curve.moves(station);
+        curve.step = CAREFUL * self.limits.longest_step;
+        self.shooting.adopt(&curve.station.at);
+        bordered
+    }
+}
+
+/// Whether the sequence of events holds.
+fn holds(shooting: &mut Shooting<f64>, at: &[f64], grazing: Option<usize>) -> bool {
+    shooting.evaluate(at).is_ok()
+        && broken_beside(shooting, at, grazing).is_ok_and(|broken| broken.is_empty())
+}
