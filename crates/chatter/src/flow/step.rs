@@ -177,6 +177,11 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
+    /// Whether a state is the time.
+    pub(crate) fn is_clock(&self, state: usize) -> bool {
+        self.clock == Some(state)
+    }
+
     /// What the latest step came to.
     #[inline(always)]
     pub(crate) fn outcome(&self) -> Outcome<S> {

@@ -26,6 +26,8 @@ pub enum BorderError {
         /// How many the model has.
         count: usize,
     },
+    /// What the force looks up changes from piece to piece, as tables and whole parts do: border orbits take corners alone.
+    LooksUp,
     /// At a parameter value there is no border orbit that the theory covers.
     Lacks {
         /// The parameter value.
@@ -71,6 +73,9 @@ pub enum Lack {
     Alone,
     /// A restitution at release in the open interval (0, 1), other than this one.
     Restitution(f64),
+    /// A release point away from the corners of the force, on the sides where contacts rest along the model's own motion: it is on, or
+    /// beyond, the one of this function.
+    Smooth(String),
     /// A trajectory that goes on.
     Motion(FlowError),
 }
@@ -204,6 +209,11 @@ impl fmt::Display for Lack {
                     out,
                     "the restitution at release is {value}; a border orbit needs one between 0 and 1, both excluded"
                 ),
+                Self::Smooth(corner) => write!(
+                    out,
+                    "the corner `{corner}` of the force is at the release point, or is passed before it; a border orbit needs \
+                     equations that are smooth there"
+                ),
                 Self::Motion(error) => error.fmt(out),
             }
     }
@@ -233,6 +243,10 @@ impl fmt::Display for BorderError {
                 out,
                 "border orbits need a point where gap, rate and acceleration vanish, which takes three states, time \
                  included; this model has {count}"
+            ),
+            Self::LooksUp => out.write_str(
+                "border orbits are not looked for where the force depends on a table or a whole part; `continue` follows orbits \
+                 to their chatter borders there",
             ),
             Self::Lacks { at, what } => {
                 write!(out, "with the parameter at {} {what}", ParameterValue(*at))

@@ -1,7 +1,7 @@
 //! A border orbit with its normal form.
 
 use super::coordinate::root::Root;
-use super::error::{BorderError, BreakCause};
+use super::error::{BorderError, BreakCause, Lack};
 use super::normal_form::exact::{Exact, exact};
 use super::normal_form::leading_order::{LeadingOrder, ReleaseSection, leading_order};
 use super::release::equations::ReleasePoint;
@@ -77,6 +77,14 @@ pub(crate) fn complete<R: Real>(
     }
     if !point.closes() {
         return Ok(Err(BreakCause::Elsewhere));
+    }
+    let states = problem.states();
+    let way: Vec<&[DoubleDouble]> = (point.sequence.impacts.iter())
+        .map(|impact| &impact.state[..states])
+        .collect();
+    let released = (&point.release.state[..], &point.here.parameters[..]);
+    if let Some(corner) = problem.corner_at(released, &way) {
+        return Err(point.here.lacks(Lack::Smooth(corner)));
     }
     let first = &point.sequence.impacts[0];
     let started =

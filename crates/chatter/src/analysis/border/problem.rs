@@ -6,9 +6,16 @@ use super::error::{BorderError, Lack, Named};
 use super::release::equations::{CONDITIONS, ReleaseEquations};
 use super::spec::BorderSpec;
 use crate::analysis::periodic::closure::{Closure, Turn};
-use crate::flow::{Column, System, SystemError, columns, with_identity};
+use crate::expressions::{Expr, Side, Surfaces};
+use crate::flow::{Column, Corner, Grip, Occurrence, System, SystemError, columns, with_identity};
 use crate::model::{Mechanics, Model};
 use crate::numerics::Real;
+
+/// So many steps of the model's own motion show where its contacts rest, or nearly do.
+const STEPS_TO_REST: usize = 10_000;
+
+/// A corner is at the release point if its function is this small there against the largest along the way.
+const AT_RELEASE: f64 = 1e-9;
 
 /// A model and the parameter that is varied. Derivatives have a column for each state, in order, and one for the parameter.
 #[derive(Clone, Debug)]
@@ -23,6 +30,8 @@ pub(crate) struct Problem {
     pub closure: Option<Closure>,
     pub plain: Follower,
     variational: Follower,
+    /// The surfaces of corners that the motion depends on, by number, with the sides that hold where contacts rest.
+    surfaces: Vec<(usize, Expr, Side)>,
 }
 
 /// The problem at a value of the parameter.
@@ -54,7 +63,7 @@ impl Problem {
         let mut model = model.with_telling_numbers(&[index]);
         // Sections would only cut the flights, but for those that change the state.
         model.sections.retain(|section| section.reset.is_some());
-        let mechanics = Mechanics::new(&model).map_err(SystemError::Model)?;
+        let (mechanics, surfaces) = at_rest(&model)?;
         let contacts = 0..model.contacts.len();
         let follower = |columns: &[Column]| -> Result<Follower, BorderError> {
             let local =
@@ -74,8 +83,29 @@ impl Problem {
             parameter: index,
             spec: spec.clone(),
             mechanics,
+            surfaces,
             model,
         })
+    }
+
+    /// The function of a corner on whose side the field is another one, if a release point is on it or on another side than it is
+    /// taken to be, the states along the way being given.
+    pub(crate) fn corner_at<R: Real>(
+        &self,
+        (release, parameters): (&[R], &[R]),
+        way: &[&[R]],
+    ) -> Option<String> {
+        let graph = &self.mechanics.graph;
+        let value = |surface: Expr, state: &[R]| graph.evaluate(surface, state, parameters);
+        let found = self.surfaces.iter().find(|&&(_, surface, side)| {
+            let here = value(surface, release);
+            let largest = (way.iter()).fold(here.abs(), |most, state| {
+                most.max(value(surface, state).abs())
+            });
+            let is_beyond = here.abs() > largest * R::splat(AT_RELEASE);
+            !is_beyond || (here > R::ZERO) != (side == Side::Above)
+        });
+        found.map(|&(index, ..)| self.plain.system.corner_name(Corner::Surface(index)))
     }
 
     /// At a value of the parameter: fails where the equations never return to what they were.
@@ -102,6 +132,55 @@ impl Problem {
     pub(crate) fn dimensions(&self) -> usize {
         self.states() - CONDITIONS
     }
+}
+
+/// What follows from a model's equations on the sides of their corners that hold where its contacts rest, along its own motion: border
+/// orbits are released there, and chatter ends there. With these sides.
+fn at_rest(model: &Model) -> Result<(Mechanics, Vec<(usize, Expr, Side)>), BorderError> {
+    let system = System::new(model)?;
+    let plain = Mechanics::new(model).map_err(SystemError::Model)?;
+    if system.corners().is_empty() {
+        return Ok((plain, Vec::new()));
+    }
+    let parameters = model.parameter_values::<f64>(&[]);
+    let state = model.initial_state(&parameters);
+    let started = system.trajectory_from(&parameters, &state);
+    let (mut work, mut trajectory) =
+        started.map_err(|error| BorderError::System(SystemError::Flow(error)))?;
+    // Where it never rests, its slowest impact comes nearest to it.
+    let (mut nearest, mut slowest) = (trajectory.mode, f64::INFINITY);
+    for _ in 0..STEPS_TO_REST {
+        if (system.origin_of(trajectory.mode)).is_some_and(|(grip, ..)| grip != Grip::NONE) {
+            nearest = trajectory.mode;
+            break;
+        }
+        match trajectory.advance_to_horizon(&system, &mut work) {
+            Ok(Some(Occurrence::Impact { rate_after, .. })) if rate_after < slowest => {
+                (nearest, slowest) = (trajectory.mode, rate_after);
+            }
+            Ok(_) => {}
+            Err(_) => break,
+        }
+    }
+    let Some((_, sides, on_sides)) = system.origin_of(nearest) else {
+        return Ok((plain, Vec::new()));
+    };
+    let followed = on_sides.followed;
+    if followed.is_empty() {
+        return Ok((plain, Vec::new()));
+    }
+    if followed.lookups != Surfaces::default() {
+        return Err(BorderError::LooksUp);
+    }
+    let mut mechanics = on_sides.mechanics.clone();
+    // Impacts ask for the side of what only their restitution depends on.
+    for (own, contact) in mechanics.contacts.iter_mut().zip(&plain.contacts) {
+        own.restitution = contact.restitution;
+    }
+    let surfaces = followed.surfaces.members();
+    let surfaces = surfaces.map(|index| (index, on_sides.surfaces[index], sides.get(index)));
+    let surfaces = surfaces.collect();
+    Ok((mechanics, surfaces))
 }
 
 impl<R: Real> Here<'_, R> {

@@ -9,7 +9,7 @@ use crate::flow::{
     FlowError, GuardKind, Next, Occurrence, Trajectory, Workspace, impacts_may_forget, may_forget,
     run_fleet,
 };
-use crate::numerics::{DoubleDouble, two_sum};
+use crate::numerics::{DoubleDouble, WithTerms, two_sum};
 use core::sync::atomic::AtomicBool;
 
 /// Into so many parts is the time that a return may take divided, so that an orbit that never returns can be called off
@@ -483,7 +483,12 @@ impl<'m, 'v> Follower<'m, 'v> {
         let system = &self.map.system;
         let (state, column) = trajectory.state().split_at(system.coordinates());
         let rates = trajectory.rates(system)?;
-        let rates: Vec<f64> = rates[..state.len()].iter().map(|rate| rate.value).collect();
+        // What is held does not move, whatever rounding says: its size by that would be rounding, too.
+        let told = |rate: &WithTerms<f64>| match rate.value.abs() > rate.level() {
+            true => rate.value,
+            false => 0.0,
+        };
+        let rates: Vec<f64> = rates[..state.len()].iter().map(told).collect();
         let (mut shared, mut square) = (0.0, 0.0);
         for ((x, rate), entry) in state.iter().zip(&rates).zip(column) {
             let size = x.abs() + rate.abs() * return_time;

@@ -1,5 +1,6 @@
 //! Return maps against single trajectories, exact solutions and double-double arithmetic.
 
+mod after_chatter;
 mod carry;
 
 use super::*;

@@ -184,6 +184,10 @@ impl<R: Real> SequenceMap<'_, R> {
         self.coordinates
     }
 
+    pub(super) fn is_clock(&self, state: usize) -> bool {
+        self.work.is_clock(state)
+    }
+
     /// How many columns of derivatives there are.
     pub(super) fn columns(&self) -> usize {
         self.tapes.events.outputs.len() / (self.coordinates + 1)

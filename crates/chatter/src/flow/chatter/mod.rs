@@ -336,6 +336,11 @@ impl<R: Real> ChatterTracker<R> {
             let late = now[0] + column[0].distance;
             times.push(late);
             for i in 0..count {
+                // Time runs alike in what is displaced: a rounding of it would last while all else dies out.
+                if map.is_clock(i) {
+                    change.push(R::ZERO);
+                    continue;
+                }
                 let place = (index + 1) * count + i;
                 // From the point's derivative to that at a fixed time, which the state holds.
                 let moved = (now[i + 1] - state[place]) - at.field[i] * late;

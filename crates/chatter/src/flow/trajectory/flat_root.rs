@@ -162,8 +162,9 @@ impl<R: Real> Trajectory<R> {
         }))
     }
 
-    /// Whether the root of what a guard says draws it back to zero as soon as it has left that: motion along zero is then the only one.
-    pub(super) fn is_drawn_back(
+    /// Whether motion along zero of what a guard says is the only one: its root draws it back as soon as it has left that, or moves
+    /// nothing, as in an orifice that is shut.
+    pub(super) fn keeps_to_zero(
         &self,
         system: &System,
         kind: GuardKind,
@@ -200,7 +201,8 @@ impl<R: Real> Trajectory<R> {
         let unit = (self.reach.iter()).fold(self.longest_step, |most, &reach| most.max(reach));
         let moment = unit * R::splat(R::ROUNDOFF).sqrt();
         let still = rates(&without, (&self.state, &self.low));
-        let draws = |time: R| {
+        let (mut draws, mut moves) = (false, false);
+        for time in [R::ZERO, moment, -moment] {
             let (mut state, mut low) = (self.state.clone(), self.low.clone());
             for (i, (&g, (x, low))) in (gradient.iter())
                 .zip(state.iter_mut().zip(&mut low))
@@ -215,10 +217,12 @@ impl<R: Real> Trajectory<R> {
                 };
                 (*x, *low) = two_sum(*x, *low + by + drift);
             }
-            let rate = |tape| rates(tape, (&state, &low)).series(slot)[1];
-            rate(&program.tape) < rate(&without)
-        };
-        Ok(draws(R::ZERO) || draws(moment) || draws(-moment))
+            let [own, plain] = [&program.tape, &without].map(|tape| rates(tape, (&state, &low)));
+            let differs = |slot: usize| own.series(slot)[1] != plain.series(slot)[1];
+            draws = draws || own.series(slot)[1] < plain.series(slot)[1];
+            moves = moves || differs(slot) || (0..self.state.len()).any(differs);
+        }
+        Ok(draws || !moves)
     }
 }
 

@@ -212,9 +212,9 @@ impl<R: Real> Trajectory<R> {
 
     /// Whether the roots of all these series draw them back to zero.
     fn are_drawn_back(&self, system: &System, program: &Program, slots: &[usize]) -> bool {
-        let is_drawn_back = |kind| self.is_drawn_back(system, kind).unwrap_or(false);
+        let keeps = |kind| self.keeps_to_zero(system, kind).unwrap_or(false);
         (slots.iter())
-            .all(|&slot| side_of(program, slot).is_some_and(|(_, guard)| is_drawn_back(guard.kind)))
+            .all(|&slot| side_of(program, slot).is_some_and(|(_, guard)| keeps(guard.kind)))
     }
 
     /// Whether motion begins here, or a surface has just been crossed: what vanishes here has then not been come to by motion along it.

@@ -283,16 +283,16 @@ impl<R: Real> Trajectory<R> {
         };
         let start = (&self.state[..], &self.low[..]);
         // In the time that the field itself needs to change, from the latest expansion.
-        let mut unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
-        let mut series = Vec::new();
-        for _ in 0..TRIES {
-            series = series_with_terms(&program.tape, &constants.tape, start, (slot, unit));
-            if series.iter().all(|c| c.value.is_finite()) {
-                break;
-            }
-            unit *= R::splat(SHORTER);
-        }
-        Ok(Some(GapSeries { unit, series }))
+        let unit = self.reach[super::ORDER_CLASSES - 1].max(R::splat(f64::MIN_POSITIVE));
+        let in_unit = |unit: R| GapSeries {
+            unit,
+            series: series_with_terms(&program.tape, &constants.tape, start, (slot, unit)),
+        };
+        let is_finite = |gap: &GapSeries<R>| gap.series.iter().all(|c| c.value.is_finite());
+        let units = core::iter::successors(Some(unit), |&unit| Some(unit * R::splat(SHORTER)));
+        let found = (units.take(TRIES).map(in_unit)).find(is_finite);
+        // Where a root vanishes there is none in any unit: in the first its lowest coefficients are what they are.
+        Ok(Some(found.unwrap_or_else(|| in_unit(unit))))
     }
 
     /// The guards of closed contacts whose forces vanish for good in the present mode.

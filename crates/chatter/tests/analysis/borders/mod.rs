@@ -3,6 +3,7 @@
 mod border;
 mod border_errors;
 mod border_search;
+mod corners;
 mod more_states;
 
 use chatter::analysis::border::{

@@ -1,8 +1,10 @@
 //! Corners and sections that are multiples of a gap: the contact keeps the state on one side of them.
 
 use super::run;
-use chatter::analysis::simulate::Outcome;
-use chatter::flow::Occurrence;
+use chatter::analysis::simulate::{EventKind, Outcome, SimulateError, Spec, simulate};
+use chatter::flow::{FlowError, Occurrence};
+use chatter::model::Model;
+use core::ops::ControlFlow;
 
 /// A spring that pulls to a wall, beside weight that does, too; the wall below or above. The force is written with a corner on the wall, the
 /// gap, a section and an event as multiples of how far the wall is.
@@ -179,5 +181,95 @@ fn a_force_that_jumps_on_the_ground_is_the_one_in_the_air_as_the_contact_opens()
         };
         assert!(matches!(event.detail, Occurrence::Release { contact: 0 }));
         assert!((event.time - 1.25).abs() < 1e-14, "{text}");
+    }
+}
+
+/// Two bodies in free fall that a spring and a thrust drive apart up to a stop between them, where both end: they come to rest on it,
+/// pressed by the thrust c (T - t) of the side that the stop keeps them on, and part at T. From then on their distance from the stop is
+/// c/k (s - sin(w s)/w), w^2 = k (1/M + 1/m).
+#[test]
+fn what_ends_at_a_stop_presses_the_bodies_at_rest_on_it() {
+    let (heavy, light, stiffness, fade, reach) = (1.34259666857, 0.26576735462, 16.0, 2.0, 0.791);
+    for (long, short) in [(1.0, 1.0), (1e-3, 1e-2), (25.4, 60.0), (1e3, 1.0)] {
+        let unit = long / (short * short);
+        let text = format!(
+            "[parameters]\nM = {heavy:?}\nm = {light:?}\nk = {:?}\nl = {:?}\nc = {:?}\nT = {:?}\ng = {:?}\n\
+             [flight]\ny = \"v\"\nv = \"(max(k*(l - (y - f)), 0) + if(y - f < l, c*(T - t), 0))/M - g\"\n\
+             f = \"u\"\nu = \"-(max(k*(l - (y - f)), 0) + if(y - f < l, c*(T - t), 0))/m - g\"\n\
+             [[contact]]\nname = \"stop\"\ngap = \"l - (y - f)\"\nimpulse = {{ v = \"-1/M\", u = \"1/m\" }}\nrestitution = 0.4\n\
+             [initial]\ny = {:?}\nv = {:?}\nf = 0\nu = {:?}\n",
+            stiffness / (short * short),
+            reach * long,
+            fade * unit / short,
+            4.0 * short,
+            0.5 * unit,
+            (reach - 0.05) * long,
+            0.37 * long / short,
+            0.37 * long / short,
+        );
+        let run = run::<f64>(&text, 5.0 * short);
+        assert_eq!(run.outcome, Outcome::Horizon, "{text}");
+        let tone = (stiffness * (1.0 / heavy + 1.0 / light)).sqrt();
+        let apart = reach - fade / stiffness * (1.0 - tone.sin() / tone);
+        let distance = (run.state[0] - run.state[2]) / long;
+        assert!(
+            (distance - apart).abs() < 1e-12,
+            "{distance} {apart} {text}"
+        );
+        let middle = (heavy * run.state[0] + light * run.state[2]) / (heavy + light) / long;
+        let fallen = heavy * (reach - 0.05) / (heavy + light) + 0.37 * 5.0 - 0.25 * 25.0;
+        assert!((middle - fallen).abs() < 1e-12, "{middle} {fallen} {text}");
+        let told: Vec<_> = (run.events.iter())
+            .filter(|event| !matches!(event.detail, Occurrence::Impact { .. }))
+            .collect();
+        let [rests, parts] = told[..] else {
+            panic!("{told:?} {text}");
+        };
+        assert!(
+            matches!(rests.detail, Occurrence::Accumulation { .. }),
+            "{told:?}"
+        );
+        assert!(
+            matches!(parts.detail, Occurrence::Release { contact: 0 }),
+            "{told:?}"
+        );
+        assert!((parts.time / short - 4.0).abs() < 1e-12, "{told:?} {text}");
+    }
+}
+
+/// Two bodies at rest on a stop that keeps them from going further apart, one of them driven off the other as long as it rises: as the
+/// stop holds them together they fall, and then nothing drives them. The upper one falls alone. Where the lower one is drawn up as
+/// strongly both rise, which is another motion: neither is told.
+#[test]
+fn what_would_press_a_contact_at_rest_is_asked_with_it_closed() {
+    for (long, short) in [(1.0, 1.0), (1e-3, 1e-2), (25.4, 60.0), (1e3, 1.0)] {
+        let unit = long / (short * short);
+        let text = |lift: f64| {
+            format!(
+                "[parameters]\nM = 2\nm = 0.5\nF = {:?}\nl = {long:?}\ng = {unit:?}\nlift = {:?}\n\
+                 [flight]\ny = \"v\"\nv = \"if(v > 0, F, 0)/M - g\"\nf = \"u\"\nu = \"lift - if(v > 0, F, 0)/m\"\n\
+                 [[contact]]\nname = \"stop\"\ngap = \"l - (y - f)\"\nimpulse = {{ v = \"-1/M\", u = \"1/m\" }}\nrestitution = 0.4\n\
+                 [initial]\ny = {long:?}\nv = 0\nf = 0\nu = 0\n",
+                5.0 * unit,
+                lift * unit,
+            )
+        };
+        let run = run::<f64>(&text(3.0), 0.5 * short);
+        assert_eq!(run.outcome, Outcome::Horizon);
+        let expected = [1.0 - 0.125, -0.5, 3.0 * 0.125, 1.5];
+        let scales = [long, long / short, long, long / short];
+        for ((found, expected), scale) in run.state.iter().zip(expected).zip(scales) {
+            assert!((found / scale - expected).abs() < 1e-14, "{:?}", run.state);
+        }
+        let told: Vec<_> = run.events.iter().map(|event| event.kind).collect();
+        assert_eq!(told, [EventKind::Graze], "it starts in touch");
+        let model = Model::from_toml(&text(5.0), "model.toml").expect("a valid model");
+        let both = simulate::<f64>(&model, &Spec::until(0.5 * short), &mut |_| {
+            ControlFlow::Continue(())
+        });
+        assert!(
+            matches!(both, Err(SimulateError::Start(FlowError::NotUnique { .. }))),
+            "{both:?}"
+        );
     }
 }

@@ -133,7 +133,7 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         mut verdicts: Vec<Verdict<R>>,
         (now, touched): (&Candidate, &[Corner]),
-        asked: Asked<R>,
+        mut asked: Asked<R>,
     ) -> Result<(), FlowError> {
         // What comes to rest by ever shorter swings, as preloads bring it to, has a rate in the end that the accelerations of both sides
         // undo within a rounding of the time: by that it leads nowhere.
@@ -160,6 +160,9 @@ impl<R: Real> Trajectory<R> {
         // Bodies that touch at rest, as if they did not: a force that begins as a root of how far they are pressed has no series there.
         if agree && verdicts.iter().any(|verdict| verdict.is_smooth) {
             verdicts.retain(|verdict| verdict.is_smooth);
+        }
+        if verdicts.len() > 1 && !agree {
+            self.forget_what_presses(system, &mut verdicts, (touched, &mut asked))?;
         }
         let place = match verdicts.len() {
             0 => {
@@ -202,6 +205,51 @@ impl<R: Real> Trajectory<R> {
         self.stay_on_surfaces(system)?;
         self.rest_on_surfaces(system, &verdict.lies_beside);
         Ok(())
+    }
+
+    /// Of verdicts in flight those that would press the contact which is at rest here hold only if they do so with it closed.
+    fn forget_what_presses(
+        &mut self,
+        system: &System,
+        verdicts: &mut Vec<Verdict<R>>,
+        (touched, asked): (&[Corner], &mut Asked<R>),
+    ) -> Result<(), FlowError> {
+        if self.closed != Closed::NONE {
+            return Ok(());
+        }
+        let mut kept = Vec::new();
+        for verdict in verdicts.drain(..) {
+            if self.try_sides(system, &verdict.candidate)?
+                && let Some(contact) = self.presses_at_rest(system)?
+            {
+                self.enter(system, Closed::NONE.with(contact))?;
+                let sides = self.standing_sides();
+                let holds = self.verdict(system, sides, (touched, asked))?;
+                self.enter(system, Closed::NONE)?;
+                if holds.is_none_or(|held| !held.contacts_stay) {
+                    continue;
+                }
+            }
+            kept.push(verdict);
+        }
+        *verdicts = kept;
+        Ok(())
+    }
+
+    /// The one contact that is at rest here, if the present mode, in which it is open, would close it.
+    fn presses_at_rest(&self, system: &System) -> Result<Option<usize>, FlowError> {
+        let mut pressed = None;
+        for contact in 0..system.contacts() {
+            let [gap, rate, acceleration, _] = self.local_values(system, contact)?;
+            if gap.value.abs() > gap.level() || rate.value.abs() > rate.level() {
+                continue;
+            }
+            if pressed.is_some() {
+                return Ok(None);
+            }
+            pressed = Some((contact, acceleration.value < -acceleration.level()));
+        }
+        Ok(pressed.and_then(|(contact, is_pressed)| is_pressed.then_some(contact)))
     }
 
     /// What contacts rub that do not stay says nothing of the motion that follows: of verdicts that differ in nothing else one is left,

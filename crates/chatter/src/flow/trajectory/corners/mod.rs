@@ -353,6 +353,14 @@ impl<R: Real> Trajectory<R> {
                 self.try_sides(system, &candidate)?;
                 continue;
             }
+            let beside = (standings.iter())
+                .filter(|s| !is_met(s.corner) && !chosen.contains(&s.corner))
+                .filter(|standing| self.is_touched(system, standing))
+                .find_map(|standing| self.on_side_of_gap(system, standing.corner));
+            if let Some(candidate) = beside {
+                self.try_sides(system, &candidate)?;
+                continue;
+            }
             let touched: Vec<Corner> = (standings.iter())
                 .filter(|standing| !chosen.contains(&standing.corner))
                 .filter(|standing| is_met(standing.corner) || self.is_touched(system, standing))
@@ -461,6 +469,9 @@ impl<R: Real> Trajectory<R> {
         }
         let reached =
             |orders: &[WithTerms<R>; STANDING_ORDERS]| orders[0].value <= standing.level(orders);
+        if self.is_on_side_of_gap(system, standing.corner) {
+            return false;
+        }
         match standing.corner {
             Corner::Surface(index) if self.regime.get(index) == Side::Sliding => {
                 standing.guards.is_empty()

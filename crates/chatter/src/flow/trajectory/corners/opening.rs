@@ -1,12 +1,15 @@
 //! Surfaces that contacts at rest keep the state on, as friction along a gap does: the side that they leave to as these open.
 
+use super::Candidate;
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
+use crate::flow::guard::GuardKind;
 use crate::flow::limits::Corner;
 use crate::flow::program::Closed;
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::trajectory::Trajectory;
+use crate::flow::trajectory::flat_root::root_of;
 use crate::numerics::Real;
 use crate::numerics::linear::solve;
 
@@ -52,6 +55,35 @@ impl<R: Real> Trajectory<R> {
                 Side::Below
             }
         }))
+    }
+
+    /// The side of a surface that is the one of all motions, as a multiple of it is a gap.
+    fn side_of_gap(&self, system: &System, corner: Corner) -> Option<(usize, Side)> {
+        let Corner::Surface(index) = corner else {
+            return None;
+        };
+        let all = (0..system.contacts()).fold(Closed::NONE, Closed::with);
+        let side = system.kept_on((index, all), &self.parameters)?;
+        Some((index, side))
+    }
+
+    /// The sides with that of a surface that is a multiple of a gap, where they have another: what no motion gets to the far side of is
+    /// not slid along either, though the field there leads back.
+    pub(super) fn on_side_of_gap(&self, system: &System, corner: Corner) -> Option<Candidate> {
+        let (index, side) = self.side_of_gap(system, corner)?;
+        let now = self.standing_sides();
+        (now.side(index) != side).then(|| now.with_side(index, side))
+    }
+
+    /// Whether the state is on that side, which nothing but a jump changes. Roots say where motion has a series: they are asked as of
+    /// all else.
+    pub(super) fn is_on_side_of_gap(&self, system: &System, corner: Corner) -> bool {
+        let is_smooth = |index: usize| {
+            let program = self.program(system);
+            program.is_ok_and(|program| root_of(program, GuardKind::Switch(index)).is_none())
+        };
+        self.side_of_gap(system, corner)
+            .is_some_and(|(index, side)| self.regime.get(index) == side && is_smooth(index))
     }
 
     /// Whether a surface that closed contacts keep the state on, as friction along the gap does at rest, is on the side that it

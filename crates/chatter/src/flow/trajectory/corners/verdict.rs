@@ -316,7 +316,7 @@ impl<R: Real> Trajectory<R> {
         let program = self.program(system)?;
         let root = root_of(program, kind);
         Ok(root.is_none_or(|slot| self.has_slopes(program, &[slot]))
-            || self.is_drawn_back(system, kind)?)
+            || self.keeps_to_zero(system, kind)?)
     }
 
     /// That what must not vanish in the present mode does so.
