@@ -30,8 +30,18 @@ pub(crate) struct Problem {
     pub closure: Option<Closure>,
     pub plain: Follower,
     variational: Follower,
-    /// The surfaces of corners that the motion depends on, by number, with the sides that hold where contacts rest.
-    surfaces: Vec<(usize, Expr, Side)>,
+    /// The corners that the motion depends on.
+    corners: Vec<KnownCorner>,
+}
+
+/// A corner, and where the equations of release points are taken to be.
+#[derive(Clone, Copy, Debug)]
+struct KnownCorner {
+    /// Its number among the surfaces.
+    index: usize,
+    function: Expr,
+    /// The side that holds where contacts rest.
+    side: Side,
 }
 
 /// The problem at a value of the parameter.
@@ -63,7 +73,7 @@ impl Problem {
         let mut model = model.with_telling_numbers(&[index]);
         // Sections would only cut the flights, but for those that change the state.
         model.sections.retain(|section| section.reset.is_some());
-        let (mechanics, surfaces) = at_rest(&model)?;
+        let (mechanics, corners) = at_rest(&model)?;
         let contacts = 0..model.contacts.len();
         let follower = |columns: &[Column]| -> Result<Follower, BorderError> {
             let local =
@@ -83,7 +93,7 @@ impl Problem {
             parameter: index,
             spec: spec.clone(),
             mechanics,
-            surfaces,
+            corners,
             model,
         })
     }
@@ -97,15 +107,15 @@ impl Problem {
     ) -> Option<String> {
         let graph = &self.mechanics.graph;
         let value = |surface: Expr, state: &[R]| graph.evaluate(surface, state, parameters);
-        let found = self.surfaces.iter().find(|&&(_, surface, side)| {
-            let here = value(surface, release);
+        let found = self.corners.iter().find(|corner| {
+            let here = value(corner.function, release);
             let largest = (way.iter()).fold(here.abs(), |most, state| {
-                most.max(value(surface, state).abs())
+                most.max(value(corner.function, state).abs())
             });
             let is_beyond = here.abs() > largest * R::splat(AT_RELEASE);
-            !is_beyond || (here > R::ZERO) != (side == Side::Above)
+            !is_beyond || (here > R::ZERO) != (corner.side == Side::Above)
         });
-        found.map(|&(index, ..)| self.plain.system.corner_name(Corner::Surface(index)))
+        found.map(|corner| (self.plain.system).corner_name(Corner::Surface(corner.index)))
     }
 
     /// At a value of the parameter: fails where the equations never return to what they were.
@@ -136,7 +146,7 @@ impl Problem {
 
 /// What follows from a model's equations on the sides of their corners that hold where its contacts rest, along its own motion: border
 /// orbits are released there, and chatter ends there. With these sides.
-fn at_rest(model: &Model) -> Result<(Mechanics, Vec<(usize, Expr, Side)>), BorderError> {
+fn at_rest(model: &Model) -> Result<(Mechanics, Vec<KnownCorner>), BorderError> {
     let system = System::new(model)?;
     let plain = Mechanics::new(model).map_err(SystemError::Model)?;
     if system.corners().is_empty() {
@@ -174,13 +184,16 @@ fn at_rest(model: &Model) -> Result<(Mechanics, Vec<(usize, Expr, Side)>), Borde
     }
     let mut mechanics = on_sides.mechanics.clone();
     // Impacts ask for the side of what only their restitution depends on.
-    for (own, contact) in mechanics.contacts.iter_mut().zip(&plain.contacts) {
+    for (own, contact) in mechanics.contacts.iter_mut().zip(&model.contacts) {
         own.restitution = contact.restitution;
     }
-    let surfaces = followed.surfaces.members();
-    let surfaces = surfaces.map(|index| (index, on_sides.surfaces[index], sides.get(index)));
-    let surfaces = surfaces.collect();
-    Ok((mechanics, surfaces))
+    let corner = |index| KnownCorner {
+        index,
+        function: on_sides.surfaces[index],
+        side: sides.get(index),
+    };
+    let corners = followed.surfaces.members().map(corner).collect();
+    Ok((mechanics, corners))
 }
 
 impl<R: Real> Here<'_, R> {
