@@ -3,7 +3,7 @@
 use super::cycle::itinerary::Step;
 use super::cycle::trace::{Instant, Tracer};
 use super::error::PeriodicError;
-use super::orbit::failed;
+use super::orbit::{cleaned, failed, told_start};
 use super::shooting::{Shooting, Workshop};
 use crate::analysis::continuation::{NewtonError, Problem};
 use crate::analysis::universal::{ChatterMap, Constants};
@@ -219,10 +219,10 @@ pub(super) fn border_coordinate(shooting: &Shooting<f64>, at: &[f64]) -> Option<
 /// What happens in three periods from the first node on.
 fn followed(shooting: &Shooting<f64>, at: &[f64], parameters: &[f64]) -> Option<Vec<Instant>> {
     let workshop = &shooting.workshop;
-    let start = shooting.node(at, 0);
-    let tracer = Tracer::new(&workshop.system, parameters, start, None);
+    let start = cleaned(&told_start(shooting, at), &shooting.state_sizes());
+    let tracer = Tracer::new(&workshop.system, parameters, &start, None);
     let mut tracer = tracer.ok()?;
-    let mut instants = vec![tracer.start(start)];
+    let mut instants = vec![tracer.start(&start)];
     let mut quiet = |_: f64| ControlFlow::Continue(());
     let until = instants[0].time + 3.0 * shooting.period();
     (tracer.follow((until, usize::MAX / 2), &mut instants, &mut quiet)).ok()?;

@@ -377,7 +377,7 @@ pub(crate) fn finish(mut shooting: Shooting<f64>, at: Vec<f64>) -> Result<Orbit,
 }
 
 /// The state that an orbit is told from, on the contacts that hold it or that impacts have just struck.
-fn told_start<R: Real>(shooting: &Shooting<R>, at: &[R]) -> Vec<R> {
+pub(super) fn told_start<R: Real>(shooting: &Shooting<R>, at: &[R]) -> Vec<R> {
     let workshop = &shooting.workshop;
     let touching =
         Closed(shooting.closed_before(0).0 | struck(&shooting.steps, shooting.steps.len() - 1).0);

@@ -96,6 +96,22 @@ fn the_margin_of_a_border_is_its_coordinate() {
     assert_eq!(border_margin(&dropped, None), None);
 }
 
+/// Of an orbit that begins at rest on the contact, whatever rounding has left beside it there.
+#[test]
+fn an_orbit_that_begins_on_its_contact_has_a_margin_at_every_distance() {
+    const TWO_MASSES: &str = "[parameters]\nw = 0.35\n[flight]\nx = 'v'\nv = '-x - 0.15*v + 0.6*(y - x) + cos(w*t)'\n\
+        y = 'u'\nu = '(0.6*(x - y) - 0.15*u)/0.5'\n[[contact]]\ngap = '-y'\nimpulse = { u = -1 }\nrestitution = 0.8\n\
+        [section.strobe]\nsurface = 'sin(w*t)'\ndirection = 'rising'\n[initial]\nx = 0\nv = 0\ny = -0.5\nu = 0\n";
+    let at = |w: f64| with(TWO_MASSES, &[("w", &format!("{w:?}"))]);
+    let border = border_near::<f64>(&at(0.3833), &BorderSpec::new("w"), 0.3833).unwrap();
+    let (value, slope) = (border.value.value, border.exact.unfolding_rate.value);
+    for (part, tolerance) in [(1e-3, 0.12), (3e-4, 0.07), (1e-4, 0.05), (1e-5, 0.02)] {
+        let off = -part * value;
+        let found = border_margin(&at(value + off), None).expect("a border") / (slope * off);
+        assert!((found - 1.0).abs() < tolerance, "{part}: {found}");
+    }
+}
+
 /// Where the motion comes back to nothing, an orbit of few periods beside it is told.
 #[test]
 fn chaos_and_tori_have_short_orbits() {
