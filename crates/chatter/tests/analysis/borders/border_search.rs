@@ -337,3 +337,21 @@ fn orbits_without_long_flights_are_given_up() {
     let prediction = Prediction::exact(&border).unwrap();
     assert_eq!(simulator.compare(&prediction, 8, 22).len(), 15);
 }
+
+/// Where the impact nearest to u* is not near, what it says of X is vague: the border was taken for a jump, and beside it another one
+/// was told. The value is that of bisection in quadruple precision.
+#[test]
+fn a_border_that_few_impacts_come_near_is_found() {
+    let text = "[parameters]\nA = 1.4\n[flight]\nx = 'v'\n\
+        v = '-1 - 0.249*x - 0.062*v + A*cos(0.988*t) + 0.521*sin(2*0.988*t)'\n[[contact]]\nname = 'anvil'\ngap = 'x'\n\
+        impulse = { v = 1 }\nrestitution = 0.607\n[initial]\nx = 0.1\nv = 0\n";
+    let model = Model::from_toml(text, "drill").unwrap_or_else(|errors| panic!("{errors:?}"));
+    let spec = BorderSpec::new("A");
+    let found = borders_in::<f64>(&model, &spec, 1.4, 1.5).unwrap();
+    let near = border_near::<f64>(&model, &spec, 1.4406).unwrap();
+    assert_eq!(found.borders.len(), 1);
+    for border in [&found.borders[0], &near] {
+        let off = border.value.value - 1.440_637_606_940_648;
+        assert!(off.abs() < 1e-14, "{off:e}");
+    }
+}

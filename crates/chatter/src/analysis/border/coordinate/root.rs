@@ -7,7 +7,7 @@ use super::super::release::forcing::Turn;
 use super::limits::Limits;
 use super::sequence::Sequence;
 use crate::numerics::{
-    Equations, Estimate, Factored, Linearised, Matrix, Newton, Real, dot, moved,
+    Equations, Estimate, Factored, Linearised, Matrix, Newton, Real, Scalar, dot, moved,
 };
 
 /// Newton's method gives up after so many steps: from where it starts each gains two digits at first.
@@ -22,6 +22,10 @@ const NEWTON_DONE: f64 = 2.0;
 /// Where corrections stop shrinking the error of X must be as small as the roundoff to this power, 4e-7 for doubles, else
 /// there is no root, or not enough of the sequence is near it to tell.
 const SETTLED_POWER: f64 = 0.4;
+
+/// X is asked of so many impacts after the nearest one, where its error is larger than the roundoff of a double to this power.
+const LATER: usize = 6;
+const VAGUE_POWER: f64 = 0.6;
 
 /// At a root dX/dp is known at least to this part of itself, and the sequence comes at least this near to u*, relative
 /// to u*.
@@ -136,14 +140,31 @@ impl<'p, R: Real> Here<'p, R> {
         let mut limits = self.limits(&release)?;
         let most = settles + limits.impacts;
         let start = (release.contact, &*release.state);
-        let mut sequence = self.variation(start, settles, most)?;
+        let sequence = self.variation(start, settles, most)?;
         if sequence.impacts.len() <= sequence.begins {
             return Err(self.lacks(Lack::Chatter));
         }
         let followed = sequence.impacts.len();
-        sequence.impacts.truncate(limits.nearest(&sequence) + 1);
-        limits.set_noise(&sequence);
-        let x = limits.x(&sequence);
+        let nearest = limits.nearest(&sequence);
+        let x_of = |limits: &mut Limits<R>, last: usize| {
+            let mut shown = sequence.clone();
+            shown.impacts.truncate(last + 1);
+            limits.set_noise(&shown);
+            (limits.x(&shown), shown)
+        };
+        let (mut x, mut shown) = x_of(&mut limits, nearest);
+        // Where that is vague, as N is large, what comes after the nearest impact says more: N has died out while X has hardly grown.
+        if x.error.is_nan() || x.error > libm::pow(f64::ROUNDOFF, VAGUE_POWER) {
+            for last in nearest + 1..sequence.impacts.len().min(nearest + 1 + LATER) {
+                let is_near = limits.distance(sequence.impacts[last].local.u()) <= APART;
+                let (later, sequence) = x_of(&mut limits, last);
+                if is_near && later.error < x.error {
+                    (x, shown) = (later, sequence);
+                }
+            }
+            limits.set_noise(&shown);
+        }
+        let sequence = shown;
         let (held_slope, held_restitution) = (release.slope.clone(), release.restitution_slope);
         let place: Vec<R> = (0..self.problem.states())
             .map(|i| limits.place(&sequence, i))
