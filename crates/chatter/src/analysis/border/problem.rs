@@ -73,23 +73,26 @@ impl Problem {
         let mut model = model.with_telling_numbers(&[index]);
         // Sections would only cut the flights, but for those that change the state.
         model.sections.retain(|section| section.reset.is_some());
-        let (mechanics, corners) = at_rest(&model)?;
+        let system = System::new(&model)?;
+        let (mechanics, corners) = at_rest(&system)?;
         let contacts = 0..model.contacts.len();
-        let follower = |columns: &[Column]| -> Result<Follower, BorderError> {
+        let follower = |system: System, columns: &[Column]| {
             let local =
                 |contact| LocalTape::new((&model, &mechanics), contact, columns, spec.coordinate);
-            Ok(Follower {
-                system: System::with_columns(&model, columns)?,
+            Follower {
+                system,
                 locals: contacts.clone().map(local).collect(),
-            })
+            }
         };
+        let columns = columns(model.states.len(), &[index]);
+        let variational = System::with_columns(&model, &columns)?;
         let release = |contact| ReleaseEquations::new(&model, &mechanics, index, contact);
         let closure = Closure::with_section(&model, &[index], None, None).ok();
         Ok(Self {
             releases: contacts.clone().map(release).collect(),
             closure: closure.map(|(closure, _)| closure),
-            plain: follower(&[])?,
-            variational: follower(&columns(model.states.len(), &[index]))?,
+            plain: follower(system, &[]),
+            variational: follower(variational, &columns),
             parameter: index,
             spec: spec.clone(),
             mechanics,
@@ -146,8 +149,8 @@ impl Problem {
 
 /// What follows from a model's equations on the sides of their corners that hold where its contacts rest, along its own motion: border
 /// orbits are released there, and chatter ends there. With these sides.
-fn at_rest(model: &Model) -> Result<(Mechanics, Vec<KnownCorner>), BorderError> {
-    let system = System::new(model)?;
+fn at_rest(system: &System) -> Result<(Mechanics, Vec<KnownCorner>), BorderError> {
+    let model = system.model();
     let plain = Mechanics::new(model).map_err(SystemError::Model)?;
     if system.corners().is_empty() {
         return Ok((plain, Vec::new()));
@@ -164,7 +167,7 @@ fn at_rest(model: &Model) -> Result<(Mechanics, Vec<KnownCorner>), BorderError> 
             nearest = trajectory.mode;
             break;
         }
-        match trajectory.advance_to_horizon(&system, &mut work) {
+        match trajectory.advance_to_horizon(system, &mut work) {
             Ok(Some(Occurrence::Impact { rate_after, .. })) if rate_after < slowest => {
                 (nearest, slowest) = (trajectory.mode, rate_after);
             }

@@ -140,31 +140,29 @@ impl<'p, R: Real> Here<'p, R> {
         let mut limits = self.limits(&release)?;
         let most = settles + limits.impacts;
         let start = (release.contact, &*release.state);
-        let sequence = self.variation(start, settles, most)?;
+        let mut sequence = self.variation(start, settles, most)?;
         if sequence.impacts.len() <= sequence.begins {
             return Err(self.lacks(Lack::Chatter));
         }
         let followed = sequence.impacts.len();
-        let nearest = limits.nearest(&sequence);
-        let x_of = |limits: &mut Limits<R>, last: usize| {
-            let mut shown = sequence.clone();
-            shown.impacts.truncate(last + 1);
-            limits.set_noise(&shown);
-            (limits.x(&shown), shown)
-        };
-        let (mut x, mut shown) = x_of(&mut limits, nearest);
+        let later = sequence.impacts.split_off(limits.nearest(&sequence) + 1);
+        limits.set_noise(&sequence);
+        let mut x = limits.x(&sequence);
         // Where that is vague, as N is large, what comes after the nearest impact says more: N has died out while X has hardly grown.
         if x.error.is_nan() || x.error > libm::pow(f64::ROUNDOFF, VAGUE_POWER) {
-            for last in nearest + 1..sequence.impacts.len().min(nearest + 1 + LATER) {
-                let is_near = limits.distance(sequence.impacts[last].local.u()) <= APART;
-                let (later, sequence) = x_of(&mut limits, last);
+            let mut shown = sequence.impacts.len();
+            for impact in later.into_iter().take(LATER) {
+                let is_near = limits.distance(impact.local.u()) <= APART;
+                sequence.impacts.push(impact);
+                limits.set_noise(&sequence);
+                let later = limits.x(&sequence);
                 if is_near && later.error < x.error {
-                    (x, shown) = (later, sequence);
+                    (x, shown) = (later, sequence.impacts.len());
                 }
             }
-            limits.set_noise(&shown);
+            sequence.impacts.truncate(shown);
+            limits.set_noise(&sequence);
         }
-        let sequence = shown;
         let (held_slope, held_restitution) = (release.slope.clone(), release.restitution_slope);
         let place: Vec<R> = (0..self.problem.states())
             .map(|i| limits.place(&sequence, i))

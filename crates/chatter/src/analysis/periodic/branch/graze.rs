@@ -1,6 +1,6 @@
 //! From one sequence of events to the next, where an impact comes in or goes out.
 
-use super::holds::{Broken, break_before, first_break};
+use super::holds::{Broken, break_before, first_break, smallest};
 use super::limits::End;
 use super::touch::Touched;
 use super::walker::{Stop, Walker};
@@ -372,9 +372,7 @@ impl Walker {
         there: &Point,
     ) -> Result<Station, String> {
         let least = (self.shooting.least(&station.at)).map_err(|left| left.to_string())?;
-        let touching = (least[index].iter())
-            .filter(|l| l.guard == guard && !l.at_end)
-            .min_by(|a, b| a.value.total_cmp(&b.value))
+        let touching = smallest(&least, (index, guard), false)
             .ok_or("the touch is lost")?
             .clone();
         if self.shooting.begins_at(index, guard) {

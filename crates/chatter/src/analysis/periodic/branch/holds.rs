@@ -61,11 +61,8 @@ impl Broken {
 
     /// Positive while the sequence holds.
     pub(crate) fn value(&self, shooting: &Shooting<f64>, least: &[Vec<Least>]) -> Option<f64> {
-        let smallest = |step: usize, guard: GuardKind, at_end: bool| {
-            (least.get(step)?.iter())
-                .filter(|l| l.guard == guard && l.at_end == at_end)
-                .map(|l| l.value)
-                .min_by(f64::total_cmp)
+        let value_of = |step: usize, guard: GuardKind, at_end: bool| {
+            smallest(least, (step, guard), at_end).map(|least| least.value)
         };
         match *self {
             Self::Event(step) => {
@@ -76,8 +73,8 @@ impl Broken {
                     rate
                 })
             }
-            Self::Inner(step, guard) => smallest(step, guard, false),
-            Self::Early(step, guard) | Self::Beyond(step, guard) => smallest(step, guard, true),
+            Self::Inner(step, guard) => value_of(step, guard, false),
+            Self::Early(step, guard) | Self::Beyond(step, guard) => value_of(step, guard, true),
             Self::Passed(step) => Some(shooting.latest.get(step)?.duration),
             Self::Carried(step) => shooting.carried(step, least),
             Self::Order(step) => Some(shooting.precedence(step)?.0),
@@ -198,6 +195,17 @@ fn without_vanished(shooting: &Shooting<f64>, mut found: Vec<Broken>) -> Vec<Bro
         });
     }
     found
+}
+
+/// The smallest of the least values of a guard on the way of a step, or at its end.
+pub(crate) fn smallest(
+    least: &[Vec<Least>],
+    (step, guard): (usize, GuardKind),
+    at_end: bool,
+) -> Option<&Least> {
+    (least.get(step)?.iter())
+        .filter(|least| least.guard == guard && least.at_end == at_end)
+        .min_by(|a, b| a.value.total_cmp(&b.value))
 }
 
 /// The last inner least value of the guard that ends a step.

@@ -53,7 +53,7 @@ pub use special::{Special, SpecialKind};
 pub use unbounded::{Law, Unbounded};
 
 pub(super) use graze::moved;
-pub(crate) use holds::{Broken, broken_beside, first_break, is_broken};
+pub(crate) use holds::{Broken, broken_beside, first_break, is_broken, smallest};
 pub(super) use kept::{Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
 pub(super) use onward::beside;

@@ -6,7 +6,7 @@ use crate::analysis::continuation::{
     Condition as Row, Curve, Problem, Station, locate, newton, tangent,
 };
 use crate::analysis::periodic::branch::{
-    Broken, STAYS, Special, SpecialKind, Stay, VANISHED, broken_beside, moved,
+    Broken, STAYS, Special, SpecialKind, Stay, VANISHED, broken_beside, moved, smallest,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::shooting::Shooting;
@@ -39,15 +39,10 @@ pub(super) fn touched(broken: &Broken) -> Option<(usize, GuardKind)> {
 }
 
 /// The least value of a guard on the way of a step.
-fn least_of(
-    shooting: &mut Shooting<f64>,
-    at: &[f64],
-    (index, guard): (usize, GuardKind),
-) -> Option<f64> {
+fn least_of(shooting: &mut Shooting<f64>, at: &[f64], touched: (usize, GuardKind)) -> Option<f64> {
     shooting.evaluate(at).ok()?;
     let least = shooting.least(at).ok()?;
-    let inner = (least.get(index)?.iter()).filter(|l| l.guard == guard && !l.at_end);
-    inner.map(|l| l.value).min_by(f64::total_cmp)
+    smallest(&least, touched, false).map(|least| least.value)
 }
 
 impl Follower {
@@ -74,14 +69,13 @@ impl Follower {
     /// A surface is touched: a stay comes in, and grows.
     pub(super) fn comes_to_stay(
         &mut self,
-        (index, guard): (usize, GuardKind),
+        touched: (usize, GuardKind),
         station: &Station,
     ) -> Option<Onward> {
         self.shooting.evaluate(&station.at).ok()?;
         let least = self.shooting.least(&station.at).ok()?;
-        let inner = (least.get(index)?.iter()).filter(|l| l.guard == guard && !l.at_end);
-        let touching = inner.min_by(|a, b| a.value.total_cmp(&b.value))?;
-        let longer = self.shooting.with_event(&station.at, index, touching);
+        let touching = smallest(&least, touched, false)?;
+        let longer = self.shooting.with_event(&station.at, touched.0, touching);
         let (mut touch, at, index) = longer.ok()?;
         touch.evaluate(&at).ok()?;
         let period = touch.period();
@@ -208,7 +202,7 @@ impl Follower {
     ) -> Bordered {
         self.take(&onward);
         self.note(SpecialKind::Touch, &touch, vanishes);
-        self.goes_on(onward, curve)
+        self.begins(onward, curve)
     }
 
     fn take(&mut self, onward: &Onward) {
@@ -220,6 +214,10 @@ impl Follower {
     /// On with other equations.
     pub(super) fn goes_on(&mut self, onward: Onward, curve: &mut Curve) -> Bordered {
         self.take(&onward);
+        self.begins(onward, curve)
+    }
+
+    fn begins(&mut self, onward: Onward, curve: &mut Curve) -> Bordered {
         let Onward {
             bordered, station, ..
         } = onward;
