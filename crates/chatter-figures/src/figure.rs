@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use super::axis::{Extent, Range};
-use super::draw;
 use super::figure_error::FigureError;
 use super::layer::Layer;
-use super::layout::{self, Page, Plan};
 use super::legend::{self, Legend};
 use super::map::HeatMap;
+use super::page::draw;
+use super::page::layout::{self, Page, Plan};
 use super::panel::Panel;
-use super::png::Resolution;
 use super::scene::Scene;
-use super::{pdf, png, svg};
+use super::writers::png::Resolution;
+use super::writers::{pdf, png, svg};
 use crate::error::Error;
 use chatter_files::Format;
 use chatter_files::atomic_file::write_atomically;

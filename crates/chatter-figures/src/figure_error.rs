@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::label::LabelError;
+use super::labels::label::LabelError;
 
 /// Which axis of a panel is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

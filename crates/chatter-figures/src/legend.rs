@@ -2,10 +2,10 @@
 
 use super::color::Color;
 use super::figure_error::FigureError;
+use super::labels::text::{Align, SetText, line_extent};
 use super::layer::{Layer, Marker};
 use super::panel::Panel;
 use super::scene::{Path, Primitive, Rect, Segment, Stroke};
-use super::text::{Align, SetText, line_extent};
 
 /// Where a panel's legend is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,7 +1,7 @@
 //! Drawing primitives: what every writer draws, and all that it needs to know.
 
 use super::color::Color;
-use super::fonts::Face;
+use super::labels::fonts::Face;
 
 /// A rectangle in points (1/72 inch), y downwards.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -3,7 +3,7 @@
 use super::report::{Align, Block, Grid, Picture, Report};
 use super::report_error::{ReportError, ReportPart};
 use crate::Resolution;
-use crate::html::{escaped, markup};
+use crate::labels::html::{escaped, markup};
 use std::fmt::Write;
 
 /// Serif text of moderate width, tables with horizontal rules only, nothing torn apart by a page's end.

@@ -1,36 +1,27 @@
 //! The hybrid flow: flight, impact, chatter, sticking, release.
 //!
 //! ```text
-//! model -> System      a Program (field, guards, impact tapes) for each set of closed contacts that is met
+//! model -> System      modes, each a Program (field, guards, impact tapes) compiled when it is first met
 //!          touch       all contacts at one state: rates, couplings, directions, for impacts of several at one instant
-//!          variation derivatives as further states of the same system: columns, saltation at impacts
-//!       -> Trajectory  the mode machine: one state, its mode, what happened (Occurrence)
-//!            flight    what ordinary steps in free flight change beside the state, for one trajectory or lanes of many
+//!          variation   derivatives as further states of the same system: columns, saltation at impacts
+//!       -> Trajectory  the mode machine: one state, its mode, what happened (Occurrence); impacts, rest, corners, roots
 //!            step      expand, locate the first guard, move, collide: branch-free, any number type
-//!            resolve   the rare cases a step cannot certify, settled with full root isolation
-//!            crossing  where a section is crossed, by the side of it that the trajectory comes from (sides)
+//!              flight  what ordinary steps in free flight change beside the state, for one trajectory or lanes of many
+//!              resolve the rare cases a step cannot certify, settled with full root isolation
+//!            sections  where one is crossed, by the side of it that the trajectory comes from
 //!            chatter   the end of an infinite impact sequence, extrapolated
+//!       -> fleet       steps of many trajectories in lanes
+//! leg      one mode by itself, past whatever would end it, for periodic orbits
 //! ```
 
-pub(crate) mod border_value;
-mod certificates;
 mod chatter;
-mod crossing;
-mod dense;
 mod error;
 mod fleet;
-mod flight;
-mod guard;
 pub(crate) mod leg;
-mod limits;
-mod looked_up;
 mod modes;
 mod occurrence;
-mod program;
 mod reset;
-mod resolve;
-mod sides;
-mod source;
+mod sections;
 mod step;
 mod system;
 mod touch;
@@ -38,15 +29,16 @@ mod touching;
 mod trajectory;
 mod variation;
 
-pub use dense::Dense;
+pub(crate) use chatter::border_value::{fixed_point, multiplier};
 pub use error::FlowError;
 pub use fleet::{Next, run_fleet};
-pub use guard::GuardKind;
-pub(crate) use limits::Corner;
+pub use modes::guard::GuardKind;
+pub(crate) use modes::limits::Corner;
+pub(crate) use modes::program::Grip;
+pub use modes::program::{Closed, Held};
 pub use occurrence::{EventKind, Occurrence, Place};
-pub(crate) use program::Grip;
-pub use program::{Closed, Held};
 pub use step::Workspace;
+pub use step::dense::Dense;
 pub use system::{Settings, System, SystemError};
 pub use trajectory::Trajectory;
 pub(crate) use trajectory::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};

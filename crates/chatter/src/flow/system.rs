@@ -1,9 +1,9 @@
 //! A model compiled for integration.
 
 use super::error::FlowError;
-use super::limits::{Corner, Limits};
+use super::modes::limits::{Corner, Limits};
+use super::modes::program::{Closed, Grip, ModeExprs, Program, ProgramConstants};
 use super::modes::{Flight, Mode, Modes};
-use super::program::{Closed, Grip, ModeExprs, Program, ProgramConstants};
 use super::step::Workspace;
 use super::touch::Touches;
 use super::touching::Touching;

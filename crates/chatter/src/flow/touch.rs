@@ -1,6 +1,6 @@
 //! All contacts of a system at one state, as numbers: what simultaneous impacts and joint rest are decided by.
 
-use super::looked_up::LookedUp;
+use super::modes::looked_up::LookedUp;
 use super::variation::Direction;
 use crate::expressions::{Expansion, Expr, Graph, Negligible, Node, Operand, Symbol, Tape};
 use crate::model::Mechanics;

@@ -19,8 +19,8 @@
 //! All of it is written down as expressions in (x, m), so one trajectory carries its derivatives through every mode
 //! with the same tapes, steps and error control.
 
+use super::modes::program::ModeExprs;
 use super::occurrence::Occurrence;
-use super::program::ModeExprs;
 use crate::expressions::{Expr, Graph, Symbol};
 use crate::model::{Contact, Mechanics, Model};
 use crate::numerics::Real;

@@ -5,7 +5,7 @@
 //! polynomial cannot be told from zero: a touching root. Nothing is missed or invented above the stated noise.
 
 use super::Real;
-use super::dispatch::{Kernel, dispatch_narrow};
+use super::numbers::dispatch::{Kernel, dispatch_narrow};
 use super::polynomial::{bernstein, horner, horner_with_slope, split};
 
 /// Which sign changes count as roots.

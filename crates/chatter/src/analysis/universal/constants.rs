@@ -1,7 +1,7 @@
 //! Constants of the chatter map: its fixed point, the multipliers there, and the exponent of Upsilon.
 
 use super::error::UniversalError;
-use crate::flow::border_value::{fixed_point, multiplier};
+use crate::flow::{fixed_point, multiplier};
 use crate::numerics::{DoubleDouble, Real, Scalar, with_rounding};
 use serde::{Deserialize, Serialize};
 

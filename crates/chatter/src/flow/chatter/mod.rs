@@ -8,6 +8,7 @@
 //! Where r changes with time or state, the ratios are those of the point where the sequence ends (MATH.md 10): the point
 //! is extrapolated with r there, which the point in turn gives, until neither moves.
 
+pub(super) mod border_value;
 mod limit;
 mod pace;
 mod tableau;
@@ -19,9 +20,9 @@ use pace::Pace;
 pub(crate) use pace::REMEMBERED;
 use tableau::{Limit, Weights, extrapolate};
 
-use super::border_value::border_value;
 use super::step::FOREVER;
 use crate::numerics::{Real, Scalar, two_sum};
+use border_value::border_value;
 
 /// Chatter is completed only where u lies below this fraction of the border value u*: no question is left there.
 const SAFE_FRACTION: f64 = 0.5;

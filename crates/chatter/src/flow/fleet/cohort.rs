@@ -7,8 +7,8 @@
 use super::WIDTH;
 use super::rows::Rows;
 use crate::flow::chatter::REMEMBERED;
-use crate::flow::guard::Transition;
-use crate::flow::program::Program;
+use crate::flow::modes::guard::Transition;
+use crate::flow::modes::program::Program;
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::{Passed, Trajectory};
 use crate::numerics::{LaneSet, Wide};

@@ -10,8 +10,8 @@ mod shared;
 mod vector;
 
 use super::error::FlowError;
+use super::modes::program::Program;
 use super::occurrence::Occurrence;
-use super::program::Program;
 use super::step::{ORDER_CLASSES, Workspace};
 use super::system::{Settings, System};
 use super::touching::Touching;

@@ -1,7 +1,7 @@
 //! Constants of tapes in lanes.
 
 use crate::expressions::Tape;
-use crate::flow::program::{ImpactTape, Program, ProgramConstants};
+use crate::flow::modes::program::{ImpactTape, Program, ProgramConstants};
 use crate::flow::system::System;
 use crate::numerics::Wide;
 

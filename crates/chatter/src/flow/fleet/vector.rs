@@ -5,10 +5,12 @@ use super::WIDTH;
 use super::cohort::{Cohort, Start};
 use super::rows::{Places, Rows};
 use super::shared::Shared;
-use crate::flow::flight::{Flight, Outcome, largest, plan, reaches, remaining, rest_of_sequence};
-use crate::flow::guard::Transition;
+use crate::flow::modes::guard::Transition;
+use crate::flow::modes::program::{Closed, IMPACT_SCALARS, Program};
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, IMPACT_SCALARS, Program};
+use crate::flow::step::flight::{
+    Flight, Outcome, largest, plan, reaches, remaining, rest_of_sequence,
+};
 use crate::flow::step::{NO_EVENT, Workspace};
 use crate::flow::system::{Settings, System};
 use crate::flow::touching::Touching;

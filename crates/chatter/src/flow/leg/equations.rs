@@ -2,9 +2,9 @@
 
 use super::{Jump, LegKind};
 use crate::expressions::{Asked, Expr, Graph, Side, Symbol};
-use crate::flow::guard::GuardKind;
-use crate::flow::limits::Limits;
-use crate::flow::program::{ModeExprs, guard_functions};
+use crate::flow::modes::guard::GuardKind;
+use crate::flow::modes::limits::Limits;
+use crate::flow::modes::program::{ModeExprs, guard_functions};
 use crate::flow::system::System;
 use crate::flow::touch::stop;
 use crate::model::{Model, Section, State};

@@ -17,7 +17,7 @@ mod watch;
 
 use super::Occurrence;
 use super::error::FlowError;
-use super::guard::GuardKind;
+use super::modes::guard::GuardKind;
 use super::step::Workspace;
 use super::system::{Settings, System};
 use super::trajectory::Trajectory;

@@ -5,7 +5,7 @@ use super::equations::Ending;
 use super::{LegKind, MOST_STEPS};
 use crate::expressions::{Expansion, Expr, Side, Sides, Symbol};
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
+use crate::flow::modes::guard::GuardKind;
 use crate::flow::step::Workspace;
 use crate::flow::system::{Settings, System};
 use crate::flow::trajectory::Trajectory;

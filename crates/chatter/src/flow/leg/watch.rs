@@ -5,7 +5,7 @@ use super::{Flyer, Leg, MOST_STEPS, left_domain, place};
 use crate::expressions::{Expr, Graph, Tape};
 use crate::flow::Occurrence;
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
+use crate::flow::modes::guard::GuardKind;
 use crate::flow::system::System;
 use crate::model::{Direction, Section};
 use crate::numerics::two_sum;

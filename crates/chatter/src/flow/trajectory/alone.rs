@@ -3,7 +3,7 @@
 
 use super::ordinary::Bounce;
 use super::{StepResult, Trajectory};
-use crate::flow::program::Program;
+use crate::flow::modes::program::Program;
 use crate::flow::step::Workspace;
 use crate::flow::system::System;
 use crate::numerics::Real;

@@ -5,37 +5,27 @@
 //! it, one at the start does not.
 
 mod alone;
-mod asked;
-mod cascade;
-mod collisions;
-mod contact;
 mod corners;
-mod flat_root;
-mod friction;
-mod grazing;
-mod known_gap;
-mod off_root;
-mod orders;
+mod impacts;
 mod ordinary;
-mod projection;
 mod recurrence;
-mod redundant;
 mod reset;
-mod sequence;
-mod stall;
+mod rest;
+mod roots;
 mod start;
-mod tops;
-mod undecided;
 
 use super::chatter::{Accumulation, ChatterTracker};
 use super::error::FlowError;
-use super::flight::{self, Outcome};
-use super::guard::{GuardKind, Transition};
-use super::limits::Corner;
+use super::modes::guard::{GuardKind, Transition};
+use super::modes::limits::Corner;
+use super::modes::program::{
+    Closed, Grip, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes,
+};
 use super::occurrence::Occurrence;
-use super::program::{Closed, Grip, IMPACT_SCALARS, Program, ProgramConstants, StandingTapes};
-use super::resolve::{Resolution, Unsettled, crossed_here, resolve};
-use super::sides::Sides;
+use super::sections::sides::Sides;
+use super::step::flight;
+use super::step::flight::Outcome;
+use super::step::resolve::{Resolution, Unsettled, crossed_here, resolve};
 use super::step::{FOREVER, NO_EVENT, ORDER_CLASSES, Workspace};
 use super::system::System;
 use super::touch::{TouchConstants, with_terms};
@@ -45,15 +35,15 @@ use crate::model::Simultaneous;
 use crate::numerics::dispatch::dispatch_narrow;
 use crate::numerics::{Real, WithTerms, index_of};
 use alone::{StepAlone, Stepped};
-use collisions::Collisions;
 use corners::Crossings;
-pub(crate) use orders::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
+use impacts::collisions::Collisions;
+pub(crate) use impacts::orders::{NoDerivative, SAME_DERIVATIVE, SAME_RATE, UNFELT, orders};
+use impacts::stall::Stall;
+use impacts::tops::Tops;
 use ordinary::Untold;
 pub(crate) use ordinary::{Caught, Passed};
 use recurrence::Latest;
-use stall::Stall;
 use std::collections::VecDeque;
-use tops::Tops;
 
 /// A trajectory, at a time and state, in a mode.
 #[derive(Clone, Debug)]

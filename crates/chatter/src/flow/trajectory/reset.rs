@@ -1,14 +1,14 @@
 //! Events that change the state, and impacts that take it across corners.
 
 use super::Trajectory;
+use super::impacts::tops::Tops;
 use super::recurrence::Latest;
 use super::start::is_inside;
-use super::tops::Tops;
 use crate::expressions::Surfaces;
 use crate::flow::error::FlowError;
-use crate::flow::limits::Corner;
+use crate::flow::modes::limits::Corner;
+use crate::flow::modes::program::{Closed, IMPACT_SCALARS};
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Closed, IMPACT_SCALARS};
 use crate::flow::step::{FOREVER, Workspace, flight_time, legal_rates};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;

@@ -1,16 +1,16 @@
 //! Where a trajectory starts: the contacts that a state lies on are classified.
 
 use super::corners::Crossings;
+use super::impacts::stall::Stall;
+use super::impacts::tops::Tops;
 use super::ordinary::Untold;
-use super::stall::Stall;
-use super::tops::Tops;
 use super::{ORDER_CLASSES, Trajectory};
 use crate::expressions::Surfaces;
 use crate::flow::chatter::ChatterTracker;
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
-use crate::flow::program::Closed;
-use crate::flow::sides::Sides;
+use crate::flow::modes::guard::GuardKind;
+use crate::flow::modes::program::Closed;
+use crate::flow::sections::sides::Sides;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::{FLIGHT, Settings, System};
 use crate::flow::touching::{Left, Touching};

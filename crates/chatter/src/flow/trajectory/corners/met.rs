@@ -3,9 +3,9 @@
 use super::Standing;
 use crate::expressions::Surfaces;
 use crate::flow::error::FlowError;
-use crate::flow::limits::Corner;
+use crate::flow::modes::limits::Corner;
+use crate::flow::modes::program::Closed;
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::Closed;
 use crate::flow::step::{FOREVER, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::{Touch, with_terms};

@@ -4,6 +4,7 @@
 //! that side's own field that can be told from zero points away from it; sliding, each field has a part in it. A crossing has one
 //! answer, attracting sliding one, repelling sliding several.
 
+mod asked;
 mod choice;
 mod kink;
 mod met;
@@ -16,10 +17,10 @@ mod verdict;
 use super::{StandingTapes, Trajectory};
 use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
-use crate::flow::limits::Corner;
+use crate::flow::modes::guard::GuardKind;
+use crate::flow::modes::limits::Corner;
+use crate::flow::modes::program::{Grip, Held, Program, STANDING_ORDERS, STANDING_TAPES};
 use crate::flow::occurrence::Occurrence;
-use crate::flow::program::{Grip, Held, Program, STANDING_ORDERS, STANDING_TAPES};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::touching::Touching;

@@ -3,13 +3,13 @@
 use super::Candidate;
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
-use crate::flow::limits::Corner;
-use crate::flow::program::Closed;
+use crate::flow::modes::guard::GuardKind;
+use crate::flow::modes::limits::Corner;
+use crate::flow::modes::program::Closed;
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;
 use crate::flow::trajectory::Trajectory;
-use crate::flow::trajectory::flat_root::root_of;
+use crate::flow::trajectory::roots::flat_root::root_of;
 use crate::numerics::Real;
 use crate::numerics::linear::solve;
 

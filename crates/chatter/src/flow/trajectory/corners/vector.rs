@@ -17,10 +17,10 @@
 use super::Candidate;
 use crate::expressions::Side;
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
-use crate::flow::limits::Corner;
-use crate::flow::program::{Closed, Program, ProgramConstants, StandingTapes};
-use crate::flow::resolve::{Resolution, expand_within_reach};
+use crate::flow::modes::guard::GuardKind;
+use crate::flow::modes::limits::Corner;
+use crate::flow::modes::program::{Closed, Program, ProgramConstants, StandingTapes};
+use crate::flow::step::resolve::{Resolution, expand_within_reach};
 use crate::flow::step::{NO_EVENT, Workspace};
 use crate::flow::system::System;
 use crate::flow::touch::with_terms;

@@ -5,13 +5,13 @@ use super::vector::Leaves;
 use super::{Candidate, Standing};
 use crate::expressions::{Side, Sides, Surfaces};
 use crate::flow::error::FlowError;
-use crate::flow::guard::GuardKind;
-use crate::flow::limits::Corner;
-use crate::flow::program::STANDING_ORDERS;
+use crate::flow::modes::guard::GuardKind;
+use crate::flow::modes::limits::Corner;
+use crate::flow::modes::program::STANDING_ORDERS;
 use crate::flow::system::System;
 use crate::flow::touching::Touching;
 use crate::flow::trajectory::Trajectory;
-use crate::flow::trajectory::flat_root::root_of;
+use crate::flow::trajectory::roots::flat_root::root_of;
 use crate::numerics::{Real, WithTerms};
 use core::cmp::Ordering;
 

@@ -1,0 +1,6 @@
+//! Contacts of a trajectory at rest: which of them stay closed, what opens them, and what keeps the state on them.
+
+mod contact;
+mod projection;
+mod redundant;
+pub(super) mod undecided;
