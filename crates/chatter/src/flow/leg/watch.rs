@@ -93,6 +93,9 @@ pub(crate) struct Least {
 const JUST_OPENED: f64 = 1e-9;
 /// A guard that the leg begins on and whose rate turns within this part of the leg, as where a stick ends, is least where it begins.
 const AT_ONCE: f64 = 1e-12;
+/// So does one that comes no farther until then, by the rate that it begins with or by a jerk, than this part of what it is on the
+/// leg, or would be with the rate that it ends with: contacts open with no rate and no acceleration, and rounding of these turns before the jerk tells.
+const NO_WAY: f64 = 1e-12;
 
 impl Watch {
     /// Watches the guards of a mode of the system, those that are asked for at the end alone, and a section.
@@ -197,7 +200,7 @@ impl Leg {
         let count = guards.len();
         let (mut began, mut rates) = (vec![0.0; count], vec![0.0; count]);
         let low = vec![0.0; x.len()];
-        let mut found = Vec::new();
+        let mut found: Vec<Least> = Vec::new();
         let expansion = &mut flyer.expansion;
         expansion.evaluate_past_roots(&self.watch.values, &constants, (x, &low), &mut began);
         for (value, guard) in began.iter_mut().zip(guards) {
@@ -265,6 +268,21 @@ impl Leg {
                     found.extend(value.map(|value| least(guard, value, false)));
                 }
                 Occurrence::Horizon => {
+                    let mut last = vec![0.0; count];
+                    expansion.evaluate_past_roots(&self.watch.rates, of_rates, here, &mut last);
+                    let comes_nowhere = |least: &Least| {
+                        let guard = guards.iter().position(|guard| *guard == least.guard);
+                        let part = least.time / duration;
+                        begins_on(least.guard)
+                            && part * part * part <= NO_WAY
+                            && guard.is_some_and(|guard| {
+                                let size = sizes[guard].max((last[guard] * duration).abs());
+                                (rates[guard] * least.time).abs() <= NO_WAY * size
+                            })
+                    };
+                    found.retain(|least| {
+                        matches!(least.guard, GuardKind::Section(_)) || !comes_nowhere(least)
+                    });
                     let ends_it = |guard: usize| Some(guards[guard]) == self.kind.ends_at;
                     let others = (0..count).filter(|&guard| !ends_it(guard));
                     let at_end = |guard: usize| match event(guard) {

@@ -1,7 +1,7 @@
 //! Touches of surfaces and of the limits of sticking: where the motion has one, and nowhere else.
 
-use super::{over, value, with};
-use chatter::analysis::periodic::{Branch, End, SpecialKind};
+use super::{orbit, over, value, with};
+use chatter::analysis::periodic::{Branch, End, MarginKind, SpecialKind};
 use core::f64::consts::TAU;
 
 /// A block on a shaking table whose normal force varies.
@@ -336,5 +336,32 @@ fn touches_are_told_in_order_whichever_way_they_are_come_to() {
             first.len() == other.len() && off < 1e-12,
             "{step}: {first:?} {other:?}"
         );
+    }
+}
+
+/// Contacts open with no rate and no acceleration, and what rounding leaves of these lets the gap begin below zero: the flight to the first
+/// impact has no least gap. The table falls away from the ball where f (cos t + 0.05 sin t) is 1.
+#[test]
+fn a_contact_that_opens_is_not_touched_where_it_does() {
+    for (unit, time) in [(1.0, 1.0), (1e3, 1e-2)] {
+        let text = format!(
+            "[parameters]\nf = 1\n[flight]\nx = 'v'\nv = '-{} - {}*v'\n[[contact]]\nname = 'table'\n\
+             gap = 'x - {unit}*f*cos(t/{time})'\nimpulse = {{ v = 1 }}\nrestitution = 0.3\n\
+             [initial]\nx = '{unit}*f'\nv = 0\n",
+            unit / (time * time),
+            0.05 / time
+        );
+        let model = with(&text, &[("f", "1.01")]);
+        let branch = over(&model, "f", (0.99, 1.01), (80, 0.01)).swap_remove(0);
+        let found = touches(&branch, "opening");
+        assert_near(&found, &[1.0 / 1.0025_f64.sqrt()], "opening");
+        for f in ["1", "1.0005", "1.002", "1.006"] {
+            let found = orbit(&with(&text, &[("f", f)]));
+            let mut kinds = found.margins.iter().map(|margin| margin.kind);
+            assert!(
+                kinds.all(|kind| kind != MarginKind::LeastGap),
+                "{f}: {found:?}"
+            );
+        }
     }
 }
