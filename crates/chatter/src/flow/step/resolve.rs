@@ -129,7 +129,9 @@ fn first_event<R: Real>(
             first_clearly_below(p, width, (Workspace::<R>::NOISE, terms))
         } else {
             let is_left = touching.get(index) > 0;
-            let terms = if is_left || guard.is_affine {
+            let is_known = |contact| work.known_gap.is_some_and(|(known, _)| known == contact);
+            let is_known = guard.closing().is_some_and(is_known);
+            let terms = if is_left || is_known || guard.is_affine {
                 R::ZERO
             } else {
                 size_of_terms(work, program, guard)
@@ -412,7 +414,7 @@ fn first_closing<R: Real>(
     if start > level {
         return Ok(first_root(p, width, Crossing::Falling, level));
     }
-    if !left && let Some(at) = turns_at_once(p, level).filter(|&at| at <= width) {
+    if !left && let Some(at) = turns_at_once(p, (noise, terms)).filter(|&at| at <= width) {
         return Ok(Some(Root {
             at,
             kind: RootKind::Touching,
@@ -460,13 +462,15 @@ fn first_closing<R: Real>(
 }
 
 /// Where a guard that is zero up to rounding falls no deeper than rounding before it rises: a graze, whatever sign its value
-/// has.
-fn turns_at_once<R: Real>(p: &[R], level: R) -> Option<R> {
+/// has. Rounding is that of the value it begins with, which is the sum of terms of this size, and of the way to there.
+fn turns_at_once<R: Real>(p: &[R], (noise, terms): (f64, R)) -> Option<R> {
     let &[_, slope, bend, ..] = p else {
         return None;
     };
+    let at = -slope / (bend + bend);
+    let level = magnitude(p, at.abs()).max(terms) * R::splat(noise);
     let turns = slope <= R::ZERO && bend > R::ZERO && slope * slope <= R::splat(4.0) * bend * level;
-    turns.then(|| -slope / (bend + bend))
+    turns.then_some(at)
 }
 
 /// Coefficients of s -> p(begin + s).

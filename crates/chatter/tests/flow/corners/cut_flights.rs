@@ -53,3 +53,57 @@ fn chatter_ends_where_it_does_without_cuts() {
         check::<DoubleDouble>(scale, 0.5, 0.3, CUTS[1]);
     }
 }
+
+/// A hammer strikes a bit that sticks in the ground after each blow, and is pulled back: rates fall to nothing in a finite time though
+/// the gap of each flight turns upward once the bit sticks, and then the hammer leaves.
+#[test]
+fn a_hammer_that_is_pulled_back_strikes_until_its_rate_is_gone() {
+    fn check<R: Real>(length: f64, time: f64, pull: f64) {
+        let (rate, force) = (length / time, length / (time * time));
+        let text = format!(
+            "[flight]\nx = 'u'\nu = '-{}'\ny = 'v'\nv = '-{}*sign(v)/0.3'\n[[contact]]\ngap = 'y - x'\n\
+             restitution = 0.8\nimpulse = {{ u = -1, v = '1/0.3' }}\n[initial]\nx = 0\nu = {rate}\ny = {}\nv = 0\n",
+            pull * force,
+            3.0 * force,
+            0.1 * length
+        );
+        // One flight after another, in units of one.
+        let (mut u, mut y, mut gap, mut t) = (1.0_f64, 0.1_f64, 0.1_f64, 0.0_f64);
+        while u > 1e-18 {
+            let struck = (u * u - 2.0 * pull * gap).sqrt();
+            t += 2.0 * gap / (u + struck);
+            let impulse = 1.8 * struck * 0.3 / 1.3;
+            let (after, bit) = (struck - impulse, impulse / 0.3);
+            let stops = bit / 10.0;
+            let (way, forward) = (0.5 * bit * stops, (after - 0.5 * pull * stops) * stops);
+            (y, gap) = (y + way, way - forward);
+            u = after - pull * stops;
+            t += stops;
+        }
+        let run = run::<R>(&text, 4.0 * time);
+        let end = run.events.iter().find_map(|event| match event.detail {
+            Occurrence::Accumulation { .. } => Some(event.time.to_f64()),
+            _ => None,
+        });
+        let off = end.map(|end| (end / time - t).abs());
+        assert!(
+            off.is_some_and(|off| off < 4e-15),
+            "{end:?} for {t}: {text}"
+        );
+        let back = 4.0 - t;
+        let right = [y - 0.5 * pull * back * back, -pull * back];
+        for (k, unit) in [(0, length), (1, rate)] {
+            let off = run.state[k].to_f64() / unit - right[k];
+            assert!(
+                off.abs() < 4e-15 * (1.0 + right[k].abs()),
+                "{k} {off:e}: {text}"
+            );
+        }
+    }
+    for (length, time) in [(1.0, 1.0), (1e3, 1e-2), (1e-3, 30.0)] {
+        for pull in [0.02, 0.1, 0.5] {
+            check::<f64>(length, time, pull);
+        }
+    }
+    check::<DoubleDouble>(1.0, 1.0, 0.1);
+}
