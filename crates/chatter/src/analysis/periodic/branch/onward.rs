@@ -385,11 +385,11 @@ impl Walker {
     }
 }
 
-/// The orbit beside a solution, at this distance of the parameter in parts of its range: the one that the motion shows which goes on from
-/// there, if it is what is looked for.
+/// The orbit beside a solution, at this distance of the parameter in parts of its range, over the parameter alone or along a direction: the one
+/// that the motion shows which goes on from there, if it is what is looked for.
 pub(in crate::analysis::periodic) fn beside(
     (seed, limits): (&Seed, &Limits),
-    distance: f64,
+    (distance, along): (f64, Option<&[f64]>),
     is_wanted: impl Fn(&Orbit) -> bool,
 ) -> Option<(Shooting<f64>, Station)> {
     let mut walker = Walker {
@@ -406,6 +406,13 @@ pub(in crate::analysis::periodic) fn beside(
         orientation: 1.0,
     };
     let scale = *walker.shooting.scales().last()?;
+    if let Some(along) = along.filter(|along| along.len() == seed.at.len()) {
+        let slope = Some(along.last()? / scale).filter(|slope| *slope != 0.0)?;
+        over.tangent = along.iter().map(|x| x / slope.abs()).collect();
+        if slope * distance < 0.0 {
+            over = over.reversed();
+        }
+    }
     *over.tangent.last_mut()? = scale.copysign(distance);
     let found = walker.beyond(&over, &[distance.abs()], is_wanted)?;
     Some((walker.shooting, found))

@@ -529,6 +529,9 @@ impl Walker {
         let value = station.parameter();
         let error = BESIDE_BORDER * value.abs();
         self.note(SpecialKind::ChatterBorder, here, &station.at, error, 0.0);
+        if let Some(special) = self.special.last_mut() {
+            special.leaves.clone_from(&station.tangent);
+        }
         let workshop = &self.shooting.workshop;
         let mut spec = BorderSpec::new(&workshop.model.parameters[workshop.free[0]].name);
         spec.samples = BORDER_SAMPLES;
