@@ -155,6 +155,14 @@ impl Walker {
                         }
                     }
                     walked.grazes += 1;
+                    match self.begins_to_open(&mut curve, &mut here) {
+                        Some(Stop::Over(end) | Stop::End(end)) => break end,
+                        Some(_) => {
+                            at_graze = true;
+                            continue;
+                        }
+                        None => self.settle(&curve.station),
+                    }
                     if self.hop(&mut curve, &mut here, (walked.hops, None)) {
                         walked.hops += 1;
                         at_graze = true;

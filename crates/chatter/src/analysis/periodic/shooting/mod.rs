@@ -17,6 +17,7 @@
 //! collisions  whether those of one instant could come in another order
 //! exchange    events that change places with the knot of a table
 //! at_jumps    corners that share the instant of an impact or a reset
+//! rest        what rests at the end of a stretch
 //! around      orbits on which nothing happens, told from a plane across the flow
 //! ```
 
@@ -28,6 +29,7 @@ mod corner;
 mod equations;
 mod exchange;
 mod monodromy;
+mod rest;
 mod workshop;
 
 pub(crate) use collisions::struck;
@@ -501,7 +503,10 @@ impl<R: Real> Shooting<R> {
                     }
                 }
                 Flown::Stretch(stretch, follower) => {
-                    let longest = R::splat(LONGEST * step.duration);
+                    let longest = R::splat(match step.ends_at() {
+                        Some(_) => LONGEST * step.duration,
+                        None => step.duration,
+                    });
                     let followed = stretch.follow(follower, &all, x, longest);
                     followed.map_err(|astray| match astray {
                         Astray::Failed(error) => Left::because(error),
