@@ -1,6 +1,7 @@
 //! Orbits beside one whose equations are singular: displaced along what the singular matrix takes to zero, once or twice around.
 
 use super::cycle::rotate::a_turn_later;
+use super::multipliers::without_nearest;
 use super::shooting::Shooting;
 use crate::analysis::continuation::{Condition, Held, Problem, Singular, newton};
 use crate::numerics::{DoubleDouble, Real, dot};
@@ -85,6 +86,8 @@ fn of_parameters<R: Real>(row: &[f64], unknowns: usize) -> Vec<R> {
 /// So far aside are the orbits that tell to which side a branch leaves, half and a quarter of it: what is left of the next two orders
 /// is taken out of all three. Nearer ones do where the farther are none, or say too little.
 const FAR: [f64; 3] = [2e-2, 6e-3, 2e-3];
+/// Where another multiplier is near to the first the square of how far aside they are is this part of how near: else both branches are one.
+const ALONE: f64 = 1e-2;
 /// In longer numbers they are so near that no further order is left, and yet known.
 const NEAR: [f64; 1] = [1e-6];
 /// Their parameters are known to so many roundoffs.
@@ -101,8 +104,20 @@ pub(crate) fn shift(
     singular: &Singular<f64>,
     (along, held): (&[f64], &[Vec<f64>]),
 ) -> Option<f64> {
-    let roughly = shift_of((shooting, at), singular, (along, held), &FAR);
+    let others = beside((shooting, at), singular.sign());
+    let farthest = others.map_or(FAR[0], |off| (ALONE * off).sqrt());
+    let distances = FAR.map(|far| far.min(farthest));
+    let roughly = shift_of((shooting, at), singular, (along, held), &distances);
     roughly.or_else(|| fine_shift((shooting, at), singular.sign(), (along, held)))
+}
+
+/// How far from that sign the multiplier nearest to it is, beside the one that is it.
+fn beside((shooting, at): (&Shooting<f64>, &[f64]), sign: f64) -> Option<f64> {
+    let mut shooting = shooting.clone();
+    shooting.evaluate(at).ok()?;
+    let others = without_nearest(&shooting.multipliers(), sign);
+    let off = others.iter().map(|m| (m.re - sign).hypot(m.im));
+    off.min_by(f64::total_cmp)
 }
 
 /// The same of the solution nearby in numbers of thirty digits: the singular orbit, too, has to be known as well as those beside it.

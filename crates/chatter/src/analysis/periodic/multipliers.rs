@@ -53,6 +53,28 @@ pub(crate) fn beyond(multipliers: &[Complex]) -> [usize; 2] {
     [-1.0, 1.0].map(|at| real(multipliers).filter(|m| m * at > 1.0).count())
 }
 
+/// The same product as [`passes`] has the sign of, of all that they are off by, each against its size: smooth where two pass one after the
+/// other, or one comes back.
+pub(crate) fn off_together(multipliers: &[Complex], at: f64) -> f64 {
+    let off = |m: &Complex| {
+        let size = 1.0 + m.modulus();
+        match m.im == 0.0 {
+            true => (m.re - at) / size,
+            false => (m.re - at).hypot(m.im) / size,
+        }
+    };
+    multipliers.iter().map(off).product()
+}
+
+/// How near to `at` there is a real multiplier on both of its sides: the distance of the farther of the nearest two.
+pub(crate) fn straddles(multipliers: &[Complex], at: f64) -> Option<f64> {
+    let nearest = |beyond: bool| {
+        let there = real(multipliers).filter(|m| (m * at > 1.0) == beyond);
+        there.map(|m| (m - at).abs()).min_by(f64::total_cmp)
+    };
+    Some(nearest(true)?.max(nearest(false)?))
+}
+
 /// The real multiplier that comes so many places after the one farthest out on the side of `at`, less that: where several pass `at` one after
 /// the other, or at once, each such function vanishes with one of them. None where there are not as many.
 pub(crate) fn passes_at_place(multipliers: &[Complex], at: f64, place: usize) -> Option<f64> {

@@ -31,6 +31,8 @@ const CLOSER: f64 = 0.7;
 const CLOSEST: f64 = 1e-6;
 /// Where none is found there, at these parts of what is left of the range.
 const FARTHER: [f64; 4] = [0.1, 0.2, 0.4, 0.7];
+/// Arcs beside a border are looked for up to so many impacts, or more if more are followed: those of fewer may be far from it.
+const BESIDE_BORDER: u64 = 40;
 /// Which way the parameter goes at an end so many points before it tell.
 const BACK: usize = 60;
 /// Borders that are passed in one survey.
@@ -78,11 +80,18 @@ pub(crate) fn survey(
                 if is_known(&followed, told) {
                     continue;
                 }
-                let found = follow(&shooting, &at, limits, diary)?;
+                // Of arcs those near to the border have as many impacts as they have.
+                let wide = Limits {
+                    impacts: told.1.map_or(0, |own| own + 1).max(limits.impacts),
+                    ..*limits
+                };
+                let found = follow(&shooting, &at, &wide, diary)?;
                 let is_broken_off = found.ends.contains(&End::Interrupted);
                 if is_broken_off || comes_to(&found, &way, ahead.abs()) {
                     hops += 1;
-                    add(&mut branches, found, limits);
+                    if let Some(found) = within(found, limits.impacts) {
+                        add(&mut branches, found, limits);
+                    }
                     break;
                 }
                 followed.push(found);
@@ -95,6 +104,32 @@ pub(crate) fn survey(
     }
     leave(&mut branches, (limits, beside), diary)?;
     Ok(branches)
+}
+
+/// The part of a branch that has no more impacts a period than these, from the one end or the other.
+fn within(mut branch: Branch, impacts: u64) -> Option<Branch> {
+    let is_over = |point: &Point| point.impacts.is_some_and(|own| own > impacts);
+    let count = branch.points.len();
+    let Some(first) = branch.points.iter().position(is_over) else {
+        return Some(branch);
+    };
+    let last = branch.points.iter().rposition(is_over).unwrap_or(first) + 1;
+    // At the graze that leads to more than these there are none yet.
+    if first > 0 {
+        branch.points.truncate(first);
+        let is_before = |s: &Special| s.place < first || s.place == first && !is_over(&s.point);
+        branch.special.retain(is_before);
+        branch.ends[1] = End::Impacts(impacts);
+    } else if last < count {
+        branch.points.drain(..last);
+        let is_after = |s: &Special| s.place > last || s.place == last && !is_over(&s.point);
+        branch.special.retain(is_after);
+        branch.special.iter_mut().for_each(|s| s.place -= last);
+        branch.ends[0] = End::Impacts(impacts);
+    } else {
+        return None;
+    }
+    Some(branch)
 }
 
 /// Value, impacts and period of an orbit.
@@ -116,20 +151,28 @@ fn beyond<'a>(
     // Arcs may lie to both sides of the border that they accumulate at, and say nothing of where chatter is complete.
     let both =
         move |part: f64| [way.direction, -way.direction].map(|side| side * part * (high - low));
+    let near_border = Limits {
+        impacts: limits.impacts.max(BESIDE_BORDER),
+        ..*limits
+    };
     let fits = move |orbit: &Orbit| {
         orbit.impacts.is_none() == wants_infinite
             && orbit
                 .impacts
-                .is_none_or(|impacts| impacts <= limits.impacts)
+                .is_none_or(|impacts| impacts <= near_border.impacts)
             && is_as_long(orbit.period.to_f64(), way.period)
     };
     let near = core::iter::successors(Some(HOPS[0]), |part| Some(part * CLOSER));
     let near = near.take_while(|part| *part > CLOSEST).flat_map(both);
     let near = near.filter(is_inside);
-    let by_motion = near.filter_map(move |ahead| {
+    // Over the parameter alone, and as states go along the branch.
+    let ways = [None, Some(&*way.along)].into_iter();
+    let ways = ways.filter(|along| along.is_none_or(|along| !along.is_empty()));
+    let by_motion = ways.flat_map(move |along| near.clone().map(move |ahead| (ahead, along)));
+    let by_motion = by_motion.filter_map(move |(ahead, along)| {
         let seed = way.seed.as_ref()?;
         let distance = (way.value + ahead - seed.at.last()?) / (high - low);
-        let (mut shooting, station) = beside((seed, limits), distance, fits)?;
+        let (mut shooting, station) = beside((seed, &near_border), (distance, along), fits)?;
         shooting.evaluate(&station.at).ok()?;
         let told = (station.parameter(), shooting.impacts(), shooting.period());
         Some((ahead, (shooting, station.at), told))
@@ -162,8 +205,9 @@ struct Way {
     period: f64,
     /// To which side the parameter went.
     direction: f64,
-    /// The special point nearest to it.
+    /// The special point nearest to it, and the direction of the branch there, if it is known.
     seed: Option<Seed>,
+    along: Vec<f64>,
     /// The latest grazes of as many different numbers of impacts, the latest first.
     grazes: Vec<f64>,
 }
@@ -232,6 +276,7 @@ fn way(end: &End, points: &[&Point], special: &[&Special]) -> Option<Way> {
             -1.0
         },
         seed: nearest.and_then(|nearest| nearest.seed.clone()),
+        along: border.map_or_else(Vec::new, |border| border.leaves.clone()),
         grazes: grazes.into_iter().map(|(_, value)| value).collect(),
     })
 }

@@ -176,7 +176,7 @@ impl Stretch {
             }
             match told {
                 Some(Occurrence::Horizon) => {
-                    if self.ends_at.is_some() {
+                    if self.ends_at.is_some() || accumulations != self.accumulations {
                         return Err(astray);
                     }
                     let end = trajectory.state();

@@ -144,6 +144,14 @@ fn multipliers_that_pass_minus_one_within_a_step_are_told_each() {
                     "{share} {step}: {doublings:?}"
                 );
             }
+            // Both maps double as a grows; where they do so at once, it is not said which.
+            let sides = found[0].special.iter().map(|special| special.above);
+            let are_above = |mut sides: Vec<Option<bool>>| {
+                sides.dedup();
+                sides == [Some(true)]
+            };
+            let sides = sides.collect();
+            assert!(share == 1.0 || are_above(sides), "{share} {step}");
             assert_eq!(
                 kinds(&found[0]).len(),
                 2,
@@ -181,4 +189,48 @@ fn multipliers_that_pass_one_within_a_step_are_told_each() {
         points.iter().all(|point| (point - 1.0).abs() < 1e-11),
         "{points:?}"
     );
+}
+
+/// One multiplier goes in as another goes out within a step, over -1 and over 1: as many are beyond at both ends of it. Of the two maps the one
+/// passes at a = 3, or 1, and the other, whose slope falls with that of the first, a share earlier.
+#[test]
+fn one_that_goes_in_as_another_goes_out_is_told() {
+    for (share, step) in [(1.01, 0.3), (1.0 + 1e-6, 0.1)] {
+        let doubles = map_of_two(
+            "a*x*(1 - x)",
+            &format!("(6 - {share:?}*a)*y*(1 - y) + 0.001*(x - 1 + 1/a)"),
+            (0.6, 0.6),
+        );
+        let meets = map_of_two(
+            "a*x - x^3",
+            &format!("(2 - {share:?}*a)*y - y^3 + 0.001*x"),
+            (0.0, 0.0),
+        );
+        let ways = [
+            // From the fixed point itself, though it be unstable.
+            (
+                doubles
+                    .replace("x = 0.6\n", "x = \"1 - 1/a\"\n")
+                    .replace("y = 0.6\n", &format!("y = \"1 - 1/(6 - {share:?}*a)\"\n")),
+                "2.95",
+                (2.9, 3.1),
+                SpecialKind::PeriodDoubling,
+            ),
+            (meets, "0.95", (0.9, 1.1), SpecialKind::BranchPoint),
+        ];
+        for (text, start, range, kind) in ways {
+            let last = if kind == SpecialKind::PeriodDoubling {
+                3.0
+            } else {
+                1.0
+            };
+            let found = over(&with(&text, &[("a", start)]), "a", range, (10, step));
+            let told = of_kind(&found, kind);
+            let context = format!("{share} {step}: {told:?} {:?}", kinds(&found[0]));
+            assert_eq!(told.len(), 2, "{context}");
+            for (found, expected) in told.iter().zip([last / share, last]) {
+                assert!((found - expected).abs() < 1e-11, "{context}");
+            }
+        }
+    }
 }

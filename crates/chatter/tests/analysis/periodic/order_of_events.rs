@@ -46,6 +46,66 @@ fn a_branch_goes_on_where_a_contact_begins_to_open() {
     }
 }
 
+/// A mass on a stop that a force of two harmonics throws up once a period; at b = 1 + a it is zero at its other crest, too, for an instant,
+/// and beyond the contact opens there as well. What hangs on it swings on: its multipliers have the modulus exp(-0.04 pi).
+#[test]
+fn a_branch_goes_on_where_a_contact_that_rests_after_chatter_begins_to_open() {
+    for (length, rate, steps) in [(1.0, 1.0, 2), (1e3, 1e-3, 1), (1e-3, 40.0, 1)] {
+        let text = format!(
+            "[parameters]\na = 0.3\nb = 1.3\nL = {length:?}\nw = {rate:?}\n[flight]\nx = 'v'\n\
+             v = 'L*w^2*(-1 + a*cos(w*t) + b*cos(2*w*t)) - 0.1*w*v - w^2*x'\nz = 'q'\n\
+             q = '-1.3*w^2*z - 0.04*w*q - 0.4*w^2*x'\n[[contact]]\nname = 'stop'\ngap = 'x'\n\
+             impulse = {{ v = 1 }}\nrestitution = 0.4\n[section.strobe]\nsurface = 'sin(w*t)'\n\
+             direction = 'rising'\n[initial]\nx = 0\nv = 0\nz = 0\nq = 0\n"
+        );
+        let ways = [0.2, 0.02].into_iter().take(steps);
+        for (start, step) in ways.flat_map(|step| ["1.29", "1.31"].map(|start| (start, step))) {
+            let context = format!("{length} {rate} from {start} by {step}");
+            let found = over(&with(&text, &[("b", start)]), "b", (1.28, 1.32), (60, step));
+            let branch = &found[0];
+            assert_eq!(branch.ends, [End::Range, End::Range], "{context}");
+            let told: Vec<_> = branch.special.iter().map(|s| (s.kind, value(s))).collect();
+            let [touch] = &branch.special[..] else {
+                panic!("{context}: {told:?}");
+            };
+            assert_eq!(touch.kind, SpecialKind::Touch, "{context}");
+            assert_eq!(touch.persists, Some(true), "{context}");
+            assert!((value(touch) - 1.3).abs() < 1e-12, "{context}: {touch:?}");
+            let modulus = touch.point.multipliers[0].modulus();
+            assert!(
+                (modulus - (-0.04 * TAU / 2.0).exp()).abs() < 1e-9,
+                "{context}: {modulus}"
+            );
+        }
+    }
+}
+
+/// The same where it depends on the state when that crest comes, of a hopper with a light foot. The touch is that of impacts and flights by
+/// matrix exponentials in 30 digits.
+#[test]
+fn a_hopper_goes_on_where_its_foot_begins_to_lift_twice() {
+    const HOPPER: &str = "[parameters]\nF0 = 1.65\n[definitions]\nF = '20*(1 - x + y) - 1.5*(u - v)'\n[flight]\nx = 'u'\n\
+                          u = '-1 + F + F0*cos(2*t)'\ny = 'v'\nv = '-1 - F/0.3'\n[[contact]]\nname = 'ground'\ngap = 'y'\n\
+                          impulse = { v = 1 }\nrestitution = 0.6\n[section.strobe]\nsurface = 'sin(2*t)'\ndirection = 'rising'\n\
+                          [initial]\nx = 1\nu = 0\ny = 0.05\nv = 0\n";
+    for step in [0.05, 0.01] {
+        let found = over(&with(HOPPER, &[]), "F0", (1.64, 1.7046), (60, step));
+        let touches = found[0].special.iter();
+        let touches: Vec<f64> = touches
+            .filter(|special| special.kind == SpecialKind::Touch)
+            .map(value)
+            .collect();
+        let [touch] = touches[..] else {
+            panic!("{step}: {:?} {:?}", found[0].ends, found[0].special);
+        };
+        assert!(
+            (touch - 1.704_504_447_306_840_9).abs() < 1e-11,
+            "{step}: {touch}"
+        );
+        assert_eq!(found[0].ends, [End::Range, End::Range], "{step}");
+    }
+}
+
 /// Impacts of complete chatter pass knots of the cam one by one, grazes of impacts beside them.
 #[test]
 fn chatter_may_pass_the_knots_of_a_table() {

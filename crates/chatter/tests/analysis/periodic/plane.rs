@@ -617,7 +617,9 @@ fn a_curve_of_doublings_passes_where_a_spring_is_left() {
         [0.246_801_465_256_053_43, 0.672_019_385_652_484_5],
         [-0.894_461_672_876_993_7, 0.118_368_766_887_246_26],
     );
-    comes_through_the_touch(presses, 0.05);
+    for step in [0.05, 0.2] {
+        comes_through_the_touch(presses, step);
+    }
 }
 
 fn comes_through_the_touch(([first, om], [x, v]): ([f64; 2], [f64; 2]), longest_step: f64) {

@@ -1,8 +1,8 @@
 //! What is told of each station of a branch is that orbit's, and no other's.
 
-use super::{model, orbits_from, over, with};
+use super::{model, nearest, orbits_from, over, value, with};
 use chatter::analysis::periodic::{
-    Beside, Branch, BranchSpec, Known, Limits, Point, Spec, Special, SpecialKind, branches,
+    Beside, Branch, BranchSpec, End, Known, Limits, Point, Spec, Special, SpecialKind, branches,
     settled, special_curve,
 };
 use chatter::model::Model;
@@ -352,5 +352,55 @@ fn arcs_beyond_a_border_come_back_to_it() {
         let periods = points.map(|point| point.period * point.parameter());
         let turn = core::f64::consts::TAU;
         assert!({ periods }.all(|turns| (turns - 2.0 * turn).abs() < 1e-9));
+    }
+}
+
+/// A gear with play between two teeth, driven by a torque that swings.
+const GEAR: &str = r#"
+[parameters]
+T1 = 0.56
+[flight]
+x = "v"
+v = "0.4 + T1*cos(0.5*t) - 0.1*v"
+[[contact]]
+name = "drive"
+gap = "20 - x"
+impulse = { v = -1 }
+restitution = 0.65
+[[contact]]
+name = "coast"
+gap = "x + 20"
+impulse = { v = 1 }
+restitution = 0.65
+[section.strobe]
+surface = "sin(0.5*t)"
+direction = "rising"
+[initial]
+x = 0
+v = 0
+"#;
+
+/// From complete chatter the arcs beyond its border are found, however few impacts are followed. Fold and doubling of nine impacts are those of the
+/// impact map by its closed-form flights in 30 digits.
+#[test]
+fn arcs_beyond_the_border_of_chatter_are_found() {
+    let found = over(&with(GEAR, &[]), "T1", (0.555, 0.6), (9, 0.1));
+    let [chatters, arcs] = &found[..] else {
+        panic!("{} branches", found.len());
+    };
+    assert!(chatters.ends.contains(&End::ChatterBorder));
+    let border = nearest(&found, &[SpecialKind::ChatterBorder], 0.595);
+    assert!((value(&border) - 0.595_011_214_149_952_8).abs() < 1e-13);
+    assert!(arcs.ends.contains(&End::Impacts(9)), "{:?}", arcs.ends);
+    let special = arcs.special.iter().map(|special| &special.point);
+    let mut all = arcs.points.iter().chain(special);
+    assert!(all.all(|point| point.impacts.is_some_and(|impacts| impacts <= 9)));
+    for (kind, place) in [
+        (SpecialKind::Fold, 0.597_250_184_461_502_9),
+        (SpecialKind::PeriodDoubling, 0.597_459_920_434_091_4),
+    ] {
+        let told = nearest(&found, &[kind], place);
+        assert_eq!(told.point.impacts, Some(9));
+        assert!((value(&told) - place).abs() < 1e-13, "{told:?}");
     }
 }

@@ -7,7 +7,8 @@ use crate::analysis::continuation::{Problem, Singular, Station, locate};
 use crate::analysis::periodic::aside::shift;
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::multipliers::{
-    beyond, farthest, is_near, neutral, pair, passes, passes_at_place, passes_together,
+    beyond, farthest, is_near, neutral, off_together, pair, passes, passes_at_place,
+    passes_together, straddles,
 };
 use crate::analysis::periodic::shooting::Shooting;
 use crate::analysis::periodic::solved::{NOISE, Solved};
@@ -54,6 +55,10 @@ const ALONE: usize = 24;
 const CLOSE: f64 = 0.1;
 const LOOKS: usize = 8;
 const NEARER: f64 = 0.5;
+/// Of two that are this near to -1, or 1, to either side, one may go in as the other goes out. One that comes to 1 may be past it by so much of what it
+/// was before by rounding.
+const AROUND: f64 = 0.5;
+const BY_ROUNDING: f64 = 1e-11;
 
 /// Towards a graze ways are shortened to this part, so often; and only where more than one multiplier is more than this.
 const SHORTER: f64 = 0.25;
@@ -136,26 +141,41 @@ impl Walker {
         self.passed_between(from, to, step, (here, there))
     }
 
-    /// Where a multiplier is past -1, which is not so at both ends: the part of the way at which it is. It is looked for at the vertices of
-    /// parabolas for as long as these go on to say that it comes much nearer. (One that comes to 1 and back is at a point where branches meet:
-    /// rounding says on which side.)
-    fn comes_back(
+    /// Where a multiplier is past -1, or 1, though as many are at both ends: the part of the way at which it is. One that comes near to -1 may have been
+    /// past it and come back; and where there are some on both sides of -1, or 1, one may go in as another goes out. It is looked for at the
+    /// vertices of parabolas for as long as these go on to say that it comes much nearer.
+    fn comes_back(&mut self, from: &Station, step: f64, points: (&Point, &Point)) -> Option<f64> {
+        [-1.0, 1.0]
+            .into_iter()
+            .find_map(|at| self.comes_back_over(at, (from, step), points))
+    }
+
+    fn comes_back_over(
         &mut self,
-        from: &Station,
-        step: f64,
+        at: f64,
+        (from, step): (&Station, f64),
         (here, there): (&Point, &Point),
     ) -> Option<f64> {
-        let (before, after) = (doubling(&here.multipliers)?, doubling(&there.multipliers)?);
-        if before * after <= 0.0 || before.abs().min(after.abs()) > CLOSE {
+        let ends = [&here.multipliers, &there.multipliers];
+        let [before, after] = ends.map(|all| off_together(all, at));
+        let is_within = |part: f64, off: Option<f64>| off.is_some_and(|off| off.abs() <= part);
+        // One that comes to 1 and back is at a point where branches meet: rounding says on which side.
+        let comes_near = at < 0.0 && ends.iter().any(|all| is_within(CLOSE, passes(all, at)));
+        let may_change = ends.iter().any(|all| is_within(AROUND, straddles(all, at)));
+        if !(before * after > 0.0 && (comes_near || may_change)) {
             return None;
         }
+        let rounding = match at < 0.0 {
+            true => 0.0,
+            false => BY_ROUNDING * before.abs().max(after.abs()),
+        };
         let mut known = vec![(0.0, before.abs()), (1.0, after.abs())];
         let mut part = 0.5;
         for _ in 0..LOOKS {
             let (station, _) = from.ahead(&mut self.shooting, part * step).ok()?;
             self.settle(&station);
-            let value = doubling(&self.shooting.multipliers())? * before.signum();
-            if value < 0.0 {
+            let value = off_together(&self.shooting.multipliers(), at) * before.signum();
+            if value < -rounding {
                 return Some(part);
             }
             let place = known.partition_point(|(other, _)| *other < part);
@@ -165,8 +185,8 @@ impl Walker {
             let first = least.saturating_sub(1).min(known.len() - 3);
             let (vertex, lowest) = vertex(&known[first..first + 3])?;
             let is_new = known.iter().all(|(other, _)| *other != vertex);
-            let is_within = vertex > 0.0 && vertex < 1.0;
-            if !(is_within && is_new && lowest < NEARER * known[least].1) {
+            let is_inside = vertex > 0.0 && vertex < 1.0;
+            if !(is_inside && is_new && lowest < NEARER * known[least].1) {
                 return None;
             }
             part = vertex;

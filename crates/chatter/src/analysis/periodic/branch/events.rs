@@ -61,6 +61,11 @@ impl Shooting<f64> {
                 }];
                 0
             }
+            Passage::Stretch(_) if jump == Jump::None => {
+                let parts = self.with_touch_at_rest(at, index, least)?;
+                steps.splice(index..=index, parts);
+                index + 1
+            }
             Passage::Stretch(_) => {
                 return Err(unfollowed("a graze within what is followed as a whole"));
             }

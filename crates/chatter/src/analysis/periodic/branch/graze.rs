@@ -80,6 +80,11 @@ impl Walker {
             return self.exchange((curve, step, reached), (station, index), here);
         }
         self.settle(&station);
+        // Where what begins with a release has come to nothing, rounding says in which way it breaks.
+        if self.shooting.opening_vanishes(&station.at) {
+            let end = End::Lost(broken.told(&self.shooting));
+            return Stop::Broken(end, Box::new(station));
+        }
         // Special points before it.
         let there = Point::new(&mut self.shooting, &station);
         // Where an impact loses its rate multipliers have a pole: not quite there.

@@ -14,6 +14,7 @@
 //! touch        the same for a crossing and the way back
 //! turn         the same where the flow turns with the rate of the impact
 //! corner       where an event comes to a corner that only it asks for
+//! opening      where a contact at rest begins to open
 //! onward       past what equations can say, and where they may not go on
 //! equilibrium  equilibria of the flight that a step is
 //! saddle       where the orbit comes to a saddle
@@ -35,6 +36,7 @@ mod hopf;
 mod kept;
 mod limits;
 mod onward;
+mod opening;
 mod point;
 mod returns;
 mod saddle;

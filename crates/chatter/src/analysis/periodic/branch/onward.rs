@@ -11,7 +11,7 @@ use crate::analysis::periodic::cycle::itinerary::Step;
 use crate::analysis::periodic::cycle::reread::reread;
 use crate::analysis::periodic::orbit::{Orbit, close};
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
-use crate::flow::leg::{Least, onto_gaps};
+use crate::flow::leg::onto_gaps;
 use crate::flow::{Closed, GuardKind};
 use crate::numerics::Real;
 
@@ -25,7 +25,7 @@ const SAME_PLACE: f64 = 0.1;
 /// So often a shorter way is tried before a longer one.
 const PATIENCE: usize = 8;
 /// Where new equations begin their steps, in parts of the longest one.
-const CAREFUL: f64 = 1e-3;
+pub(super) const CAREFUL: f64 = 1e-3;
 
 impl Walker {
     /// The contact whose restitution, where it is a matter of parameters, comes to an end of what it may be on the way to a
@@ -81,7 +81,11 @@ impl Walker {
         if self.past_stay(&from, curve, here) {
             return true;
         }
-        let same = |orbit: &Orbit| orbit.impacts == here.impacts;
+        // What goes on in another number of chatter sequences has as many impacts.
+        let accumulations = self.shooting.accumulations();
+        let same = |orbit: &Orbit| {
+            orbit.impacts == here.impacts && orbit.shooting.accumulations() == accumulations
+        };
         let forward = self.heading(&from);
         let passes = |orbit: &Orbit| {
             let gone = orbit.at.last().map_or(0.0, |to| to - from.parameter());
@@ -227,58 +231,8 @@ impl Walker {
         closure.share(&turns, both, &shooting.state_sizes(), THERE)
     }
 
-    /// The force of a closed contact touches zero: beyond, the contact opens for a while, and closes again by chatter that begins
-    /// with nothing. The equations there, at a station a little farther on.
-    pub(super) fn opens(
-        &mut self,
-        station: &Station,
-        touch: (usize, &Least),
-        there: &Point,
-    ) -> Result<Station, String> {
-        let touched = self.touched(&station.at, touch)?;
-        self.note_touch(there, touched);
-        let distances = self.distances();
-        let next = self.beyond(station, &distances, |orbit| orbit.impacts != there.impacts);
-        next.ok_or_else(|| "a contact opens there, and no orbit is found beyond".to_owned())
-    }
-
-    /// The same from the other side: chatter has shrunk to nothing, and beyond the contact stays closed. Whether that is so.
-    pub(super) fn stays_closed(&mut self, curve: &mut Curve, here: &mut Point) -> bool {
-        let before = self.shooting.clone();
-        let distances = self.distances();
-        let another = |orbit: &Orbit| orbit.impacts != here.impacts;
-        // From where the contact is released, and beyond is not.
-        let releases = self.shooting.steps.iter().enumerate();
-        let released = releases.filter_map(|(index, step)| match step.ends_at() {
-            Some(GuardKind::Reaction(contact)) => Some((index, contact)),
-            _ => None,
-        });
-        let released: Vec<(usize, usize)> = released.collect();
-        let resting = released.iter().find_map(|&(index, contact)| {
-            let closed = self.shooting.steps[index].closed.with(contact);
-            let begin = (self.shooting.after(index), closed);
-            let over = self.over_the_parameter(&curve.station);
-            self.beyond_from(&over, &distances, begin, another)
-        });
-        let Some(next) = resting.or_else(|| self.beyond(&curve.station, &distances, another))
-        else {
-            return false;
-        };
-        let between = [curve.station.parameter(), next.parameter()];
-        let is_force = |guard| matches!(guard, GuardKind::Reaction(_));
-        let Some(touched) = touch_between(&mut self.shooting, &next.at, between, is_force) else {
-            self.shooting = before;
-            return false;
-        };
-        // Told of the orbit that stays.
-        let resting = Point::new(&mut self.shooting, &next);
-        self.note_passed_touch(&resting, touched);
-        self.begins_anew((next, CAREFUL * self.limits.longest_step), curve, here);
-        true
-    }
-
     /// A station from which the parameter alone goes on: states change ever faster as something shrinks to nothing, and then no more.
-    fn over_the_parameter(&self, station: &Station) -> Station {
+    pub(super) fn over_the_parameter(&self, station: &Station) -> Station {
         let mut over = Station {
             tangent: vec![0.0; station.at.len()],
             ..station.clone()
@@ -290,12 +244,12 @@ impl Walker {
     }
 
     /// How far beyond a place where the sequence of events changes orbits are looked for.
-    fn distances(&self) -> [f64; BEYOND.len()] {
+    pub(super) fn distances(&self) -> [f64; BEYOND.len()] {
         BEYOND.map(|part| part * self.limits.longest_step)
     }
 
     /// The orbit a little farther on, read off the motion itself, if it is one that is looked for.
-    fn beyond(
+    pub(super) fn beyond(
         &mut self,
         from: &Station,
         distances: &[f64],
@@ -330,7 +284,7 @@ impl Walker {
     }
 
     /// The same from one of its nodes, where these contacts are closed.
-    fn beyond_from(
+    pub(super) fn beyond_from(
         &mut self,
         from: &Station,
         distances: &[f64],
@@ -385,11 +339,11 @@ impl Walker {
     }
 }
 
-/// The orbit beside a solution, at this distance of the parameter in parts of its range: the one that the motion shows which goes on from
-/// there, if it is what is looked for.
+/// The orbit beside a solution, at this distance of the parameter in parts of its range, over the parameter alone or along a direction: the one
+/// that the motion shows which goes on from there, if it is what is looked for.
 pub(in crate::analysis::periodic) fn beside(
     (seed, limits): (&Seed, &Limits),
-    distance: f64,
+    (distance, along): (f64, Option<&[f64]>),
     is_wanted: impl Fn(&Orbit) -> bool,
 ) -> Option<(Shooting<f64>, Station)> {
     let mut walker = Walker {
@@ -406,6 +360,13 @@ pub(in crate::analysis::periodic) fn beside(
         orientation: 1.0,
     };
     let scale = *walker.shooting.scales().last()?;
+    if let Some(along) = along.filter(|along| along.len() == seed.at.len()) {
+        let slope = Some(along.last()? / scale).filter(|slope| *slope != 0.0)?;
+        over.tangent = along.iter().map(|x| x / slope.abs()).collect();
+        if slope * distance < 0.0 {
+            over = over.reversed();
+        }
+    }
     *over.tangent.last_mut()? = scale.copysign(distance);
     let found = walker.beyond(&over, &[distance.abs()], is_wanted)?;
     Some((walker.shooting, found))
@@ -433,7 +394,7 @@ fn begins(touched: &Touched, distances: &[f64]) -> Option<(Shooting<f64>, Statio
 }
 
 /// Where, between two values of the parameter, the smallest of such guards touches zero on an orbit that does not meet it.
-fn touch_between(
+pub(super) fn touch_between(
     shooting: &mut Shooting<f64>,
     at: &[f64],
     between: [f64; 2],
@@ -441,13 +402,15 @@ fn touch_between(
 ) -> Option<Touched> {
     shooting.evaluate(at).ok()?;
     let least = shooting.least(at).unwrap_or_default();
-    let inner = least.iter().enumerate().flat_map(|(index, all)| {
-        let inner = all.iter().filter(|l| is_wanted(l.guard) && !l.at_end);
-        inner.map(move |least| (index, least))
-    });
+    let least = least.into_iter().enumerate();
+    let on_the_way =
+        least.flat_map(|(index, all)| all.into_iter().map(move |least| (index, least)));
+    let at_rest = shooting.least_forces(at).unwrap_or_default();
+    let all = on_the_way.chain(at_rest);
+    let inner = all.filter(|(_, least)| is_wanted(least.guard) && !least.at_end);
     let smallest = inner.min_by(|a, b| a.1.value.abs().total_cmp(&b.1.value.abs()));
     let touches = smallest.and_then(|(index, least)| {
-        let longer = shooting.with_event(at, index, least).ok()?;
+        let longer = shooting.with_event(at, index, &least).ok()?;
         Touched::solve(longer).ok()
     });
     // Or, where the surface is crossed, the flow beyond turns back to it as soon as it begins.

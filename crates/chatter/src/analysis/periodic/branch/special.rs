@@ -161,7 +161,7 @@ pub struct Special {
     pub above: Option<bool>,
     /// Which of the user's functions vanishes.
     pub monitor: Option<usize>,
-    /// Of a branch point: the direction of the other branch, as that of a station.
+    /// The direction in which to go on from there, as that of a station: of a branch point that of the other branch, of a chatter border its own.
     #[serde(with = "list")]
     pub leaves: Vec<f64>,
     /// Where it is on its branch: after so many points.

@@ -155,6 +155,14 @@ impl Walker {
                         }
                     }
                     walked.grazes += 1;
+                    match self.begins_to_open(&mut curve, &mut here) {
+                        Some(Stop::Over(end) | Stop::End(end)) => break end,
+                        Some(_) => {
+                            at_graze = true;
+                            continue;
+                        }
+                        None => self.settle(&curve.station),
+                    }
                     if self.hop(&mut curve, &mut here, (walked.hops, None)) {
                         walked.hops += 1;
                         at_graze = true;
@@ -529,6 +537,9 @@ impl Walker {
         let value = station.parameter();
         let error = BESIDE_BORDER * value.abs();
         self.note(SpecialKind::ChatterBorder, here, &station.at, error, 0.0);
+        if let Some(special) = self.special.last_mut() {
+            special.leaves.clone_from(&station.tangent);
+        }
         let workshop = &self.shooting.workshop;
         let mut spec = BorderSpec::new(&workshop.model.parameters[workshop.free[0]].name);
         spec.samples = BORDER_SAMPLES;

@@ -6,7 +6,7 @@ use super::settle::{Cycle, from_first_turn, sizes, states};
 use super::trace::{Instant, Tracer, leave_out_crossings};
 use crate::analysis::periodic::closure::Turn;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::Workshop;
+use crate::analysis::periodic::shooting::{Workshop, take_in_moves};
 use core::ops::ControlFlow;
 
 /// A period may be off by this part.
@@ -31,7 +31,8 @@ pub(crate) fn reread(
         Some(last) if instants.len() > 1 => last.state.clone(),
         _ => tracer.trajectory.state().to_vec(),
     };
-    let sizes = sizes(states(&instants).chain([&last]), &turns);
+    let known = (workshop, &*parameters);
+    let sizes = sizes_along(known, (&instants, &last), &turns);
     let mut ends = (state.clone(), last);
     let a_period =
         |from: &Instant, to: &Instant| (to.time - from.time - period).abs() <= 2.0 * LATE * period;
@@ -83,6 +84,24 @@ pub(crate) fn reread(
     )
 }
 
+/// Sizes of states at instants, and of one more: none less than how far it moves in the time from each to the next, as that of a foot which is on the
+/// ground whenever something happens.
+fn sizes_along(
+    (workshop, parameters): (&Workshop, &[f64]),
+    (instants, last): (&[Instant], &Vec<f64>),
+    turns: &[Turn<f64>],
+) -> Vec<f64> {
+    let mut sizes = sizes(states(instants).chain([last]), turns);
+    for pair in instants.windows(2) {
+        let way = (&*pair[0].state, pair[1].time - pair[0].time);
+        take_in_moves(&mut sizes, (&workshop.model, parameters), way);
+    }
+    for turn in turns {
+        sizes[turn.state] = turn.period;
+    }
+    sizes
+}
+
 /// The cycle of steps that lead from one state to another.
 fn from_to(
     (workshop, parameters): (&Workshop, &[f64]),
@@ -131,9 +150,9 @@ pub(crate) fn through_impacts(
             });
         }
     }
-    let sizes = sizes(states(&instants), &turns);
-    let steps = read((&workshop.system, &parameters), &instants)?;
     let last = &instants[instants.len() - 1].state;
+    let sizes = sizes_along((workshop, &parameters), (&instants, last), &turns);
+    let steps = read((&workshop.system, &parameters), &instants)?;
     from_to(
         (workshop, &parameters),
         (&turns, sizes),

@@ -91,7 +91,9 @@ impl<R: Real> Problem<R> for Shooting<R> {
             let next = self.places[self.after(index)];
             let is_last = index + 1 == count;
             let timed = matches!(self.steps[index].passage, Passage::Timed(_));
-            let is_stretch = self.steps[index].is_stretch();
+            // Where a time says the end of a stretch it has none to be eliminated.
+            let ends_at_event =
+                self.steps[index].is_stretch() && self.steps[index].ends_at().is_some();
             let is_leg = self.steps[index].has_own_time();
             if is_leg {
                 residual[row] = landing.surface;
@@ -114,7 +116,7 @@ impl<R: Real> Problem<R> for Shooting<R> {
                         unknowns - free + k - n
                     };
                     let mut slope = landing.image_slopes[(i, k)];
-                    if is_stretch {
+                    if ends_at_event {
                         let late = landing.surface_slopes[k] / landing.surface_rate;
                         slope -= landing.image_rate[i] * late;
                     }

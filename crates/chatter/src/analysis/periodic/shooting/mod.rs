@@ -17,6 +17,7 @@
 //! collisions  whether those of one instant could come in another order
 //! exchange    events that change places with the knot of a table
 //! at_jumps    corners that share the instant of an impact or a reset
+//! rest        what rests at the end of a stretch
 //! around      orbits on which nothing happens, told from a plane across the flow
 //! ```
 
@@ -28,6 +29,7 @@ mod corner;
 mod equations;
 mod exchange;
 mod monodromy;
+mod rest;
 mod workshop;
 
 pub(crate) use collisions::struck;
@@ -113,8 +115,8 @@ pub(crate) struct Shooting<R: Real> {
 
 /// Sizes of states that fall below this part of what they were.
 const NEXT_TO_NOTHING: f64 = 1e-6;
-/// States are measured anew where they have become so many times as large: more than those that drift are ever displaced.
-const OUTGROWN: f64 = 16.0;
+/// States are measured anew where they have become so many times as large.
+const OUTGROWN: f64 = 2.0;
 /// A state is zero at nodes alone if all that is seen of it there is less than this part of how far others may move it.
 const AT_NODES_ALONE: f64 = 1e-9;
 /// Impacts that are to share an instant are no farther apart than this part of the period.
@@ -285,8 +287,9 @@ impl<R: Real> Shooting<R> {
     pub(crate) fn grows_up(&mut self) -> bool {
         let mut sizes = self.state_sizes();
         let mut has_outgrown = false;
+        let closure = &self.workshop.closure;
         for (state, size) in sizes.iter_mut().enumerate() {
-            if !self.workshop.closure.is_phase(state) {
+            if !(closure.is_phase(state) || closure.is_idle(state)) {
                 let most = |most: f64, step: &Step| most.max(step.start[state].abs());
                 let now = self.steps.iter().fold(0.0, most);
                 has_outgrown |= now > OUTGROWN * *size;
@@ -500,7 +503,10 @@ impl<R: Real> Shooting<R> {
                     }
                 }
                 Flown::Stretch(stretch, follower) => {
-                    let longest = R::splat(LONGEST * step.duration);
+                    let longest = R::splat(match step.ends_at() {
+                        Some(_) => LONGEST * step.duration,
+                        None => step.duration,
+                    });
                     let followed = stretch.follow(follower, &all, x, longest);
                     followed.map_err(|astray| match astray {
                         Astray::Failed(error) => Left::because(error),

@@ -187,12 +187,18 @@ impl Follower {
             }
         };
         let from = curve.station.clone();
-        if let Err(left) = self.shooting.evaluate(&next.at) {
-            return Stop::End(End::Lost(left.to_string()));
-        }
-        let broken = match broken_beside(&mut self.shooting, &next.at, self.grazing) {
+        let evaluated = self.shooting.evaluate(&next.at);
+        let broken =
+            evaluated.and_then(|_| broken_beside(&mut self.shooting, &next.at, self.grazing));
+        let broken = match broken {
             Ok(broken) => broken,
-            Err(left) => return Stop::End(End::Lost(left.to_string())),
+            // The last correction may have taken what is left of a stay.
+            Err(left) => {
+                return match self.past_stay(curve, &from) {
+                    Some(anew) => Stop::Anew(anew),
+                    None => Stop::End(End::Lost(left.to_string())),
+                };
+            }
         };
         if !broken.is_empty() {
             let mut reader = self.shooting.clone();
