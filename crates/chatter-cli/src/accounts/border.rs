@@ -75,6 +75,14 @@ fn summary<R>(subject: &Subject, found: &Borders<R>, (low, high): (f64, f64)) ->
             found.without_chatter
         );
     }
+    if let Some(first) = found.unfollowed.first() {
+        text += &match found.unfollowed.len() {
+            1 => format!("the motion cannot be followed {first}\n"),
+            count => format!(
+                "the motion cannot be followed at {count} of these values (--json lists them): first {first}\n"
+            ),
+        };
+    }
     if !found.is_complete {
         text += "interrupted: there may be more in what was not searched\n";
     }

@@ -170,7 +170,11 @@ fn branches_are_watched_and_drawn_over_a_diagram() {
         1.0,
         1e-12,
     );
-    assert!(folder.bytes("b.svg").len() > 1000);
+    // The legend tells what lies below, too.
+    let drawn = String::from_utf8(folder.bytes("b.svg")).unwrap();
+    for name in ["orbit diagram", "stable", "monitor"] {
+        assert!(drawn.contains(name), "{name}");
+    }
     // Several are told by their names, one that is a state, or is given twice, too.
     let line = "continue m.toml --sweep w=1.1:1.5 --step 0.1 --monitor x-1 --monitor x-1.2 --monitor x --monitor x-1 --out c.npz";
     let told = folder.succeeds("", line);

@@ -251,6 +251,35 @@ fn a_range_lists_borders_or_none() {
 }
 
 #[test]
+fn values_that_cannot_be_followed_are_listed() {
+    let folder = Folder::new("unfollowed");
+    // A hammer whose softening spring throws it off at large amplitudes.
+    let text = "[parameters]\nA = 1.2\n[flight]\nx = 'v'\nv = '-1 - 0.3*x - 0.05*v + 0.02*x^3 + A*cos(0.7*t)'\n\
+                [[contact]]\nname = 'anvil'\ngap = 'x'\nimpulse = { v = 1 }\nrestitution = 0.75\n[initial]\nx = 0.1\nv = 0\n";
+    folder.write("m.toml", text);
+    let line = "border m.toml --parameter A --range 1.3:2.3 --samples 20 --windows 9:9";
+    let told: Value =
+        serde_json::from_str(&folder.succeeds("", &format!("{line} --json"))).unwrap();
+    let borders = told["borders"].as_array().unwrap();
+    let is_there = |at: &Value| (number(&at["value"]) - 1.361_454_882_87).abs() < 2e-11;
+    assert!(borders.iter().any(is_there), "{told}");
+    let unfollowed = told["unfollowed"].as_array().unwrap();
+    let last = unfollowed.last().unwrap();
+    close(&last["value"], 2.3, 1e-12);
+    assert_eq!(last["outcome"], "left_domain");
+    assert_eq!(last["cause"], "left_domain");
+    assert!(
+        last["message"]
+            .as_str()
+            .unwrap()
+            .contains("leave their domain")
+    );
+    let count = unfollowed.len();
+    let said = format!("the motion cannot be followed at {count} of these values");
+    assert!(folder.succeeds("", line).contains(&said));
+}
+
+#[test]
 fn figures_and_a_report_that_needs_nothing_else() {
     let folder = Folder::new("reproduce");
     let mut pages = Vec::new();

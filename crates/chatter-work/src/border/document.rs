@@ -7,6 +7,7 @@ use crate::universal::window_sheet;
 use chatter::analysis::border::{
     Border, BorderError, BreakCause, Estimate, LeadingOrder, Memory, WindowComparison,
 };
+use chatter::analysis::diagram::Outcome;
 use chatter::analysis::universal::Argument;
 use chatter::numerics::Real;
 
@@ -49,6 +50,14 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
                     .with("message", place.to_string())
                     .into()
             });
+            let unfollowed = found.unfollowed.iter().map(|place| {
+                Object::new(subject.digits)
+                    .number("value", place.value)
+                    .with("outcome", Outcome::from(&place.error).name())
+                    .with("cause", place.error.name())
+                    .with("message", place.error.to_string())
+                    .into()
+            });
             about(
                 Object::new(subject.digits)
                     .with("borders", borders)
@@ -57,6 +66,7 @@ pub fn document<R: Real + Argument<Real = R>>(subject: &Subject, answer: &Answer
                     .with("samples", subject.samples as i64 + 1)
                     .with("excursions", subject.excursions as i64)
                     .with("without_chatter", found.without_chatter as i64)
+                    .with("unfollowed", unfollowed.collect::<Vec<Json>>())
                     .with("unresolved", found.unresolved as i64)
                     .with(
                         "outcome",
@@ -217,6 +227,7 @@ fn cause(cause: BreakCause) -> &'static str {
         BreakCause::Elsewhere => "elsewhere",
         BreakCause::Short { .. } => "short",
         BreakCause::NoChatter => "no_chatter",
+        BreakCause::Unfollowed => "unfollowed",
         BreakCause::Jump => "jump",
     }
 }

@@ -6,7 +6,7 @@ use crate::diagram::{Stored, Subject as Of, View};
 use crate::refusal::Refusal;
 use chatter::analysis::diagram::Range;
 use chatter::model::Model;
-use chatter_figures::Panel;
+use chatter_figures::{Legend, Panel};
 use std::path::Path;
 
 /// A diagram's panel, and whether its horizontal axis is the first of two free parameters rather than the one of the sweep.
@@ -78,7 +78,8 @@ pub fn beneath(
             let drawn = densities(&ready.sweep, range, &label, &mut stored, &view)?;
             let panel = drawn.panels.into_iter().next();
             Ok(Beneath {
-                panel: panel.ok_or_else(other)?,
+                // Alone a diagram of one colour has none.
+                panel: panel.ok_or_else(other)?.legend(Legend::Auto),
                 turned: false,
                 vertical: Some(Vertical::State(state)),
             })

@@ -19,9 +19,10 @@ use super::tape::{Op, Operand, Tape};
 use crate::numerics::polynomial::sizes;
 use crate::numerics::{Mask, Real, Scalar};
 use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
 
 /// What has no value, or a corner, where its argument vanishes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Singularity {
     /// A denominator.
     Division,

@@ -2,9 +2,11 @@
 
 use crate::expressions::Singularity;
 use core::fmt;
+use serde::{Deserialize, Serialize};
 
 /// What the method could not do, with the numbers. What was computed before stays valid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FlowError {
     /// The field, a gap or an impact map is not a finite number here.
     LeftDomain {

@@ -54,7 +54,7 @@ impl Layers {
             },
             Some(tally) if initial || tally.several() => Self::by_attractor(tally),
             _ => Self {
-                layers: vec![layer("", Color::NIGHT)],
+                layers: vec![layer("orbit diagram", Color::NIGHT)],
                 of: Of::One,
             },
         }

@@ -125,6 +125,15 @@ pub struct Break {
     pub cause: BreakCause,
 }
 
+/// A parameter value at which the motion cannot be followed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unfollowed {
+    /// The parameter value.
+    pub value: f64,
+    /// Why.
+    pub error: FlowError,
+}
+
 /// Why the verdict changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BreakCause {
@@ -145,6 +154,8 @@ pub enum BreakCause {
     },
     /// On one side there is no release point, or no chatter follows it within the long flights allowed.
     NoChatter,
+    /// On one side the motion after release cannot be followed: it leaves the domain of the equations, or these do not determine it.
+    Unfollowed,
     /// The sequence jumps for another reason, or depends on the parameter too steeply for a border to be resolved.
     Jump,
 }
@@ -185,8 +196,17 @@ impl fmt::Display for Break {
             BreakCause::NoChatter => out.write_str(
                 "the long flights before chatter become too many, or there is no release",
             ),
+            BreakCause::Unfollowed => {
+                out.write_str("the motion after release can no longer be followed to its chatter")
+            }
             BreakCause::Jump => out.write_str("the impact sequence jumps"),
         }
+    }
+}
+
+impl fmt::Display for Unfollowed {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "at {} {}", ParameterValue(self.value), self.error)
     }
 }
 

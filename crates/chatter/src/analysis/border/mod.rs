@@ -37,7 +37,7 @@ pub use crate::numerics::Estimate;
 pub use coordinate::limits::Extrapolation;
 pub use coordinate::local::LocalCoordinate;
 pub use coordinate::sequence::Verdict;
-pub use error::{BorderError, Break, BreakCause, Lack, Named};
+pub use error::{BorderError, Break, BreakCause, Lack, Named, Unfollowed};
 pub use normal_form::exact::{Exact, Memory};
 pub use normal_form::leading_order::{LeadingOrder, ReleaseSection};
 pub use normal_form::section::section_states;

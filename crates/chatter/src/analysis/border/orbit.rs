@@ -82,7 +82,7 @@ pub(crate) fn complete<R: Real>(
     let way: Vec<&[DoubleDouble]> = (point.sequence.impacts.iter())
         .map(|impact| &impact.state[..states])
         .collect();
-    let released = (&point.release.state[..], &point.here.parameters[..]);
+    let released = (&point.release, &point.here.parameters[..]);
     if let Some(corner) = problem.corner_at(released, &way) {
         return Err(point.here.lacks(Lack::Smooth(corner)));
     }

@@ -3,19 +3,28 @@
 use super::coordinate::local::LocalTape;
 use super::coordinate::sequence::{Follower, Sequence, Until};
 use super::error::{BorderError, Lack, Named};
-use super::release::equations::{CONDITIONS, ReleaseEquations};
+use super::release::equations::{CONDITIONS, ReleaseEquations, ReleasePoint};
 use super::spec::BorderSpec;
 use crate::analysis::periodic::closure::{Closure, Turn};
-use crate::expressions::{Expr, Side, Surfaces};
+use crate::expressions::{Expr, Graph, Side, Surfaces, Symbol};
 use crate::flow::{Column, Corner, Grip, Occurrence, System, SystemError, columns, with_identity};
 use crate::model::{Mechanics, Model};
-use crate::numerics::Real;
+use crate::numerics::{Real, dot, moved};
 
 /// So many steps of the model's own motion show where its contacts rest, or nearly do.
 const STEPS_TO_REST: usize = 10_000;
 
 /// A corner is at the release point if its function is this small there against the largest along the way.
 const AT_RELEASE: f64 = 1e-9;
+
+/// What is zero where a contact rests: gap and rate.
+const RESTS: usize = 2;
+
+/// A field is continuous if what it differs by on the sides of a corner, at this part of the largest rate beside it, is less by as much as
+/// this where one is nearer by so much, or is rounding.
+const BESIDE: f64 = 1e-9;
+const NEARER: f64 = 16.0;
+const NOISE_ROUNDOFFS: f64 = 64.0;
 
 /// A model and the parameter that is varied. Derivatives have a column for each state, in order, and one for the parameter.
 #[derive(Clone, Debug)]
@@ -32,14 +41,18 @@ pub(crate) struct Problem {
     variational: Follower,
     /// The corners that the motion depends on.
     corners: Vec<KnownCorner>,
+    /// The field on all sides of them.
+    whole: (Graph, Vec<Expr>),
 }
 
 /// A corner, and where the equations of release points are taken to be.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct KnownCorner {
     /// Its number among the surfaces.
     index: usize,
     function: Expr,
+    /// Its derivatives: by the states, then by the parameter.
+    slopes: Vec<Expr>,
     /// The side that holds where contacts rest.
     side: Side,
 }
@@ -74,7 +87,8 @@ impl Problem {
         // Sections would only cut the flights, but for those that change the state.
         model.sections.retain(|section| section.reset.is_some());
         let system = System::new(&model)?;
-        let (mechanics, corners) = at_rest(&system)?;
+        let (mechanics, corners) = at_rest(&system, index)?;
+        let whole = Mechanics::new(&model).map_err(SystemError::Model)?;
         let contacts = 0..model.contacts.len();
         let follower = |system: System, columns: &[Column]| {
             let local =
@@ -97,6 +111,7 @@ impl Problem {
             spec: spec.clone(),
             mechanics,
             corners,
+            whole: (whole.graph, whole.field),
             model,
         })
     }
@@ -105,9 +120,10 @@ impl Problem {
     /// taken to be, the states along the way being given.
     pub(crate) fn corner_at<R: Real>(
         &self,
-        (release, parameters): (&[R], &[R]),
+        (point, parameters): (&ReleasePoint<R>, &[R]),
         way: &[&[R]],
     ) -> Option<String> {
+        let release = &*point.state;
         let graph = &self.mechanics.graph;
         let value = |surface: Expr, state: &[R]| graph.evaluate(surface, state, parameters);
         let found = self.corners.iter().find(|corner| {
@@ -116,9 +132,62 @@ impl Problem {
                 most.max(value(corner.function, state).abs())
             });
             let is_beyond = here.abs() > largest * R::splat(AT_RELEASE);
-            !is_beyond || (here > R::ZERO) != (corner.side == Side::Above)
+            match is_beyond {
+                true => (here > R::ZERO) != (corner.side == Side::Above),
+                false => !self.is_met_at_rest(corner, (point, parameters), way),
+            }
         });
         found.map(|corner| (self.plain.system).corner_name(Corner::Surface(corner.index)))
+    }
+
+    /// Whether a corner through a release point is wherever the contact rests, and the field is continuous there: as with drag `v*abs(v)`.
+    /// Then flights of chatter all pass it in the same way, at times that are analytic in u and nu, and to leading order as if there were
+    /// none. All that is told of a border holds.
+    fn is_met_at_rest<R: Real>(
+        &self,
+        corner: &KnownCorner,
+        (point, parameters): (&ReleasePoint<R>, &[R]),
+        way: &[&[R]],
+    ) -> bool {
+        let equations = &self.releases[point.contact];
+        let rests = equations.at(0..RESTS, &point.state, parameters).jacobian;
+        let graph = &self.mechanics.graph;
+        let slopes = graph.evaluate_all(&corner.slopes, &point.state, parameters);
+        let mut rows: Vec<Vec<R>> = (0..RESTS).map(|row| rests.row(row).to_vec()).collect();
+        rows.push(slopes);
+        // Of its slopes gap and rate leave nothing.
+        let size = dot(&rows[RESTS], &rows[RESTS]);
+        for k in 0..RESTS {
+            let square = dot(&rows[k], &rows[k]);
+            for later in k + 1..rows.len() {
+                let part = dot(&rows[later], &rows[k]) / square;
+                rows[later] = moved(&rows[later], &rows[k], -part);
+            }
+        }
+        let left = dot(&rows[RESTS], &rows[RESTS]);
+        let is_of_rest = left <= size * R::splat(AT_RELEASE * AT_RELEASE) && size > R::ZERO;
+        let Some(first) = way.first().filter(|_| is_of_rest) else {
+            return false;
+        };
+        let rate = equations.at(1..RESTS, first, parameters).residual[0].abs();
+        let jump = &point.jump[..self.states()];
+        let field = |by: R| {
+            let state = moved(&point.state, jump, by);
+            (self.whole.0).evaluate_all(&self.whole.1, &state, parameters)
+        };
+        let across = |part: f64| {
+            let by = rate * R::splat(part);
+            let both = field(by).into_iter().zip(field(-by));
+            both.map(|(above, below)| (above - below).abs())
+                .collect::<Vec<R>>()
+        };
+        let sizes = field(R::ZERO);
+        let noise = |size: R| size.abs() * R::splat(NOISE_ROUNDOFFS * R::ROUNDOFF);
+        (across(BESIDE)
+            .into_iter()
+            .zip(across(BESIDE / NEARER))
+            .zip(sizes))
+        .all(|((far, near), size)| near <= far * R::splat(2.0 / NEARER) + noise(size))
     }
 
     /// At a value of the parameter: fails where the equations never return to what they were.
@@ -149,7 +218,10 @@ impl Problem {
 
 /// What follows from a model's equations on the sides of their corners that hold where its contacts rest, along its own motion: border
 /// orbits are released there, and chatter ends there. With these sides.
-fn at_rest(system: &System) -> Result<(Mechanics, Vec<KnownCorner>), BorderError> {
+fn at_rest(
+    system: &System,
+    parameter: usize,
+) -> Result<(Mechanics, Vec<KnownCorner>), BorderError> {
     let model = system.model();
     let plain = Mechanics::new(model).map_err(SystemError::Model)?;
     if system.corners().is_empty() {
@@ -190,10 +262,18 @@ fn at_rest(system: &System) -> Result<(Mechanics, Vec<KnownCorner>), BorderError
     for (own, contact) in mechanics.contacts.iter_mut().zip(&model.contacts) {
         own.restitution = contact.restitution;
     }
-    let corner = |index| KnownCorner {
-        index,
-        function: on_sides.surfaces[index],
-        side: sides.get(index),
+    let states: Vec<Symbol> = (0..model.states.len()).map(Symbol::State).collect();
+    let graph = &mut mechanics.graph;
+    let corner = |index| {
+        let function = on_sides.surfaces[index];
+        let mut slopes = graph.jacobian(&[function], &states).remove(0);
+        slopes.extend(model.derivatives_by_parameter(graph, &[function], parameter));
+        KnownCorner {
+            index,
+            function,
+            slopes,
+            side: sides.get(index),
+        }
     };
     let corners = followed.surfaces.members().map(corner).collect();
     Ok((mechanics, corners))

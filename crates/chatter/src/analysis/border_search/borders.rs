@@ -4,7 +4,7 @@ use super::branches::Branch;
 use super::closing_in::HALVINGS_WITHOUT;
 use super::sample::Sample;
 use crate::analysis::border::{
-    Border, BorderError, BorderSpec, Break, Problem, Root, Verdict, complete,
+    Border, BorderError, BorderSpec, Break, Lack, Problem, Root, Unfollowed, Verdict, complete,
 };
 use crate::model::Model;
 use crate::numerics::{Estimate, Real};
@@ -22,6 +22,8 @@ pub struct Borders<R> {
     pub unresolved: usize,
     /// Parameter values at which no chatter follows a release point within the long flights allowed.
     pub without_chatter: usize,
+    /// Parameter values at which the motion cannot be followed, in order, and why.
+    pub unfollowed: Vec<Unfollowed>,
     /// Whether the whole range was searched: the observer did not break off.
     pub is_complete: bool,
 }
@@ -110,6 +112,14 @@ impl Stretch {
     }
 }
 
+impl Stretch {
+    /// Whether a value counts here: one that two stretches share counts once, the last one, too.
+    fn owns(&self, value: f64) -> bool {
+        let is_last = self.values.last() == Some(&self.within.1);
+        self.within.0 <= value && (is_last || value < self.within.1)
+    }
+}
+
 /// The search in an interval, and what it has found.
 pub(super) struct Search<'a, R> {
     pub problem: &'a Problem,
@@ -150,6 +160,7 @@ impl<'a, R: Real> Search<'a, R> {
                 breaks: Vec::new(),
                 unresolved: 0,
                 without_chatter: 0,
+                unfollowed: Vec::new(),
                 is_complete: true,
             },
         })
@@ -164,35 +175,52 @@ impl<'a, R: Real> Search<'a, R> {
         self.found.is_complete
     }
 
-    /// The verdicts at parameter values in order, along each branch of release points; values at which that fails have none. The
-    /// error is the first failure, if nothing is known at any value. Nothing if the observer breaks off.
-    fn scan(&mut self, values: &[f64]) -> Result<Vec<Branch>, BorderError> {
+    /// The verdicts at parameter values in order, along each branch of release points; values at which that fails have none, and are
+    /// noted as far as they are this stretch's own. The error is the first failure, if nothing is known at any value. Nothing if the
+    /// observer breaks off.
+    fn scan(
+        &mut self,
+        values: &[f64],
+        is_own: impl Fn(f64) -> bool,
+    ) -> Result<Vec<Branch>, BorderError> {
         let mut branches: Vec<Branch> = Vec::new();
-        let mut failure = None;
+        let mut failures = Vec::new();
         for k in 0..values.len() {
             if !self.goes_on(VERDICTS * (k as f64 / values.len() as f64)) {
                 return Ok(Vec::new());
             }
-            let extended = self.problem.extend(&mut branches, (values, k));
-            failure = failure.or(extended.err());
+            failures.push(self.problem.extend(&mut branches, (values, k)).err());
         }
+        let unfollowed = |k: usize| {
+            let error = match &failures[k] {
+                Some(BorderError::Lacks {
+                    what: Lack::Motion(error),
+                    ..
+                }) => Some(error),
+                _ => branches.iter().find_map(|branch| branch[k].failure()),
+            };
+            let (value, error) = (values[k], error?.clone());
+            Some(Unfollowed { value, error })
+        };
+        let own = (0..values.len()).filter(|&k| is_own(values[k]));
+        self.found.unfollowed.extend(own.filter_map(unfollowed));
         let samples = || branches.iter().flatten();
         if samples().any(|at| at.sequence().is_some()) {
             return Ok(branches);
         }
         let failed = samples().find_map(|at| at.sequence.clone()?.err());
-        failed.or(failure).map_or(Ok(branches), Err)
+        let failed = failed.or_else(|| failures.into_iter().flatten().next());
+        failed.map_or(Ok(branches), Err)
     }
 
     /// Searches a stretch, until the observer breaks off.
-    fn stretch(&mut self, Stretch { values, within }: &Stretch) -> Result<(), BorderError> {
-        let samples = self.scan(values)?;
+    fn stretch(&mut self, stretch: &Stretch) -> Result<(), BorderError> {
+        let Stretch { values, within } = stretch;
+        let own = |value: f64| stretch.owns(value);
+        let samples = self.scan(values, own)?;
         // Release points of contacts that never chatter are none that orbits come to.
         let alone = self.problem.releases.len() == 1;
         let chatters = |branch: &&Branch| alone || !branch.iter().all(Sample::is_without_chatter);
-        // A value that two stretches share counts once, the last one, too.
-        let is_last = values.last() == Some(&within.1);
-        let own = |value: f64| within.0 <= value && (is_last || value < within.1);
         let is_silent = |place: &usize| {
             let mut branches = samples.iter().filter(chatters);
             own(values[*place]) && branches.any(|branch| branch[*place].is_without_chatter())
@@ -258,6 +286,7 @@ impl<'a, R: Real> Search<'a, R> {
         breaks.dedup_by(|a, b| a.value - b.value <= SAME_BREAK * a.value.abs());
         breaks.extend(self.refused);
         breaks.sort_by(|a, b| a.value.total_cmp(&b.value));
+        (found.unfollowed).sort_by(|a, b| a.value.total_cmp(&b.value));
         let value = |border: &Border<R>| border.value.value.to_f64();
         (found.borders).sort_by(|a, b| value(a).total_cmp(&value(b)));
         Ok(found)
@@ -367,7 +396,7 @@ pub fn verdicts_in(
     let parts = spec.samples.max(1);
     let value = |k: usize| low + (high - low) * (k as f64 / parts as f64);
     let values: Vec<f64> = (0..=parts).map(value).collect();
-    let branches = search.scan(&values)?;
+    let branches = search.scan(&values, |_| true)?;
     let verdicts = |samples: &Branch| samples.iter().map(|s| (s.value, s.verdict)).collect();
     Ok(branches.iter().map(verdicts).collect())
 }

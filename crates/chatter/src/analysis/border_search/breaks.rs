@@ -25,6 +25,12 @@ pub(super) fn break_between(left: &Sample, right: &Sample) -> Break {
         Some((impact, rate, relative)) if relative <= GRAZE => BreakCause::Graze { impact, rate },
         _ if [left.verdict, right.verdict].contains(&Verdict::Elsewhere) => BreakCause::Elsewhere,
         _ if is_short => BreakCause::Short { impacts: SHORTEST },
+        _ if [left, right]
+            .iter()
+            .any(|sample| sample.failure().is_some()) =>
+        {
+            BreakCause::Unfollowed
+        }
         _ if incomplete.is_none() => BreakCause::NoChatter,
         _ => BreakCause::Jump,
     };

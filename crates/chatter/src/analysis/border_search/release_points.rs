@@ -2,7 +2,7 @@
 
 use crate::analysis::border::{BorderError, Here, Lack, NO_HORIZON, ReleasePoint};
 use crate::analysis::periodic::closure::Turn;
-use crate::flow::Occurrence;
+use crate::flow::{FlowError, Occurrence};
 
 /// How many steps of a trajectory are looked through for places near a release.
 const SEED_STEPS: usize = 4000;
@@ -21,28 +21,33 @@ const SAME_ORBIT: f64 = 1e-3;
 impl Here<'_, f64> {
     /// All release points: at least one.
     pub(super) fn release_points(&self) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
-        let mut found = Vec::new();
+        let (mut found, mut failure) = (Vec::new(), None);
         for contact in 0..self.problem.releases.len() {
-            found.extend(match self.problem.dimensions() {
+            let (points, failed) = match self.problem.dimensions() {
                 0 => self.all(contact),
                 _ => self.settled(contact)?,
-            });
+            };
+            found.extend(points);
+            failure = failure.or(failed);
         }
-        if found.is_empty() {
-            return Err(self.lacks(Lack::Release));
+        match failure {
+            // Where the motion ends there may be more, which it has not come to.
+            Some(error) if found.is_empty() => Err(self.lacks(Lack::Motion(error))),
+            _ if found.is_empty() => Err(self.lacks(Lack::Release)),
+            _ => Ok(found),
         }
-        Ok(found)
     }
 
     /// The release points of a contact in a period of the forcing, from the initial phase on; without forcing those that are
-    /// found from the initial state and along a trajectory, in this order.
-    fn all(&self, contact: usize) -> Vec<ReleasePoint<f64>> {
+    /// found from the initial state and along a trajectory, in this order. Also why that trajectory ends, if it does.
+    fn all(&self, contact: usize) -> (Vec<ReleasePoint<f64>>, Option<FlowError>) {
         let initial = self.problem.model.initial_state(&self.parameters);
         let forcing = self.phases.first();
         let held = forcing.map(|phase| self.along_contact(contact, &initial, phase));
         let mut guesses = held.unwrap_or_default();
         guesses.push(initial.clone());
-        guesses.extend(self.along_trajectory(&initial));
+        let (along, failure) = self.along_trajectory(&initial);
+        guesses.extend(along);
         let mut found: Vec<ReleasePoint<f64>> = Vec::new();
         for guess in &guesses {
             let point = self.solve(contact, guess);
@@ -51,7 +56,7 @@ impl Here<'_, f64> {
         if let Some(phase) = forcing {
             found.sort_by(|a, b| a.state[phase.state].total_cmp(&b.state[phase.state]));
         }
-        found
+        (found, failure)
     }
 
     /// Whether a release point is none of these.
@@ -89,14 +94,13 @@ impl Here<'_, f64> {
         beyond.map(|pair| pair[1].0.clone()).collect()
     }
 
-    /// States along the trajectory from the initial state, the last one at a release if there is one; none if it cannot start
-    /// there.
-    fn along_trajectory(&self, initial: &[f64]) -> Vec<Vec<f64>> {
+    /// States along the trajectory from the initial state, the last one at a release if there is one; and why it ends, if it does.
+    fn along_trajectory(&self, initial: &[f64]) -> (Vec<Vec<f64>>, Option<FlowError>) {
         let system = &self.problem.plain.system;
         let mut seeds = Vec::new();
-        let Ok((mut work, mut trajectory)) = system.trajectory_from(&self.parameters, initial)
-        else {
-            return seeds;
+        let (mut work, mut trajectory) = match system.trajectory_from(&self.parameters, initial) {
+            Ok(started) => started,
+            Err(error) => return (seeds, Some(error)),
         };
         for _ in 0..SEED_STEPS {
             match trajectory.advance(system, &mut work, NO_HORIZON) {
@@ -106,9 +110,9 @@ impl Here<'_, f64> {
                 }
                 Ok(_) if seeds.len() < SEEDS => seeds.push(trajectory.state().to_vec()),
                 Ok(_) => {}
-                Err(_) => break,
+                Err(error) => return (seeds, Some(error)),
             }
         }
-        seeds
+        (seeds, None)
     }
 }

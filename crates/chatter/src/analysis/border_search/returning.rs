@@ -5,6 +5,7 @@
 //! the orbit's as nu^3 there, and continues the complete side smoothly to the border.
 
 use crate::analysis::border::{BorderError, Here, Lack, Place, ReleasePoint, Until, regular};
+use crate::flow::FlowError;
 use crate::numerics::{Equations, Linearised, Matrix, Newton, NewtonError, moved};
 
 /// A trajectory passes so many chatter sequences before its release points are looked at, and then so many.
@@ -35,9 +36,24 @@ impl Here<'_, f64> {
         closed.ok_or_else(|| self.lacks(Lack::Release))
     }
 
-    /// Release points of the orbits that trajectories settle to: from the initial state, and from the release point near it.
-    pub(crate) fn settled(&self, contact: usize) -> Result<Vec<ReleasePoint<f64>>, BorderError> {
+    /// Release points of the orbits that trajectories settle to: from the initial state, and from the release point near it;
+    /// and why the motion from the initial state ends, if it does.
+    pub(crate) fn settled(
+        &self,
+        contact: usize,
+    ) -> Result<(Vec<ReleasePoint<f64>>, Option<FlowError>), BorderError> {
         let initial = self.problem.model.initial_state(&self.parameters);
+        let first = Until {
+            after: 0,
+            ..Until::NEVER
+        };
+        let failure = match self.follow((contact, &initial), first) {
+            Err(BorderError::Lacks {
+                what: Lack::Motion(error),
+                ..
+            }) => Some(error),
+            _ => None,
+        };
         let starts = [self.next(contact, &initial), self.solve(contact, &initial)];
         let mut found: Vec<ReleasePoint<f64>> = Vec::new();
         for start in starts.into_iter().flatten() {
@@ -56,7 +72,7 @@ impl Here<'_, f64> {
                 found.push(point);
             }
         }
-        Ok(found)
+        Ok((found, failure))
     }
 
     /// The release point after the first chatter sequence from a state.

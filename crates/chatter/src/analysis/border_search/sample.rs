@@ -1,8 +1,9 @@
 //! What the impact sequence at one parameter value does.
 
 use crate::analysis::border::{
-    BorderError, Here, Impact, Problem, ReleasePoint, Sequence, Verdict,
+    BorderError, Here, Impact, Lack, Problem, ReleasePoint, Sequence, Verdict,
 };
+use crate::flow::FlowError;
 
 /// Newton's method starts once the sequence comes this near to u*, relative to u*.
 const NEAR: f64 = 0.1;
@@ -40,6 +41,17 @@ impl Sample {
     /// What follows the release point, if that is known.
     pub fn sequence(&self) -> Option<&Sequence<f64>> {
         self.sequence.as_ref()?.as_ref().ok()
+    }
+
+    /// Why the motion after the release point cannot be followed, if it cannot.
+    pub fn failure(&self) -> Option<&FlowError> {
+        match self.sequence.as_ref()? {
+            Err(BorderError::Lacks {
+                what: Lack::Motion(error),
+                ..
+            }) => Some(error),
+            _ => None,
+        }
     }
 
     /// Whether there is a release point, and no chatter within what was followed.

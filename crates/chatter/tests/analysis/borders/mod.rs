@@ -5,6 +5,7 @@ mod border_errors;
 mod border_search;
 mod corners;
 mod more_states;
+mod unfollowed;
 
 use chatter::analysis::border::{
     PredictedPassage, Prediction, Simulator, Verdict, WindowComparison,

@@ -126,12 +126,18 @@ impl From<&NoReturn> for Outcome {
             NoReturn::Time { .. } | NoReturn::Impacts { .. } | NoReturn::Period { .. } => {
                 Self::NoReturn
             }
-            NoReturn::LeftDomain
-            | NoReturn::Failed(FlowError::LeftDomain { .. } | FlowError::Singular { .. }) => {
-                Self::LeftDomain
-            }
-            NoReturn::Failed(FlowError::Penetrates { .. }) => Self::NoStart,
-            NoReturn::Failed(_) => Self::Undetermined,
+            NoReturn::LeftDomain => Self::LeftDomain,
+            NoReturn::Failed(error) => error.into(),
+        }
+    }
+}
+
+impl From<&FlowError> for Outcome {
+    fn from(error: &FlowError) -> Self {
+        match error {
+            FlowError::LeftDomain { .. } | FlowError::Singular { .. } => Self::LeftDomain,
+            FlowError::Penetrates { .. } => Self::NoStart,
+            _ => Self::Undetermined,
         }
     }
 }
