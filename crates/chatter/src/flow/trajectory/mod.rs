@@ -745,8 +745,11 @@ impl<R: Real> Trajectory<R> {
         let Some(contact) = program.guards[index].closing() else {
             return Ok(None);
         };
-        let rate = self.local(system, contact)?[1].value;
-        Ok(Some(Occurrence::Graze { contact, rate }))
+        let [_, rate] = self.local_up_to(system, contact)?;
+        Ok(Some(Occurrence::Graze {
+            contact,
+            rate: rate.value,
+        }))
     }
 
     /// That what must not vanish in the present mode does so, and how near it is to that.

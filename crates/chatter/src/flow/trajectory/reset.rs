@@ -133,7 +133,7 @@ impl<R: Real> Trajectory<R> {
         {
             return Ok(None);
         }
-        let [gap, ..] = self.local(system, contact)?;
+        let [gap] = self.local_up_to(system, contact)?;
         if !self.is_moved(system, contact, &gap)? {
             return Ok(None);
         }

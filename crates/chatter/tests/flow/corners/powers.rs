@@ -2,7 +2,8 @@
 
 use super::run;
 use chatter::analysis::simulate::{Outcome, Simulation};
-use chatter::flow::EventKind;
+use chatter::expressions::Side;
+use chatter::flow::{EventKind, Occurrence};
 use chatter::numerics::{DoubleDouble, Real};
 
 /// The motion of a model with the parameter n, and that with the number in its place.
@@ -133,5 +134,48 @@ fn a_body_sticks_where_friction_has_a_root_of_its_speed() {
             (x - 1.151_736_598_699).abs() < 1e-11 && (v + 0.067_953_180_402).abs() < 1e-11,
             "{power} {sign}: {x} {v}"
         );
+    }
+}
+
+/// After each impact w^2 a ball against drag b sqrt(v) rises for 2 (w - log(1 + b w/g) g/b)/b, where the root of its rate vanishes, and
+/// falls; beside a wall as before its first impact.
+#[test]
+fn a_ball_turns_between_impacts_where_the_root_of_its_rate_vanishes() {
+    fn check<R: Real>(drag: &str, length: f64, time: f64) {
+        let (rate, force) = (length / time, length / (time * time));
+        let b = 0.15 * force / rate.sqrt();
+        let drag = drag.replace('B', &format!("{b}"));
+        let text = format!(
+            "[flight]\nx = 'v'\nv = '-{force} - {drag}'\n[[contact]]\ngap = 'x'\nimpulse = {{ v = 1 }}\n\
+             restitution = 0.6\n[initial]\nx = {length}\nv = 0\n"
+        );
+        let run = run::<R>(&text, 4.2 * time);
+        let (mut tops, mut impact) = (0, None);
+        for event in &run.events {
+            match event.detail {
+                Occurrence::Impact { rate_after, .. } => {
+                    impact = Some((event.time.to_f64(), (rate_after.to_f64() / rate).sqrt()));
+                }
+                // That to the fall: the other is at the impact.
+                Occurrence::Switch { side, .. } if side == Side::Below => {
+                    if let Some((begins, w)) = impact {
+                        let rises = 2.0 * (w - (0.15 * w).ln_1p() / 0.15) / 0.15;
+                        let off = (event.time.to_f64() - begins) / time - rises;
+                        assert!(off.abs() < 1e-13, "{off:e}: {text}");
+                        tops += 1;
+                    }
+                }
+                _ => {}
+            }
+        }
+        assert_eq!(tops, 3, "{text}");
+        let lands = impact.map_or(f64::NAN, |(lands, _)| lands / time);
+        assert!((lands - 3.806_741_009_5).abs() < 1e-9, "{lands}: {text}");
+    }
+    for drag in ["B*sign(v)*sqrt(abs(v))", "B*sign(v)*abs(v)^0.5"] {
+        for (length, time) in [(1.0, 1.0), (1e3, 1e-2), (1e-3, 30.0)] {
+            check::<f64>(drag, length, time);
+        }
+        check::<DoubleDouble>(drag, 1.0, 1.0);
     }
 }

@@ -52,7 +52,7 @@ impl<R: Real> Trajectory<R> {
             return Ok(None);
         };
         let is_open = self.guard(system, GuardKind::Gap(contact)).is_some();
-        let gap = self.local(system, contact)?[0].value;
-        Ok(Some(gap).filter(|_| is_open))
+        let [gap] = self.local_up_to(system, contact)?;
+        Ok(Some(gap.value).filter(|_| is_open))
     }
 }

@@ -54,7 +54,7 @@ impl<R: Real> Trajectory<R> {
             return self.end_here(system, work, contact).map(Some);
         }
         if self.may_be_rounding(rate_before) {
-            let rate = self.local(system, contact)?[1];
+            let [_, rate] = self.local_up_to(system, contact)?;
             if rate_before.abs() <= rate.level() {
                 return self.no_impact(system, work, contact, rate_before).map(Some);
             }
@@ -63,7 +63,8 @@ impl<R: Real> Trajectory<R> {
             // A rate that is the sum of large ones is changed by no more than rounding of these is known: what restitution says of it
             // holds all the same.
             let beyond = (-rate_after).max(rate_after + rate_before);
-            if beyond <= self.local(system, contact)?[1].level() {
+            let [_, rate] = self.local_up_to(system, contact)?;
+            if beyond <= rate.level() {
                 return self.collide(system, work, contact, self.closed.with(contact));
             }
             return Err(FlowError::Restitution {
@@ -319,8 +320,8 @@ impl<R: Real> Trajectory<R> {
         contact: usize,
     ) -> Result<Occurrence<R>, FlowError> {
         let Ok(collapse) = self.tracker.rest_of_collapse(contact) else {
-            let rate = self.local(system, contact)?[1].value;
-            return self.graze_at_rest(system, work, contact, rate);
+            let [_, rate] = self.local_up_to(system, contact)?;
+            return self.graze_at_rest(system, work, contact, rate.value);
         };
         let rest = self.tracker.rest_of_impacts(contact).max(collapse);
         let end = Accumulation {

@@ -82,7 +82,7 @@ impl<R: Real> Trajectory<R> {
         if self.sequence == 0 || self.closed != Closed::NONE {
             return Ok(false);
         }
-        let [_, rate, ..] = self.local(system, contact)?;
+        let [_, rate] = self.local_up_to(system, contact)?;
         let is_top = rate.value.abs() <= before.abs() * R::splat(TOP);
         self.tops.crossed += u32::from(is_top);
         Ok(is_top)

@@ -714,23 +714,28 @@ impl<R: Real> Trajectory<R> {
         system: &System,
         contact: usize,
     ) -> Result<[WithTerms<R>; LOCAL_SCALARS], FlowError> {
+        self.local_up_to(system, contact)
+    }
+
+    /// The first of these, whatever the others are: where a root begins a jerk is infinite.
+    pub(in crate::flow::trajectory) fn local_up_to<const COUNT: usize>(
+        &self,
+        system: &System,
+        contact: usize,
+    ) -> Result<[WithTerms<R>; COUNT], FlowError> {
         let local = self.local_values(system, contact)?;
-        if local.iter().all(|value| value.value.is_finite()) {
-            Ok(local)
+        let known = core::array::from_fn(|k| local[k]);
+        if known.iter().all(|value| value.value.is_finite()) {
+            Ok(known)
         } else {
             Err(self.left_domain())
         }
     }
 
-    /// The acceleration of a contact in the present mode, whose jerk may be infinite, as where a root begins.
+    /// The acceleration of a contact in the present mode.
     fn acceleration(&self, system: &System, contact: usize) -> Result<WithTerms<R>, FlowError> {
-        let [gap, rate, acceleration, _] = self.local_values(system, contact)?;
-        let known = [gap, rate, acceleration];
-        if known.iter().all(|value| value.value.is_finite()) {
-            Ok(acceleration)
-        } else {
-            Err(self.left_domain())
-        }
+        let [_, _, acceleration] = self.local_up_to(system, contact)?;
+        Ok(acceleration)
     }
 
     /// Whether a contact's jerk in the present mode can be told from zero.
