@@ -1,6 +1,6 @@
 //! Where states matter only by their differences an orbit drifts along, and its multipliers are those of the differences.
 
-use super::touches::CONVEYED;
+use super::corners::touches::CONVEYED;
 use super::{model, orbit, over, value, with};
 use chatter::analysis::exponents::{Spec as Averages, exponents};
 use chatter::analysis::periodic::{End, SpecialKind};

@@ -1,35 +1,19 @@
 //! Periodic orbits, branches and exponents.
 
-mod any_start;
-mod asked;
-mod at_one_instant;
-mod border_collisions;
 mod branches;
 mod caused;
-mod corners_at_sections;
+mod corners;
 mod differences;
 mod drift;
+mod following;
 mod held;
 mod hopf;
-mod impacts_at_corners;
-mod meeting;
-mod monitors;
+mod instants;
 mod new_kinds;
 mod orbits;
-mod order_of_events;
 mod phases;
 mod plane;
 mod reference;
-mod resumed;
-mod rough_walls;
-mod stations;
-mod steps;
-mod sticks;
-mod surfaces;
-mod together;
-mod told_from;
-mod told_once;
-mod touches;
 mod units;
 
 use chatter::analysis::periodic::{

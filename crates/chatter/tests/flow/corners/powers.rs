@@ -157,7 +157,9 @@ fn a_ball_turns_between_impacts_where_the_root_of_its_rate_vanishes() {
                     impact = Some((event.time.to_f64(), (rate_after.to_f64() / rate).sqrt()));
                 }
                 // That to the fall: the other is at the impact.
-                Occurrence::Switch { side, .. } if side == Side::Below => {
+                Occurrence::Switch {
+                    side: Side::Below, ..
+                } => {
                     if let Some((begins, w)) = impact {
                         let rises = 2.0 * (w - (0.15 * w).ln_1p() / 0.15) / 0.15;
                         let off = (event.time.to_f64() - begins) / time - rises;

@@ -6,61 +6,53 @@
 //!
 //! ```text
 //! walker       one side of a branch, station by station
-//! returns      whether it has come back to where it began
-//! limits       within what it is followed, and how it ends
-//! holds        whether the sequence of events still does
-//! events       the equations with an event more, or one less
-//! graze        from one sequence to the next, where an impact comes in or goes out
-//! touch        the same for a crossing and the way back
-//! turn         the same where the flow turns with the rate of the impact
-//! corner       where an event comes to a corner that only it asks for
-//! opening      where a contact at rest begins to open
-//! onward       past what equations can say, and where they may not go on
-//! equilibrium  equilibria of the flight that a step is
-//! saddle       where the orbit comes to a saddle
-//! unbounded    by which law the period grows without bound
-//! hopf         where the orbit shrinks to an equilibrium
 //! between      special points between two stations
 //! branch_point those where branches meet
+//! changes/     from one sequence of events to the next
+//!   holds        whether the sequence still does
+//!   events       the equations with an event more, or one less
+//!   graze        where an impact comes in or goes out
+//!   touch        the same for a crossing and the way back
+//!   turn         the same where the flow turns with the rate of the impact
+//!   corner       where an event comes to a corner that only it asks for
+//!   opening      where a contact at rest begins to open
+//! onward       past what equations can say, and where they may not go on
+//! ends/        where a branch is over
+//!   returns      it has come back to where it began
+//!   equilibrium  equilibria of the flight that a step is
+//!   saddle       the orbit comes to a saddle
+//!   unbounded    by which law the period grows without bound
+//!   hopf         the orbit shrinks to an equilibrium
+//! limits       within what it is followed, and how it ends
 //! kept/        how far a side has come, for another walk to go on from
 //! ```
 
 mod between;
 mod branch_point;
-mod corner;
-mod equilibrium;
-mod events;
-mod graze;
-mod holds;
-mod hopf;
+mod changes;
+mod ends;
 mod kept;
 mod limits;
 mod onward;
-mod opening;
 mod point;
-mod returns;
-mod saddle;
 mod special;
-mod touch;
-mod turn;
-mod unbounded;
 mod walker;
 
+pub use ends::saddle::Saddle;
+pub use ends::unbounded::{Law, Unbounded};
 pub use kept::Record;
 pub use limits::{End, Limits};
 pub use point::Point;
-pub use saddle::Saddle;
 pub(super) use special::Near;
 pub use special::{Special, SpecialKind};
-pub use unbounded::{Law, Unbounded};
 
-pub(super) use graze::moved;
-pub(crate) use holds::{Broken, broken_beside, first_break, is_broken, smallest};
+pub(super) use changes::graze::moved;
+pub(crate) use changes::holds::{Broken, broken_beside, first_break, is_broken, smallest};
+pub(super) use changes::touch::{STAYS, Stay, VANISHED};
 pub(super) use kept::{Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
 pub(super) use onward::beside;
 pub(super) use special::Seed;
-pub(super) use touch::{STAYS, Stay, VANISHED};
 pub(super) use walker::Side;
 
 use super::diary::Diary;

@@ -1,8 +1,8 @@
 //! Where a branch goes on past what its equations can say, and where it may not go on.
 
-use super::graze::THERE;
-use super::holds::is_broken;
-use super::touch::Touched;
+use super::changes::graze::THERE;
+use super::changes::holds::is_broken;
+use super::changes::touch::Touched;
 use super::walker::Walker;
 use super::{Limits, Point, Seed, SpecialKind};
 use crate::analysis::continuation::{Curve, Problem, Settings, Station, locate};

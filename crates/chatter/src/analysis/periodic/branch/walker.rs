@@ -1,12 +1,12 @@
 //! One side of a branch, station by station.
 
-use super::holds::broken;
+use super::changes::holds::broken;
+use super::changes::touch::VANISHED;
+use super::ends::returns::passages;
+use super::ends::unbounded::{Law, unbounded};
 use super::kept::{Ledger, Of, Stand, Standing, Then, Walked, damaged};
 use super::limits::{End, Limits, station_at};
-use super::returns::passages;
 use super::special::{Near, Seed, Special};
-use super::touch::VANISHED;
-use super::unbounded::{Law, unbounded};
 use super::{Point, Saddle, SpecialKind, Unbounded};
 use crate::analysis::border::BorderSpec;
 use crate::analysis::border_search::borders_in;

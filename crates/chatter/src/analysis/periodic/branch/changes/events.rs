@@ -1,0 +1,246 @@
+//! The equations of an orbit with an event more, where a guard touches zero, and with one less.
+
+use crate::analysis::periodic::closure::Closure;
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
+use crate::analysis::periodic::cycle::rotate::rotate;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::{Shooting, struck};
+use crate::expressions::Side;
+use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, Least, LegKind, StretchKind};
+
+impl Shooting<f64> {
+    /// The same orbit with an impact of rate zero, or with a surface that is touched, where a guard has its least value on a
+    /// step, and the step that it ends.
+    pub(crate) fn with_event(
+        &self,
+        at: &[f64],
+        index: usize,
+        least: &Least,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let jump = match least.guard {
+            GuardKind::Gap(contact) => Jump::Impact(contact),
+            GuardKind::Reaction(_) | GuardKind::Leave(..) | GuardKind::Section(_) => Jump::None,
+            guard if guard.opposite().is_some() => Jump::None,
+            _ => return Err(unfollowed("a guard that is touched and is no gap")),
+        };
+        let mut steps = self.current_steps(at);
+        let whole = steps[index].clone();
+        let touches = |mode: usize| {
+            Passage::Leg(LegKind {
+                mode,
+                ends_at: Some(least.guard),
+                jump,
+            })
+        };
+        let index = match whole.passage {
+            Passage::Leg(kind) => {
+                let first = Step {
+                    passage: touches(kind.mode),
+                    duration: least.time,
+                    told: Vec::new(),
+                    closed: self.closed_before(index),
+                    ..whole.clone()
+                };
+                let second = Step {
+                    start: least.state.clone(),
+                    duration: whole.duration - least.time,
+                    ..whole
+                };
+                steps.splice(index..=index, [first, second]);
+                index
+            }
+            // Nothing else happens: one leg from the touch to the next one.
+            Passage::Timed(kind) | Passage::Around(kind) => {
+                let period = steps.iter().map(|step| step.duration).sum();
+                steps = vec![Step {
+                    passage: touches(kind.mode),
+                    start: least.state.clone(),
+                    duration: period,
+                    ..whole
+                }];
+                0
+            }
+            Passage::Stretch(_) if jump == Jump::None => {
+                let parts = self.with_touch_at_rest(at, index, least)?;
+                steps.splice(index..=index, parts);
+                index + 1
+            }
+            Passage::Stretch(_) => {
+                return Err(unfollowed("a graze within what is followed as a whole"));
+            }
+            Passage::AtOnce(_) | Passage::Together(_) => {
+                return Err(unfollowed("a graze at the instant of an impact"));
+            }
+        };
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// Whether the impact at the end of a step takes the state off a surface that it slides along there, however weak it is: what
+    /// follows is not that mode.
+    pub(super) fn impact_takes_off(&self, index: usize) -> bool {
+        let step = &self.steps[index];
+        let origin = self.workshop.system.origin_of(step.mode());
+        let (Some((_, _, on)), Some(contact)) = (origin, step.impact()) else {
+            return false;
+        };
+        let mut graph = on.mechanics.graph.clone();
+        let zero = graph.number(0.0);
+        let jump = &on.mechanics.contacts[contact].jump;
+        let mut slides = on.mechanics.slides.iter();
+        slides.any(|slide| graph.lie_derivative(slide.surface, jump) != zero)
+    }
+
+    /// On how many steps the orbit slides along each surface.
+    pub(in crate::analysis::periodic::branch) fn slides(&self) -> Vec<usize> {
+        let system = &self.workshop.system;
+        let sides = (self.steps.iter()).filter_map(|step| Some(system.origin_of(step.mode())?.1));
+        let sides: Vec<_> = sides.collect();
+        let slides = |surface| {
+            let on = (sides.iter()).filter(|all| all.get(surface) == Side::Sliding);
+            on.count()
+        };
+        (0..system.corners().surfaces.len()).map(slides).collect()
+    }
+
+    /// The same orbit without the event at the end of a step, which leaves the state as it is, and the step that goes on
+    /// past it.
+    pub(crate) fn without_event(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        // What shares the instant goes with it.
+        let chain = steps[index + 1..]
+            .iter()
+            .take_while(|step| step.is_at_once());
+        let others = index + 1..index + 1 + chain.count();
+        if steps[others.clone()]
+            .iter()
+            .any(|step| matches!(step.passage, Passage::AtOnce(_)))
+        {
+            return Err(unfollowed("the loss of collisions that share an instant"));
+        }
+        steps.drain(others);
+        let count = steps.len();
+        let is_section = matches!(steps[index].ends_at(), Some(GuardKind::Section(_)));
+        let kind = match steps[index].passage {
+            Passage::Leg(kind) => kind,
+            Passage::Stretch(kind) if is_section && count > 1 => kind.last,
+            _ => return Err(unfollowed("the loss of what is no event by itself")),
+        };
+        if count == 1 {
+            let timed = LegKind {
+                ends_at: None,
+                jump: Jump::None,
+                ..kind
+            };
+            // A phase that states hold back takes no time that is known.
+            let parameters = self.workshop.parameters(self.free(at));
+            let turns = self.workshop.closure.turns(&parameters)?;
+            steps[0].passage = match Closure::time_of(&turns, &self.counts) {
+                Some(_) => Passage::Timed(timed),
+                None if is_section => return Err(unfollowed("the loss of its only event")),
+                None => Passage::Around(timed),
+            };
+            let (shooting, at) = self.like(steps, at)?;
+            return Ok((shooting, at, 0));
+        }
+        let mut index = index;
+        if index + 1 == count {
+            let parameters = self.workshop.parameters(self.free(at));
+            rotate(&self.workshop, &parameters, (&mut steps, &self.counts), 1)?;
+            index -= 1;
+        }
+        let next = index + 1;
+        let before = around(index, -1, count);
+        let passage = match (steps[index].passage, steps[next].passage) {
+            // A section that shares its instant with the end of a piece, or with a switch, stands for that.
+            (Passage::Leg(_), Passage::Leg(other))
+                if is_section
+                    && (other.mode != kind.mode || steps[index].pieces != steps[next].pieces) =>
+            {
+                return Err(unfollowed("the loss of a section where the mode changes"));
+            }
+            (Passage::Leg(_), Passage::Leg(other)) if other.mode == kind.mode => {
+                Passage::Leg(other)
+            }
+            (Passage::Leg(_), Passage::Leg(other))
+                if let Some(surface) = self.surface_at_impact(kind.mode, other.mode) =>
+            {
+                steps[index].passage = Passage::Leg(LegKind {
+                    ends_at: Some(GuardKind::Switch(surface)),
+                    jump: Jump::None,
+                    ..kind
+                });
+                // With the impact goes the way back to what it took the state off.
+                let after = around(next, 1, count);
+                if steps[next].ends_at() == Some(GuardKind::Switch(surface))
+                    && self.slides_along(&steps[after], surface)
+                {
+                    steps.remove(next);
+                }
+                let (shooting, at) = self.like(steps, at)?;
+                return Ok((shooting, at, index));
+            }
+            // Sections are crossed on the way of what is followed as a whole.
+            (Passage::Leg(_), Passage::Stretch(whole)) if is_section => {
+                Passage::Stretch(StretchKind {
+                    closed: steps[before].closed,
+                    on: struck(&steps, before),
+                    ..whole.up_to(whole.last)
+                })
+            }
+            (Passage::Stretch(whole), Passage::Leg(last)) if last.mode == kind.mode => {
+                Passage::Stretch(whole.up_to(last))
+            }
+            (Passage::Stretch(first), Passage::Stretch(whole)) => Passage::Stretch(StretchKind {
+                accumulations: first.accumulations + whole.accumulations,
+                ..first.up_to(whole.last)
+            }),
+            _ => {
+                return Err(unfollowed("the loss of an event between different modes"));
+            }
+        };
+        let merged = Step {
+            passage,
+            start: steps[index].start.clone(),
+            duration: steps[index].duration + steps[next].duration,
+            ..steps[next].clone()
+        };
+        steps.splice(index..=next, [merged]);
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// Equations of other steps of the same system, and a guess of their solution.
+    pub(in crate::analysis::periodic) fn like(
+        &self,
+        steps: Vec<Step>,
+        at: &[f64],
+    ) -> Result<(Self, Vec<f64>), PeriodicError> {
+        self.like_with(steps, self.counts.clone(), at)
+    }
+
+    /// The same where phases turn so often in a period.
+    pub(in crate::analysis::periodic) fn like_with(
+        &self,
+        steps: Vec<Step>,
+        counts: Vec<i64>,
+        at: &[f64],
+    ) -> Result<(Self, Vec<f64>), PeriodicError> {
+        let mut shooting = Self::new(&self.workshop, steps, counts)?;
+        shooting.keep_sizes(&self.state_sizes());
+        shooting.told.clone_from(&self.told);
+        let guess = shooting.guess(self.free(at));
+        Ok((shooting, guess))
+    }
+}
+
+pub(super) fn unfollowed(what: &str) -> PeriodicError {
+    PeriodicError::Unfollowed {
+        what: what.to_owned(),
+    }
+}

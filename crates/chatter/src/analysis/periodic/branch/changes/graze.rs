@@ -1,0 +1,615 @@
+//! From one sequence of events to the next, where an impact comes in or goes out.
+
+use super::holds::{Broken, break_before, first_break, smallest};
+use super::touch::Touched;
+use crate::analysis::continuation::{Curve, Problem, Station, tangent};
+use crate::analysis::periodic::branch::limits::End;
+use crate::analysis::periodic::branch::walker::{Stop, Walker};
+use crate::analysis::periodic::branch::{Point, Special, SpecialKind};
+use crate::analysis::periodic::condition::Bordered;
+use crate::analysis::periodic::orbit::shorter;
+use crate::analysis::periodic::shooting::{Exchanged, Shooting, station_after};
+use crate::expressions::Symbol;
+use crate::flow::GuardKind;
+use crate::flow::leg::Least;
+
+/// This part of a step before a graze.
+const NOT_QUITE: f64 = 1e-5;
+/// This part of a step is no way from where the sequence of events breaks.
+const BESIDE: f64 = 1e-2;
+/// Flights are told from rounding of the gap if they are so many times as high.
+const LEAST_HEIGHT: f64 = 1e4;
+/// A graze that Newton's method finds farther from where it is looked for, against the size of the orbit, is another one.
+pub(in crate::analysis::periodic::branch) const THERE: f64 = 1e-3;
+/// Orbits of a branch are solved to so small a part of their size, and so are places that are told from their guards.
+const SOLVED: f64 = 1e-12;
+/// A part of a direction that is less than this is rounding.
+const FLAT: f64 = 1e-6;
+/// Where a new sequence begins its steps, against those before.
+const CAREFUL: f64 = 0.05;
+
+impl Walker {
+    /// Whether a gap has its least value where its rate turns at the end of a step, with the surface that ends it.
+    fn touches_at_turn(&mut self, station: &Station, index: usize, contact: usize) -> bool {
+        let Ok(least) = self.shooting.least(&station.at) else {
+            return false;
+        };
+        let (Some(all), Some(landing)) = (least.get(index), self.shooting.latest.get(index)) else {
+            return false;
+        };
+        let gaps = all.iter().filter(|l| l.guard == GuardKind::Gap(contact));
+        let least = gaps.min_by(|a, b| a.value.total_cmp(&b.value));
+        let left = least.map(|least| landing.duration - least.time);
+        self.shooting.turns(index) && left.is_some_and(|left| left <= NOT_QUITE * landing.duration)
+    }
+
+    /// Whether a step follows an impact that has no rate left.
+    fn follows_graze(&self, index: usize) -> bool {
+        let count = self.shooting.steps.len();
+        let before = self.shooting.before(index);
+        let rate = |index: usize| {
+            let landing = self.shooting.latest.get(index);
+            landing.map_or(0.0, |landing| landing.surface_rate.abs())
+        };
+        let most = (0..count).map(rate).fold(0.0, f64::max);
+        self.shooting.steps[before].impact().is_some() && rate(before) <= NOT_QUITE * most
+    }
+
+    /// Goes on past the first place where the sequence of events breaks.
+    pub(in crate::analysis::periodic::branch) fn pass(
+        &mut self,
+        curve: &mut Curve,
+        step: f64,
+        broken: Vec<Broken>,
+        here: &mut Point,
+    ) -> Stop {
+        let from = curve.station.clone();
+        let mut reader = self.shooting.clone();
+        let first = first_break(&mut self.shooting, &mut reader, (&from, step), broken);
+        let first = first.map(|first| break_before(&mut self.shooting, &mut reader, &from, first));
+        let Some((broken, station, reached)) = first else {
+            let end = End::Lost("the sequence of events changes".to_owned());
+            return Stop::Broken(end, Box::new(from));
+        };
+        if let Some(edge) = self.limits.beyond(station.parameter())
+            && let Some(end) = self.ends_at_edge((&from, &station), (reached, edge), here)
+        {
+            return Stop::End(end);
+        }
+        if let Broken::Passed(index) = broken {
+            return self.exchange((curve, step, reached), (station, index), here);
+        }
+        self.settle(&station);
+        // Where what begins with a release has come to nothing, rounding says in which way it breaks.
+        if self.shooting.opening_vanishes(&station.at) {
+            let end = End::Lost(broken.told(&self.shooting));
+            return Stop::Broken(end, Box::new(station));
+        }
+        // Special points before it.
+        let there = Point::new(&mut self.shooting, &station);
+        // Where an impact loses its rate multipliers have a pole: not quite there.
+        let close = reached * (1.0 - NOT_QUITE);
+        if let Ok((nearly, _)) = from.ahead(&mut self.shooting, close) {
+            self.settle(&nearly);
+            let near = Point::new(&mut self.shooting, &nearly);
+            let before = here.clone();
+            let points = (&before, &near);
+            if let Some(end) = self.between_beside_graze((&from, &nearly), close, points, false) {
+                return Stop::End(end);
+            }
+        }
+        self.settle(&station);
+        if let Broken::Inner(index, GuardKind::Gap(contact)) = broken
+            && !self.is_resolved(&station, index, contact)
+        {
+            return Stop::End(End::Rounding(there.impacts.unwrap_or_default()));
+        }
+        if let Broken::Early(index, guard) = broken
+            && self.shooting.asks(index, guard)
+        {
+            return self.comes_to_corner((curve, step), (&station, index, guard), here, &there);
+        }
+        // Of the equations as they are.
+        let headings = (self.heading(&from), self.heading(&station));
+        let known = self.special.len();
+        let outcome = match broken {
+            Broken::Inner(index, GuardKind::Gap(contact))
+            | Broken::Early(index, GuardKind::Gap(contact))
+                if self.touches_at_turn(&station, index, contact) =>
+            {
+                let longer = (self.shooting).with_impact_at_turn(&station.at, (index, contact));
+                let touched = longer.map_err(|error| error.to_string());
+                let touched = touched.and_then(Touched::solve);
+                touched.and_then(|touched| self.impact_comes_in(&station, touched, &there))
+            }
+            Broken::Inner(index, guard) => self.gain(&station, (index, guard), &there),
+            // What it is told by is the touch of the surface that it comes back to, and not how slowly.
+            Broken::Event(index) if self.shooting.has_come_back(&station.at, index) => {
+                Err(broken.told(&self.shooting))
+            }
+            Broken::Event(index) => self.lose(&station, index, &there),
+            // The rate that turns is that of the impact, and the flight after it begins where it does.
+            Broken::Beyond(index, GuardKind::Switch(_)) if self.follows_graze(index) => {
+                self.lose(&station, self.shooting.before(index), &there)
+            }
+            Broken::Early(index, GuardKind::Switch(_))
+                if self.shooting.steps[index].impact().is_some() =>
+            {
+                self.lose(&station, index, &there)
+            }
+            Broken::Early(index, guard) => {
+                self.meets_with_event(&station, (index, guard), &there);
+                Err(broken.told(&self.shooting))
+            }
+            Broken::Beyond(index, guard) => {
+                let slides = matches!(guard, GuardKind::Leave(..));
+                let met = match slides {
+                    true => (index, guard),
+                    false => (self.shooting.before(index), guard),
+                };
+                if !self.meets_with_event(&station, met, &there) {
+                    self.begins_at_its_end((&from, &station), &broken, &there);
+                }
+                Err(broken.told(&self.shooting))
+            }
+            Broken::Carried(_) => {
+                self.begins_at_its_end((&from, &station), &broken, &there);
+                Err(broken.told(&self.shooting))
+            }
+            Broken::Passed(_) | Broken::Order(_) => Err(broken.told(&self.shooting)),
+        };
+        // A touch that nothing came of, and that is elsewhere than where the sequence breaks, is none of this way.
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        let way = (station.parameter() - from.parameter()).abs();
+        let is_elsewhere = |special: &Special| {
+            let off = (special.point.parameter() - station.parameter()).abs();
+            special.kind == SpecialKind::Touch && off > BESIDE * way + NOT_QUITE * scale
+        };
+        if outcome.is_err()
+            && self.special.len() > known
+            && self.special.last().is_some_and(is_elsewhere)
+        {
+            self.special.pop();
+        }
+        if let (Broken::Inner(_, GuardKind::Reaction(_)), Err(why)) = (&broken, &outcome) {
+            return Stop::Over(End::Lost(why.clone()));
+        }
+        // Where crossings come or go the equations themselves turn.
+        let forward = match self.latest_change().map(|special| special.kind) {
+            Some(SpecialKind::Touch) => headings.0,
+            _ => headings.1,
+        };
+        // An orbit that goes more than once around a simple one from here on: it has met that at its graze.
+        if let (Broken::Event(_), Ok(next)) = (&broken, &outcome)
+            && goes_around(&self.shooting, &next.at)
+        {
+            let kind = self.special.last().map(|special| special.kind);
+            return Stop::End(kind.map_or(End::Range, End::Again));
+        }
+        match self.goes_on(outcome, (curve, forward), here) {
+            Stop::End(end @ End::Lost(_)) => Stop::Broken(end, Box::new(station)),
+            other => other,
+        }
+    }
+
+    /// On with two events in another order. At the knot of a table that is nothing that happens to the orbit; elsewhere the place is told.
+    fn exchange(
+        &mut self,
+        (curve, step, reached): (&mut Curve, f64, f64),
+        (station, index): (Station, usize),
+        here: &mut Point,
+    ) -> Stop {
+        self.settle(&station);
+        let there = Point::new(&mut self.shooting, &station);
+        if let Some(end) = self.between(&curve.station, &station, reached, (here, &there)) {
+            return Stop::End(end);
+        }
+        self.settle(&station);
+        let forward = self.heading(&curve.station);
+        let exchanged = self.shooting.exchanged(&station.at, index);
+        let shows = |exchanged: &Exchanged| Shooting::order_shows(exchanged).unwrap_or(true);
+        let is_told = !self.shooting.is_knot(index) && exchanged.as_ref().map_or(true, shows);
+        if is_told {
+            self.note_exchange(&station, index, &there);
+        }
+        let next = exchanged
+            .map_err(|error| error.to_string())
+            .and_then(|mut exchanged| {
+                let direction = exchanged.direction(&station.tangent);
+                let guess = (&*exchanged.guess, &*direction);
+                let grows = exchanged.grows();
+                let next = station_after(&mut exchanged.shooting, guess, grows);
+                let next = next.map_err(|error| error.to_string())?;
+                self.shooting = exchanged.shooting;
+                Ok(next)
+            });
+        match next {
+            Ok(next) => {
+                self.settle(&next);
+                self.shooting.adopt(&next.at);
+                if is_told && let Some(special) = self.special.last_mut() {
+                    special.persists = Some(next.parameter_slope() * forward > 0.0);
+                }
+                self.begins_anew((next, step), curve, here);
+                Stop::On
+            }
+            Err(why) => Stop::Broken(End::Lost(why), Box::new(station)),
+        }
+    }
+
+    /// Notes where two events share their instant.
+    fn note_exchange(&mut self, station: &Station, index: usize, there: &Point) {
+        let place = self.shooting.duration_place(index);
+        let (left, by) = place.map_or((0.0, 1.0), |k| (station.at[k], station.tangent[k]));
+        let off = (left / by * station.parameter_slope()).abs();
+        let error = off + SOLVED * station.parameter().abs();
+        self.note(SpecialKind::Touch, there, &station.at, error, left.abs());
+        self.tell_no_multipliers();
+    }
+
+    /// Notes where a surface is met with the event at the end of a step, as by what has a corner there, or where a step that slides along it
+    /// could as well go across. Whether such a place is found.
+    fn meets_with_event(
+        &mut self,
+        station: &Station,
+        (index, guard): (usize, GuardKind),
+        there: &Point,
+    ) -> bool {
+        // At the knot of a table nothing happens.
+        if !matches!(guard, GuardKind::Switch(_) | GuardKind::Leave(..)) {
+            return false;
+        }
+        self.settle(station);
+        if let GuardKind::Leave(surface, _) = guard {
+            let turn = (self.shooting)
+                .with_turn_at_start(&station.at, (index, GuardKind::Switch(surface)));
+            let Ok(turn) = turn else { return false };
+            let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
+            let touched = Touched::solve(turn).ok();
+            let touched = touched.filter(|touched| moved(&touched.at, &start, &scales) <= THERE);
+            let is_found = touched.is_some();
+            if let Some(touched) = touched {
+                self.note_touch(there, touched);
+            }
+            return is_found;
+        }
+        let mut watching = self.shooting.clone();
+        let Ok(met) = watching.at_corner(&station.at, (index, guard)) else {
+            return false;
+        };
+        self.note(
+            SpecialKind::Touch,
+            there,
+            &met.told,
+            met.error,
+            met.residual,
+        );
+        true
+    }
+
+    /// Notes where a step begins exactly where its own guard would end it, or where a jump leads just onto a surface.
+    fn begins_at_its_end(
+        &mut self,
+        (from, to): (&Station, &Station),
+        broken: &Broken,
+        there: &Point,
+    ) {
+        let mut value = |station: &Station| {
+            self.shooting.evaluate(&station.at).ok()?;
+            let least = self.shooting.least(&station.at).ok()?;
+            broken.value(&self.shooting, &least)
+        };
+        let (before, residual) = (value(from), value(to).map_or(0.0, f64::abs));
+        let parameter = to.parameter();
+        let slope = before.map(|before| (before - residual) / (from.parameter() - parameter));
+        let off = slope.map_or(0.0, |slope| (residual / slope).abs());
+        let error = off + SOLVED * parameter.abs();
+        self.settle(to);
+        self.note(SpecialKind::Touch, there, &to.at, error, residual);
+    }
+
+    /// Whether the way between the last impact and a touch of the same contact can be told from rounding of the gap.
+    fn is_resolved(&mut self, station: &Station, index: usize, contact: usize) -> bool {
+        let before = self.shooting.before(index);
+        let follows = self.shooting.steps[before].impact() == Some(contact);
+        let Ok(least) = self.shooting.least(&station.at) else {
+            return true;
+        };
+        let touch = least[index]
+            .iter()
+            .find(|l| l.guard == GuardKind::Gap(contact) && !l.at_end);
+        let (Some(touch), true) = (touch, follows) else {
+            return true;
+        };
+        let workshop = self.shooting.workshop.clone();
+        let parameters = workshop.parameters(self.shooting.free(&station.at));
+        let start = self.shooting.node(&station.at, index);
+        let mut graph = workshop.model.graph.clone();
+        let gap = workshop.model.contacts[contact].gap;
+        let (mut rate, mut terms) = (0.0, 0.0);
+        for (i, state) in workshop.model.states.iter().enumerate() {
+            let slope = graph.derivative(gap, Symbol::State(i));
+            let slope = graph.evaluate(slope, start, &parameters);
+            rate += slope * graph.evaluate(state.derivative, start, &parameters);
+            terms += (slope * start[i]).abs();
+        }
+        // From zero with this rate, and back to where both vanish: a cubic.
+        let height = 4.0 / 27.0 * (rate * touch.time).abs();
+        height.is_nan() || height > LEAST_HEIGHT * f64::EPSILON * terms
+    }
+
+    /// Whether the parameter stands still to first order: it does over the rate of an impact that the orbit forgets.
+    pub(in crate::analysis::periodic::branch) fn is_flat(&self, station: &Station) -> bool {
+        let scale = self.shooting.scales().last().copied().unwrap_or(1.0);
+        station.parameter_slope().abs() <= FLAT * scale
+    }
+
+    /// On from where the sequence of events changes, the parameter having gone so before.
+    pub(in crate::analysis::periodic::branch) fn goes_on(
+        &mut self,
+        outcome: Result<Station, String>,
+        (curve, forward): (&mut Curve, f64),
+        here: &mut Point,
+    ) -> Stop {
+        match outcome {
+            Ok(next) => {
+                let onward = match self.is_flat(&next) {
+                    true => (next.ahead(&mut self.shooting, CAREFUL * curve.step))
+                        .map_or(forward, |(ahead, _)| ahead.parameter() - next.parameter()),
+                    false => next.parameter_slope(),
+                };
+                if let Some(special) = self.latest_change() {
+                    special.persists = Some(onward * forward > 0.0);
+                }
+                self.settle(&next);
+                self.begins_anew((next, CAREFUL * curve.step), curve, here);
+                Stop::On
+            }
+            Err(why) => Stop::End(End::Lost(why)),
+        }
+    }
+
+    /// A flight touches: an impact comes in. The new equations, at their first station.
+    fn gain(
+        &mut self,
+        station: &Station,
+        (index, guard): (usize, GuardKind),
+        there: &Point,
+    ) -> Result<Station, String> {
+        let least = (self.shooting.least(&station.at)).map_err(|left| left.to_string())?;
+        let touching = smallest(&least, (index, guard), false)
+            .ok_or("the touch is lost")?
+            .clone();
+        if self.shooting.begins_at(index, guard) {
+            let turn = (self.shooting).with_turn_at_start(&station.at, (index, guard));
+            let turn = turn.map_err(|error| error.to_string())?;
+            let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
+            // Elsewhere it is the way from the surface that touches it once more.
+            let touched = Touched::solve(turn);
+            let is_near = |touched: &Touched| moved(&touched.at, &start, &scales) <= THERE;
+            if let Some(touched) = touched.ok().filter(is_near) {
+                self.note_touch(there, touched);
+                return Err(
+                    "beyond a surface that was crossed the flow turns back to it".to_owned(),
+                );
+            }
+        }
+        if guard.opposite().is_some() {
+            return self.crosses(station, (index, &touching), there);
+        }
+        if let GuardKind::Reaction(_) = guard {
+            return self.opens(station, (index, &touching), there);
+        }
+        let touched = self.touched(&station.at, (index, &touching));
+        if !matches!(guard, GuardKind::Gap(_)) {
+            match touched {
+                Ok(touched) => self.note_touch(there, touched),
+                Err(_) => self.note(
+                    SpecialKind::Touch,
+                    there,
+                    &station.at,
+                    SOLVED,
+                    touching.value.abs(),
+                ),
+            }
+            return Err("a guard is touched that no event follows".to_owned());
+        }
+        let touched = touched?;
+        self.impact_comes_in(station, touched, there)
+    }
+
+    /// On with an impact that comes in where it has no rate yet.
+    fn impact_comes_in(
+        &mut self,
+        station: &Station,
+        touched: Touched,
+        there: &Point,
+    ) -> Result<Station, String> {
+        let told = |error: &dyn core::fmt::Display| error.to_string();
+        let Touched {
+            shooting: mut longer,
+            at,
+            told: known,
+            index,
+            residual,
+            correction,
+            error,
+        } = touched;
+        let (_, gradient) = longer.monitor(index, &at).map_err(|left| told(&left))?;
+        let mut tangent = tangent(&mut longer, &at, &gradient).map_err(|error| told(&error))?;
+        // The impact's rate is to grow: against the gap.
+        if crate::numerics::dot(&gradient, &tangent) > 0.0 {
+            tangent.iter_mut().for_each(|x| *x = -*x);
+        }
+        self.settle(station);
+        let has_pole = self.shooting.grazes();
+        let takes_off = longer.impact_takes_off(index);
+        let before = core::mem::replace(&mut self.shooting, longer);
+        let opens = station.tangent.last().is_some_and(|&along| along < 0.0);
+        self.note(graze(opens), there, &known, error, residual);
+        if has_pole {
+            self.tell_no_multipliers();
+        }
+        if takes_off {
+            self.shooting = before;
+            return Err("the impact takes the state off a surface that it slides along".to_owned());
+        }
+        Ok(Station {
+            at,
+            tangent,
+            residual,
+            correction,
+            orientation: 0.0,
+        })
+    }
+
+    /// An impact has lost its rate, or a surface is no longer crossed: it goes out.
+    pub(in crate::analysis::periodic::branch) fn lose(
+        &mut self,
+        station: &Station,
+        index: usize,
+        there: &Point,
+    ) -> Result<Station, String> {
+        let Some(first) = self.shooting.crossing_that_vanishes(index) else {
+            return self.without(&station.at, (index, None), there);
+        };
+        let touching = self.shooting.without_way_back(&station.at, first);
+        let (touching, start, index) = touching.map_err(|error| error.to_string())?;
+        let before = core::mem::replace(&mut self.shooting, touching);
+        let next = self.without(&start, (index, Some(first)), there);
+        if next.is_err() {
+            self.shooting = before;
+        }
+        next
+    }
+
+    /// On without an event, which ends a step, or without a crossing and its way back.
+    fn without(
+        &mut self,
+        start: &[f64],
+        (index, crossing): (usize, Option<usize>),
+        there: &Point,
+    ) -> Result<Station, String> {
+        let told = |error: &dyn core::fmt::Display| error.to_string();
+        let found = self.shooting.solved(&Bordered::Monitor(index), start);
+        let found = found.map_err(|error| told(&error))?;
+        if moved(&found.at, start, self.shooting.scales()) > THERE {
+            return Err("where an event vanishes only another place is found".to_owned());
+        }
+        let is_impact = self.shooting.steps[index].impact().is_some();
+        let kind = if is_impact {
+            graze(true)
+        } else {
+            SpecialKind::Touch
+        };
+        if !is_impact && self.has_told((&self.shooting, &found.told, index), found.error) {
+            self.special.pop();
+        }
+        self.note(kind, there, &found.told, found.error, found.residual);
+        if is_impact && let Some(special) = self.special.last_mut() {
+            special.point.impacts = special.point.impacts.map(|n| n - 1);
+        }
+        // They are told of the orbit without the event.
+        if is_impact || self.shooting.crosses_slowly() {
+            self.tell_no_multipliers();
+        }
+        if !is_impact && crossing.is_none() {
+            return Err("an event that is no impact is only touched".to_owned());
+        }
+        let mut merged = self.shooting.without_event(&found.at, index);
+        if merged.is_err()
+            && self.shooting.steps.len() == 1
+            && let Ok(Some((longer, at))) = self.shooting.with_section(&found.at)
+        {
+            // Without its last event the orbit of an autonomous system is told from the section.
+            let index = longer.steps.iter().position(|step| step.impact().is_some());
+            merged = longer.without_event(&at, index.unwrap_or(0));
+        }
+        let (mut shorter, guess, merged) = merged.map_err(|error| told(&error))?;
+        let last = guess.len() - 1;
+        let next = Station::near(&mut shorter, &guess, last).map_err(|error| told(&error))?;
+        shorter.evaluate(&next.at).map_err(|left| told(&left))?;
+        if let Some(special) = self.special.last_mut() {
+            (special.point.multipliers, special.point.modulus_error) = match shorter.grazes() {
+                true => (Vec::new(), f64::NAN),
+                false => shorter.multipliers_known(),
+            };
+        }
+        // To the side where the gap stays open.
+        let guard = self.shooting.steps[index].ends_at();
+        let beside = [index, self.shooting.after(index)].map(|k| self.shooting.steps[k].mode());
+        let turns = beside[0] != beside[1] && shorter.turns(merged);
+        // Of several least values that the gap has on the way the one that was touched; where that was the only event the way begins and ends
+        // with it.
+        let touched_at = self.shooting.latest[index].duration;
+        let is_only = self.shooting.steps.len() == 1;
+        let gap = |shooting: &mut Shooting<f64>, station: &Station| {
+            let least = shooting.least(&station.at).ok()?;
+            let all =
+                (least.get(merged)?.iter()).filter(|l| Some(l.guard) == guard && l.at_end == turns);
+            let off = |l: &Least| match is_only {
+                true => l.value,
+                false => (l.time - touched_at).abs(),
+            };
+            let own = all.min_by(|a, b| off(a).total_cmp(&off(b)));
+            own.map(|l| l.value)
+        };
+        let probe = 1e-6;
+        let mut opens = |station: &Station| {
+            let (ahead, _) = station.ahead(&mut shorter, probe).ok()?;
+            gap(&mut shorter, &ahead)
+        };
+        let reversed = next.clone().reversed();
+        let (up, down) = (opens(&next), opens(&reversed));
+        let forward = match (up, down) {
+            (Some(up), Some(down)) => up >= down,
+            (Some(_), None) => true,
+            _ => false,
+        };
+        if is_impact && let Some(special) = self.special.last_mut() {
+            special.kind = graze(forward);
+        }
+        self.shooting = shorter;
+        Ok(if forward { next } else { reversed })
+    }
+}
+
+/// Whether an orbit goes more than once around another one. Where several impacts lose their rate at once they are left out one by one: what is
+/// left of them tells no parts from each other.
+fn goes_around(shooting: &Shooting<f64>, at: &[f64]) -> bool {
+    let (mut shooting, mut at) = (shooting.clone(), at.to_vec());
+    for _ in 0..=shooting.steps.len() {
+        if shorter(&shooting, &at).is_ok_and(|part| part.is_some()) {
+            return true;
+        }
+        let left = shooting
+            .evaluate(&at)
+            .is_ok()
+            .then(|| shooting.without_rate());
+        let without = left
+            .flatten()
+            .map(|index| shooting.without_event(&at, index));
+        let Some(Ok((fewer, guess, _))) = without else {
+            return false;
+        };
+        (shooting, at) = (fewer, guess);
+    }
+    false
+}
+
+/// How far a solution is from where it was looked for, against the sizes of the unknowns.
+pub(in crate::analysis::periodic) fn moved(found: &[f64], from: &[f64], sizes: &[f64]) -> f64 {
+    let parts = found.iter().zip(from).zip(sizes);
+    parts.fold(0.0_f64, |most, ((x, from), size)| {
+        most.max((x - from).abs() / size)
+    })
+}
+
+/// The kind of a graze where the gap of the flight opens, or closes, as the parameter grows: whichever way it is met.
+const fn graze(opens: bool) -> SpecialKind {
+    if opens {
+        SpecialKind::ImpactGraze
+    } else {
+        SpecialKind::FlightGraze
+    }
+}

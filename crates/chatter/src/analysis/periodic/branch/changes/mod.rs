@@ -1,0 +1,9 @@
+//! From one sequence of events to the next: whether it still holds, and how it goes on where it does not.
+
+pub(super) mod corner;
+pub(super) mod events;
+pub(super) mod graze;
+pub(super) mod holds;
+pub(super) mod opening;
+pub(super) mod touch;
+pub(super) mod turn;

@@ -1,0 +1,456 @@
+//! Where a surface on which formulas change their form is touched: a stay comes in, or goes out. Where the field is continuous it is on
+//! the other side, from a crossing to the way back; where the fields of both sides lead to the surface it is on the surface itself.
+
+use super::events::unfollowed;
+use super::graze::{THERE, moved};
+use super::holds::is_broken;
+use crate::analysis::continuation::{Condition, NewtonError, Problem, Station, newton, tangent};
+use crate::analysis::periodic::branch::walker::Walker;
+use crate::analysis::periodic::branch::{Point, SpecialKind};
+use crate::analysis::periodic::closure::Closure;
+use crate::analysis::periodic::condition::Bordered;
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
+use crate::analysis::periodic::cycle::rotate::rotate;
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::expressions::Side;
+use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, Least, LegKind};
+
+/// On the other side an orbit begins with so long a stay, in parts of its period, or else with a shorter one.
+pub(in crate::analysis::periodic) const STAYS: [f64; 3] = [1e-3, 1e-4, 1e-5];
+/// A stay that takes less than this part of the period has come to its end.
+pub(in crate::analysis::periodic) const VANISHED: f64 = 1e-6;
+/// Between a crossing and the way back no time is left: less than this part of the period.
+const NO_TIME: f64 = 1e-2;
+
+/// A stay that begins where a surface is touched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::analysis::periodic) enum Stay {
+    /// On its other side.
+    Beyond,
+    /// On it.
+    On,
+}
+
+impl Shooting<f64> {
+    /// The crossing whose way back follows with no time left, if it is this event or the one before; without an event, any.
+    pub(super) fn crossing_that_vanishes(&self, event: usize) -> Option<usize> {
+        [event, self.before(event)]
+            .into_iter()
+            .find(|&index| self.comes_back(index))
+    }
+
+    /// Whether a guard ends a stay that a step leads to: back where that comes from, onto the surface if that is left.
+    fn ends_stay(&self, step: &Step, guard: Option<GuardKind>) -> bool {
+        if let Some(GuardKind::Leave(surface, _)) = step.ends_at() {
+            return guard == Some(GuardKind::Switch(surface));
+        }
+        let back = step.ends_at().and_then(GuardKind::opposite);
+        let origin = self.workshop.system.origin_of(step.mode());
+        let leaves = match (guard, origin) {
+            (Some(GuardKind::Leave(surface, side)), Some((_, sides, _))) => {
+                back == Some(GuardKind::Switch(surface)) && sides.get(surface) == side
+            }
+            _ => false,
+        };
+        back.is_some() && (guard == back || leaves)
+    }
+
+    /// Whether a step ends with a crossing whose way back follows at once.
+    pub(super) fn comes_back(&self, index: usize) -> bool {
+        let count = self.steps.len();
+        let after = self.after(index);
+        let [step, next, last] = [index, after, self.after(after)].map(|k| &self.steps[k]);
+        let is_leg =
+            |step: &Step| matches!(step.passage, Passage::Leg(kind) if kind.jump == Jump::None);
+        let all = count > 1 && is_leg(step) && is_leg(next);
+        let stay = self.latest.get(after);
+        all && self.ends_stay(step, next.ends_at())
+            && last.mode() == step.mode()
+            && last.pieces == step.pieces
+            && stay.is_some_and(|stay| stay.duration < NO_TIME * self.period())
+    }
+
+    /// The crossing whose way back follows soonest, with no time left.
+    pub(in crate::analysis::periodic) fn shortest_stay(&self) -> Option<usize> {
+        let count = self.steps.len();
+        let stay = |index: usize| self.latest[self.after(index)].duration;
+        let all = (0..count).filter(|&index| self.comes_back(index));
+        all.min_by(|&a, &b| stay(a).total_cmp(&stay(b)))
+    }
+
+    /// The same orbit that only touches where it crosses at the end of a step and comes back, and the step that ends there.
+    pub(in crate::analysis::periodic) fn without_way_back(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let count = steps.len();
+        let mut index = index;
+        // What comes after the stay is to be of the same turn, where it is not the step before it.
+        let by = match count {
+            2 => index,
+            _ => (index + 3).saturating_sub(count),
+        };
+        if by > 0 {
+            let parameters = self.workshop.parameters(self.free(at));
+            rotate(&self.workshop, &parameters, (&mut steps, &self.counts), by)?;
+            index -= by;
+        }
+        let stay = steps.remove(index + 1);
+        steps[index].duration += 0.5 * stay.duration;
+        steps[index].closed = stay.closed;
+        let next = around(index, 1, steps.len());
+        steps[next].start.clone_from(&stay.start);
+        steps[next].duration += 0.5 * stay.duration;
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// Whether a step begins on the surface of a guard, which it has just crossed.
+    pub(super) fn begins_at(&self, index: usize, guard: GuardKind) -> bool {
+        let before = self.steps[self.before(index)].ends_at();
+        guard.opposite().is_some() && before == guard.opposite()
+    }
+
+    /// The mode across a surface from where a step came to it, where it slides along it.
+    fn mode_across(&self, index: usize, guard: GuardKind) -> Option<usize> {
+        let GuardKind::Switch(surface) = guard else {
+            return None;
+        };
+        let system = &self.workshop.system;
+        let (_, came, _) = system.origin_of(self.steps[self.before(index)].mode())?;
+        let (grip, sides, _) = system.origin_of(self.steps[index].mode())?;
+        let across = match (came.get(surface), sides.get(surface)) {
+            (Side::Above, Side::Sliding) => Side::Below,
+            (Side::Below, Side::Sliding) => Side::Above,
+            _ => return None,
+        };
+        Some(system.meet(grip, sides.with(surface, across)))
+    }
+
+    /// Whether a step leads back to the surface that it has just crossed, to slide along it, and takes no time any more, but for rounding:
+    /// its equations have a second solution there, of no time at all.
+    pub(in crate::analysis::periodic::branch) fn has_come_back(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> bool {
+        let Some(guard @ GuardKind::Switch(surface)) = self.steps[index].ends_at() else {
+            return false;
+        };
+        let next = &self.steps[self.after(index)];
+        let origin = self.workshop.system.origin_of(next.mode());
+        let slides = origin.is_some_and(|(_, sides, _)| sides.get(surface) == Side::Sliding);
+        let place = self.duration_place(index);
+        let duration = place.and_then(|place| at.get(place));
+        slides
+            && self.begins_at(index, guard)
+            && duration.is_some_and(|&duration| duration < VANISHED * self.period())
+    }
+
+    /// The same of any step.
+    pub(in crate::analysis::periodic::branch) fn comes_back_at_once(&self, at: &[f64]) -> bool {
+        (0..self.steps.len()).any(|index| self.has_come_back(at, index))
+    }
+
+    /// The same orbit with the rate of that guard where the step begins for a function that may vanish: beyond, the flow of both sides
+    /// leads to the surface, and slides. The step that it belongs to.
+    pub(in crate::analysis::periodic::branch) fn with_turn_at_start(
+        &self,
+        at: &[f64],
+        (index, guard): (usize, GuardKind),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let mode = self.mode_across(index, guard);
+        let begins = Step {
+            passage: Passage::AtOnce(LegKind {
+                mode: mode.unwrap_or(steps[index].mode()),
+                ends_at: Some(guard),
+                jump: Jump::None,
+            }),
+            duration: 0.0,
+            closed: self.closed_before(index),
+            told: Vec::new(),
+            ..steps[index].clone()
+        };
+        steps.insert(index, begins);
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// The same orbit without such a step, and where that takes no time at all: the flow on the other side of the surface that is slid along
+    /// from there turns back to it.
+    pub(in crate::analysis::periodic::branch) fn without_stay(
+        &self,
+        at: &[f64],
+        index: usize,
+    ) -> Result<Touched, String> {
+        let told = |error: PeriodicError| error.to_string();
+        let guard = self.steps[index].ends_at().ok_or("a stay without end")?;
+        let mut steps = self.current_steps(at);
+        steps.remove(index);
+        let index = if index < steps.len() { index } else { 0 };
+        let (shorter, at) = self.like(steps, at).map_err(told)?;
+        let turn = shorter.with_turn_at_start(&at, (index, guard));
+        let turn = turn.map_err(told)?;
+        let (start, scales) = (turn.1.clone(), turn.0.scales().to_vec());
+        let touched = Touched::solve(turn)?;
+        if moved(&touched.at, &start, &scales) > THERE {
+            return Err("where a stay takes no time only another place is found".to_owned());
+        }
+        Ok(touched)
+    }
+
+    /// The same orbit with a stay of this duration at the surface that the end of a step touches, and where its duration stands among
+    /// the unknowns.
+    pub(in crate::analysis::periodic) fn with_stay(
+        &self,
+        at: &[f64],
+        (index, stay, duration): (usize, Stay, f64),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let Passage::Leg(kind) = steps[index].passage else {
+            return Err(unfollowed("a touch that ends no leg"));
+        };
+        let system = &self.workshop.system;
+        let (Some(guard), Some((grip, sides, _))) = (kind.ends_at, system.origin_of(kind.mode))
+        else {
+            return Err(unfollowed("a touch of nothing"));
+        };
+        let mut pieces = steps[index].pieces.clone();
+        let (mut mode, mut ends_at) = (kind.mode, guard.opposite());
+        match guard {
+            GuardKind::Switch(surface) => {
+                let side = sides.get(surface);
+                let other = match (side, stay) {
+                    (Side::Sliding, _) => {
+                        return Err(unfollowed("a touch of a surface slid along"));
+                    }
+                    (_, Stay::On) => Side::Sliding,
+                    (Side::Above, Stay::Beyond) => Side::Below,
+                    (Side::Below, Stay::Beyond) => Side::Above,
+                };
+                if stay == Stay::On {
+                    ends_at = Some(GuardKind::Leave(surface, side));
+                }
+                mode = system.meet(grip, sides.with(surface, other));
+                if system.program(mode).is_none() {
+                    return Err(unfollowed("a stay on what is not slid along"));
+                }
+            }
+            GuardKind::Piece(lookup, side) if stay == Stay::Beyond => {
+                pieces[lookup] += if side == Side::Above { 1 } else { -1 };
+            }
+            _ => return Err(unfollowed("a touch of what has no sides")),
+        }
+        let next = self.after(index);
+        let parameters = self.workshop.parameters(self.free(at));
+        let model = &self.workshop.model;
+        let touch = steps[next].start.clone();
+        // A moment before, and after: the field is continuous.
+        let moved = |by: f64| -> Vec<f64> {
+            let rate = |state: &crate::model::State| {
+                model.graph.evaluate(state.derivative, &touch, &parameters)
+            };
+            (touch.iter().zip(&model.states))
+                .map(|(x, state)| x + by * rate(state))
+                .collect()
+        };
+        // After the last step it is a turn later than the first node.
+        let before = moved(-0.5 * duration);
+        let before = match next {
+            0 => {
+                let turns = self.workshop.closure.turns::<f64>(&parameters)?;
+                Closure::later(&turns, &self.counts, &before)
+            }
+            _ => before,
+        };
+        let stay = Step {
+            passage: Passage::Leg(LegKind {
+                mode,
+                ends_at,
+                jump: Jump::None,
+            }),
+            pieces,
+            start: before,
+            duration,
+            ..steps[index].clone()
+        };
+        steps[next].start = moved(0.5 * duration);
+        steps[index].duration -= 0.5 * duration;
+        steps[next].duration -= 0.5 * duration;
+        steps.insert(index + 1, stay);
+        let (shooting, at) = self.like(steps, at)?;
+        let place = shooting.duration_place(index + 1);
+        let place = place.ok_or_else(|| unfollowed("a stay without duration"))?;
+        Ok((shooting, at, place))
+    }
+}
+
+/// Where a guard has a least value of zero: the equations with that for an event, and their solution.
+pub(in crate::analysis::periodic::branch) struct Touched {
+    pub shooting: Shooting<f64>,
+    pub at: Vec<f64>,
+    /// The same as well as it is known.
+    pub told: Vec<f64>,
+    /// The step that ends there.
+    pub index: usize,
+    pub residual: f64,
+    pub correction: f64,
+    /// Of the parameter.
+    pub error: f64,
+}
+
+impl Touched {
+    /// Its equations, their solution, and the step that ends at the touch.
+    pub(in crate::analysis::periodic::branch) fn place(&self) -> (&Shooting<f64>, &[f64], usize) {
+        (&self.shooting, &self.told, self.index)
+    }
+
+    /// From a guess of where the event at the end of a step only touches.
+    pub(in crate::analysis::periodic::branch) fn solve(
+        (mut shooting, guess, index): (Shooting<f64>, Vec<f64>, usize),
+    ) -> Result<Self, String> {
+        let found = shooting.solved(&Bordered::Monitor(index), &guess);
+        let found = found.map_err(|error| error.to_string())?;
+        Ok(Self {
+            shooting,
+            at: found.at,
+            told: found.told,
+            index,
+            residual: found.residual,
+            correction: found.correction,
+            error: found.error,
+        })
+    }
+}
+
+impl Walker {
+    /// Where the least value that a guard has on a step vanishes.
+    pub(super) fn touched(
+        &self,
+        at: &[f64],
+        (index, least): (usize, &Least),
+    ) -> Result<Touched, String> {
+        let longer = self.shooting.with_event(at, index, least);
+        Touched::solve(longer.map_err(|error| error.to_string())?)
+    }
+
+    /// Notes a touch that the branch has passed, with its own equations.
+    pub(in crate::analysis::periodic::branch) fn note_passed_touch(
+        &mut self,
+        there: &Point,
+        touched: Touched,
+    ) {
+        self.note_touch(there, touched);
+        if let Some(special) = self.special.last_mut() {
+            special.persists = Some(true);
+        }
+    }
+
+    /// Notes a touch with its own equations: in place of the latest special point, if that is the same touch, which nothing has come of.
+    pub(in crate::analysis::periodic::branch) fn note_touch(
+        &mut self,
+        there: &Point,
+        touched: Touched,
+    ) {
+        if self.has_told(touched.place(), touched.error) {
+            self.special.pop();
+        }
+        let is_slow = self.shooting.crosses_slowly();
+        let own = core::mem::replace(&mut self.shooting, touched.shooting);
+        self.note(
+            SpecialKind::Touch,
+            there,
+            &touched.told,
+            touched.error,
+            touched.residual,
+        );
+        if is_slow {
+            self.tell_no_multipliers();
+        }
+        self.shooting = own;
+    }
+
+    /// A flight touches a surface: a stay at it comes in. The new equations, at their first station.
+    pub(super) fn crosses(
+        &mut self,
+        station: &Station,
+        (index, touching): (usize, &Least),
+        there: &Point,
+    ) -> Result<Station, String> {
+        let told = |error: &dyn core::fmt::Display| error.to_string();
+        let longer = self.shooting.with_event(&station.at, index, touching);
+        let longer = longer.map_err(|error| told(&error))?;
+        let (guess, scales) = (longer.1.clone(), longer.0.scales().to_vec());
+        let touched = Touched::solve(longer)?;
+        if moved(&touched.at, &guess, &scales) > THERE {
+            return Err("where a surface is touched only another place is found".to_owned());
+        }
+        let (mut touch, at, index) = (touched.shooting.clone(), touched.at.clone(), touched.index);
+        self.note_touch(there, touched);
+        let there = self.special.last().map(|special| special.point.clone());
+        touch.evaluate(&at).map_err(|left| told(&left))?;
+        let period = touch.period();
+        let mut failed: Option<NewtonError> = None;
+        for (stay, part) in [Stay::Beyond, Stay::On]
+            .into_iter()
+            .flat_map(|stay| STAYS.map(|part| (stay, part)))
+        {
+            let Ok((mut longer, guess, place)) = touch.with_stay(&at, (index, stay, part * period))
+            else {
+                continue;
+            };
+            let fixed = Condition::fixed(guess.len(), place, guess[place]);
+            let stays = match newton(&mut longer, &guess, core::slice::from_ref(&fixed)) {
+                Ok(stays) => stays,
+                Err(error) => {
+                    failed = Some(error);
+                    continue;
+                }
+            };
+            // What is solved elsewhere has nothing to do with the touch, and what is solved by no motion is none.
+            let is_there = moved(&stays.at, &guess, longer.scales()) <= THERE
+                && is_broken(&mut longer, &stays.at).is_ok_and(|broken| !broken);
+            if !is_there {
+                continue;
+            }
+            let along = tangent(&mut longer, &stays.at, &fixed.row);
+            let next = Station {
+                tangent: along.map_err(|error| told(&error))?,
+                at: stays.at,
+                residual: stays.residual,
+                correction: stays.correction,
+                orientation: 0.0,
+            };
+            self.shooting = longer;
+            if let Some(there) = there {
+                self.look_back(&next, (place, &there));
+            }
+            return Ok(next);
+        }
+        Err(match failed {
+            Some(error) => format!("a surface is touched, and beyond {error}"),
+            None => "a surface is touched, and no stay at it begins there".to_owned(),
+        })
+    }
+
+    /// Special points between a touch and the first station beyond it, whose stay shrinks to nothing on the way back.
+    fn look_back(&mut self, first: &Station, (stay, touch): (usize, &Point)) {
+        let reach = first.at[stay] / first.tangent[stay];
+        let back = match reach > 0.0 {
+            true => first.clone().reversed(),
+            false => first.clone(),
+        };
+        self.settle(first);
+        let here = Point::new(&mut self.shooting, first);
+        let mut to = back.clone();
+        for (x, by) in to.at.iter_mut().zip(&back.tangent) {
+            *x += reach.abs() * by;
+        }
+        self.between(&back, &to, reach.abs(), (&here, touch));
+    }
+}

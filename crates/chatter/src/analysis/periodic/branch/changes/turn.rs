@@ -1,0 +1,137 @@
+//! Grazes where the flow turns with the side of a surface: drag and friction change with the sign of the very rate that vanishes. The
+//! impact at which that rate turns comes in where it passed zero by itself, and leaves the surface crossed where it goes out.
+
+use super::events::unfollowed;
+use super::touch::VANISHED;
+use crate::analysis::periodic::closure::Closure;
+use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
+use crate::analysis::periodic::error::PeriodicError;
+use crate::analysis::periodic::shooting::Shooting;
+use crate::expressions::{Side, Sides};
+use crate::flow::GuardKind;
+use crate::flow::leg::{Jump, LegKind};
+use crate::numerics::Real;
+
+impl Shooting<f64> {
+    /// The same orbit with an impact of rate zero where a step ends by crossing a surface.
+    pub(super) fn with_impact_at_turn(
+        &self,
+        at: &[f64],
+        (index, contact): (usize, usize),
+    ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
+        let mut steps = self.current_steps(at);
+        let Some((kind, surface)) = turn(&steps[index]) else {
+            return Err(unfollowed("a graze where another event ends the flight"));
+        };
+        steps[index].passage = Passage::Leg(LegKind {
+            ends_at: Some(GuardKind::Gap(contact)),
+            jump: Jump::Impact(contact),
+            ..kind
+        });
+        // However weak, it takes the state off a surface that it would slide along, and a way back to that comes in as well, of no time yet.
+        let after = self.after(index);
+        if self.slides_along(&steps[after], surface)
+            && let Some(mode) = self.mode_beyond(kind.mode, surface)
+        {
+            let back = Step {
+                passage: Passage::Leg(LegKind {
+                    mode,
+                    ends_at: Some(GuardKind::Switch(surface)),
+                    jump: Jump::None,
+                }),
+                duration: 0.0,
+                told: Vec::new(),
+                closed: steps[index].closed,
+                ..steps[after].clone()
+            };
+            steps.insert(index + 1, back);
+            if after == 0 {
+                // What comes after is the next turn.
+                let parameters = self.workshop.parameters(self.free(at));
+                let turns = self.workshop.closure.turns::<f64>(&parameters)?;
+                let start = &mut steps[index + 1].start;
+                *start = Closure::later(&turns, &self.counts, start);
+            }
+        }
+        let (shooting, at) = self.like(steps, at)?;
+        Ok((shooting, at, index))
+    }
+
+    /// The mode on the other side of a surface.
+    fn mode_beyond(&self, mode: usize, surface: usize) -> Option<usize> {
+        let system = &self.workshop.system;
+        let (grip, sides, _) = system.origin_of(mode)?;
+        let other = match sides.get(surface) {
+            Side::Above => Side::Below,
+            Side::Below => Side::Above,
+            _ => return None,
+        };
+        let mode = system.meet(grip, sides.with(surface, other));
+        system.program(mode).map(|_| mode)
+    }
+
+    /// The impact before the shortest way back to a surface, if that takes next to no time.
+    pub(in crate::analysis::periodic::branch) fn impact_that_vanishes(
+        &self,
+        at: &[f64],
+    ) -> Option<usize> {
+        let ways = (0..self.steps.len()).filter(|&index| self.is_way_back(index));
+        let timed = ways.filter_map(|index| Some((index, *at.get(self.duration_place(index)?)?)));
+        let shortest = timed.min_by(|a, b| a.1.total_cmp(&b.1));
+        let vanished = shortest.filter(|(_, time)| *time < VANISHED * self.period());
+        vanished.map(|(index, _)| self.before(index))
+    }
+
+    /// Whether the surface at whose crossing a step ends is one that this contact's rate may turn with.
+    pub(super) fn turns(&self, index: usize) -> bool {
+        turn(&self.steps[index]).is_some()
+    }
+}
+
+impl<R: Real> Shooting<R> {
+    /// Whether a step slides along a surface.
+    pub(super) fn slides_along(&self, step: &Step, surface: usize) -> bool {
+        let origin = self.workshop.system.origin_of(step.mode());
+        origin.is_some_and(|(_, sides, _)| sides.get(surface) == Side::Sliding)
+    }
+
+    /// Whether a step leads back to a surface that the impact before it takes the state off, to slide along it: it takes as little time as that
+    /// impact has rate.
+    pub(in crate::analysis::periodic) fn is_way_back(&self, index: usize) -> bool {
+        let before = self.before(index);
+        let [first, back] = [before, index].map(|k| &self.steps[k]);
+        let (Some(_), Some((_, surface))) = (first.impact(), turn(back)) else {
+            return false;
+        };
+        let is_leg = matches!(first.passage, Passage::Leg(_));
+        is_leg
+            && self.slides_along(&self.steps[self.after(index)], surface)
+            && self.surface_at_impact(first.mode(), back.mode()) == Some(surface)
+    }
+
+    /// The surface that an impact takes the state across, and no other: that of the modes before and after it.
+    pub(super) fn surface_at_impact(&self, before: usize, after: usize) -> Option<usize> {
+        let system = &self.workshop.system;
+        let ((grip, sides, _), (other_grip, other_sides, _)) =
+            (system.origin_of(before)?, system.origin_of(after)?);
+        if grip != other_grip {
+            return None;
+        }
+        let differ = |surface: &usize| sides.get(*surface) != other_sides.get(*surface);
+        let mut surfaces = (0..Sides::MOST).filter(differ);
+        let surface = surfaces.next().filter(|_| surfaces.next().is_none())?;
+        let slides = |sides: Sides| sides.get(surface) == Side::Sliding;
+        (!slides(sides) && !slides(other_sides)).then_some(surface)
+    }
+}
+
+/// The leg of a step that ends by crossing a surface, and that surface.
+fn turn(step: &Step) -> Option<(LegKind, usize)> {
+    match step.passage {
+        Passage::Leg(kind) if kind.jump == Jump::None => match kind.ends_at {
+            Some(GuardKind::Switch(surface)) => Some((kind, surface)),
+            _ => None,
+        },
+        _ => None,
+    }
+}

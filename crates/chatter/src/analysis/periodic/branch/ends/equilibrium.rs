@@ -1,0 +1,167 @@
+//! Equilibria of the flight that a step of an orbit is.
+
+use crate::analysis::periodic::shooting::Shooting;
+use crate::expressions::{Expr, Graph, Symbol};
+use crate::flow::leg::{Jump, LegKind};
+use crate::flow::{Closed, Settings};
+use crate::numerics::{Equations, Linearised, Matrix, Newton};
+use core::convert::Infallible;
+
+/// An equilibrium is known to so many roundoffs.
+const ROUNDOFFS: f64 = 64.0;
+
+/// The field of a flight and its slopes, at some parameters: in states that something depends on, others may go on.
+#[derive(Clone, Debug)]
+pub(super) struct Equilibria {
+    /// Those states.
+    pub states: Vec<usize>,
+    /// All parameters, pieces of lookups included.
+    pub parameters: Vec<f64>,
+    field: Vec<(usize, Expr, Vec<Expr>)>,
+    graph: Graph,
+}
+
+/// Where the field is zero.
+#[derive(Clone, Debug)]
+pub(super) struct Equilibrium {
+    /// All states.
+    pub state: Vec<f64>,
+    /// The slopes of the field.
+    pub slopes: Matrix<f64>,
+}
+
+struct Rest<'a> {
+    of: &'a Equilibria,
+    state: Vec<f64>,
+    sizes: &'a [f64],
+}
+
+impl Equations<f64> for Rest<'_> {
+    type Left = Infallible;
+
+    fn evaluate(&mut self, at: &[f64]) -> Result<Linearised<f64>, Infallible> {
+        for (&state, &x) in self.of.states.iter().zip(at) {
+            self.state[state] = x;
+        }
+        let field = &self.of.field;
+        let of = |expr: Expr| (self.of.graph).evaluate(expr, &self.state, &self.of.parameters);
+        let rows = field
+            .iter()
+            .map(|(.., slopes)| slopes.iter().map(|&slope| of(slope)).collect());
+        Ok(Linearised {
+            residual: field.iter().map(|&(_, rate, _)| of(rate)).collect(),
+            jacobian: Matrix::from_rows(&rows.collect::<Vec<Vec<f64>>>()),
+        })
+    }
+
+    fn size(&self, _: &[f64], correction: &[f64]) -> f64 {
+        let parts = self.of.states.iter().zip(correction);
+        parts.fold(0.0, |most, (&state, x)| {
+            most.max(x.abs() / self.sizes[state])
+        })
+    }
+}
+
+impl Equilibria {
+    /// How fast a state moves, against the sizes of states. Clocks go on.
+    pub(super) fn speed(&self, state: &[f64], sizes: &[f64]) -> f64 {
+        let moves = |rate: Expr| {
+            let mut symbols = self.graph.symbols(rate).into_iter();
+            symbols.any(|symbol| matches!(symbol, Symbol::State(_)))
+        };
+        let rates = (self.field.iter())
+            .filter(|&&(_, rate, _)| moves(rate))
+            .map(|&(own, rate, _)| self.graph.evaluate(rate, state, &self.parameters) / sizes[own]);
+        rates.fold(0.0, |most: f64, rate| most.max(rate.abs()))
+    }
+
+    /// The equilibrium near a state.
+    pub(super) fn near(&self, state: &[f64], sizes: &[f64]) -> Option<Equilibrium> {
+        let mut rest = Rest {
+            of: self,
+            state: state.to_vec(),
+            sizes,
+        };
+        let start: Vec<f64> = self.states.iter().map(|&index| state[index]).collect();
+        let found = Newton::to_rounding::<f64>(ROUNDOFFS)
+            .solve(&mut rest, &start)
+            .ok()?;
+        let Ok(there) = rest.evaluate(&found.at);
+        Some(Equilibrium {
+            state: rest.state,
+            slopes: there.jacobian,
+        })
+    }
+}
+
+/// An orbit that goes no farther than this part of the sizes of states has shrunk to a point.
+const SHRUNK: f64 = 1e-4;
+
+impl Shooting<f64> {
+    /// Whether an orbit has shrunk to a point: all its nodes, and where its flights are half over. Phases turn on where friction comes to
+    /// hold all else.
+    pub(in crate::analysis::periodic::branch) fn has_shrunk(&mut self, at: &[f64]) -> bool {
+        let origin = self.node(at, 0).to_vec();
+        let is_near = |state: &[f64]| self.is_one_place(state, &origin);
+        let parameters = self.workshop.parameters(self.free(at));
+        (0..self.steps.len()).all(|index| {
+            let step = &self.steps[index];
+            let (Some(kind), Some(place)) = (step.flight(), self.duration_place(index)) else {
+                return false;
+            };
+            let flight = LegKind {
+                ends_at: None,
+                jump: Jump::None,
+                ..kind
+            };
+            let Some(leg) = self.workshop.leg(flight) else {
+                return false;
+            };
+            let all = self.parameters_of(&parameters, step);
+            let (node, half) = (self.node(at, index), 0.5 * at[place]);
+            let landing = leg.fly(&mut leg.flyer(&Settings::default()), &all, node, half);
+            is_near(node) && landing.is_ok_and(|landing| is_near(&landing.image))
+        })
+    }
+
+    /// Whether states are one, but for phases and what nothing depends on.
+    pub(in crate::analysis::periodic::branch) fn is_one_place(
+        &self,
+        one: &[f64],
+        other: &[f64],
+    ) -> bool {
+        let (closure, sizes) = (&self.workshop.closure, self.state_sizes());
+        let parts = one.iter().zip(other).zip(&sizes).enumerate();
+        let stays = |index: usize| !(closure.is_idle(index) || closure.is_phase(index));
+        let mut parts = parts.filter(|(index, _)| stays(*index));
+        parts.all(|(_, ((x, y), size))| (x - y).abs() <= SHRUNK * size)
+    }
+
+    /// Those of the mode of a step in which nothing is held.
+    pub(super) fn equilibria(&self, at: &[f64], index: usize) -> Option<Equilibria> {
+        let workshop = &self.workshop;
+        let LegKind { mode, .. } = self.steps[index].flight()?;
+        let (grip, _, on) = workshop.system.origin_of(mode)?;
+        if grip.closed != Closed::NONE {
+            return None;
+        }
+        let mut graph = on.mechanics.graph.clone();
+        let states =
+            (0..workshop.model.states.len()).filter(|&state| !workshop.closure.is_idle(state));
+        let states: Vec<usize> = states.collect();
+        let field = states.iter().map(|&state| {
+            let rate = on.mechanics.field[state];
+            let slopes = states
+                .iter()
+                .map(|&by| graph.derivative(rate, Symbol::State(by)));
+            (state, rate, slopes.collect())
+        });
+        let field = field.collect();
+        Some(Equilibria {
+            parameters: self.parameters_of(&workshop.parameters(self.free(at)), &self.steps[index]),
+            states,
+            field,
+            graph,
+        })
+    }
+}

@@ -1,0 +1,7 @@
+//! Where a branch is over: back where it began, at an equilibrium, or with a period that grows without bound.
+
+pub(super) mod equilibrium;
+pub(super) mod hopf;
+pub(super) mod returns;
+pub(super) mod saddle;
+pub(super) mod unbounded;

@@ -1,0 +1,134 @@
+//! Whether a branch has come back to where it began.
+
+use crate::analysis::continuation::{Problem, Station, locate};
+use crate::analysis::periodic::branch::kept::Walked;
+use crate::analysis::periodic::branch::limits::station_at;
+use crate::analysis::periodic::branch::special::Near;
+use crate::analysis::periodic::branch::walker::Walker;
+use crate::analysis::periodic::cycle::itinerary::Passage;
+use crate::analysis::periodic::shooting::Shooting;
+
+/// Two orbits at one parameter that are this near, against their size, are one.
+const SAME_ORBIT: f64 = 1e-8;
+
+/// What an orbit's sequence of events is.
+pub(in crate::analysis::periodic::branch) fn passages(shooting: &Shooting<f64>) -> Vec<Passage> {
+    shooting.steps.iter().map(|step| step.passage).collect()
+}
+
+/// Where a station is, seen from an orbit.
+struct Past {
+    /// How far past it, along the tangent of the station.
+    along: f64,
+    /// How far away, against the size of the orbit.
+    distance: f64,
+}
+
+impl Shooting<f64> {
+    /// Where a station is, seen from an orbit whose events come in this order but for so many that it is told later. Phases may be
+    /// turns further.
+    fn past(&self, station: &Station, (origin, by): (&[f64], usize)) -> Option<Past> {
+        let parameters = self.workshop.parameters(self.free(&station.at));
+        let turns = self.workshop.closure.turns(&parameters).ok()?;
+        let (sizes, scales) = (self.state_sizes(), self.scales());
+        let last = station.at.len() - 1;
+        let gone = (station.at[last] - origin[last]) / scales[last];
+        let mut past = Past {
+            along: gone * station.tangent[last] / scales[last],
+            distance: gone.abs(),
+        };
+        let count = self.steps.len();
+        for k in 0..count {
+            let own = (k + by) % count;
+            let nodes = (self.node(origin, k), self.node(&station.at, own));
+            let (rest, difference) = self.workshop.closure.apart(&turns, nodes, &sizes);
+            past.distance = past.distance.max(difference.distance);
+            let tangent = self.node(&station.tangent, own);
+            let parts = rest.iter().zip(tangent).zip(&sizes);
+            past.along += parts
+                .map(|((x, by), size)| x / size * (by / size))
+                .sum::<f64>();
+        }
+        Some(past)
+    }
+}
+
+impl Walker {
+    /// Where the branch comes back, between two stations, to where it began: to the same orbit, told from any of its events; and how
+    /// far that is from the first. The parameter alone does not tell: where the branch began beside a fold a step goes past it, and to the
+    /// same side of where it began.
+    pub(in crate::analysis::periodic::branch) fn returns(
+        &mut self,
+        (from, to): (&Station, &Station),
+        step: f64,
+        began: &Walked,
+    ) -> Option<(Station, f64)> {
+        let own = passages(&self.shooting);
+        let (origin, kinds) = (&began.origin, &began.passages);
+        let count = own.len();
+        if count != kinds.len() {
+            return None;
+        }
+        let rotations =
+            (0..count).filter(|by| (0..count).all(|k| own[(k + by) % count] == kinds[k]));
+        let shooting = &mut self.shooting;
+        for by in rotations {
+            let ends = (
+                shooting.past(from, (origin, by))?,
+                shooting.past(to, (origin, by))?,
+            );
+            if !(ends.0.along < 0.0 && ends.1.along >= 0.0) {
+                continue;
+            }
+            let reader = shooting.clone();
+            let mut past = |_: &mut dyn Problem<f64>, station: &Station| {
+                Some(-reader.past(station, (origin, by))?.along)
+            };
+            let ends = (-ends.0.along, -ends.1.along);
+            let Some((here, ahead)) = locate(shooting, from, step, ends, &mut past) else {
+                continue;
+            };
+            if shooting.past(&here, (origin, by))?.distance <= SAME_ORBIT {
+                return Some((here, ahead));
+            }
+        }
+        self.returns_elsewhere((from, to), step, began)
+    }
+
+    /// The same of an orbit that is told from one of its crossings of the section: it may come back with another of them for that one.
+    /// So it does at the parameter of where it began.
+    fn returns_elsewhere(
+        &mut self,
+        (from, to): (&Station, &Station),
+        step: f64,
+        began: &Walked,
+    ) -> Option<(Station, f64)> {
+        let value = began.origin.last().copied()?;
+        let passes = (from.parameter() - value) * (to.parameter() - value) < 0.0;
+        if !passes || self.shooting.other_crossings(&to.at).is_empty() {
+            return None;
+        }
+        let (here, ahead) = station_at(&mut self.shooting, (from, to), step, value)?;
+        let shooting = &self.shooting;
+        let parameters = shooting.workshop.parameters(shooting.free(&here.at));
+        let turns = shooting.workshop.closure.turns(&parameters).ok()?;
+        let others = shooting.other_crossings(&here.at);
+        let others: Vec<Vec<f64>> = others.into_iter().map(|least| least.state).collect();
+        let origin = [shooting.node(&began.origin, 0).to_vec()];
+        let sizes = shooting.state_sizes();
+        let closure = &shooting.workshop.closure;
+        let is_same = closure.share(&turns, (&others, &origin), &sizes, SAME_ORBIT);
+        is_same.then_some((here, ahead))
+    }
+
+    /// What has come back along itself, by way of its mirror image, is told as far as where it turned: its special points say where.
+    pub(in crate::analysis::periodic::branch) fn forget_way_back(&mut self) {
+        let (all, count) = (&self.special, self.special.len());
+        let near = Near::over(self.limits.range);
+        let is_image = |k: usize| all[k].is_like(&all[count - 1 - k], near);
+        if count > 0 && (0..count / 2).all(is_image) {
+            self.points.truncate(all[count / 2].place);
+            self.special.truncate(count.div_ceil(2));
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Where the period of a branch grows without bound at a finite value of the parameter p*: by which law, and at which value.
+//!
+//! Beside an orbit that leads to an equilibrium which it leaves or comes to at a rate, the time there is a logarithm; where an equilibrium is about
+//! to come about on the orbit by a fold, and the motion creeps through the place, an inverse root (Strogatz, section 8.4):
+//!
+//! ```text
+//! p - p* = C exp(-k T) (1 + ...)              T = -log|p - p*| / k + ...
+//! p - p* = C^2 / T^2 + c_3 / T^3 + ...        T = C / sqrt|p - p*| + ...
+//! ```
+//!
+//! Which of them holds is read off the orbits; neither asks for the equilibrium, which a branch need not know, as where a clock, a relay or a
+//! threshold leads there.
+
+use crate::analysis::periodic::branch::Point;
+use crate::numerics::stored::number;
+use crate::numerics::{Matrix, root_between};
+use core::fmt;
+use serde::{Deserialize, Serialize};
+
+/// How a period grows without bound.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unbounded {
+    /// The parameter.
+    pub name: String,
+    /// Its value where the period is infinite.
+    #[serde(with = "number")]
+    pub value: f64,
+    /// Estimated error of that.
+    #[serde(with = "number")]
+    pub error: f64,
+    /// The period of the last orbit.
+    #[serde(with = "number")]
+    pub period: f64,
+    /// By which law it grows.
+    pub law: Law,
+}
+
+/// A period against the distance d of the parameter from its value there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Law {
+    /// T = -log(d)/k: beside an equilibrium, k being a rate of it.
+    Logarithm(#[serde(with = "number")] f64),
+    /// T = C/sqrt(d): a saddle-node on the orbit.
+    InverseRoot(#[serde(with = "number")] f64),
+}
+
+impl fmt::Display for Unbounded {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, value, .. } = self;
+        write!(
+            out,
+            "the period, {:.6} here, grows without bound as {name} comes to {value} (error {:.0e}): ",
+            self.period, self.error
+        )?;
+        match self.law {
+            Law::Logarithm(rate) => write!(out, "T = -log|{name} - {name}*|/{rate:.6}"),
+            Law::InverseRoot(factor) => write!(
+                out,
+                "T = {factor:.6}/sqrt|{name} - {name}*|, as at a saddle-node on the orbit"
+            ),
+        }
+    }
+}
+
+/// So many orbits, at least, along which the period grows, …
+const FEWEST: usize = 24;
+/// … by this factor.
+const GROWN: f64 = 1.3;
+/// Parts of the growth between two of the orbits that are compared.
+const PARTS: f64 = 12.0;
+/// Rates of a logarithm that differ by less than this part are one, …
+const SAME_RATE: f64 = 0.02;
+/// … and its value is known once it is this near, in parts of the parameter's size.
+const NEAR: f64 = 1e-11;
+/// An inverse root is told from periods that have grown by this factor, …
+const LONG: f64 = 16.0;
+/// … with an exponent between -2 and this far from it.
+const SAME_POWER: f64 = 0.1;
+/// Periods of the orbits that an inverse root is told from have this ratio, and there are so many.
+const RATIO: f64 = 1.3;
+const ORDER: usize = 6;
+/// A value is known to so many roundoffs of the parameter.
+const ROUNDOFFS: f64 = 64.0;
+
+/// The law by which the period grows at the end of a side of a branch, if it does without bound, and the parameter's value there.
+pub(in crate::analysis::periodic::branch) fn unbounded(
+    points: &[Point],
+    name: &str,
+    scale: f64,
+) -> Option<Unbounded> {
+    let last = points.last()?;
+    let run = growing(points);
+    let first = run.first()?;
+    if run.len() < FEWEST || last.period < GROWN * first.period {
+        return None;
+    }
+    let (value, error, law) = logarithm(run, scale)
+        .or_else(|| inverse_root(run).filter(|(_, error, _)| *error < scale))?;
+    let rounding = ROUNDOFFS * f64::EPSILON * value.abs().max(last.parameter().abs());
+    Some(Unbounded {
+        name: name.to_owned(),
+        value,
+        error: error + rounding,
+        period: last.period,
+        law,
+    })
+}
+
+/// The latest points along which the period grows and the parameter goes one way, with one sequence of events.
+fn growing(points: &[Point]) -> &[Point] {
+    let way = match points {
+        [.., before, last] => last.parameter() - before.parameter(),
+        _ => return &[],
+    };
+    let goes_on = |pair: &&[Point]| {
+        let gone = pair[1].parameter() - pair[0].parameter();
+        pair[1].period > pair[0].period && pair[1].impacts == pair[0].impacts && gone * way >= 0.0
+    };
+    let steps = points.windows(2).rev().take_while(goes_on).count();
+    &points[points.len() - 1 - steps..]
+}
+
+/// The orbit whose period comes next to a value.
+fn with_period(run: &[Point], period: f64) -> Option<&Point> {
+    let place = run.partition_point(|point| point.period < period);
+    run.get(place.min(run.len() - 1))
+}
+
+/// The rate and the limit of a parameter that comes to it exponentially, from three periods.
+fn exponential([a, b, c]: [&Point; 3]) -> Option<(f64, f64)> {
+    let (early, late) = (b.period - a.period, c.period - b.period);
+    let (gone, left) = (a.parameter() - b.parameter(), b.parameter() - c.parameter());
+    let ratio = gone / left;
+    if !(ratio > 1.0 && early > 0.0 && late > 0.0) {
+        return None;
+    }
+    // gone/left = e^(k late) (e^(k early) - 1)/(e^(k late) - 1)
+    let off = |rate: f64| {
+        let by = |time: f64| libm::expm1(rate * time);
+        (1.0 + by(late)) * by(early) / by(late) - ratio
+    };
+    let high = libm::log(ratio) / early.min(late) * 2.0;
+    let rate = root_between(off, high * 1e-6, high)?;
+    Some((rate, c.parameter() - left / libm::expm1(rate * late)))
+}
+
+fn logarithm(run: &[Point], scale: f64) -> Option<(f64, f64, Law)> {
+    let (first, last) = (run.first()?, run.last()?);
+    let part = (last.period - first.period) / PARTS;
+    let at = |parts: f64| with_period(run, last.period - parts * part);
+    let (early, late) = (
+        exponential([at(3.0)?, at(2.0)?, at(1.0)?])?,
+        exponential([at(2.0)?, at(1.0)?, last])?,
+    );
+    let is_one = (late.0 / early.0 - 1.0).abs() < SAME_RATE;
+    let is_near = (last.parameter() - late.1).abs() < NEAR * scale;
+    (is_one && is_near).then_some((late.1, (late.1 - early.1).abs(), Law::Logarithm(late.0)))
+}
+
+/// The limit of a parameter that comes to it as a polynomial without a linear term in the inverse of the period, by so many orbits.
+fn limit(run: &[Point], order: usize) -> Option<f64> {
+    let last = run.last()?;
+    let mut rows = Vec::with_capacity(order);
+    let mut values = Vec::with_capacity(order);
+    for k in 0..order {
+        let point = with_period(run, last.period / RATIO.powi(k as i32))?;
+        let inverse = last.period / point.period;
+        let powers = (0..order).map(|power| match power {
+            0 => 1.0,
+            power => inverse.powi(power as i32 + 1),
+        });
+        rows.push(powers.collect::<Vec<f64>>());
+        values.push(point.parameter());
+    }
+    let found = Matrix::from_rows(&rows).factored()?.solve(&values);
+    found.first().copied().filter(|value| value.is_finite())
+}
+
+fn inverse_root(run: &[Point]) -> Option<(f64, f64, Law)> {
+    let (first, last) = (run.first()?, run.last()?);
+    if last.period < LONG * first.period {
+        return None;
+    }
+    let (value, other) = (limit(run, ORDER)?, limit(run, ORDER - 1)?);
+    let before = with_period(run, last.period / RATIO)?;
+    let distance = |point: &Point| point.parameter() - value;
+    let ratio = distance(before) / distance(last);
+    let power = libm::log(ratio) / libm::log(last.period / before.period);
+    let factor = last.period * distance(last).abs().sqrt();
+    let holds = ratio > 1.0 && (power - 2.0).abs() < SAME_POWER;
+    holds.then_some((value, (value - other).abs(), Law::InverseRoot(factor)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn orbits(of: impl Fn(f64) -> f64, periods: impl Iterator<Item = f64>) -> Vec<Point> {
+        let point = |period: f64| Point {
+            parameters: vec![of(period)],
+            period,
+            impacts: Some(0),
+            multipliers: Vec::new(),
+            modulus_error: 0.0,
+            state: Vec::new(),
+            monitors: Vec::new(),
+            residual: 0.0,
+            correction: 0.0,
+        };
+        periods.map(point).collect()
+    }
+
+    #[test]
+    fn laws_are_told_apart_with_their_values() {
+        let steps = |least: f64, most: f64, step: f64| {
+            let count = ((most - least) / step) as usize;
+            (0..count).map(move |k| least + step * k as f64)
+        };
+        let exponential = orbits(
+            |t| 0.3 + 2.0 * libm::exp(-0.7 * t) + 5.0 * libm::exp(-1.4 * t),
+            steps(2.0, 42.0, 0.11),
+        );
+        let found = unbounded(&exponential, "p", 1.0).unwrap();
+        let Law::Logarithm(rate) = found.law else {
+            panic!("{found:?}");
+        };
+        assert!((rate - 0.7).abs() < 1e-3, "{found:?}");
+        assert!(
+            (found.value - 0.3).abs() <= found.error && found.error < 1e-11,
+            "{found:?}"
+        );
+        let root = orbits(
+            |t| 0.3 - 2.0 / (t - 0.4).powi(2) + 3.0 / (t - 0.4).powi(4),
+            steps(2.0, 60.0, 0.1),
+        );
+        let found = unbounded(&root, "p", 1.0).unwrap();
+        let Law::InverseRoot(factor) = found.law else {
+            panic!("{found:?}");
+        };
+        assert!((factor - 2.0_f64.sqrt()).abs() < 0.02, "{found:?}");
+        assert!(
+            (found.value - 0.3).abs() <= found.error && found.error < 1e-4,
+            "{found:?}"
+        );
+        // A period that comes to an end, or grows with the parameter.
+        assert_eq!(
+            unbounded(&orbits(|t| 5.0 * t, steps(2.0, 60.0, 0.1)), "p", 1.0),
+            None
+        );
+        let fold = orbits(|t| 0.3 - (60.0 - t).powi(2), steps(2.0, 59.9, 0.1));
+        assert_eq!(unbounded(&fold, "p", 1.0), None);
+    }
+}

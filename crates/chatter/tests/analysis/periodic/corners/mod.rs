@@ -1,0 +1,10 @@
+//! Corners and surfaces that orbits meet, touch and slide along.
+
+mod asked;
+mod border_collisions;
+mod corners_at_sections;
+mod impacts_at_corners;
+mod rough_walls;
+mod sticks;
+mod surfaces;
+pub(super) mod touches;

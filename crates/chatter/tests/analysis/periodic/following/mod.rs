@@ -1,0 +1,9 @@
+//! Branches are the same wherever they begin, whatever the steps, and however often they are broken off.
+
+mod any_start;
+mod monitors;
+mod resumed;
+mod stations;
+mod steps;
+mod told_from;
+mod told_once;

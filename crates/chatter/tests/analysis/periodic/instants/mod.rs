@@ -1,0 +1,6 @@
+//! Events that share an instant, and their order.
+
+mod at_one_instant;
+mod meeting;
+mod order_of_events;
+mod together;
