@@ -125,15 +125,6 @@ pub struct Break {
     pub cause: BreakCause,
 }
 
-/// A parameter value at which the motion cannot be followed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Unfollowed {
-    /// The parameter value.
-    pub value: f64,
-    /// Why.
-    pub error: FlowError,
-}
-
 /// Why the verdict changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BreakCause {
@@ -161,7 +152,7 @@ pub enum BreakCause {
 }
 
 /// A parameter value to read: ten digits, and no row of zeros.
-struct ParameterValue(f64);
+pub(crate) struct ParameterValue(pub f64);
 
 impl fmt::Display for ParameterValue {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -201,12 +192,6 @@ impl fmt::Display for Break {
             }
             BreakCause::Jump => out.write_str("the impact sequence jumps"),
         }
-    }
-}
-
-impl fmt::Display for Unfollowed {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "at {} {}", ParameterValue(self.value), self.error)
     }
 }
 

@@ -7,12 +7,10 @@ use super::release::equations::{CONDITIONS, ReleaseEquations, ReleasePoint};
 use super::spec::BorderSpec;
 use crate::analysis::periodic::closure::{Closure, Turn};
 use crate::expressions::{Expr, Graph, Side, Surfaces, Symbol};
-use crate::flow::{Column, Corner, Grip, Occurrence, System, SystemError, columns, with_identity};
+use crate::flow::{Column, Corner, System, SystemError, columns, with_identity};
 use crate::model::{Mechanics, Model};
+use crate::numerics::linear::solve;
 use crate::numerics::{Real, dot, moved};
-
-/// So many steps of the model's own motion show where its contacts rest, or nearly do.
-const STEPS_TO_REST: usize = 10_000;
 
 /// A corner is at the release point if its function is this small there against the largest along the way.
 const AT_RELEASE: f64 = 1e-9;
@@ -153,18 +151,16 @@ impl Problem {
         let rests = equations.at(0..RESTS, &point.state, parameters).jacobian;
         let graph = &self.mechanics.graph;
         let slopes = graph.evaluate_all(&corner.slopes, &point.state, parameters);
-        let mut rows: Vec<Vec<R>> = (0..RESTS).map(|row| rests.row(row).to_vec()).collect();
-        rows.push(slopes);
         // Of its slopes gap and rate leave nothing.
-        let size = dot(&rows[RESTS], &rows[RESTS]);
-        for k in 0..RESTS {
-            let square = dot(&rows[k], &rows[k]);
-            for later in k + 1..rows.len() {
-                let part = dot(&rows[later], &rows[k]) / square;
-                rows[later] = moved(&rows[later], &rows[k], -part);
-            }
-        }
-        let left = dot(&rows[RESTS], &rows[RESTS]);
+        let rows = [0, 1].map(|row| rests.row(row));
+        let squares = rows.map(|a| rows.map(|b| dot(a, b)).to_vec());
+        let Some(parts) = solve(&squares, &rows.map(|row| dot(row, &slopes))) else {
+            return false;
+        };
+        let rest = (parts.iter().zip(rows)).fold(slopes.clone(), |left, (&part, row)| {
+            moved(&left, row, -part)
+        });
+        let (size, left) = (dot(&slopes, &slopes), dot(&rest, &rest));
         let is_of_rest = left <= size * R::splat(AT_RELEASE * AT_RELEASE) && size > R::ZERO;
         let Some(first) = way.first().filter(|_| is_of_rest) else {
             return false;
@@ -175,19 +171,15 @@ impl Problem {
             let state = moved(&point.state, jump, by);
             (self.whole.0).evaluate_all(&self.whole.1, &state, parameters)
         };
-        let across = |part: f64| {
-            let by = rate * R::splat(part);
-            let both = field(by).into_iter().zip(field(-by));
-            both.map(|(above, below)| (above - below).abs())
-                .collect::<Vec<R>>()
+        let across = |part: f64| -> Vec<R> {
+            let sides = [part, -part].map(|part| field(rate * R::splat(part)));
+            (sides[0].iter().zip(&sides[1]))
+                .map(|(&a, &b)| (a - b).abs())
+                .collect()
         };
-        let sizes = field(R::ZERO);
-        let noise = |size: R| size.abs() * R::splat(NOISE_ROUNDOFFS * R::ROUNDOFF);
-        (across(BESIDE)
-            .into_iter()
-            .zip(across(BESIDE / NEARER))
-            .zip(sizes))
-        .all(|((far, near), size)| near <= far * R::splat(2.0 / NEARER) + noise(size))
+        let (far, near, sizes) = (across(BESIDE), across(BESIDE / NEARER), field(R::ZERO));
+        let [shrinks, noise] = [2.0 / NEARER, NOISE_ROUNDOFFS * R::ROUNDOFF].map(R::splat);
+        (0..sizes.len()).all(|i| near[i] <= far[i] * shrinks + sizes[i].abs() * noise)
     }
 
     /// At a value of the parameter: fails where the equations never return to what they were.
@@ -227,27 +219,9 @@ fn at_rest(
     if system.corners().is_empty() {
         return Ok((plain, Vec::new()));
     }
-    let parameters = model.parameter_values::<f64>(&[]);
-    let state = model.initial_state(&parameters);
-    let started = system.trajectory_from(&parameters, &state);
-    let (mut work, mut trajectory) =
-        started.map_err(|error| BorderError::System(SystemError::Flow(error)))?;
-    // Where it never rests, its slowest impact comes nearest to it.
-    let (mut nearest, mut slowest) = (trajectory.mode, f64::INFINITY);
-    for _ in 0..STEPS_TO_REST {
-        if (system.origin_of(trajectory.mode)).is_some_and(|(grip, ..)| grip != Grip::NONE) {
-            nearest = trajectory.mode;
-            break;
-        }
-        match trajectory.advance_to_horizon(system, &mut work) {
-            Ok(Some(Occurrence::Impact { rate_after, .. })) if rate_after < slowest => {
-                (nearest, slowest) = (trajectory.mode, rate_after);
-            }
-            Ok(_) => {}
-            Err(_) => break,
-        }
-    }
-    let Some((_, sides, on_sides)) = system.origin_of(nearest) else {
+    let rests =
+        (system.first_rest()).map_err(|error| BorderError::System(SystemError::Flow(error)))?;
+    let Some((_, sides, on_sides)) = system.origin_of(rests) else {
         return Ok((plain, Vec::new()));
     };
     let followed = on_sides.followed;

@@ -3,8 +3,9 @@
 use super::branches::Branch;
 use super::closing_in::HALVINGS_WITHOUT;
 use super::sample::Sample;
+use super::unfollowed::Unfollowed;
 use crate::analysis::border::{
-    Border, BorderError, BorderSpec, Break, Lack, Problem, Root, Unfollowed, Verdict, complete,
+    Border, BorderError, BorderSpec, Break, Lack, Problem, Root, Verdict, complete,
 };
 use crate::model::Model;
 use crate::numerics::{Estimate, Real};

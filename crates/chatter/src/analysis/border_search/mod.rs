@@ -11,6 +11,7 @@
 //! closing_in      from a change of the verdict to the root between
 //! borders         stretch by stretch: all of a range, or outwards to the nearest to a value
 //! breaks          what ends complete chatter where no border is
+//! unfollowed      values at which the motion ends
 //! at_value        the paper's coefficients at a value near a border
 //! ```
 
@@ -22,8 +23,10 @@ mod closing_in;
 mod release_points;
 mod returning;
 mod sample;
+mod unfollowed;
 mod verdict;
 
 pub use at_value::leading_order_at;
 pub use borders::{Borders, SearchObserver, SearchProgress};
 pub use borders::{border_near, borders_in, search_near, search_range, verdicts_in};
+pub use unfollowed::Unfollowed;
