@@ -43,9 +43,9 @@ JSON
   covector, covector_parameter, … each with its error}, leading_order {A, B, C, D, E, F, slope, unfolding_rate, section,
   crossing} or null with leading_order_error, windows {n, fold, …} as predicted, simulated_windows {n, fold, fold_error,
   fold_missed_by, …} as far as they are found in the model; what there is none of is null. With --range: borders, a list
-  of such objects, and breaks, where complete chatter ends without a border; unfollowed lists values at which the
-  motion cannot be followed, with the outcome that `diagram` has there, cause and message; without_chatter and
-  unresolved count places about which nothing is said. With more than 17 digits each number but those of simulated_windows has a twin in
+  of such objects, and breaks, where complete chatter ends without a border; unfollowed lists values at which the motion
+  cannot be followed, with the outcome that `diagram` has there, cause and message; without_chatter and unresolved count
+  places about which nothing is said. With more than 17 digits each number but those of simulated_windows has a twin in
   decimals as text, under its name with `_digits` at the end.";
 
 /// Digits of text if nothing else is asked for.

@@ -347,13 +347,19 @@ pub(crate) fn station_after(
         row: row.clone(),
         value,
     };
-    let found = newton(problem, guess, &[held])?;
+    let order_matters = || {
+        NewtonError::Left(Left::because(
+            "two events change places, and the order in which they come matters",
+        ))
+    };
+    let found = newton(problem, guess, &[held]).map_err(|error| match error {
+        NewtonError::Stalled { correction, .. } if correction > SMOOTH => order_matters(),
+        other => other,
+    })?;
     let far = (found.at.iter().zip(guess).zip(&scales))
         .any(|((x, guess), scale)| (x - guess).abs() > SMOOTH * scale);
     if far {
-        return Err(NewtonError::Left(Left::because(
-            "two events change places, and the order in which they come matters",
-        )));
+        return Err(order_matters());
     }
     let mut along = tangent(problem, &found.at, &row)?;
     if grows.is_some_and(|place| along[place] < 0.0) {

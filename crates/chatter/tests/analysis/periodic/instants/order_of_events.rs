@@ -435,3 +435,47 @@ fn an_impact_and_the_tick_of_a_clock_change_places() {
         assert_eq!(branch.ends[1], End::Range, "{step}");
     }
 }
+
+/// A tick that kicks a mass towards its wall: just before an impact they are one blow, just after it there is a second impact. So the branch ends where
+/// they share an instant, and says that. There the mass is struck away at rate r (a + f), and comes back after one tick at rate a.
+#[test]
+fn a_branch_ends_where_the_order_of_two_blows_matters() {
+    let (period, wall, drag, r): (f64, f64, f64, f64) = (4.9913, 0.354, 0.0673, 0.3818);
+    for (length, time) in [(1.0, 1.0), (1e3, 1e-2)] {
+        let text = format!(
+            "[parameters]\nf = 0.6\n[flight]\nx = 'v'\nv = '-x/{} - {}*v'\ns = '1'\n[[event]]\nname = 'tick'\nsurface = 's - {}'\n\
+             direction = 'rising'\nreset = {{ s = '0', v = 'v + {}*f' }}\n[[contact]]\nname = 'wall'\ngap = '{} - x'\n\
+             impulse = {{ v = -1 }}\nrestitution = {r}\n[initial]\nx = {}\nv = 0\ns = 0\n",
+            time * time,
+            drag / time,
+            period * time,
+            length / time,
+            wall * length,
+            0.1 * length
+        );
+        let w = (1.0 - drag * drag / 4.0).sqrt();
+        let (fade, (sin, cos)) = ((-0.5 * drag * period).exp(), (w * period).sin_cos());
+        // From the wall at rate v to the wall: (x cos + (v + drag x/2) sin/w) fade = x.
+        let slope = (wall / fade - wall * cos) * w / sin;
+        let away = slope - 0.5 * drag * wall;
+        let back = fade * (slope * cos - wall * w * sin) - 0.5 * drag * wall;
+        let both = -away / r - back;
+        for step in [0.02, 0.1] {
+            let branch = over(&with(&text, &[]), "f", (0.5, 1.1), (6, step)).swap_remove(0);
+            let touch = branch.special.last().unwrap();
+            assert_eq!(touch.kind, SpecialKind::Touch, "{step}");
+            assert!(
+                (value(touch) - both).abs() < 1e-11,
+                "{} {both}",
+                value(touch)
+            );
+            let End::Lost(why) = &branch.ends[1] else {
+                panic!("{step}: {:?}", branch.ends);
+            };
+            assert!(
+                why.contains("the order in which they come matters"),
+                "{why}"
+            );
+        }
+    }
+}
