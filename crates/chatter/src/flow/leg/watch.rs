@@ -93,8 +93,9 @@ pub(crate) struct Least {
 const JUST_OPENED: f64 = 1e-9;
 /// A guard that the leg begins on and whose rate turns within this part of the leg, as where a stick ends, is least where it begins.
 const AT_ONCE: f64 = 1e-12;
-/// So does one that comes no farther until then, by the rate that it begins with or by a jerk, than this part of what it is on the
-/// leg, or would be with the rate that it ends with: contacts open with no rate and no acceleration, and rounding of these turns before the jerk tells.
+/// So does one that falls no farther until then, by the rate that it begins with or by a jerk, than this part of what it is on the
+/// leg, or would be with the rate that it ends with: contacts open with no rate and no acceleration, and rounding of these turns before
+/// the jerk tells. (After an impact the gap rises, however little: that is a flight.)
 const NO_WAY: f64 = 1e-12;
 
 impl Watch {
@@ -277,7 +278,7 @@ impl Leg {
                             && part * part * part <= NO_WAY
                             && guard.is_some_and(|guard| {
                                 let size = sizes[guard].max((last[guard] * duration).abs());
-                                (rates[guard] * least.time).abs() <= NO_WAY * size
+                                rates[guard] <= 0.0 && -rates[guard] * least.time <= NO_WAY * size
                             })
                     };
                     found.retain(|least| {
