@@ -115,8 +115,8 @@ pub(crate) struct Shooting<R: Real> {
 
 /// Sizes of states that fall below this part of what they were.
 const NEXT_TO_NOTHING: f64 = 1e-6;
-/// States are measured anew where they have become so many times as large.
-const OUTGROWN: f64 = 2.0;
+/// States are measured anew where they have become so many times as large: more than those that drift are ever displaced.
+const OUTGROWN: f64 = 16.0;
 /// A state is zero at nodes alone if all that is seen of it there is less than this part of how far others may move it.
 const AT_NODES_ALONE: f64 = 1e-9;
 /// Impacts that are to share an instant are no farther apart than this part of the period.
@@ -287,9 +287,8 @@ impl<R: Real> Shooting<R> {
     pub(crate) fn grows_up(&mut self) -> bool {
         let mut sizes = self.state_sizes();
         let mut has_outgrown = false;
-        let closure = &self.workshop.closure;
         for (state, size) in sizes.iter_mut().enumerate() {
-            if !(closure.is_phase(state) || closure.is_idle(state)) {
+            if !self.workshop.closure.is_phase(state) {
                 let most = |most: f64, step: &Step| most.max(step.start[state].abs());
                 let now = self.steps.iter().fold(0.0, most);
                 has_outgrown |= now > OUTGROWN * *size;
