@@ -85,8 +85,8 @@ impl Problem {
         // Sections would only cut the flights, but for those that change the state.
         model.sections.retain(|section| section.reset.is_some());
         let system = System::new(&model)?;
-        let (mechanics, corners) = at_rest(&system, index)?;
         let whole = Mechanics::new(&model).map_err(SystemError::Model)?;
+        let (mechanics, corners) = at_rest(&system, &whole, index)?;
         let contacts = 0..model.contacts.len();
         let follower = |system: System, columns: &[Column]| {
             let local =
@@ -212,21 +212,21 @@ impl Problem {
 /// orbits are released there, and chatter ends there. With these sides.
 fn at_rest(
     system: &System,
+    whole: &Mechanics,
     parameter: usize,
 ) -> Result<(Mechanics, Vec<KnownCorner>), BorderError> {
     let model = system.model();
-    let plain = Mechanics::new(model).map_err(SystemError::Model)?;
     if system.corners().is_empty() {
-        return Ok((plain, Vec::new()));
+        return Ok((whole.clone(), Vec::new()));
     }
     let rests =
         (system.first_rest()).map_err(|error| BorderError::System(SystemError::Flow(error)))?;
     let Some((_, sides, on_sides)) = system.origin_of(rests) else {
-        return Ok((plain, Vec::new()));
+        return Ok((whole.clone(), Vec::new()));
     };
     let followed = on_sides.followed;
     if followed.is_empty() {
-        return Ok((plain, Vec::new()));
+        return Ok((whole.clone(), Vec::new()));
     }
     if followed.lookups != Surfaces::default() {
         return Err(BorderError::LooksUp);

@@ -3,9 +3,9 @@
 use super::branches::Branch;
 use super::closing_in::HALVINGS_WITHOUT;
 use super::sample::Sample;
-use super::unfollowed::Unfollowed;
+use super::unfollowed::{Unfollowed, end_of_motion};
 use crate::analysis::border::{
-    Border, BorderError, BorderSpec, Break, Lack, Problem, Root, Verdict, complete,
+    Border, BorderError, BorderSpec, Break, Problem, Root, Verdict, complete,
 };
 use crate::model::Model;
 use crate::numerics::{Estimate, Real};
@@ -193,13 +193,8 @@ impl<'a, R: Real> Search<'a, R> {
             failures.push(self.problem.extend(&mut branches, (values, k)).err());
         }
         let unfollowed = |k: usize| {
-            let error = match &failures[k] {
-                Some(BorderError::Lacks {
-                    what: Lack::Motion(error),
-                    ..
-                }) => Some(error),
-                _ => branches.iter().find_map(|branch| branch[k].failure()),
-            };
+            let at = failures[k].as_ref().and_then(end_of_motion);
+            let error = at.or_else(|| branches.iter().find_map(|branch| branch[k].failure()));
             let (value, error) = (values[k], error?.clone());
             Some(Unfollowed { value, error })
         };

@@ -4,7 +4,10 @@
 //! complete. Where it ends in flight, contact from its last impact on that presses leads to a point that is as near to
 //! the orbit's as nu^3 there, and continues the complete side smoothly to the border.
 
-use crate::analysis::border::{BorderError, Here, Lack, Place, ReleasePoint, Until, regular};
+use super::unfollowed::end_of_motion;
+use crate::analysis::border::{
+    BorderError, Here, Lack, Place, ReleasePoint, Sequence, Until, regular,
+};
 use crate::flow::FlowError;
 use crate::numerics::{Equations, Linearised, Matrix, Newton, NewtonError, moved};
 
@@ -43,18 +46,10 @@ impl Here<'_, f64> {
         contact: usize,
     ) -> Result<(Vec<ReleasePoint<f64>>, Option<FlowError>), BorderError> {
         let initial = self.problem.model.initial_state(&self.parameters);
-        let first = Until {
-            after: 0,
-            ..Until::NEVER
-        };
-        let failure = match self.follow((contact, &initial), first) {
-            Err(BorderError::Lacks {
-                what: Lack::Motion(error),
-                ..
-            }) => Some(error),
-            _ => None,
-        };
-        let starts = [self.next(contact, &initial), self.solve(contact, &initial)];
+        let sequence = self.first_sequence(contact, &initial);
+        let failure = sequence.as_ref().err().and_then(end_of_motion).cloned();
+        let next = (sequence.ok()).and_then(|sequence| self.after(contact, &sequence));
+        let starts = [next, self.solve(contact, &initial)];
         let mut found: Vec<ReleasePoint<f64>> = Vec::new();
         for start in starts.into_iter().flatten() {
             let on = |point: &ReleasePoint<f64>| self.next(contact, &point.state);
@@ -75,14 +70,23 @@ impl Here<'_, f64> {
         Ok((found, failure))
     }
 
-    /// The release point after the first chatter sequence from a state.
-    fn next(&self, contact: usize, state: &[f64]) -> Option<ReleasePoint<f64>> {
+    /// The impacts from a state to the end of the first chatter sequence.
+    fn first_sequence(&self, contact: usize, state: &[f64]) -> Result<Sequence<f64>, BorderError> {
         let first = Until {
             after: 0,
             ..Until::NEVER
         };
-        let sequence = self.follow((contact, state), first).ok()?;
-        self.solve(contact, &self.released(&sequence, contact)?)
+        self.follow((contact, state), first)
+    }
+
+    /// The release point after a chatter sequence.
+    fn after(&self, contact: usize, sequence: &Sequence<f64>) -> Option<ReleasePoint<f64>> {
+        self.solve(contact, &self.released(sequence, contact)?)
+    }
+
+    /// The release point after the first chatter sequence from a state.
+    fn next(&self, contact: usize, state: &[f64]) -> Option<ReleasePoint<f64>> {
+        self.after(contact, &self.first_sequence(contact, state).ok()?)
     }
 
     /// A release point beside one: its coordinates changed by so much.

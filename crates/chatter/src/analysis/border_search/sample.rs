@@ -1,7 +1,8 @@
 //! What the impact sequence at one parameter value does.
 
+use super::unfollowed::end_of_motion;
 use crate::analysis::border::{
-    BorderError, Here, Impact, Lack, Problem, ReleasePoint, Sequence, Verdict,
+    BorderError, Here, Impact, Problem, ReleasePoint, Sequence, Verdict,
 };
 use crate::flow::FlowError;
 
@@ -45,13 +46,7 @@ impl Sample {
 
     /// Why the motion after the release point cannot be followed, if it cannot.
     pub fn failure(&self) -> Option<&FlowError> {
-        match self.sequence.as_ref()? {
-            Err(BorderError::Lacks {
-                what: Lack::Motion(error),
-                ..
-            }) => Some(error),
-            _ => None,
-        }
+        end_of_motion(self.sequence.as_ref()?.as_ref().err()?)
     }
 
     /// Whether there is a release point, and no chatter within what was followed.

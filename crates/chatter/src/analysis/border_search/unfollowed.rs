@@ -1,6 +1,6 @@
 //! Values of the parameter at which nothing can be said of borders, since motion ends.
 
-use crate::analysis::border::ParameterValue;
+use crate::analysis::border::{BorderError, Lack, ParameterValue};
 use crate::flow::FlowError;
 use core::fmt;
 use serde::{Deserialize, Serialize};
@@ -17,5 +17,16 @@ pub struct Unfollowed {
 impl fmt::Display for Unfollowed {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "at {} {}", ParameterValue(self.value), self.error)
+    }
+}
+
+/// Why motion ends, if that is what an error says.
+pub(super) fn end_of_motion(error: &BorderError) -> Option<&FlowError> {
+    match error {
+        BorderError::Lacks {
+            what: Lack::Motion(error),
+            ..
+        } => Some(error),
+        _ => None,
     }
 }
