@@ -170,6 +170,12 @@ impl<R: Real> Station<R> {
         })
     }
 
+    /// How far away a point is.
+    pub fn distance(&self, to: &[R], scales: &[f64]) -> R {
+        let off: Vec<R> = to.iter().zip(&self.at).map(|(&x, &y)| x - y).collect();
+        length(&off, scales)
+    }
+
     /// By how much the way to another point of the curve differs from the mean of the directions at both: by the third order of how far
     /// it is, if they are on one curve.
     fn askew(&self, to: &Self, scales: &[f64]) -> f64 {

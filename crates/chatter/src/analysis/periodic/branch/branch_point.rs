@@ -2,7 +2,7 @@
 
 use super::walker::Walker;
 use super::{End, Point, SpecialKind};
-use crate::analysis::continuation::{Problem, Station, meeting, other_direction};
+use crate::analysis::continuation::{Corrected, Problem, Station, meeting, other_direction};
 use crate::analysis::periodic::multipliers::is_near;
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::solved::NOISE;
@@ -24,7 +24,7 @@ impl Walker {
         let scale = self.shooting.scales()[from.at.len() - 1];
         let (mut low, mut high) = (0.0, step);
         let mut rough: Option<Fitted> = None;
-        let mut solved = None;
+        let (mut solved, mut elsewhere) = (None, None);
         // Where the fit leads elsewhere it is made on a shorter way.
         for _ in 0..ATTEMPTS {
             if let Some(fitted) = self.fitted(from, (low, high), turns) {
@@ -33,8 +33,18 @@ impl Walker {
                 let near = (1e-3 * span).max(fitted.error.min(span));
                 let found = meeting(&mut self.shooting, &fitted.station.at).ok();
                 let parameter = fitted.station.parameter();
-                solved =
-                    found.filter(|found| (found.at[found.at.len() - 1] - parameter).abs() <= near);
+                let scales = self.shooting.scales();
+                let on_the_way = |found: &Corrected<f64>| {
+                    let ahead = from.reach(&found.at, scales);
+                    ahead > 0.0 && ahead < step && from.distance(&found.at, scales) < ROOM * step
+                };
+                match found {
+                    Some(found) if (found.at[found.at.len() - 1] - parameter).abs() <= near => {
+                        solved = Some(found);
+                    }
+                    Some(found) if on_the_way(&found) => elsewhere = Some(found),
+                    _ => {}
+                }
                 rough = Some(fitted);
             }
             if solved.is_some() {
@@ -51,6 +61,8 @@ impl Walker {
                 }
             }
         }
+        // Where few stations can be corrected fits lead away from the one meeting that there is on the way.
+        solved = solved.or(elsewhere);
         let Fitted {
             mut station,
             mut error,
@@ -168,6 +180,8 @@ struct Fitted {
 /// Fits on ever shorter ways, by so many halvings each.
 const ATTEMPTS: usize = 3;
 const HALVINGS: usize = 3;
+/// A point on the way is no farther from its start, in parts of the way.
+const ROOM: f64 = 1.2;
 /// Stations that a polynomial is fitted to.
 const FITTED: usize = 8;
 
