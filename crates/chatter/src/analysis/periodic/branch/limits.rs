@@ -1,6 +1,6 @@
 //! Within what branches are followed, and how they end.
 
-use super::{Saddle, SpecialKind, Unbounded};
+use super::{Growth, Saddle, SpecialKind, Unbounded};
 use crate::analysis::continuation::{Problem, Settings, Station, locate};
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +25,8 @@ pub enum End {
     Saddle(Saddle),
     /// The period grows without bound at a value of the parameter.
     Unbounded(Unbounded),
+    /// A state grows without bound at a value of the parameter.
+    Growth(Growth),
     /// The orbit shrinks to an equilibrium.
     Equilibrium,
     /// No such points lie beyond a point of this kind.
@@ -52,6 +54,7 @@ impl core::fmt::Display for End {
             Self::Lost(why) => out.write_str(why),
             Self::Saddle(saddle) => saddle.fmt(out),
             Self::Unbounded(unbounded) => unbounded.fmt(out),
+            Self::Growth(growth) => growth.fmt(out),
             Self::Equilibrium => write!(out, "the orbit shrinks to an equilibrium"),
             Self::At(kind) => out.write_str(&kind.name().replace('_', " ")),
             Self::Again(kind) => write!(

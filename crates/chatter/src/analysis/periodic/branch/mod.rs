@@ -22,6 +22,7 @@
 //!   equilibrium  equilibria of the flight that a step is
 //!   saddle       the orbit comes to a saddle
 //!   unbounded    by which law the period grows without bound
+//!   growth       at which value a state grows without bound
 //!   hopf         the orbit shrinks to an equilibrium
 //! limits       within what it is followed, and how it ends
 //! kept/        how far a side has come, for another walk to go on from
@@ -38,6 +39,7 @@ mod point;
 mod special;
 mod walker;
 
+pub use ends::growth::Growth;
 pub use ends::saddle::Saddle;
 pub use ends::unbounded::{Law, Unbounded};
 pub use kept::Record;

@@ -92,3 +92,27 @@ impl Point {
         is_neutral(&self.multipliers, self.modulus_error)
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::Point;
+
+    /// Orbits of these periods, and the parameter that each is at.
+    pub(in crate::analysis::periodic::branch) fn orbits(
+        of: impl Fn(f64) -> f64,
+        periods: impl Iterator<Item = f64>,
+    ) -> Vec<Point> {
+        let point = |period: f64| Point {
+            parameters: vec![of(period)],
+            period,
+            impacts: Some(0),
+            multipliers: Vec::new(),
+            modulus_error: 0.0,
+            state: Vec::new(),
+            monitors: Vec::new(),
+            residual: 0.0,
+            correction: 0.0,
+        };
+        periods.map(point).collect()
+    }
+}

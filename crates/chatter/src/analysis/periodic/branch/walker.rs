@@ -2,12 +2,13 @@
 
 use super::changes::holds::broken;
 use super::changes::touch::VANISHED;
+use super::ends::growth::growth;
 use super::ends::returns::passages;
 use super::ends::unbounded::{Law, unbounded};
 use super::kept::{Ledger, Of, Stand, Standing, Then, Walked, damaged};
 use super::limits::{End, Limits, station_at};
 use super::special::{Near, Seed, Special};
-use super::{Point, Saddle, SpecialKind, Unbounded};
+use super::{Growth, Point, Saddle, SpecialKind, Unbounded};
 use crate::analysis::border::BorderSpec;
 use crate::analysis::border_search::borders_in;
 use crate::analysis::continuation::{Curve, Problem, Station, StepError, locate};
@@ -325,6 +326,11 @@ impl Walker {
                     let end = self.comes_to_rest(&curve.station);
                     break end.unwrap_or(End::Unbounded(unbounded));
                 }
+                if self.points.len().is_multiple_of(LOOKED_BACK)
+                    && let Some(growth) = self.growth()
+                {
+                    break End::Growth(growth);
+                }
             }
             let broken_off = diary.tell(Told::Orbit(&here)).is_break();
             if broken_off || ledger.is_due(made) {
@@ -360,6 +366,19 @@ impl Walker {
         let found = unbounded(&self.points, name, scale)?;
         let rests = || self.shooting.all_but_rests(&station.at);
         (!matches!(found.law, Law::Logarithm(_)) || rests()).then_some(found)
+    }
+
+    /// How a state has grown, if it does without bound.
+    fn growth(&self) -> Option<Growth> {
+        let workshop = &self.shooting.workshop;
+        let parameter = &workshop.model.parameters[*workshop.free.last()?].name;
+        let scale = self.shooting.scales().last().copied()?;
+        let states = workshop.model.states.iter().enumerate();
+        states
+            .filter(|(place, _)| !workshop.closure.is_phase(*place))
+            .find_map(|(place, state)| {
+                growth(&self.points, (&state.name, place), (parameter, scale))
+            })
     }
 
     /// Whether nothing is left of the orbit at a station.

@@ -158,7 +158,7 @@ fn follow(
             range,
             other: None,
             impacts: 6,
-            points: 2000,
+            points: 10_000,
             longest_step,
         },
         beside: Beside::default(),
@@ -507,6 +507,30 @@ fn limits_hold_where_a_branch_begins() {
     assert_eq!(found.points[0].impacts, Some(7));
     assert!(found.special.is_empty());
     assert_eq!(found.ends, [End::Impacts(6), End::Impacts(6)]);
+}
+
+/// A kick whose strength is a state: at a value of the parameter nothing holds the orbits back. As they grow all lengths are forgotten: the oscillator
+/// swings for half a period from where it is kicked and thrown back to where it is kicked again, k* = (v - 1/r)/u with v and u when it comes back,
+/// from the speed 1 (in 30 digits by mpmath).
+#[test]
+fn a_branch_whose_orbits_grow_without_bound_says_where() {
+    const KICK: &str = "[parameters]\nk = 0.5\n[flight]\nx = 'v'\nv = '-x - 0.2039*v'\nu = '0.2397*x - 0.2835*u'\n\
+        [[event]]\nname = 'kick'\nsurface = 'x'\ndirection = 'rising'\nreset = { v = 'v + k*(1 - u)' }\n\
+        [[contact]]\nname = 'up'\ngap = '0.5043 - x'\nimpulse = { v = -1 }\nrestitution = 0.7877\n\
+        [initial]\nx = 0.2\nv = 0.1\nu = 0\n";
+    for step in [0.1, 0.2] {
+        let found = follow(&with(KICK, &[]), ("k", (0.4, 2.0)), step, &Spec::default()).unwrap();
+        let grown = found.ends.iter().find_map(|end| match end {
+            End::Growth(growth) => Some(growth),
+            _ => None,
+        });
+        let grown = grown.unwrap();
+        assert!(
+            (grown.value - 1.213_148_617_858_093_5).abs() <= grown.error,
+            "{grown:?}"
+        );
+        assert!(grown.error < 1e-12 && grown.power == 1, "{grown:?}");
+    }
 }
 
 const KINDS: usize = 10;

@@ -88,14 +88,13 @@ pub(in crate::analysis::periodic::branch) fn unbounded(
     name: &str,
     scale: f64,
 ) -> Option<Unbounded> {
-    let last = points.last()?;
-    let run = growing(points);
-    let first = run.first()?;
-    if run.len() < FEWEST || last.period < GROWN * first.period {
+    let run = Series::growing(points, &|point: &Point| point.period);
+    let (first, last) = run.ends()?;
+    if run.points.len() < FEWEST || last.period < GROWN * first.period {
         return None;
     }
-    let (value, error, law) = logarithm(run, scale)
-        .or_else(|| inverse_root(run).filter(|(_, error, _)| *error < scale))?;
+    let (value, error, law) = logarithm(&run, scale)
+        .or_else(|| inverse_root(&run).filter(|(_, error, _)| *error < scale))?;
     let rounding = ROUNDOFFS * f64::EPSILON * value.abs().max(last.parameter().abs());
     Some(Unbounded {
         name: name.to_owned(),
@@ -106,24 +105,55 @@ pub(in crate::analysis::periodic::branch) fn unbounded(
     })
 }
 
-/// The latest points along which the period grows and the parameter goes one way, with one sequence of events.
-fn growing(points: &[Point]) -> &[Point] {
-    let way = match points {
-        [.., before, last] => last.parameter() - before.parameter(),
-        _ => return &[],
-    };
-    let goes_on = |pair: &&[Point]| {
-        let gone = pair[1].parameter() - pair[0].parameter();
-        pair[1].period > pair[0].period && pair[1].impacts == pair[0].impacts && gone * way >= 0.0
-    };
-    let steps = points.windows(2).rev().take_while(goes_on).count();
-    &points[points.len() - 1 - steps..]
+/// The latest points along which what is measured grows and the parameter goes one way, with one sequence of events.
+pub(super) struct Series<'p> {
+    points: &'p [Point],
+    measure: &'p dyn Fn(&Point) -> f64,
 }
 
-/// The orbit whose period comes next to a value.
-fn with_period(run: &[Point], period: f64) -> Option<&Point> {
-    let place = run.partition_point(|point| point.period < period);
-    run.get(place.min(run.len() - 1))
+impl<'p> Series<'p> {
+    pub(super) fn growing(points: &'p [Point], measure: &'p dyn Fn(&Point) -> f64) -> Self {
+        let way = match points {
+            [.., before, last] => last.parameter() - before.parameter(),
+            _ => 0.0,
+        };
+        let goes_on = |pair: &&[Point]| {
+            let gone = pair[1].parameter() - pair[0].parameter();
+            measure(&pair[1]) > measure(&pair[0])
+                && pair[1].impacts == pair[0].impacts
+                && gone * way >= 0.0
+        };
+        let steps = points.windows(2).rev().take_while(goes_on).count();
+        Self {
+            points: &points[points.len().saturating_sub(1 + steps)..],
+            measure,
+        }
+    }
+
+    /// The first and the last of them.
+    pub(super) fn ends(&self) -> Option<(&'p Point, &'p Point)> {
+        Some((self.points.first()?, self.points.last()?))
+    }
+
+    fn of(&self, point: &Point) -> f64 {
+        (self.measure)(point)
+    }
+
+    /// The point whose measure comes next to a value.
+    fn with(&self, value: f64) -> Option<&'p Point> {
+        let place = (self.points).partition_point(|point| self.of(point) < value);
+        self.points.get(place.min(self.points.len() - 1))
+    }
+
+    /// The power of one over the measure by which the parameter comes to a value, from the last point and one with so many times less.
+    pub(super) fn power(&self, value: f64, ratio: f64) -> Option<f64> {
+        let (_, last) = self.ends()?;
+        let before = self.with(self.of(last) / ratio)?;
+        let distance = |point: &Point| point.parameter() - value;
+        let nearer = distance(before) / distance(last);
+        let power = libm::log(nearer) / libm::log(self.of(last) / self.of(before));
+        (nearer > 1.0).then_some(power)
+    }
 }
 
 /// The rate and the limit of a parameter that comes to it exponentially, from three periods.
@@ -144,10 +174,10 @@ fn exponential([a, b, c]: [&Point; 3]) -> Option<(f64, f64)> {
     Some((rate, c.parameter() - left / libm::expm1(rate * late)))
 }
 
-fn logarithm(run: &[Point], scale: f64) -> Option<(f64, f64, Law)> {
-    let (first, last) = (run.first()?, run.last()?);
+fn logarithm(run: &Series<'_>, scale: f64) -> Option<(f64, f64, Law)> {
+    let (first, last) = run.ends()?;
     let part = (last.period - first.period) / PARTS;
-    let at = |parts: f64| with_period(run, last.period - parts * part);
+    let at = |parts: f64| run.with(last.period - parts * part);
     let (early, late) = (
         exponential([at(3.0)?, at(2.0)?, at(1.0)?])?,
         exponential([at(2.0)?, at(1.0)?, last])?,
@@ -157,58 +187,44 @@ fn logarithm(run: &[Point], scale: f64) -> Option<(f64, f64, Law)> {
     (is_one && is_near).then_some((late.1, (late.1 - early.1).abs(), Law::Logarithm(late.0)))
 }
 
-/// The limit of a parameter that comes to it as a polynomial without a linear term in the inverse of the period, by so many orbits.
-fn limit(run: &[Point], order: usize) -> Option<f64> {
-    let last = run.last()?;
+/// The limit of a parameter that comes to it as a polynomial in one over the measure, of these powers: from one point more than there are, each with
+/// so many times less than the one before.
+pub(super) fn limit(run: &Series<'_>, powers: &[i32], ratio: f64) -> Option<f64> {
+    let (_, last) = run.ends()?;
+    let order = powers.len() + 1;
     let mut rows = Vec::with_capacity(order);
     let mut values = Vec::with_capacity(order);
     for k in 0..order {
-        let point = with_period(run, last.period / RATIO.powi(k as i32))?;
-        let inverse = last.period / point.period;
-        let powers = (0..order).map(|power| match power {
-            0 => 1.0,
-            power => inverse.powi(power as i32 + 1),
-        });
-        rows.push(powers.collect::<Vec<f64>>());
+        let point = run.with(run.of(last) / ratio.powi(k as i32))?;
+        let inverse = run.of(last) / run.of(point);
+        let parts = powers.iter().map(|&power| inverse.powi(power));
+        rows.push(core::iter::once(1.0).chain(parts).collect::<Vec<f64>>());
         values.push(point.parameter());
     }
     let found = Matrix::from_rows(&rows).factored()?.solve(&values);
     found.first().copied().filter(|value| value.is_finite())
 }
 
-fn inverse_root(run: &[Point]) -> Option<(f64, f64, Law)> {
-    let (first, last) = (run.first()?, run.last()?);
+fn inverse_root(run: &Series<'_>) -> Option<(f64, f64, Law)> {
+    let (first, last) = run.ends()?;
     if last.period < LONG * first.period {
         return None;
     }
-    let (value, other) = (limit(run, ORDER)?, limit(run, ORDER - 1)?);
-    let before = with_period(run, last.period / RATIO)?;
-    let distance = |point: &Point| point.parameter() - value;
-    let ratio = distance(before) / distance(last);
-    let power = libm::log(ratio) / libm::log(last.period / before.period);
-    let factor = last.period * distance(last).abs().sqrt();
-    let holds = ratio > 1.0 && (power - 2.0).abs() < SAME_POWER;
+    // Without a linear term.
+    let powers = |order: usize| (2..=order as i32).collect::<Vec<i32>>();
+    let (value, other) = (
+        limit(run, &powers(ORDER), RATIO)?,
+        limit(run, &powers(ORDER - 1), RATIO)?,
+    );
+    let holds = (run.power(value, RATIO)? - 2.0).abs() < SAME_POWER;
+    let factor = last.period * (last.parameter() - value).abs().sqrt();
     holds.then_some((value, (value - other).abs(), Law::InverseRoot(factor)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn orbits(of: impl Fn(f64) -> f64, periods: impl Iterator<Item = f64>) -> Vec<Point> {
-        let point = |period: f64| Point {
-            parameters: vec![of(period)],
-            period,
-            impacts: Some(0),
-            multipliers: Vec::new(),
-            modulus_error: 0.0,
-            state: Vec::new(),
-            monitors: Vec::new(),
-            residual: 0.0,
-            correction: 0.0,
-        };
-        periods.map(point).collect()
-    }
+    use crate::analysis::periodic::branch::point::tests::orbits;
 
     #[test]
     fn laws_are_told_apart_with_their_values() {
