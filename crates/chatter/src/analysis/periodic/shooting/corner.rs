@@ -6,9 +6,9 @@ use crate::analysis::continuation::{Left, Problem};
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::expressions::{Asked, Side};
+use crate::expressions::{Asked, Side, Sides};
 use crate::flow::leg::{Flyer, Jump, Leg, LegKind};
-use crate::flow::{GuardKind, Settings, System};
+use crate::flow::{Grip, GuardKind, Settings, System};
 use crate::numerics::Real;
 use std::sync::Arc;
 
@@ -40,6 +40,32 @@ fn asked_by(system: &System, kind: LegKind) -> Asked {
         Jump::Reset(section) => program.asked_at_resets[section],
     });
     asked.unwrap_or_default()
+}
+
+/// The mode on these sides and, of what is asked for there and is not known of the other side, on those where a state is.
+pub(in crate::analysis::periodic) fn mode_there(
+    system: &System,
+    (grip, mut sides, pieces): (Grip, Sides, &mut [i64]),
+    asked: &dyn Fn(usize) -> Asked,
+    (mut known, (state, parameters)): (Asked, (&[f64], &[f64])),
+) -> usize {
+    let plain = (system.corners()).at(&system.model().graph, state, parameters);
+    let mut mode = system.meet(grip, sides);
+    for _ in 0..DEEPEST {
+        let new = asked(mode).without(known);
+        if new.is_empty() {
+            break;
+        }
+        for surface in new.surfaces.members() {
+            sides = sides.with(surface, plain.0.get(surface));
+        }
+        for lookup in new.lookups.members() {
+            pieces[lookup] = plain.1[lookup];
+        }
+        known = known.or(new);
+        mode = system.meet(grip, sides);
+    }
+    mode
 }
 
 impl<R: Real> Shooting<R> {
@@ -198,7 +224,6 @@ impl Shooting<f64> {
         let system = &self.workshop.system;
         let (grip, mut sides, _) = (system.origin_of(kind.mode))
             .ok_or_else(|| unfollowed("a mode that holds no motion"))?;
-        let mut known = asked_by(system, kind);
         let pieces = &mut steps[index].pieces;
         for corner in corners {
             match *corner {
@@ -218,22 +243,9 @@ impl Shooting<f64> {
         // What only the other side asks for is as the state there says.
         let parameters = self.workshop.parameters(self.free(at));
         let there = self.before_event(at, index)?;
-        let plain = (system.corners()).at(&system.model().graph, &there, &parameters);
-        for _ in 0..DEEPEST {
-            kind.mode = system.meet(grip, sides);
-            let asked = asked_by(system, kind);
-            let new = asked.without(known);
-            if new.is_empty() {
-                break;
-            }
-            for surface in new.surfaces.members() {
-                sides = sides.with(surface, plain.0.get(surface));
-            }
-            for lookup in new.lookups.members() {
-                pieces[lookup] = plain.1[lookup];
-            }
-            known = known.or(new);
-        }
+        let asked = |mode: usize| asked_by(system, LegKind { mode, ..kind });
+        let known = (asked_by(system, kind), (&*there, &*parameters));
+        kind.mode = mode_there(system, (grip, sides, pieces), &asked, known);
         steps[index].passage = Passage::Leg(kind);
         Ok(steps)
     }

@@ -34,6 +34,7 @@ mod workshop;
 
 pub(crate) use collisions::struck;
 pub(crate) use corner::BeyondCorner;
+pub(in crate::analysis::periodic) use corner::mode_there;
 pub(crate) use exchange::{Exchanged, station_after};
 pub(in crate::analysis::periodic) use workshop::AT_ENDS;
 pub(crate) use workshop::Workshop;

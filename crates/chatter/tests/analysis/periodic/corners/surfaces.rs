@@ -1,9 +1,10 @@
 //! Surfaces that come into use, and crossings that come and go.
 
-use crate::periodic::{model, orbit, over, value, with};
-use chatter::analysis::periodic::{End, SpecialKind};
-use chatter::analysis::simulate::{Spec, simulate};
+use crate::periodic::{branch_spec, model, orbit, over, value, with};
+use chatter::analysis::periodic::{Beside, Branch, End, Spec, SpecialKind, branches};
+use chatter::analysis::simulate::{self, simulate};
 use chatter::flow::Occurrence;
+use chatter::model::Model;
 use std::ops::ControlFlow;
 
 /// Beyond a wall friction is dry: only there it matters which way the mass moves.
@@ -22,7 +23,7 @@ v = 0
 #[test]
 fn a_surface_that_comes_into_use_is_not_crossed() {
     let model = with(FRICTION_BEYOND, &[]);
-    let spec = Spec::until(60.0);
+    let spec = simulate::Spec::until(60.0);
     let run = simulate::<f64>(&model, &spec, &mut |_| ControlFlow::Continue(())).unwrap();
     let switches = run.events.iter().filter_map(|event| match event.detail {
         Occurrence::Switch { surface, side } => Some((surface, side)),
@@ -227,4 +228,59 @@ fn a_branch_goes_on_where_its_legs_begin_with_a_root() {
             assert!(off < 1e-12, "{end:?}");
         }
     }
+}
+
+/// Springs with preload to both sides and a stop, spelled as a choice within a choice and as two choices: from above the surface of one spring the other
+/// one's is asked for only beyond it. Seen from the orbit that only just stays above it a stay begins there, and the branch turns back. (Integrated with
+/// scipy: at w = 0.5615932375 the surface is crossed at the rate 0.01, and both orbits are one at 0.56042795.)
+#[test]
+fn a_surface_within_a_choice_is_known_where_a_stay_begins() {
+    let springs = [
+        "if(x > s, P + k*(x - s), if(x < -s, -P + k*(x + s), 0))",
+        "P*step(x - s) + k*max(x - s, 0) - P*step(-x - s) + k*min(x + s, 0)",
+    ];
+    let start = (
+        vec![0.3, -0.01, 1.885_679_912_252_226_8],
+        core::f64::consts::TAU / 0.561_593_237_487_019_1,
+    );
+    let told = springs.map(|spring| {
+        let text = format!(
+            "[parameters]\nw = 0.5615932374870191\nP = 0.15\nk = 3\ns = 0.3\n[flight]\nx = 'v'\n\
+             v = '0.9*cos(w*t) - 0.06*v - 0.3*x - ({spring})'\n\
+             [[contact]]\nname = 'stop'\ngap = '0.9 - x'\nimpulse = {{ v = -1 }}\nrestitution = 0.6\n\
+             [initial]\nx = 0\nv = 0\n"
+        );
+        let model = with(&text, &[]);
+        let follow = |model: &Model, through: (Vec<f64>, f64)| {
+            let beside = Beside::default();
+            let what = branch_spec(model, ("w", (0.55, 0.566)), (6, 0.05), beside);
+            let spec = Spec { through: Some(through), ..Spec::default() };
+            branches(model, &spec, &what, Vec::new(), &mut |_| ControlFlow::Continue(())).unwrap().swap_remove(0)
+        };
+        let points = |found: &Branch| {
+            let all = found.special.iter().map(|special| (special.kind, value(special)));
+            let mut all: Vec<(SpecialKind, f64)> = all.collect();
+            all.sort_by(|a, b| a.1.total_cmp(&b.1));
+            all
+        };
+        let found = follow(&model, start.clone());
+        // The same from an orbit that stays above.
+        let whole = found.points.iter().find(|point| point.parameters[0] < 0.5605).unwrap();
+        let mut there = model.clone();
+        there.set_parameter("w", &format!("{:?}", whole.parameters[0])).unwrap();
+        let again = follow(&there, (whole.state.clone(), whole.period));
+        let [one, other] = [points(&found), points(&again)];
+        assert_eq!(one.len(), other.len(), "{one:?} and {other:?}, {:?} and {:?}", found.ends, again.ends);
+        one
+    });
+    assert!(
+        told[0]
+            .iter()
+            .zip(&told[1])
+            .all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < 1e-12)
+    );
+    assert!(told[0].iter().any(
+        |(kind, w)| *kind == SpecialKind::Touch && (w - 0.560_427_949_547_555_9).abs() < 1e-12
+    ));
+    assert_eq!(told[0].len(), told[1].len());
 }

@@ -12,8 +12,8 @@ use crate::analysis::periodic::condition::Bordered;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step, around};
 use crate::analysis::periodic::cycle::rotate::rotate;
 use crate::analysis::periodic::error::PeriodicError;
-use crate::analysis::periodic::shooting::Shooting;
-use crate::expressions::Side;
+use crate::analysis::periodic::shooting::{Shooting, mode_there};
+use crate::expressions::{Asked, Side};
 use crate::flow::GuardKind;
 use crate::flow::leg::{Jump, Least, LegKind};
 
@@ -220,6 +220,10 @@ impl Shooting<f64> {
         else {
             return Err(unfollowed("a touch of nothing"));
         };
+        let next = self.after(index);
+        let parameters = self.workshop.parameters(self.free(at));
+        let model = &self.workshop.model;
+        let touch = steps[next].start.clone();
         let mut pieces = steps[index].pieces.clone();
         let (mut mode, mut ends_at) = (kind.mode, guard.opposite());
         match guard {
@@ -236,7 +240,14 @@ impl Shooting<f64> {
                 if stay == Stay::On {
                     ends_at = Some(GuardKind::Leave(surface, side));
                 }
-                mode = system.meet(grip, sides.with(surface, other));
+                // A surface that only the other side asks for, as that of a choice within a choice, is met there for the first time.
+                let sides = sides.with(surface, other);
+                let asked = |mode: usize| {
+                    let origin = system.origin_of(mode);
+                    origin.map_or_else(Asked::default, |(.., on)| on.followed)
+                };
+                let known = (asked(kind.mode), (&*touch, &*parameters));
+                mode = mode_there(system, (grip, sides, &mut pieces), &asked, known);
                 if system.program(mode).is_none() {
                     return Err(unfollowed("a stay on what is not slid along"));
                 }
@@ -246,10 +257,6 @@ impl Shooting<f64> {
             }
             _ => return Err(unfollowed("a touch of what has no sides")),
         }
-        let next = self.after(index);
-        let parameters = self.workshop.parameters(self.free(at));
-        let model = &self.workshop.model;
-        let touch = steps[next].start.clone();
         // A moment before, and after: the field is continuous.
         let moved = |by: f64| -> Vec<f64> {
             let rate = |state: &crate::model::State| {
