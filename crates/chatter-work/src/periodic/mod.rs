@@ -94,6 +94,7 @@ impl Subject<'_> {
             GuardKind::Piece(lookup, _) | GuardKind::Outside(lookup, _) => {
                 format!("table {lookup}")
             }
+            GuardKind::Root(index) => self.model.radicand(index),
         }
     }
 

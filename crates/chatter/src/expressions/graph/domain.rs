@@ -193,6 +193,28 @@ impl Graph {
         }
     }
 
+    /// What must not be negative for expressions to have a value, as far as their form does not say that it is not: radicands, and bases of powers
+    /// whose exponents are no whole numbers.
+    pub(crate) fn radicands(&self, of: &[Expr]) -> Vec<Expr> {
+        let mut found = Vec::new();
+        for part in self.reachable(of) {
+            let Node::Power(base, exponent) = *self.node(part) else {
+                continue;
+            };
+            let own = self.as_number(exponent).map_or(
+                Demands {
+                    not_zero: false,
+                    not_negative: true,
+                },
+                Demands::of,
+            );
+            if self.demands(base, own).not_negative && !found.contains(&base) {
+                found.push(base);
+            }
+        }
+        found
+    }
+
     /// Exponents that add up to `exponent` and together ask of `base` exactly what is asked: one, if it does by itself.
     ///
     /// `None` stands for no factor at all.

@@ -237,7 +237,24 @@ impl System {
                     Held { function, by }
                 })
             });
-        let held = in_contact.chain(slid_along).collect();
+        let held: Vec<Held> = in_contact.chain(slid_along).collect();
+        // What roots are taken of must not become negative, and nothing else may keep it from that.
+        let mut guards: Vec<(GuardKind, Expr)> = (guards.into_iter())
+            .map(|(guard, _, function)| (guard, function))
+            .collect();
+        let of_field = graph.radicands(&exprs.field);
+        let mut roots = Vec::new();
+        for (index, &radicand) in on_sides.radicands.iter().enumerate() {
+            let kept = guards.iter().map(|&(_, function)| function);
+            let mut kept = kept.chain(held.iter().map(|held| held.function));
+            if of_field.contains(&radicand)
+                && graph.depends_on_state(radicand)
+                && !kept.any(|function| graph.factor_of(radicand, function).is_some())
+            {
+                roots.push((GuardKind::Root(index), radicand));
+            }
+        }
+        guards.extend(roots);
         let asked = match kind.jump {
             Jump::None => Asked::default(),
             Jump::Impact(contact) | Jump::Stop(contact) => limits.impacts[contact],
@@ -245,7 +262,7 @@ impl System {
         };
         let asked = on_sides.guards_of(&mut graph, (self.corners(), sides), asked);
         // What is a corner for the event alone may be where it comes.
-        let all = guards.iter().map(|&(guard, _, of)| (guard, of));
+        let all = guards.iter().copied();
         let surface = match kind.ends_at {
             Some(wanted) => {
                 let mut all = all.chain(asked.iter().copied());
@@ -256,7 +273,7 @@ impl System {
         Some(Ending {
             graph,
             field: exprs.field,
-            guards: guards.into_iter().map(|(guard, _, f)| (guard, f)).collect(),
+            guards,
             surface,
             map,
             held,

@@ -29,6 +29,9 @@ pub enum GuardKind {
     Outside(usize, Side),
     /// The impulse of a contact that slides, with the friction that it brings about, ceases to change its rate.
     Jam(usize),
+    /// What a root is taken of on a leg is negative beyond, where the equations have no value: by number among the model's
+    /// [`radicands`](crate::model::Model::radicands).
+    Root(usize),
 }
 
 impl GuardKind {
@@ -68,6 +71,8 @@ pub(crate) enum Transition {
     LeaveTable { lookup: usize },
     /// The impulse of a contact is not determined any more: the run ends.
     Jam { contact: usize },
+    /// The equations have no value beyond: the run ends.
+    LeaveDomain,
 }
 
 impl Transition {
@@ -96,6 +101,7 @@ impl Transition {
             GuardKind::Outside(lookup, _) => Self::LeaveTable { lookup },
             GuardKind::Leave(index, _) => Self::Part(Corner::Surface(index)),
             GuardKind::Jam(contact) => Self::Jam { contact },
+            GuardKind::Root(_) => Self::LeaveDomain,
         }
     }
 }

@@ -332,7 +332,8 @@ impl Unsettled {
                 // Sections may have either sign, and are never stuck; nor are the ends of tables, which nothing leaves.
                 Transition::Cross { .. }
                 | Transition::Reset { .. }
-                | Transition::LeaveTable { .. } => FlowError::NoMode {
+                | Transition::LeaveTable { .. }
+                | Transition::LeaveDomain => FlowError::NoMode {
                     time: time.to_f64(),
                     surfaces: Vec::new(),
                 },

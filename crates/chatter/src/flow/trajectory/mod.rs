@@ -663,6 +663,7 @@ impl<R: Real> Trajectory<R> {
             Transition::Part(corner) => self.meet_corner(system, work, (corner, false)),
             Transition::LeaveTable { lookup } => self.leave_table(system, work, lookup),
             Transition::Jam { contact } => Err(self.jammed(contact)),
+            Transition::LeaveDomain => Err(self.left_domain()),
             Transition::Impact { contact } if result.crowd == Closed::NONE => {
                 self.flight_time = flight_time;
                 self.touching.set(index, 1);

@@ -74,6 +74,20 @@ impl Model {
             .collect()
     }
 
+    /// What must not be negative for the equations of motion to have a value: what roots, and powers that are no whole ones, are taken of in
+    /// the field and in gaps, as far as the form does not say that it is not.
+    pub fn radicands(&self) -> Vec<Expr> {
+        let mut all = self.field();
+        all.extend(self.contacts.iter().map(|contact| contact.gap));
+        self.graph.radicands(&all)
+    }
+
+    /// The text of one of those, empty if there are fewer.
+    pub fn radicand(&self, index: usize) -> String {
+        let of = self.radicands().get(index).copied();
+        of.map_or_else(String::new, |of| self.formula(of))
+    }
+
     /// An expression as text, with the model's names.
     pub fn formula(&self, expr: Expr) -> String {
         let own = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect::<Vec<_>>();

@@ -63,6 +63,8 @@ pub(crate) struct OnSides {
     /// All surfaces, and the arguments of all lookups, by the sides of those within them.
     pub surfaces: Vec<Expr>,
     pub arguments: Vec<Expr>,
+    /// What roots are taken of in the field, and in gaps.
+    pub radicands: Vec<Expr>,
     /// The surfaces, and the lookups, that anything depends on here.
     pub active: Asked,
     /// Those of them that the motion depends on.
@@ -149,6 +151,10 @@ impl Mechanics {
         for lookup in &corners.lookups {
             arguments.push(smooth(&mut graph, sides, &[lookup.argument])[0]);
         }
+        let mut radicands = Vec::new();
+        for radicand in model.radicands() {
+            radicands.push(smooth(&mut graph, sides, &[radicand])[0]);
+        }
         let whole_resets = (model.sections.iter())
             .map(|section| whole_reset(corners, &mut graph, sides, section.reset.as_deref()?))
             .collect();
@@ -204,6 +210,7 @@ impl Mechanics {
             sections,
             surfaces,
             arguments,
+            radicands,
             active: asked.all(),
             followed: asked.followed,
             at_impact: asked.at_impact,

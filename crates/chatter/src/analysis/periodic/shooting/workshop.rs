@@ -181,6 +181,12 @@ impl Workshop {
         match guard {
             GuardKind::Gap(index) => format!("an impact at `{}`", contact(index)),
             GuardKind::Reaction(index) => format!("a release of `{}`", contact(index)),
+            GuardKind::Root(index) => {
+                format!(
+                    "an edge of the domain: {} = 0, of which a root is taken",
+                    self.model.radicand(index)
+                )
+            }
             GuardKind::Jam(index) => format!("the jamming of `{}`", contact(index)),
             GuardKind::Section(index) => format!("`{}`", self.model.sections[index].name),
             GuardKind::Switch(index) => {

@@ -3,6 +3,7 @@
 mod asked;
 mod border_collisions;
 mod corners_at_sections;
+mod edges;
 mod impacts_at_corners;
 mod rough_walls;
 mod sticks;

@@ -20,9 +20,7 @@ impl Shooting<f64> {
     ) -> Result<(Self, Vec<f64>, usize), PeriodicError> {
         let jump = match least.guard {
             GuardKind::Gap(contact) => Jump::Impact(contact),
-            GuardKind::Reaction(_) | GuardKind::Leave(..) | GuardKind::Section(_) => Jump::None,
-            guard if guard.opposite().is_some() => Jump::None,
-            _ => return Err(unfollowed("a guard that is touched and is no gap")),
+            _ => Jump::None,
         };
         let mut steps = self.current_steps(at);
         let whole = steps[index].clone();

@@ -408,11 +408,14 @@ impl Walker {
                     SpecialKind::Touch,
                     there,
                     &station.at,
-                    SOLVED,
+                    SOLVED * station.parameter().abs(),
                     touching.value.abs(),
                 ),
             }
-            return Err("a guard is touched that no event follows".to_owned());
+            let named = self.shooting.workshop.named(guard);
+            return Err(format!(
+                "the orbit comes to {named}, and no motion leads beyond"
+            ));
         }
         let touched = touched?;
         self.impact_comes_in(station, touched, there)
