@@ -31,8 +31,8 @@ pub(super) struct Follower {
     pub special: Vec<Special>,
     /// Of a curve of doublings: the latest station, and the side on which the doubled orbits lie there.
     pub sided: Option<(Vec<f64>, Option<f64>)>,
-    /// The free parameters where the sequence of events changed last.
-    pub passed: Option<Vec<f64>>,
+    /// The free parameters where the sequence of events changed last, and how many points there were beyond that.
+    pub passed: Option<(Vec<f64>, usize)>,
 }
 
 /// Borders are found anew where a curve has come this far, in steps.

@@ -44,7 +44,10 @@ impl Follower {
             let mut parts = known.iter().zip(&free).zip(&sizes);
             parts.all(|((a, b), size)| (a - b).abs() <= SAME * size)
         };
-        if self.passed.as_ref().is_some_and(is_there) {
+        // Nor is it followed where no step leads on from one such place to the next.
+        let stands =
+            |(known, points): &(Vec<f64>, usize)| is_there(known) || self.points.len() <= *points;
+        if self.passed.as_ref().is_some_and(stands) {
             return None;
         }
         self.shooting.evaluate(&station.at).ok()?;
@@ -56,16 +59,17 @@ impl Follower {
             ways().find_map(|way| Some((self.begun_beyond(way, distance)?, distance)))
         });
         let Some((onward, distance)) = found else {
-            self.passed = Some(free);
+            self.passed = Some((free, 0));
             return None;
         };
-        self.passed = Some(free);
         if let Some(vanishes) = vanishes
             && self.multipliers_jump((station, bordered), &onward, distance)
         {
             self.note(SpecialKind::Touch, station, vanishes);
         }
-        Some(self.goes_on(onward, curve))
+        let anew = self.goes_on(onward, curve);
+        self.passed = Some((free, self.points.len()));
+        Some(anew)
     }
 
     /// A direction's part in the plane of parameters, against their sizes.

@@ -320,8 +320,10 @@ pub(crate) fn broken_beside(
     grazing: Option<usize>,
 ) -> Result<Vec<Broken>, Left> {
     let least = least_beside(shooting, at, grazing)?;
+    // What only an impact asks for, as its restitution, changes nothing where that has no rate.
     let is_graze = |broken: &Broken| match *broken {
         Broken::Event(step) => grazing == Some(step),
+        Broken::Early(step, guard) => grazing == Some(step) && shooting.asks(step, guard),
         _ => false,
     };
     let found = broken(shooting, &least);
