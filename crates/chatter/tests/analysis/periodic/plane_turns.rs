@@ -151,3 +151,29 @@ fn a_jump_of_friction_at_another_impact_is_told() {
     let off = touches[0].iter().zip(&touches[1]);
     assert!(off.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) < 1e-12);
 }
+
+/// Johnson's restitution is bounded from above for slow impacts: which piece holds at no rate at all changes nothing.
+#[test]
+fn a_curve_of_grazes_asks_nothing_of_a_restitution_at_no_rate() {
+    let text = "[parameters]\nb = 0.15\nw = 0.7\n[flight]\nx = 'v'\nv = 'cos(w*t) - x - 0.02*v - b*v'\n[[contact]]\nname = 'wall'\n\
+                gap = '0.8 - x'\nimpulse = { v = -1 }\nrestitution = 'min(0.9, 0.6*abs(v)^(-0.25))'\n[initial]\nx = 0\nv = 0.1\n";
+    let graze = |b: &str| {
+        let found = over(
+            &with(text, &[("b", b), ("w", "1.0")]),
+            "w",
+            (0.7, 1.05),
+            (8, 0.05),
+        );
+        nearest(&found, &GRAZES, 0.71)
+    };
+    let found = curve(
+        &with(text, &[]),
+        ["w", "b"],
+        &graze("0.15"),
+        ((0.14, 0.16), 0.05),
+    );
+    assert_eq!(found.ends, [End::Range, End::Range]);
+    assert!(found.special.is_empty(), "{:?}", found.special);
+    let off = end(&found, true)[0] - value(&graze("0.16"));
+    assert!(off.abs() < 1e-10, "{off:e}");
+}
