@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 const DUFFING: &str = "[parameters]\nw = 1.3\nf = 0.3\n[flight]\nx = 'v'\nv = '-0.2*v - x - x^3 + f*cos(w*t)'\n\
                        [initial]\nx = 0\nv = 0\n";
 
-fn curve(
+pub(super) fn curve(
     model: &Model,
     free: [&str; 2],
     special: &Special,
@@ -62,7 +62,7 @@ fn curve_within(
     )
 }
 
-fn of(curve: &SpecialCurve, kind: SpecialKind) -> Vec<[f64; 2]> {
+pub(super) fn of(curve: &SpecialCurve, kind: SpecialKind) -> Vec<[f64; 2]> {
     let all = curve.special.iter().filter(|special| special.kind == kind);
     all.map(|special| [special.point.parameters[0], special.point.parameters[1]])
         .collect()

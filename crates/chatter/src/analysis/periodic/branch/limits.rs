@@ -103,6 +103,12 @@ impl Limits {
     pub(crate) fn beyond_other(&self, value: f64) -> Option<f64> {
         self.other.and_then(|range| beyond(range, value))
     }
+
+    /// Whether a station of a curve in two parameters is within the ranges of both.
+    pub(crate) fn hold(&self, station: &Station) -> bool {
+        let other = station.at[station.at.len() - 2];
+        self.beyond(station.parameter()).is_none() && self.beyond_other(other).is_none()
+    }
 }
 
 fn beyond((low, high): (f64, f64), value: f64) -> Option<f64> {

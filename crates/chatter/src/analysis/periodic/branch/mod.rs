@@ -49,11 +49,13 @@ pub(super) use special::Near;
 pub use special::{Special, SpecialKind};
 
 pub(super) use changes::graze::moved;
-pub(crate) use changes::holds::{Broken, broken_beside, first_break, is_broken, smallest};
+pub(crate) use changes::holds::{
+    Broken, broken_beside, first_break, is_broken, least_beside, smallest,
+};
 pub(super) use changes::touch::{STAYS, Stay, VANISHED};
 pub(super) use kept::{Kept, Ledger, Of, Stand, Standing, Then, damaged};
 pub(crate) use limits::station_at;
-pub(super) use onward::beside;
+pub(super) use onward::{beside, legal};
 pub(super) use special::Seed;
 pub(super) use walker::Side;
 

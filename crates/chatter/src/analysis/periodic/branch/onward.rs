@@ -434,7 +434,11 @@ pub(super) fn touch_between(
 }
 
 /// A state that was only guessed: out of the contacts that it penetrates, and at rest on those that are closed.
-fn legal(workshop: &Workshop, free: &[f64], (closed, state): (Closed, &[f64])) -> Option<Vec<f64>> {
+pub(in crate::analysis::periodic) fn legal(
+    workshop: &Workshop,
+    free: &[f64],
+    (closed, state): (Closed, &[f64]),
+) -> Option<Vec<f64>> {
     let (model, system) = (&workshop.model, &workshop.system);
     let parameters = workshop.parameters(free);
     let mut state = state.to_vec();

@@ -37,8 +37,12 @@ const fn geometry(kind: SpecialKind, value: Option<f64>) -> Test {
 }
 
 impl Test {
-    /// Whether it is no more than what moduli of multipliers are off by: where a pair stays on the unit circle that is all of it.
+    /// Whether it is no more than what moduli of multipliers are off by: where a pair stays on the unit circle that is all of it. So is what
+    /// becomes of the rate of an impact that the orbit forgets, as where it sticks at once.
     pub(super) fn is_rounding(&self, modulus_error: f64) -> bool {
+        if self.kind == SpecialKind::GrazeFold && !self.of_multipliers {
+            return self.value.is_some_and(|value| value.abs() <= FORGOTTEN);
+        }
         let is_modulus = matches!(
             self.kind,
             SpecialKind::FoldTorus | SpecialKind::FlipTorus | SpecialKind::GrazeTorus
@@ -205,7 +209,10 @@ fn side(place: &Place<'_>) -> Option<f64> {
     )
 }
 
-/// How far across the curve of a graze the orbits lie whose impact has a rate, in parts of it. Where this changes its sign the graze
+/// A rate that moves parameters by no more than this part of what it moves states by is forgotten.
+const FORGOTTEN: f64 = 1e-9;
+
+/// How far across the curve of a graze the orbits lie whose impact has a rate, against how far they lie in all. Where this changes its sign the graze
 /// turns from one that persists into a fold with a corner, and the curves end on which orbits with the impact fold and double.
 fn persistence(place: &Place<'_>) -> Option<f64> {
     let (across, along) = across_and_along(place)?;
@@ -218,5 +225,7 @@ fn persistence(place: &Place<'_>) -> Option<f64> {
     held[free..].copy_from_slice(&along);
     let factors = linearised.bordered([&*held, &*rate]).factored()?;
     let with_rate = factors.solve(&unit(at.len(), at.len() - 1));
-    Some(dot(&across, &with_rate[free..]))
+    let far = with_rate.iter().zip(shooting.scales());
+    let far = far.fold(0.0_f64, |most, (x, scale)| most.max((x / scale).abs()));
+    Some(dot(&across, &with_rate[free..]) / far)
 }

@@ -7,7 +7,7 @@ use crate::analysis::continuation::{
 };
 use crate::analysis::periodic::branch::{
     Broken, End, Kept, Ledger, Limits, Of, Point, Side, Special, SpecialKind, Stand, Standing,
-    Then, broken_beside, damaged, first_break, moved, station_at,
+    Then, broken_beside, damaged, first_break, least_beside, moved, station_at,
 };
 use crate::analysis::periodic::condition::{Bordered, Condition};
 use crate::analysis::periodic::diary::{Diary, Told};
@@ -31,6 +31,8 @@ pub(super) struct Follower {
     pub special: Vec<Special>,
     /// Of a curve of doublings: the latest station, and the side on which the doubled orbits lie there.
     pub sided: Option<(Vec<f64>, Option<f64>)>,
+    /// The free parameters where the sequence of events changed last, and how many points there were beyond that.
+    pub passed: Option<(Vec<f64>, usize)>,
 }
 
 /// Borders are found anew where a curve has come this far, in steps.
@@ -38,7 +40,7 @@ const RENEWED: usize = 8;
 /// Errors are no less than so many roundoffs of the parameter.
 const ROUNDOFFS: f64 = 64.0;
 /// Where another curve is met what is solved for is singular: not so near, in parts of the way there.
-const NOT_QUITE: f64 = 1e-5;
+pub(super) const NOT_QUITE: f64 = 1e-5;
 /// Where a curve begins on such a point what vanishes there does so nearer than so many roundoffs of the solution's size.
 const BEGINS: f64 = 64.0;
 /// At a point of codimension two what vanishes is below this part of what it was to both sides.
@@ -175,12 +177,26 @@ impl Follower {
     }
 
     fn step(&mut self, curve: &mut Curve, bordered: &Bordered) -> Stop {
+        if self.has_shrunk(&curve.station) {
+            let last = curve.station.clone();
+            let vanishes = self.shrinks(&last);
+            if let Some(anew) = self.past_break(curve, (&last, bordered), Some(vanishes)) {
+                return Stop::Anew(anew);
+            }
+        }
         let found = curve.next(&mut bordered.of(&mut self.shooting));
         let (mut next, mut step) = match found {
             Ok(found) => found,
             Err(StepError::TooShort(error)) => {
                 let last = curve.station.clone();
-                return match self.past_stay(curve, &last) {
+                let anew = self.past_stay(curve, &last);
+                let anew = anew.or_else(|| {
+                    let is_end = leaves_at_border(&self.shooting, &last.at, &error);
+                    let vanishes = self.shrinks(&last);
+                    let past = || self.past_break(curve, (&last, bordered), Some(vanishes));
+                    (!is_end).then(past).flatten()
+                });
+                return match anew {
                     Some(anew) => Stop::Anew(anew),
                     None => Stop::End(self.border(curve, error)),
                 };
@@ -203,26 +219,26 @@ impl Follower {
         if !broken.is_empty() {
             let mut reader = self.shooting.clone();
             let mut held = bordered.of(&mut self.shooting);
-            let first = first_break(&mut held, &mut reader, (&from, step), broken);
-            if let Some((_, station, ahead)) = &first
-                && let Some(stop) = self.stay_ends(curve, (station, *ahead), bordered)
-            {
-                return stop;
-            }
-            return match first {
-                Some((Broken::Passed(index), station, ahead)) => {
-                    match self.exchange(curve, (index, &station, ahead), bordered) {
-                        Ok(anew) => Stop::Anew(anew),
-                        Err(end) => Stop::End(end),
+            let reader = (&mut reader, self.grazing);
+            let first = first_break(&mut held, reader, (&from, step), broken);
+            // What lies beyond the range is not looked at.
+            match first {
+                Some((_, station, ahead)) if !self.limits.hold(&station) => {
+                    if let Err(left) = self.shooting.evaluate(&station.at) {
+                        return Stop::End(End::Lost(left.to_string()));
                     }
+                    (next, step) = (station, ahead);
                 }
                 Some((broken, station, ahead)) => {
+                    if let Some(stop) = self.stay_ends(curve, (&station, ahead), bordered) {
+                        return stop;
+                    }
                     let meets = from.orientation * next.orientation < 0.0;
                     let place = (&station, ahead, meets.then_some(step));
-                    self.breaks(curve, (&broken, place), bordered)
+                    return self.changes(curve, (&broken, place), bordered);
                 }
-                None => Stop::End(End::Lost("the sequence of events changes".to_owned())),
-            };
+                None => return Stop::End(End::Lost("the sequence of events changes".to_owned())),
+            }
         }
         if let Some(end) = self.is_of_no_kind() {
             return match self.past_stay(curve, &from) {
@@ -468,6 +484,28 @@ impl Follower {
         Ok(anew)
     }
 
+    /// The sequence of events changes: two of them change places, or something breaks.
+    fn changes(
+        &mut self,
+        curve: &mut Curve,
+        (broken, place): (&Broken, (&Station, f64, Option<f64>)),
+        bordered: &Bordered,
+    ) -> Stop {
+        let Broken::Passed(index) = *broken else {
+            return self.breaks(curve, (broken, place), bordered);
+        };
+        let (station, ahead, _) = place;
+        match self.exchange(curve, (index, station, ahead), bordered) {
+            Ok(anew) => Stop::Anew(anew),
+            Err(end @ End::Lost(_)) => {
+                let vanishes = (self.left_of(broken, station), ahead);
+                let past = self.past_break(curve, (station, bordered), Some(vanishes));
+                past.map_or(Stop::End(end), Stop::Anew)
+            }
+            Err(end) => Stop::End(end),
+        }
+    }
+
     /// The sequence of events changes: what breaks, where, how far ahead, and within which distance another curve is met.
     fn breaks(
         &mut self,
@@ -476,6 +514,10 @@ impl Follower {
         bordered: &Bordered,
     ) -> Stop {
         let from = &curve.station.clone();
+        let turned = self.turns_back(broken, (from, ahead), bordered);
+        let (station, ahead) = (turned.as_ref()).map_or((station, ahead), |(at, by)| (at, *by));
+        let losing = self.loses_rate(broken, station);
+        let broken = losing.as_ref().unwrap_or(broken);
         // Where both halves of a doubled orbit graze at once its curve meets that of the simple one: the equations are singular there.
         // Near there the equations tell little, and their solutions what is no meeting. Rounding may tell a flight before or after the
         // impact that loses its rate there for that impact.
@@ -509,7 +551,6 @@ impl Follower {
             }
         }
         let station = met.as_ref().unwrap_or(station);
-        let lost = || Stop::End(End::Lost(broken.told(&self.shooting)));
         let is_graze = match *broken {
             Broken::Event(index) => self.shooting.steps[index].impact().is_some(),
             Broken::Inner(_, guard) => matches!(guard, GuardKind::Gap(_)),
@@ -522,20 +563,25 @@ impl Follower {
         if let Some(touch) = touched(broken) {
             let here = self.left_of(broken, station);
             self.note(SpecialKind::Touch, station, (here, (here - before) / ahead));
-            return match self.comes_to_stay(touch, station) {
-                Some(onward) => Stop::Anew(self.goes_on(onward, curve)),
-                None => Stop::End(End::At(SpecialKind::Touch)),
+            let anew = match self.comes_to_stay(touch, station) {
+                Some(onward) => Some(self.goes_on(onward, curve)),
+                None => self.past_break(curve, (station, bordered), None),
             };
+            return anew.map_or(Stop::End(End::At(SpecialKind::Touch)), Stop::Anew);
         }
+        let lost = End::Lost(broken.told(&self.shooting));
         if !is_graze {
-            return lost();
+            let here = self.left_of(broken, station);
+            let vanishes = (here, (here - before) / ahead);
+            let past = self.past_break(curve, (station, bordered), Some(vanishes));
+            return past.map_or(Stop::End(lost), Stop::Anew);
         }
         let kind = match self.kind {
             SpecialKind::Fold => SpecialKind::GrazeFold,
             SpecialKind::PeriodDoubling => SpecialKind::GrazeDoubling,
             SpecialKind::NeimarkSacker => SpecialKind::GrazeTorus,
             kind if kind.is_graze() => SpecialKind::DoubleGraze,
-            _ => return lost(),
+            _ => return Stop::End(lost),
         };
         let here = self.left_of(broken, station);
         // Told without the impact that loses its rate, as on curves of grazes.
@@ -590,7 +636,7 @@ impl Follower {
     /// What is left at a station of what breaks.
     fn left_of(&mut self, broken: &Broken, station: &Station) -> f64 {
         let _ = self.shooting.evaluate(&station.at);
-        let least = self.shooting.least(&station.at).unwrap_or_default();
+        let least = least_beside(&mut self.shooting, &station.at, self.grazing).unwrap_or_default();
         broken.value(&self.shooting, &least).unwrap_or(f64::NAN)
     }
 

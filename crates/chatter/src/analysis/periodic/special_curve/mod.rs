@@ -6,14 +6,18 @@
 //! degenerate   functions that vanish at points of codimension two
 //! border       curves of chatter borders, by the search for border orbits
 //! follower     one side of a curve, station by station
+//! at_turn      where a rate turns on a surface on which the force changes
 //! past_touch   on past where a surface is touched
+//! past_break   on past where the sequence of events changes otherwise, by the motion
 //! passes       whether it goes through another point that was told
 //! ```
 
+mod at_turn;
 pub(crate) mod border;
 mod degenerate;
 mod follower;
 pub(super) mod passes;
+mod past_break;
 mod past_touch;
 pub(super) mod start;
 
@@ -86,6 +90,7 @@ pub(crate) fn follow(
             points: Vec::new(),
             special: Vec::new(),
             sided: None,
+            passed: None,
         };
         first.get_or_insert_with(|| follower.told(&station));
         sides.push(match follower.resume(diary)? {

@@ -23,11 +23,11 @@ const CAREFUL: f64 = 1e-3;
 
 /// A curve beyond a touch: its equations, and where it is.
 pub(super) struct Onward {
-    shooting: Shooting<f64>,
-    condition: Condition,
-    grazing: Option<usize>,
-    bordered: Bordered,
-    station: Station,
+    pub shooting: Shooting<f64>,
+    pub condition: Condition,
+    pub grazing: Option<usize>,
+    pub bordered: Bordered,
+    pub station: Station,
 }
 
 /// The surface that is touched where the sequence of events breaks, and the step on whose way it is.
@@ -233,7 +233,7 @@ impl Follower {
 }
 
 /// Whether the sequence of events holds.
-fn holds(shooting: &mut Shooting<f64>, at: &[f64], grazing: Option<usize>) -> bool {
+pub(super) fn holds(shooting: &mut Shooting<f64>, at: &[f64], grazing: Option<usize>) -> bool {
     shooting.evaluate(at).is_ok()
         && broken_beside(shooting, at, grazing).is_ok_and(|broken| broken.is_empty())
 }

@@ -11,11 +11,14 @@ use crate::analysis::periodic::multipliers::{NEAR_ONE, is_near, neutral};
 use crate::analysis::periodic::orbit::shorter;
 use crate::analysis::periodic::shooting::{Shooting, Workshop};
 use crate::flow::GuardKind;
+use crate::flow::leg::Least;
 use std::sync::Arc;
 
 /// Before a graze orbits are looked at without the impact, and with it: an impact slower than this part of the fastest is the
 /// grazing one.
 const SLOWEST: f64 = 1e-5;
+/// This part of a leg from where it begins is its start.
+const AT_START: f64 = 1e-5;
 
 pub(super) fn failed(error: impl core::fmt::Display) -> PeriodicError {
     PeriodicError::NoConvergence {
@@ -40,11 +43,28 @@ pub(super) fn begin(
     free: &[f64],
     known: &Known,
 ) -> Result<Begun, PeriodicError> {
+    begin_at_graze(workshop, free, (known, None))
+}
+
+/// Where a contact is grazed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grazed {
+    pub contact: usize,
+    /// So long after the state that the orbit is told from.
+    pub time: f64,
+}
+
+/// The same, where it may be known which contact is grazed, and when.
+pub(super) fn begin_at_graze(
+    workshop: &Arc<Workshop>,
+    free: &[f64],
+    (known, grazed): (&Known, Option<Grazed>),
+) -> Result<Begun, PeriodicError> {
     let mut failed = None;
     for part in BESIDE {
         let mut beside = free.to_vec();
         beside[0] += part * workshop.sizes[0];
-        match begin_at(workshop, &beside, known) {
+        match begin_at(workshop, &beside, (known, grazed)) {
             Ok(begun) => return Ok(begun),
             Err(error) => failed = failed.or(Some(error)),
         }
@@ -55,7 +75,11 @@ pub(super) fn begin(
     Err(failed.unwrap_or(PeriodicError::Interrupted))
 }
 
-fn begin_at(workshop: &Arc<Workshop>, free: &[f64], known: &Known) -> Result<Begun, PeriodicError> {
+fn begin_at(
+    workshop: &Arc<Workshop>,
+    free: &[f64],
+    (known, grazed): (&Known, Option<Grazed>),
+) -> Result<Begun, PeriodicError> {
     let unfollowed = || PeriodicError::Unfollowed {
         what: format!("a {} in two parameters", known.kind.name()),
     };
@@ -83,7 +107,10 @@ fn begin_at(workshop: &Arc<Workshop>, free: &[f64], known: &Known) -> Result<Beg
             Condition::Monitor(shooting.user_function(index.ok_or_else(unfollowed)?))
         }
         SpecialKind::FlightGraze | SpecialKind::ImpactGraze => {
-            let mut index = touched(&mut shooting, &mut at)?;
+            let mut index = match grazed {
+                Some(grazed) => touched_at(&mut shooting, &mut at, grazed)?,
+                None => touched(&mut shooting, &mut at)?,
+            };
             if let Some(half) = gone_around_twice(&shooting, &at, index) {
                 shooting = Shooting::new(workshop, half.steps, half.counts)?;
                 at = shooting.guess(free);
@@ -164,14 +191,102 @@ fn touched(shooting: &mut Shooting<f64>, at: &mut Vec<f64>) -> Result<usize, Per
     if let Some(index) = slowest.filter(|&index| rates[index] < SLOWEST * fastest) {
         return Ok(index);
     }
-    // The gap that is nearly zero.
     let least = shooting.least(at).map_err(failed)?;
-    let touching = (least.iter().enumerate())
-        .flat_map(|(index, all)| all.iter().map(move |l| (index, l)))
-        .filter(|(_, l)| !l.at_end && matches!(l.guard, GuardKind::Gap(_)))
-        .min_by(|(_, a), (_, b)| a.value.total_cmp(&b.value));
-    let (index, least) = touching.ok_or_else(|| failed("no flight comes near a contact"))?;
-    let (longer, guess, index) = shooting.with_event(at, index, &least.clone())?;
+    // The gap that is nearly zero.
+    let nearly = |of: &Nearly| of.value;
+    let all = near_touches(shooting, (at, &least)).into_iter();
+    let touch = all.min_by(|a, b| nearly(a).total_cmp(&nearly(b)));
+    let touch = touch.ok_or_else(|| failed("no flight comes near a contact"))?;
+    comes_in((shooting, at), &least, &touch)
+}
+
+/// A place where a gap may be nearly zero: the step, which of its least values, and the contact.
+struct Nearly {
+    step: usize,
+    which: usize,
+    contact: usize,
+    value: f64,
+    time: f64,
+}
+
+fn near_touches(shooting: &Shooting<f64>, (at, least): (&[f64], &[Vec<Least>])) -> Vec<Nearly> {
+    let all = (least.iter().enumerate())
+        .flat_map(|(step, all)| all.iter().enumerate().map(move |(k, l)| (step, k, l)));
+    let gaps = all.filter_map(|(step, which, l)| match l.guard {
+        GuardKind::Gap(contact) => Some((
+            Nearly {
+                step,
+                which,
+                contact,
+                value: l.value,
+                time: l.time,
+            },
+            l.at_end,
+        )),
+        _ => None,
+    });
+    // Where the flow turns with the rate of a gap the flight ends there.
+    let is_inner = |of: &Nearly, at_end: bool| {
+        !at_end || shooting.touches_at_turn((at, least), (of.step, of.contact))
+    };
+    gaps.filter(|(of, at_end)| is_inner(of, *at_end))
+        .map(|(of, _)| of)
+        .collect()
+}
+
+/// The orbit with an impact of no rate where a gap is nearly zero, and the step that it ends.
+fn comes_in(
+    (shooting, at): (&mut Shooting<f64>, &mut Vec<f64>),
+    least: &[Vec<Least>],
+    touch: &Nearly,
+) -> Result<usize, PeriodicError> {
+    // Where the flow turns with the rate of the gap the flight before the touch ends there, and the one after it begins.
+    let (own, before) = (touch.step, shooting.before(touch.step));
+    let is_start = touch.time <= AT_START * shooting.latest[own].duration;
+    let mut turns = [Some(own), is_start.then_some(before)]
+        .into_iter()
+        .flatten();
+    let known = (&**at, least);
+    let turn = turns.find(|&turn| shooting.touches_at_turn(known, (turn, touch.contact)));
+    let (longer, guess, index) = match turn {
+        Some(turn) => shooting.with_impact_at_turn(at, (turn, touch.contact))?,
+        None => shooting.with_event(at, touch.step, &least[touch.step][touch.which])?,
+    };
     (*shooting, *at) = (longer, guess);
     Ok(index)
+}
+
+/// The step that an impact ends, or a touch, which is nearest to where a graze is known to be: beside the graze that may have a rate.
+fn touched_at(
+    shooting: &mut Shooting<f64>,
+    at: &mut Vec<f64>,
+    grazed: Grazed,
+) -> Result<usize, PeriodicError> {
+    shooting.evaluate(at).map_err(failed)?;
+    let least = shooting.least(at).map_err(failed)?;
+    let mut begins = vec![0.0];
+    for landing in &shooting.latest {
+        begins.push(begins[begins.len() - 1] + landing.duration);
+    }
+    let period = begins[begins.len() - 1];
+    let off = |time: f64| {
+        let off = time - grazed.time;
+        (off - period * (off / period).round()).abs()
+    };
+    let impacts = (shooting.steps.iter().enumerate())
+        .filter(|(_, step)| step.impact() == Some(grazed.contact))
+        .map(|(index, _)| (off(begins[index + 1]), index));
+    let impact = impacts.min_by(|a, b| a.0.total_cmp(&b.0));
+    let touches = near_touches(shooting, (at, &least)).into_iter();
+    let touches = touches
+        .filter(|of| of.contact == grazed.contact)
+        .map(|of| (off(begins[of.step] + of.time), of));
+    let touch = touches.min_by(|a, b| a.0.total_cmp(&b.0));
+    match (impact, touch) {
+        (Some((late, index)), touch) if touch.as_ref().is_none_or(|(off, _)| late <= *off) => {
+            Ok(index)
+        }
+        (_, Some((_, touch))) => comes_in((shooting, at), &least, &touch),
+        _ => Err(failed("no flight comes near a contact")),
+    }
 }

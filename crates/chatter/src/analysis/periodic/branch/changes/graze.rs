@@ -31,16 +31,11 @@ const CAREFUL: f64 = 0.05;
 impl Walker {
     /// Whether a gap has its least value where its rate turns at the end of a step, with the surface that ends it.
     fn touches_at_turn(&mut self, station: &Station, index: usize, contact: usize) -> bool {
-        let Ok(least) = self.shooting.least(&station.at) else {
-            return false;
-        };
-        let (Some(all), Some(landing)) = (least.get(index), self.shooting.latest.get(index)) else {
-            return false;
-        };
-        let gaps = all.iter().filter(|l| l.guard == GuardKind::Gap(contact));
-        let least = gaps.min_by(|a, b| a.value.total_cmp(&b.value));
-        let left = least.map(|least| landing.duration - least.time);
-        self.shooting.turns(index) && left.is_some_and(|left| left <= NOT_QUITE * landing.duration)
+        let least = self.shooting.least(&station.at);
+        least.is_ok_and(|least| {
+            let known = (&*station.at, &*least);
+            self.shooting.touches_at_turn(known, (index, contact))
+        })
     }
 
     /// Whether a step follows an impact that has no rate left.
@@ -65,7 +60,12 @@ impl Walker {
     ) -> Stop {
         let from = curve.station.clone();
         let mut reader = self.shooting.clone();
-        let first = first_break(&mut self.shooting, &mut reader, (&from, step), broken);
+        let first = first_break(
+            &mut self.shooting,
+            (&mut reader, None),
+            (&from, step),
+            broken,
+        );
         let first = first.map(|first| break_before(&mut self.shooting, &mut reader, &from, first));
         let Some((broken, station, reached)) = first else {
             let end = End::Lost("the sequence of events changes".to_owned());

@@ -282,27 +282,62 @@ pub(crate) fn is_broken(shooting: &mut Shooting<f64>, at: &[f64]) -> Result<bool
     Ok(!broken(shooting, &least).is_empty())
 }
 
+/// This part of a leg before a graze, or after it, is the touch itself.
+const AT_TOUCH: f64 = 1e-5;
+
+/// Least values on the way, but for those of the touch itself at the end of a step that grazes, as seen from either side of it: there the gap
+/// is zero, and so is all that vanishes with its rate, to rounding.
+pub(crate) fn least_beside(
+    shooting: &mut Shooting<f64>,
+    at: &[f64],
+    grazing: Option<usize>,
+) -> Result<Vec<Vec<Least>>, Left> {
+    let mut least = shooting.least(at)?;
+    let Some((index, contact)) =
+        grazing.and_then(|index| Some((index, shooting.steps[index].impact()?)))
+    else {
+        return Ok(least);
+    };
+    let is_touch =
+        |l: &Least| l.guard == GuardKind::Gap(contact) || l.value.abs() <= NOWHERE * l.size.abs();
+    let way = |step: usize| AT_TOUCH * shooting.latest[step].duration.abs();
+    let after = shooting.after(index);
+    let (begins, left) = (way(after), way(index));
+    let end = shooting.latest[index].duration - left;
+    if let Some(all) = least.get_mut(index) {
+        all.retain(|l| l.at_end || l.time < end || !is_touch(l));
+    }
+    if let Some(all) = least.get_mut(after) {
+        all.retain(|l| l.at_end || l.time > begins || !is_touch(l));
+    }
+    Ok(least)
+}
+
 /// What breaks, but for the step that grazes: after an evaluation there.
 pub(crate) fn broken_beside(
     shooting: &mut Shooting<f64>,
     at: &[f64],
     grazing: Option<usize>,
 ) -> Result<Vec<Broken>, Left> {
-    let least = shooting.least(at)?;
-    let graze = |broken: &Broken| match (grazing, broken) {
-        (Some(index), Broken::Event(step)) => *step == index,
-        // The touch itself, seen from either side of it.
-        (Some(index), Broken::Inner(step, _)) => *step == index || *step == shooting.after(index),
+    let least = least_beside(shooting, at, grazing)?;
+    // What only an impact asks for, as its restitution, changes nothing where that has no rate.
+    let is_graze = |broken: &Broken| match *broken {
+        Broken::Event(step) => grazing == Some(step),
+        Broken::Early(step, guard) => grazing == Some(step) && shooting.asks(step, guard),
         _ => false,
     };
     let found = broken(shooting, &least);
-    Ok(found.into_iter().filter(|broken| !graze(broken)).collect())
+    Ok(found
+        .into_iter()
+        .filter(|broken| !is_graze(broken))
+        .collect())
 }
 
-/// The first place, between a station and the one `step` ahead of it, where one of these breaks, and how far ahead it is.
+/// The first place, between a station and the one `step` ahead of it, where one of these breaks, and how far ahead it is. One step may graze all
+/// along.
 pub(crate) fn first_break(
     problem: &mut dyn Problem<f64>,
-    reader: &mut Shooting<f64>,
+    (reader, grazing): (&mut Shooting<f64>, Option<usize>),
     (from, step): (&Station, f64),
     broken: Vec<Broken>,
 ) -> Option<(Broken, Station, f64)> {
@@ -311,7 +346,7 @@ pub(crate) fn first_break(
     for broken in broken {
         let mut value = |station: &Station| {
             reader.evaluate(&station.at).ok()?;
-            let least = reader.least(&station.at).ok()?;
+            let least = least_beside(reader, &station.at, grazing).ok()?;
             // A least value that is not there yet is one that has not been reached.
             Some(broken.value(reader, &least).unwrap_or(1.0))
         };
@@ -367,7 +402,7 @@ pub(super) fn break_before(
         if hidden.is_empty() {
             break;
         }
-        match first_break(problem, reader, (from, close), hidden) {
+        match first_break(problem, (reader, None), (from, close), hidden) {
             Some(earlier) if earlier.2 < close => first = earlier,
             _ => break,
         }

@@ -3,18 +3,24 @@
 
 use super::events::unfollowed;
 use super::touch::VANISHED;
+use crate::analysis::continuation::Problem;
 use crate::analysis::periodic::closure::Closure;
 use crate::analysis::periodic::cycle::itinerary::{Passage, Step};
 use crate::analysis::periodic::error::PeriodicError;
 use crate::analysis::periodic::shooting::Shooting;
-use crate::expressions::{Side, Sides};
+use crate::expressions::{Side, Sides, Symbol};
 use crate::flow::GuardKind;
-use crate::flow::leg::{Jump, LegKind};
+use crate::flow::leg::{Jump, Least, LegKind};
 use crate::numerics::Real;
+
+/// This part of a leg before its end is its end.
+const NOT_QUITE: f64 = 1e-5;
+/// A gap turns where its rate would change it by no more than this part of its size on the leg.
+const NO_RATE: f64 = 1e-6;
 
 impl Shooting<f64> {
     /// The same orbit with an impact of rate zero where a step ends by crossing a surface.
-    pub(super) fn with_impact_at_turn(
+    pub(crate) fn with_impact_at_turn(
         &self,
         at: &[f64],
         (index, contact): (usize, usize),
@@ -57,6 +63,21 @@ impl Shooting<f64> {
         Ok((shooting, at, index))
     }
 
+    /// Whether a guard is that of the surface which the impact before a step takes the state across: with no rate it leaves the state on it.
+    pub(crate) fn begins_on_turn(&self, index: usize, guard: GuardKind) -> bool {
+        let before = &self.steps[self.before(index)];
+        let crossed = (before.impact())
+            .and_then(|_| self.surface_at_impact(before.mode(), self.steps[index].mode()));
+        crossed.is_some_and(|surface| guard == GuardKind::Switch(surface))
+    }
+
+    /// The rate with which a guard begins on a step that begins on its surface.
+    pub(crate) fn rate_at_start(&self, at: &[f64], place: (usize, GuardKind)) -> Option<f64> {
+        let (mut turn, at, index) = self.with_turn_at_start(at, place).ok()?;
+        turn.evaluate(&at).ok()?;
+        Some(turn.latest[index].surface_rate)
+    }
+
     /// The mode on the other side of a surface.
     fn mode_beyond(&self, mode: usize, surface: usize) -> Option<usize> {
         let system = &self.workshop.system;
@@ -85,6 +106,40 @@ impl Shooting<f64> {
     /// Whether the surface at whose crossing a step ends is one that this contact's rate may turn with.
     pub(super) fn turns(&self, index: usize) -> bool {
         turn(&self.steps[index]).is_some()
+    }
+
+    /// Whether a gap has its least value where its rate turns at the end of a step, with the surface that ends it.
+    pub(crate) fn touches_at_turn(
+        &self,
+        (at, least): (&[f64], &[Vec<Least>]),
+        (index, contact): (usize, usize),
+    ) -> bool {
+        let (Some(all), Some(landing)) = (least.get(index), self.latest.get(index)) else {
+            return false;
+        };
+        let gaps = all.iter().filter(|l| l.guard == GuardKind::Gap(contact));
+        let Some(least) = gaps.min_by(|a, b| a.value.total_cmp(&b.value)) else {
+            return false;
+        };
+        let falls = self.gap_rate(at, (self.after(index), contact)) * landing.duration;
+        self.turns(index)
+            && landing.duration - least.time <= NOT_QUITE * landing.duration
+            && falls.abs() <= NO_RATE * least.size.max(falls.abs())
+    }
+
+    /// The rate of a gap where a step begins.
+    fn gap_rate(&self, at: &[f64], (index, contact): (usize, usize)) -> f64 {
+        let model = &self.workshop.model;
+        let parameters = self.workshop.parameters(self.free(at));
+        let start = self.node(at, index);
+        let mut graph = model.graph.clone();
+        let gap = model.contacts[contact].gap;
+        let states = model.states.iter().enumerate();
+        states.fold(0.0, |rate, (state, of)| {
+            let slope = graph.derivative(gap, Symbol::State(state));
+            let slope: f64 = graph.evaluate(slope, start, &parameters);
+            rate + slope * graph.evaluate(of.derivative, start, &parameters)
+        })
     }
 }
 
